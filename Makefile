@@ -1,0 +1,112 @@
+# Everything a fresh Debian machine needs, from system packages to the tests: `make test`.
+PYTHON ?= python3
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+PYTEST_ARGS ?=
+
+VENV := .venv
+RUN := $(VENV)/bin/python
+APT_PACKAGES := g++ cmake ninja-build libeigen3-dev libsundials-dev doctest-dev python3-venv python3-dev
+
+PACKAGE_SOURCES := $(shell find cpp/stickslip cpp/bindings python cmake \
+	-name __pycache__ -prune -o -print) CMakeLists.txt pyproject.toml
+
+# tomllib came with Python 3.11; before that pip carries the same module.
+PRINT_BUILD_REQUIRES := import importlib, sys; \
+	toml = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "pip._vendor.tomli"); \
+	print(*toml.load(open("pyproject.toml", "rb"))["build-system"]["requires"])
+
+# The virtual environment comes first, so that a cmake from PyPI serves where the system has none.
+export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
+export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DEFAULT_GOAL := help
+.PHONY: help system install test test-cpp test-python demo bench lint format tidy wheel clean
+
+help: ## show this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
+
+system:
+	@missing=""; \
+	if command -v dpkg >/dev/null; then \
+	    for package in $(APT_PACKAGES); do \
+	        dpkg -s $$package >/dev/null 2>&1 || missing="$$missing $$package"; \
+	    done; \
+	else \
+	    for tool in g++ cmake ninja; do \
+	        command -v $$tool >/dev/null || missing="$$missing $$tool"; \
+	    done; \
+	fi; \
+	if [ -z "$$missing" ]; then exit 0; fi; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    echo "Installing system packages:$$missing"; \
+	    export DEBIAN_FRONTEND=noninteractive; \
+	    { apt-get update -qq && apt-get install -y -qq --no-install-recommends $$missing >/dev/null; } \
+	        || echo "apt-get failed; going on with the tools that are there"; \
+	else \
+	    echo "Not root: if a step below fails, install these packages:$$missing"; \
+	fi
+
+# A python3 without ensurepip (Debian without python3-venv, and not root) can still have virtualenv.
+$(VENV)/.created: | system
+	@$(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); $(PYTHON) -m virtualenv -q $(VENV); } || \
+	    { rm -rf $(VENV); echo "Cannot create $(VENV): install python3-venv or virtualenv"; exit 1; }
+	@touch $@
+
+# Built without pip's isolation: an isolated build gets new include paths each time and so compiles
+# everything again. `make wheel` is the isolated build.
+$(VENV)/.build-tools: pyproject.toml $(VENV)/.created
+	@echo "Installing the build tools"
+	@$(RUN) -m pip install --quiet $$($(RUN) -c '$(PRINT_BUILD_REQUIRES)')
+	@command -v cmake >/dev/null || $(RUN) -m pip install --quiet cmake ninja
+	@touch $@
+
+$(VENV)/.installed: $(PACKAGE_SOURCES) $(VENV)/.build-tools
+	@echo "Building and installing stickslip (some minutes the first time)"
+	@$(RUN) -m pip install --quiet --no-build-isolation ".[test]"
+	@touch $@
+
+install: $(VENV)/.installed ## build the package into .venv
+
+test: test-cpp test-python ## all tests: C++ under the sanitizers, then Python
+
+test-cpp: $(VENV)/.build-tools | system ## C++ tests under the address and undefined-behaviour sanitizers
+	@mkdir -p build
+	@cmake --preset asan >build/asan-configure.log 2>&1 || { cat build/asan-configure.log; exit 1; }
+	@cmake --build --preset asan
+	@ctest --preset asan -j $(JOBS)
+
+test-python: install ## Python tests
+	@$(RUN) -m pytest $(PYTEST_ARGS)
+
+demo: install ## a short tour
+	@$(RUN) -m stickslip.demo
+
+bench: install ## benchmarks, against peers where they are installed
+	@$(RUN) bench/bench.py
+
+lint: $(VENV)/.created ## ruff, and clang-format where it is installed
+	@test -x $(VENV)/bin/ruff || $(RUN) -m pip install --quiet ruff
+	@$(VENV)/bin/ruff check .
+	@$(VENV)/bin/ruff format --check .
+	@if command -v clang-format >/dev/null; then \
+	    clang-format --dry-run --Werror $$(find cpp -name '*.cpp' -o -name '*.hpp'); \
+	else echo "clang-format is not installed: C++ layout not checked"; fi
+
+format: $(VENV)/.created ## rewrite the layout of all sources
+	@test -x $(VENV)/bin/ruff || $(RUN) -m pip install --quiet ruff
+	@$(VENV)/bin/ruff check --fix --quiet . || true
+	@$(VENV)/bin/ruff format --quiet .
+	@if command -v clang-format >/dev/null; then \
+	    clang-format -i $$(find cpp -name '*.cpp' -o -name '*.hpp'); fi
+
+tidy: | system ## clang-tidy over the core (needs clang-tidy)
+	@cmake --preset tidy && cmake --build --preset tidy
+
+wheel: $(VENV)/.created ## an isolated build of the wheel, into dist/
+	@$(RUN) -m pip wheel --quiet --no-deps --wheel-dir dist .
+	@ls dist/*.whl
+
+clean: ## remove everything that can be built again
+	rm -rf build dist $(VENV) .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

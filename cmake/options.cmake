@@ -1,0 +1,34 @@
+# Compile options of this project's own targets; nothing here reaches a dependency's headers.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+add_library(stickslip_options INTERFACE)
+
+if(MSVC)
+  target_compile_options(stickslip_options INTERFACE /W4)
+else()
+  # No -ffast-math: results must not depend on how the compiler reorders sums. No contraction to
+  # fused multiply-add for the same reason: two machines, and two inlinings, must agree.
+  target_compile_options(stickslip_options INTERFACE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+    -ffp-contract=off
+    $<$<CONFIG:Release>:-O3 -fno-math-errno>
+  )
+endif()
+
+if(STICKSLIP_SANITIZE)
+  target_compile_options(stickslip_options INTERFACE
+    -fsanitize=${STICKSLIP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(stickslip_options INTERFACE -fsanitize=${STICKSLIP_SANITIZE})
+endif()
+
+if(STICKSLIP_LTO)
+  include(CheckIPOSupported)
+  check_ipo_supported()
+  set(CMAKE_INTERPROCEDURAL_OPTIMIZATION ON)
+endif()

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace stickslip::bindings {
+
+/// Each adds one family of the core to the module; see the file of the same name.
+void register_field(pybind11::module_& module);
+void register_scenario(pybind11::module_& module);
+void register_simulation(pybind11::module_& module);
+
+}  // namespace stickslip::bindings

@@ -1,0 +1,75 @@
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+
+#include <stdexcept>
+
+#include "register.hpp"
+#include "stickslip/coil_set.hpp"
+
+namespace py = pybind11;
+
+namespace stickslip::bindings {
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// Calls visit(index, field_and_gradient) for each point, without the GIL.
+template <class Visit>
+void for_each_point(const CoilSet& coils, const Array& points, const Array& currents,
+                    Visit&& visit) {
+    const auto point = points.unchecked<2>();
+    const auto current = currents.unchecked<2>();
+    const py::ssize_t count = point.shape(0);
+    if (point.shape(1) != 3 || current.shape(1) != kCoilCount ||
+        (current.shape(0) != count && current.shape(0) != 1)) {
+        throw std::invalid_argument("points must be (n, 3) and currents (n, 5) or (1, 5)");
+    }
+    const bool common = current.shape(0) == 1;
+
+    const py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const Eigen::Map<const Eigen::Vector3d> position(point.data(i, 0));
+        const Eigen::Map<const Currents> amperes(current.data(common ? 0 : i, 0));
+        visit(i, coils.field(position, amperes));
+    }
+}
+
+Array field(const CoilSet& coils, const Array& points, const Array& currents) {
+    Array result({points.shape(0), py::ssize_t{3}});
+    auto out = result.mutable_unchecked<2>();
+    for_each_point(coils, points, currents, [&out](py::ssize_t i, const FieldAndGradient& at) {
+        for (py::ssize_t k = 0; k < 3; ++k) out(i, k) = at.field[k];
+    });
+    return result;
+}
+
+Array gradient(const CoilSet& coils, const Array& points, const Array& currents) {
+    Array result({points.shape(0), py::ssize_t{3}, py::ssize_t{3}});
+    auto out = result.mutable_unchecked<3>();
+    for_each_point(coils, points, currents, [&out](py::ssize_t i, const FieldAndGradient& at) {
+        for (py::ssize_t k = 0; k < 3; ++k)
+            for (py::ssize_t l = 0; l < 3; ++l) out(i, k, l) = at.gradient(k, l);
+    });
+    return result;
+}
+
+}  // namespace
+
+void register_field(py::module_& module) {
+    py::class_<CoilSet>(module, "CoilSet")
+        .def(py::init([](double side, double distance, double turns) {
+                 return CoilSet({.side = side, .distance = distance, .turns = turns});
+             }),
+             py::arg("side") = CoilGeometry{}.side, py::arg("distance") = CoilGeometry{}.distance,
+             py::arg("turns") = CoilGeometry{}.turns)
+        .def_property_readonly("side", [](const CoilSet& self) { return self.geometry().side; })
+        .def_property_readonly("distance",
+                               [](const CoilSet& self) { return self.geometry().distance; })
+        .def_property_readonly("turns", [](const CoilSet& self) { return self.geometry().turns; })
+        .def_property_readonly("centre_field_per_ampere", &CoilSet::centre_field_per_ampere)
+        .def("field", &field, py::arg("points"), py::arg("currents"))
+        .def("gradient", &gradient, py::arg("points"), py::arg("currents"));
+    module.attr("wire_radius") = kWireRadius;
+}
+
+}  // namespace stickslip::bindings

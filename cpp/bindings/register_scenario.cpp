@@ -1,0 +1,160 @@
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "register.hpp"
+#include "stickslip/parameters.hpp"
+
+namespace py = pybind11;
+
+namespace stickslip::bindings {
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+py::list describe_parameters() {
+    const Scenario defaults;
+    py::list rows;
+    for (const Parameter& p : parameters()) {
+        py::dict row;
+        row["key"] = p.key;
+        row["unit"] = p.unit;
+        row["low"] = p.low;
+        row["high"] = p.high;
+        row["allowed"] = allowed_range(p);
+        row["integer"] = p.integer;
+        row["default"] = p.get(defaults);
+        row["meaning"] = p.meaning;
+        rows.append(row);
+    }
+    return rows;
+}
+
+py::list describe_choices() {
+    const Scenario defaults;
+    py::list rows;
+    for (const Choice& c : choices()) {
+        py::dict row;
+        row["key"] = c.key;
+        row["allowed"] = c.allowed;
+        row["default"] = c.get(defaults);
+        row["meaning"] = c.meaning;
+        rows.append(row);
+    }
+    return rows;
+}
+
+py::list describe_effects() {
+    py::list rows;
+    for (const EffectDescription& e : effects()) {
+        py::dict row;
+        row["name"] = e.name;
+        row["meaning"] = e.meaning;
+        row["source"] = e.source;
+        rows.append(row);
+    }
+    return rows;
+}
+
+/// Blocks as (times, voltages (n, 5), repeats).
+VoltageProgram program_from(const py::list& blocks) {
+    std::vector<VoltageBlock> result;
+    for (const py::handle item : blocks) {
+        const auto [times, voltages, repeats] = item.cast<std::tuple<Array, Array, std::int64_t>>();
+        const auto t = times.unchecked<1>();
+        const auto v = voltages.unchecked<2>();
+        if (v.shape(0) != t.shape(0) || v.shape(1) != kCoilCount) {
+            throw std::invalid_argument("voltages must have the shape (n, 5) for n times");
+        }
+        VoltageBlock block;
+        block.repeats = repeats;
+        for (py::ssize_t i = 0; i < t.shape(0); ++i) {
+            VoltagePoint point{t(i), {}};
+            for (py::ssize_t k = 0; k < kCoilCount; ++k) {
+                point.voltage[static_cast<std::size_t>(k)] = v(i, k);
+            }
+            block.points.push_back(point);
+        }
+        result.push_back(std::move(block));
+    }
+    return VoltageProgram(std::move(result));
+}
+
+py::list blocks_of(const VoltageProgram& program) {
+    py::list result;
+    for (const VoltageBlock& block : program.blocks()) {
+        const auto count = static_cast<py::ssize_t>(block.points.size());
+        Array times(count);
+        Array voltages({count, py::ssize_t{kCoilCount}});
+        auto t = times.mutable_unchecked<1>();
+        auto v = voltages.mutable_unchecked<2>();
+        for (py::ssize_t i = 0; i < count; ++i) {
+            const VoltagePoint& point = block.points[static_cast<std::size_t>(i)];
+            t(i) = point.time;
+            for (py::ssize_t k = 0; k < kCoilCount; ++k) {
+                v(i, k) = point.voltage[static_cast<std::size_t>(k)];
+            }
+        }
+        result.append(py::make_tuple(times, voltages, block.repeats));
+    }
+    return result;
+}
+
+/// The voltages as the coils get them, in the world's frame.
+VoltageProgram world_program(const Scenario& scenario) {
+    const VoltageProgram program = make_program(scenario);
+    return scenario.drive.direction == Direction::plus_x ? program : turned(program);
+}
+
+}  // namespace
+
+void register_scenario(py::module_& module) {
+    module.def("parameters", &describe_parameters);
+    module.def("choices", &describe_choices);
+    module.def("effects", &describe_effects);
+
+    py::class_<Scenario>(module, "Scenario")
+        .def(py::init<>())
+        .def(py::init<const Scenario&>())
+        .def(
+            "set",
+            [](Scenario& self, const std::string& key,
+               const std::variant<double, std::string>& value) {
+                if (const auto* number = std::get_if<double>(&value)) {
+                    set_parameter(self, key, *number);
+                } else {
+                    set_choice(self, key, std::get<std::string>(value));
+                }
+            },
+            py::arg("key"), py::arg("value"))
+        .def(
+            "set_program",
+            [](Scenario& self, const py::list& blocks) { self.program = program_from(blocks); },
+            py::arg("blocks"))
+        .def("record_nothing",
+             [](Scenario& self) {
+                 self.record = {RecordKind::none, 0.0};
+             })
+        .def("record_events",
+             [](Scenario& self) {
+                 self.record = {RecordKind::events, 0.0};
+             })
+        .def(
+            "record_uniform",
+            [](Scenario& self, double rate) {
+                self.record = {RecordKind::uniform, rate};
+            },
+            py::arg("rate"))
+        .def("check", &check)
+        .def("program", [](const Scenario& self) { return blocks_of(world_program(self)); })
+        .def_property_readonly("duration", &duration)
+        .def_property_readonly("window", [](const Scenario& self) {
+            const Window window = measuring_window(self);
+            return py::make_tuple(window.start, window.end);
+        });
+}
+
+}  // namespace stickslip::bindings

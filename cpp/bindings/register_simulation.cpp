@@ -1,0 +1,116 @@
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <utility>
+
+#include "register.hpp"
+#include "stickslip/batch.hpp"
+
+namespace py = pybind11;
+
+namespace stickslip::bindings {
+namespace {
+
+/// A numpy array that takes the vector's memory over.
+template <class T>
+py::array_t<T> as_array(std::vector<T>&& values) {
+    auto owner = std::make_unique<std::vector<T>>(std::move(values));
+    const auto* data = owner->data();
+    const auto count = static_cast<py::ssize_t>(owner->size());
+    const py::capsule free(owner.release(),
+                           [](void* p) { delete static_cast<std::vector<T>*>(p); });
+    return py::array_t<T>(count, data, free);
+}
+
+py::array_t<double> as_array(std::vector<PerCoil>&& values) {
+    auto owner = std::make_unique<std::vector<PerCoil>>(std::move(values));
+    const auto* data = owner->empty() ? nullptr : owner->data()->data();
+    const auto count = static_cast<py::ssize_t>(owner->size());
+    const py::capsule free(owner.release(),
+                           [](void* p) { delete static_cast<std::vector<PerCoil>*>(p); });
+    return py::array_t<double>({count, py::ssize_t{kCoilCount}}, data, free);
+}
+
+py::dict recording_dict(Recording&& r) {
+    py::dict result;
+    result["t"] = as_array(std::move(r.t));
+    result["x"] = as_array(std::move(r.x));
+    result["z"] = as_array(std::move(r.z));
+    result["theta"] = as_array(std::move(r.theta));
+    result["vx"] = as_array(std::move(r.vx));
+    result["vz"] = as_array(std::move(r.vz));
+    result["omega"] = as_array(std::move(r.omega));
+    result["normal_force"] = as_array(std::move(r.normal_force));
+    result["friction_force"] = as_array(std::move(r.friction_force));
+    result["contact_x"] = as_array(std::move(r.contact_x));
+    result["slip_velocity"] = as_array(std::move(r.slip_velocity));
+    result["bx"] = as_array(std::move(r.bx));
+    result["bz"] = as_array(std::move(r.bz));
+    result["current"] = as_array(std::move(r.current));
+    result["contact"] = as_array(std::move(r.contact));
+    result["event"] = as_array(std::move(r.event));
+    return result;
+}
+
+py::dict summary_dict(const RunResult& run) {
+    const Summary& s = run.summary;
+    py::dict result;
+    result["mean_velocity"] = s.mean_velocity;
+    result["theta_min"] = s.theta_min;
+    result["theta_max"] = s.theta_max;
+    result["slip_up"] = s.slip_up;
+    result["slip_down"] = s.slip_down;
+    result["slip_flat"] = s.slip_flat;
+    result["airborne_fraction"] = s.airborne_fraction;
+    result["simulated_time"] = s.simulated_time;
+    py::dict events;
+    for (std::size_t k = 0; k < kEventKinds; ++k) {
+        if (static_cast<EventKind>(k) == EventKind::painleve) continue;
+        events[name(static_cast<EventKind>(k))] = s.events[k];
+    }
+    result["events"] = events;
+    result["painleve_events"] = s.events[static_cast<std::size_t>(EventKind::painleve)];
+    py::dict steps;
+    steps["accepted"] = run.steps.accepted;
+    steps["rejected"] = run.steps.rejected;
+    steps["evaluations"] = run.steps.evaluations;
+    result["steps"] = steps;
+    return result;
+}
+
+std::vector<RunResult> batch(const std::vector<Scenario>& scenarios, int threads,
+                             const py::object& progress) {
+    RunControl control;
+    const auto poll = [&] {
+        const py::gil_scoped_acquire acquire;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (!progress.is_none()) progress(control.simulated_time.load());
+    };
+    const py::gil_scoped_release release;
+    return simulate_batch(scenarios, threads, control, poll);
+}
+
+}  // namespace
+
+void register_simulation(py::module_& module) {
+    py::class_<RunResult>(module, "RunResult")
+        .def_property_readonly("status", [](const RunResult& self) { return name(self.status); })
+        .def_property_readonly("message", &message)
+        .def_property_readonly("mean_velocity",
+                               [](const RunResult& self) { return self.summary.mean_velocity; })
+        .def("summary", &summary_dict)
+        .def("take_recording",
+             [](RunResult& self) { return recording_dict(std::move(self.recording)); });
+
+    module.def("simulate_batch", &batch, py::arg("scenarios"), py::arg("threads") = 1,
+               py::arg("progress") = py::none());
+    py::list contact_names, event_names;
+    for (const char* contact : kContactNames) contact_names.append(contact);
+    for (std::size_t k = 0; k < kEventKinds; ++k) {
+        event_names.append(name(static_cast<EventKind>(k)));
+    }
+    module.attr("contact_names") = py::tuple(contact_names);
+    module.attr("event_names") = py::tuple(event_names);
+}
+
+}  // namespace stickslip::bindings

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "stickslip/stepping.hpp"
+
+namespace stickslip {
+
+/// Rates and event functions of one phase for ARKODE; either output may be null.
+struct ArkodeProblem {
+    int dimension = 0;
+    int events = 0;
+    std::function<void(double t, const double* y, double* dydt, double* values)> rates;
+};
+
+/// One integration by SUNDIALS ERKStep, from a start to an event or an end; hides the C interface
+/// of SUNDIALS 6 and 7. Throws std::runtime_error if SUNDIALS refuses to be set up.
+class ArkodeSession {
+public:
+    ArkodeSession(const ArkodeProblem& problem, double t, const double* y, const double* tolerance,
+                  double t_stop, double max_step, double first_step);
+    ~ArkodeSession();
+    ArkodeSession(const ArkodeSession&) = delete;
+    ArkodeSession& operator=(const ArkodeSession&) = delete;
+
+    struct Outcome {
+        double time = 0.0;
+        int root = -1;  ///< event function that fell through zero
+        bool failed = false;
+    };
+    /// One internal step, cut at a root.
+    Outcome step(double t, double* y);
+
+    /// Coordinates at a time within the last step.
+    void interpolate(double t, double* y) const;
+
+    void add_counts(StepCounts& counts) const;
+
+private:
+    struct Handles;
+    std::unique_ptr<Handles> handles_;
+    double t_stop_;
+    int dimension_, events_;
+};
+
+}  // namespace stickslip

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "stickslip/simulation.hpp"
+
+namespace stickslip {
+
+/// Runs `task(index)` for index 0 ... count-1 on `threads` threads (at least one, this one not
+/// among them) and calls `poll` on this thread about every 50 ms until all are done. Which thread
+/// does which index has no influence on a result that depends on its index alone. An exception of a
+/// task or of `poll` makes the others stop (control.stop) and is thrown again here.
+void run_tasks(std::size_t count, int threads, RunControl& control,
+               const std::function<void(std::size_t)>& task, const std::function<void()>& poll);
+
+/// Simulates all scenarios; results in their order, bit-identical for any number of threads. Throws
+/// std::invalid_argument before any run if a scenario makes no sense.
+std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, int threads,
+                                      RunControl& control, const std::function<void()>& poll);
+
+}  // namespace stickslip

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <array>
+
+namespace stickslip {
+
+/// The coils in the order of every array of currents or voltages: +x, -x, +y, -y, and below (-z).
+enum class Coil { xp, xm, yp, ym, clamp };
+
+inline constexpr int kCoilCount = 5;
+inline constexpr std::array<Coil, kCoilCount> kAllCoils{Coil::xp, Coil::xm, Coil::yp, Coil::ym,
+                                                        Coil::clamp};
+
+/// One value a coil.
+using PerCoil = std::array<double, kCoilCount>;
+
+/// "xp", "xm", "yp", "ym" or "clamp".
+const char* name(Coil coil);
+
+}  // namespace stickslip

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "stickslip/coil.hpp"
+#include "stickslip/square_coil.hpp"
+
+namespace stickslip {
+
+/// mu_0 / (4 pi) = 1e-7 T m/A, the value of the paper (and of the SI before 2019; the measured
+/// value differs by 1.3e-10).
+inline constexpr double kMu0Over4Pi = 1e-7;
+
+/// Five equal square coils around the origin. Defaults: Table I of Pawashe et al., RSS 2008.
+struct CoilGeometry {
+    double side = 0.1385;     ///< effective side length, m
+    double distance = 0.099;  ///< from the origin to each coil's plane, m
+    double turns = 510.0;     ///< N_t
+};
+
+/// Currents of the five coils, A, in the order of `Coil`.
+using Currents = Eigen::Matrix<double, kCoilCount, 1>;
+
+/// The field of the coils in the frame of the device: right-handed, z up, origin at the centre.
+/// Positive current in ANY coil gives a field along the positive axis (+x, +y or +z) at the origin.
+/// All coils are one coil rotated, so a rotated or mirrored situation has the same bits.
+class CoilSet {
+public:
+    /// Throws std::invalid_argument if a dimension is not positive and finite.
+    explicit CoilSet(const CoilGeometry& geometry = {});
+
+    const CoilGeometry& geometry() const { return geometry_; }
+
+    /// Field (T/A) and gradient (T/m/A) of one coil at `point` (m) for unit current, equations
+    /// (3)-(7). Throws std::domain_error if the point is within `kWireRadius` of its wire.
+    FieldAndGradient unit_field(Coil coil, const Eigen::Vector3d& point) const;
+
+    /// Field (T) and gradient (T/m) of all coils at `point` (m). A coil without current takes no
+    /// part. Throws std::domain_error if the point is on the wire of a coil that has current.
+    FieldAndGradient field(const Eigen::Vector3d& point, const Currents& currents) const;
+
+    /// Field at the origin per ampere in one coil, T/A; the same for all five.
+    double centre_field_per_ampere() const;
+
+private:
+    CoilGeometry geometry_;
+};
+
+}  // namespace stickslip

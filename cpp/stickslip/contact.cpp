@@ -1,0 +1,115 @@
+#include "stickslip/contact.hpp"
+
+#include <cmath>
+
+namespace stickslip {
+namespace {
+
+int opposite_sign(double value) {
+    return value > 0.0 ? -1 : 1;
+}
+
+class Resolver {
+public:
+    Resolver(Dynamics& dynamics, double tau, const BodyState& body)
+        : dynamics_(dynamics), model_(dynamics.model()), tau_(tau), body_(body) {}
+
+    Resolution corner(int quadrant, double angle, double slip_velocity, int onset) {
+        const Pose pose = pose_at(quadrant, angle);
+        const Load load = dynamics_.load_near_surface(tau_, body_.x, body_.z, pose, body_.vx,
+                                                      body_.vz, body_.omega, 0.0);
+        if (slip_velocity != 0.0) return sliding(quadrant, pose, load, slip_velocity);
+        if (onset != 0) return breaking_loose(quadrant, pose, load, onset);
+
+        const CornerStick stick =
+            corner_stick(model_, model_.corner_inertia(), pose, body_.omega, load);
+        const double limit = model_.friction.static_coefficient * stick.reaction.normal;
+        if (stick.reaction.normal >= 0.0 && std::abs(stick.reaction.friction) <= limit) {
+            return {{Touch::corner, 0}, quadrant};
+        }
+        return breaking_loose(quadrant, pose, load, opposite_sign(stick.reaction.friction));
+    }
+
+    Resolution face(int quadrant, double slip_velocity, int onset) {
+        const Pose pose = pose_at(quadrant, 0.0);
+        const Load load =
+            dynamics_.load(tau_, body_.x, body_.z, pose, body_.vx, body_.vz, body_.omega);
+        int slip = slip_velocity > 0.0 ? 1 : slip_velocity < 0.0 ? -1 : onset;
+        FaceReaction reaction = face_reaction(model_, quadrant, load, true, 0.0);
+        if (slip == 0 &&
+            std::abs(reaction.friction) > model_.friction.static_coefficient * reaction.normal()) {
+            slip = opposite_sign(reaction.friction);
+        }
+        if (slip != 0) {
+            const double coefficient = slip * model_.friction.kinetic(slip_velocity);
+            reaction = face_reaction(model_, quadrant, load, false, coefficient);
+        }
+        if (reaction.ahead >= 0.0 && reaction.behind >= 0.0) {
+            return {{Touch::face, slip}, quadrant};
+        }
+        if (reaction.ahead < 0.0 && reaction.behind < 0.0) return {{Touch::none, 0}, quadrant};
+        // The end that pulls leaves, and the other takes its adhesion.
+        if (reaction.behind < 0.0) return corner(quadrant, 0.0, slip_velocity, onset);
+        return corner(quadrant - 1, kQuarterTurn, slip_velocity, onset);
+    }
+
+private:
+    Pose pose_at(int quadrant, double angle) {
+        dynamics_.set_quadrant(quadrant);
+        dynamics_.rebase_field(tau_, body_.x, body_.z);
+        return dynamics_.rebase_angle(angle);
+    }
+
+    Resolution sliding(int quadrant, const Pose& pose, const Load& load, double slip_velocity) {
+        const int slip = slip_velocity > 0.0 ? 1 : -1;
+        const CornerSlip motion = corner_slip(model_, pose, body_.omega, load,
+                                              slip * model_.friction.kinetic(slip_velocity));
+        if (motion.effective_inertia <= 0.0) return {{Touch::corner, 0}, quadrant, true};
+        if (motion.normal < 0.0) return {{Touch::none, 0}, quadrant};
+        return {{Touch::corner, slip}, quadrant};
+    }
+
+    // At rest but not able to stick. Without a sliding solution that has a positive effective
+    // inertia the corner is free to rise: at slip velocity zero an inconsistent slip cannot occur,
+    // so what is left is the indeterminate case, and of its answers flight is the one that is
+    // stable.
+    Resolution breaking_loose(int quadrant, const Pose& pose, const Load& load, int slip) {
+        const CornerSlip motion =
+            corner_slip(model_, pose, body_.omega, load, slip * model_.friction.kinetic(0.0));
+        if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
+            return {{Touch::none, 0}, quadrant};
+        }
+        return {{Touch::corner, slip}, quadrant};
+    }
+
+    Dynamics& dynamics_;
+    const Model& model_;
+    double tau_;
+    const BodyState& body_;
+};
+
+}  // namespace
+
+Resolution resolve_contact(Dynamics& dynamics, double tau, const BodyState& body, Touch touch,
+                           double slip_velocity, int onset) {
+    Resolver resolver(dynamics, tau, body);
+    switch (touch) {
+        case Touch::corner:
+            return resolver.corner(body.quadrant, body.angle, slip_velocity, onset);
+        case Touch::face:
+            return resolver.face(body.quadrant, slip_velocity, onset);
+        case Touch::none:
+            break;
+    }
+    return {{Touch::none, 0}, body.quadrant};
+}
+
+void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velocity,
+                          BodyState& body) {
+    // The impulse passes through the corner, so the angular momentum about it is kept.
+    body.omega += model.mass * pose.height * slip_velocity / model.corner_inertia();
+    body.vx = body.omega * pose.height;
+    body.vz = body.omega * pose.lever;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,117 @@
+#pragma once
+
+#include "stickslip/dynamics.hpp"
+
+namespace stickslip {
+
+/// What touches the surface: nothing, the quadrant's lowest corner, or the face of which that
+/// corner is the front end (at angle 0).
+enum class Touch { none, corner, face };
+
+/// The contact mode is state: for 0 < N < adhesion both contact and flight are consistent, so it is
+/// never derived again from the gap.
+struct ContactMode {
+    Touch touch = Touch::face;
+    int slip = 0;  ///< 0 sticks, +1 slips to +x, -1 to -x
+
+    friend bool operator==(const ContactMode&, const ContactMode&) = default;
+};
+
+/// Reaction at the touching corner(s). N is compressive, before adhesion; friction along +x, in N.
+struct Reaction {
+    double normal = 0.0;
+    double friction = 0.0;
+};
+
+/// A corner that neither slips nor leaves: the paper's case 3, Eqs. (10)-(14) with P fixed.
+struct CornerStick {
+    double angular_acceleration;  ///< rad/s^2
+    Reaction reaction;
+};
+
+inline CornerStick corner_stick(const Model& model, double corner_inertia, const Pose& pose,
+                                double omega, const Load& load) {
+    const double moment = load.torque + pose.height * load.fx + pose.lever * load.fz;
+    const double alpha = moment / corner_inertia;
+    const double ww = omega * omega;
+    const double ax = alpha * pose.height + ww * pose.lever;
+    const double az = alpha * pose.lever - ww * pose.height;
+    return {alpha, {model.mass * az - load.fz + load.contact_adhesion, model.mass * ax - load.fx}};
+}
+
+/// A corner that slips with friction -coefficient N, where `coefficient` carries the sign of the
+/// slip: the paper's case 2.
+struct CornerSlip {
+    double angular_acceleration;  ///< rad/s^2
+    double slip_acceleration;     ///< m/s^2, of the corner along x
+    double normal;                ///< N
+    /// J + m lever (lever - coefficient height), kg m^2: a normal force that lifts the corner. At
+    /// or below zero sliding has no solution or two (Painleve).
+    double effective_inertia;
+};
+
+inline double painleve_inertia(const Model& model, const Pose& pose, double coefficient) {
+    return model.inertia + model.mass * pose.lever * (pose.lever - coefficient * pose.height);
+}
+
+inline CornerSlip corner_slip(const Model& model, const Pose& pose, double omega, const Load& load,
+                              double coefficient) {
+    const double ww = omega * omega;
+    const double adhesion = load.contact_adhesion;
+    const double arm = pose.lever - coefficient * pose.height;
+    const double effective = painleve_inertia(model, pose, coefficient);
+    const double rest = adhesion - model.mass * ww * pose.height - load.fz;
+    const double alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
+    const double normal = model.mass * pose.lever * alpha + rest;
+    const double ax = (load.fx - coefficient * normal) / model.mass;
+    return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective};
+}
+
+/// A face that lies on the surface. `ahead` is its end at +half_base (the quadrant's own corner),
+/// `behind` the other.
+struct FaceReaction {
+    double ahead, behind;  ///< N, compressive
+    double friction;       ///< N, of both together
+
+    double normal() const { return ahead + behind; }
+};
+
+/// coefficient: signed as above for a slipping face; `sticks`: friction is what holds it.
+inline FaceReaction face_reaction(const Model& model, int quadrant, const Load& load, bool sticks,
+                                  double coefficient) {
+    const double normal = load.contact_adhesion - load.fz;
+    const double friction = sticks ? -load.fx : -coefficient * normal;
+    const double tilt = (load.torque - model.shape.half_rise(quadrant) * friction) /
+                        (2.0 * model.shape.half_base(quadrant));
+    return {0.5 * normal + tilt, 0.5 * normal - tilt, friction};
+}
+
+/// Outcome of asking which mode is consistent with the forces.
+struct Resolution {
+    ContactMode mode;
+    int quadrant = 0;      ///< a tipping face may pivot about its other end
+    bool impulse = false;  ///< sliding has no solution: the slip stops by an impulse (Painleve)
+};
+
+/// The consistent mode of what touches now, at tau seconds into the stretch, by the complementarity
+/// conditions of section IV-C. `slip_velocity` in m/s; where it is zero the contact is tried as
+/// sticking, unless `onset` (+1, -1) says which way an event has just broken it loose: there the
+/// sign of an acceleration that is zero to rounding decides nothing.
+Resolution resolve_contact(Dynamics& dynamics, double tau, const BodyState& body, Touch touch,
+                           double slip_velocity, int onset);
+
+/// Puts the slip of a touching corner to zero by an impulse at that corner (impulse without
+/// collision).
+void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velocity,
+                          BodyState& body);
+
+/// Pivot-corner velocity along x, m/s.
+inline double corner_velocity_x(const Pose& pose, double vx, double omega) {
+    return vx - omega * pose.height;
+}
+/// Pivot-corner velocity along z, m/s.
+inline double corner_velocity_z(const Pose& pose, double vz, double omega) {
+    return vz - omega * pose.lever;
+}
+
+}  // namespace stickslip

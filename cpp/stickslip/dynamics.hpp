@@ -1,0 +1,149 @@
+#pragma once
+
+#include <cmath>
+
+#include "stickslip/local_field.hpp"
+#include "stickslip/model.hpp"
+
+namespace stickslip {
+
+/// Position and velocity of the robot. The angle is theta = quadrant pi/2 + angle.
+struct BodyState {
+    double x = 0.0, z = 0.0;    ///< m, centre of mass
+    double angle = 0.0;         ///< rad, within the quadrant
+    double vx = 0.0, vz = 0.0;  ///< m/s
+    double omega = 0.0;         ///< rad/s
+    int quadrant = 0;
+
+    double theta() const { return angle + quadrant * kQuarterTurn; }
+};
+
+/// Forces at the centre of mass other than those of touching corners.
+struct Load {
+    double fx = 0.0, fz = 0.0;      ///< N
+    double torque = 0.0;            ///< N m about +y
+    double contact_adhesion = 0.0;  ///< N, adhesion of whatever touches
+};
+
+/// What is known of the robot between two events: the model, the field about the robot, the
+/// quadrant. Angles are handled relative to a base angle, so that the inner stages need no sine and
+/// cosine.
+class Dynamics {
+public:
+    Dynamics(const Model& model, LocalField field) : model_(&model), field_(std::move(field)) {
+        set_quadrant(0);
+    }
+
+    const Model& model() const { return *model_; }
+    LocalField& field() { return field_; }
+    const LocalField& field() const { return field_; }
+    int quadrant() const { return quadrant_; }
+
+    void set_quadrant(int quadrant) {
+        quadrant_ = quadrant;
+        const QuarterTurns turn(quadrant);
+        const double c = std::cos(model_->misalignment), s = std::sin(model_->misalignment);
+        moment_cosine_ = model_->moment * (turn.cosine * c - turn.sine * s);
+        moment_sine_ = model_->moment * (turn.sine * c + turn.cosine * s);
+        turn_ = turn;
+    }
+
+    /// Takes `angle` as the base of the next step; the robot's pose there.
+    Pose rebase_angle(double angle) {
+        base_angle_ = angle;
+        base_cosine_ = std::cos(angle);
+        base_sine_ = std::sin(angle);
+        return model_->shape.pose(quadrant_, base_cosine_, base_sine_);
+    }
+    void rebase_field(double tau, double x, double z) { field_.rebase(tau, x, z); }
+
+    Pose pose(double angle) const;
+
+    /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
+    Load load(double tau, double x, double z, const Pose& pose, double vx, double vz,
+              double omega) const;
+
+    /// The same with the adhesion of corners that are near but do not touch, where it has a range.
+    /// `gap`: height of the pivot corner above the surface in m, 0 in contact.
+    Load load_near_surface(double tau, double x, double z, const Pose& pose, double vx, double vz,
+                           double omega, double gap) const {
+        Load result = load(tau, x, z, pose, vx, vz, omega);
+        if (model_->adhesion.range > 0.0) add_ranged_adhesion(pose, gap, result);
+        return result;
+    }
+
+private:
+    void add_ranged_adhesion(const Pose& pose, double gap, Load& load) const;
+
+    const Model* model_;
+    LocalField field_;
+    int quadrant_ = 0;
+    QuarterTurns turn_{0};
+    double moment_cosine_ = 0.0, moment_sine_ = 0.0;
+    double base_angle_ = 0.0, base_cosine_ = 1.0, base_sine_ = 0.0;
+};
+
+inline Pose Dynamics::pose(double angle) const {
+    const double d = angle - base_angle_;
+    const double dd = d * d;
+    double c, s;
+    if (dd < 0.0625) {
+        // Series to terms below 1e-16 of the result at |d| = 1/4.
+        c = 1.0 -
+            dd * (1.0 / 2 - dd * (1.0 / 24 - dd * (1.0 / 720 - dd * (1.0 / 40320 - dd / 3628800))));
+        s = d * (1.0 -
+                 dd * (1.0 / 6 -
+                       dd * (1.0 / 120 - dd * (1.0 / 5040 - dd * (1.0 / 362880 - dd / 39916800)))));
+    } else {
+        c = std::cos(d);
+        s = std::sin(d);
+    }
+    return model_->shape.pose(quadrant_, base_cosine_ * c - base_sine_ * s,
+                              base_sine_ * c + base_cosine_ * s);
+}
+
+inline Load Dynamics::load(double tau, double x, double z, const Pose& pose, double vx, double vz,
+                           double omega) const {
+    const Model& m = *model_;
+    const PlanarField field = field_.at(tau, x, z);
+    const double mx = moment_cosine_ * pose.cosine - moment_sine_ * pose.sine;
+    const double mz = -(moment_sine_ * pose.cosine + moment_cosine_ * pose.sine);
+    double drag = m.linear_drag;
+    if (m.angle_drag != 0.0) {
+        const double cosine = turn_.cosine * pose.cosine - turn_.sine * pose.sine;
+        drag *= 1.0 + m.angle_drag * cosine * cosine;
+    }
+    Load load;
+    load.fx = mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - drag * vx;
+    load.fz = mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - drag * vz;
+    load.torque = mz * field.bx - mx * field.bz -
+                  (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;
+    load.contact_adhesion = m.adhesion.strength;
+    return load;
+}
+
+inline void Dynamics::add_ranged_adhesion(const Pose& pose, double gap, Load& load) const {
+    const Adhesion& adhesion = model_->adhesion;
+    const double base = model_->shape.half_base(quadrant_);
+    const double rise = model_->shape.half_rise(quadrant_);
+    // The two corners that share a side with the pivot; the fourth is never near.
+    const double gap_behind = gap + 2.0 * base * pose.sine;
+    const double gap_ahead = gap + 2.0 * rise * pose.cosine;
+    const double pivot = adhesion.weight(gap);
+    const double behind = adhesion.weight(gap_behind);
+    const double ahead = adhesion.weight(gap_ahead);
+    const double total = pivot + behind + ahead;
+    const double pull_behind = adhesion.pull(behind, total);
+    const double pull_ahead = adhesion.pull(ahead, total);
+    load.contact_adhesion = adhesion.pull(pivot, total);
+    load.fz -= pull_behind + pull_ahead;
+    load.torque += (pose.lever - 2.0 * base * pose.cosine) * pull_behind +
+                   (pose.lever + 2.0 * rise * pose.sine) * pull_ahead;
+    if (gap > 0.0) {
+        load.fz -= load.contact_adhesion;
+        load.torque += pose.lever * load.contact_adhesion;
+        load.contact_adhesion = 0.0;
+    }
+}
+
+}  // namespace stickslip

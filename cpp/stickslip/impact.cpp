@@ -1,0 +1,214 @@
+#include "stickslip/impact.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace stickslip {
+namespace {
+
+struct ImpactContact {
+    double lever = 0.0;     // m, from the centre of mass along x
+    double friction = 0.0;  // coefficient of the impulse
+    double restitution = 0.0;
+    double approach = 0.0;  // m/s, normal velocity before
+    bool arriving = false;
+};
+
+struct Impulse {
+    std::array<double, 2> normal = {};
+    double tangential = 0.0;
+};
+
+// One or two corners at one height that share their tangential velocity.
+class ImpactProblem {
+public:
+    ImpactProblem(const Model& model, double height, const BodyState& before)
+        : model_(model), height_(height), before_(before) {}
+
+    void add(double lever, double friction, bool arriving) {
+        ImpactContact contact{lever, friction, 0.0, before_.vz - before_.omega * lever, arriving};
+        if (arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
+            contact.restitution = model_.restitution;
+        }
+        contacts_[count_++] = contact;
+    }
+
+    // Tries the sets of acting corners, all first; the complementarity problem has one solution but
+    // for ties, where the larger set keeps what touches touching.
+    bool solve() {
+        if (count_ == 1) return try_set({true, false});
+        if (try_set({true, true})) return true;
+        for (std::size_t i = 0; i < 2; ++i) {
+            if (contacts_[i].arriving && try_set({i == 0, i == 1})) return true;
+        }
+        return false;
+    }
+
+    bool closed(std::size_t i) const { return acting_[i] && !(contacts_[i].restitution > 0.0); }
+    const BodyState& after() const { return after_; }
+    double slip_velocity() const { return slip_velocity_; }
+
+private:
+    // Velocities that `impulse` gives.
+    BodyState apply(const Impulse& impulse) const {
+        BodyState body = before_;
+        double normal = 0.0, turning = -height_ * impulse.tangential;
+        for (std::size_t i = 0; i < count_; ++i) {
+            normal += impulse.normal[i];
+            turning -= contacts_[i].lever * impulse.normal[i];
+        }
+        body.vx += impulse.tangential / model_.mass;
+        body.vz += normal / model_.mass;
+        body.omega += turning / model_.inertia;
+        return body;
+    }
+
+    double tangential_velocity(const BodyState& body) const {
+        return body.vx - body.omega * height_;
+    }
+
+    // Unknowns: both normal impulses and the tangential one. slip 0: the tangential velocity ends
+    // at zero; +-1: friction is at its limit.
+    Impulse impulse(const std::array<bool, 2>& acting, int slip) const {
+        const double per_mass = 1.0 / model_.mass, per_inertia = 1.0 / model_.inertia;
+        Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
+        Eigen::Vector3d b = Eigen::Vector3d::Zero();
+        for (int i = 0; i < 2; ++i) {
+            const auto u = static_cast<std::size_t>(i);
+            if (!acting[u]) continue;
+            const double lever = contacts_[u].lever;
+            for (int j = 0; j < 2; ++j) {
+                const auto v = static_cast<std::size_t>(j);
+                a(i, j) = acting[v] ? per_mass + lever * contacts_[v].lever * per_inertia : 0.0;
+            }
+            a(i, 2) = lever * height_ * per_inertia;
+            b(i) = -(1.0 + contacts_[u].restitution) * contacts_[u].approach;
+            if (slip == 0) {
+                a(2, i) = lever * height_ * per_inertia;
+            } else {
+                a(2, i) = slip * contacts_[u].friction;
+            }
+        }
+        if (slip == 0) {
+            a(2, 2) = per_mass + height_ * height_ * per_inertia;
+            b(2) = -tangential_velocity(before_);
+        }
+        const Eigen::Vector3d p = a.partialPivLu().solve(b);
+        return {{p(0), p(1)}, p(2)};
+    }
+
+    bool try_set(const std::array<bool, 2>& acting) {
+        const Impulse stick = impulse(acting, 0);
+        double limit = 0.0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (acting[i]) limit += contacts_[i].friction * stick.normal[i];
+        }
+        if (admissible(stick, acting) && std::abs(stick.tangential) <= limit) {
+            accept(stick, acting, true);
+            return true;
+        }
+        const int slip = stick.tangential > 0.0 ? -1 : 1;
+        const Impulse sliding = impulse(acting, slip);
+        if (admissible(sliding, acting) && slip * tangential_velocity(apply(sliding)) >= 0.0) {
+            accept(sliding, acting, false);
+            return true;
+        }
+        return false;
+    }
+
+    bool admissible(const Impulse& impulse, const std::array<bool, 2>& acting) const {
+        const BodyState body = apply(impulse);
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (!(impulse.normal[i] >= 0.0)) return false;
+            if (acting[i]) continue;
+            const double leaving = body.vz - body.omega * contacts_[i].lever;
+            if (leaving < -contacts_[i].restitution * contacts_[i].approach) return false;
+        }
+        return true;
+    }
+
+    void accept(const Impulse& impulse, const std::array<bool, 2>& acting, bool sticks) {
+        after_ = apply(impulse);
+        acting_ = acting;
+        slip_velocity_ = sticks ? 0.0 : tangential_velocity(after_);
+    }
+
+    const Model& model_;
+    double height_;
+    BodyState before_;
+    std::array<ImpactContact, 2> contacts_ = {};
+    std::size_t count_ = 0;
+    std::array<bool, 2> acting_ = {};
+    BodyState after_;
+    double slip_velocity_ = 0.0;
+};
+
+// All velocity of a face but a slip is gone.
+ImpactResult laid_down(const BodyState& before, double slip_velocity) {
+    ImpactResult result{before, Touch::face, slip_velocity};
+    result.body.vx = slip_velocity;
+    result.body.vz = 0.0;
+    result.body.omega = 0.0;
+    return result;
+}
+
+}  // namespace
+
+ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before) {
+    ImpactProblem problem(model, pose.height, before);
+    problem.add(pose.lever, model.friction.kinetic_coefficient, true);
+    ImpactResult result{before, Touch::none, 0.0};
+    // With one corner that approaches the problem always has a solution; one that does not approach
+    // has arrived by rounding and needs no impulse.
+    if (!problem.solve()) {
+        result.touch = Touch::corner;
+        result.slip_velocity = corner_velocity_x(pose, before.vx, before.omega);
+        return result;
+    }
+    result.body = problem.after();
+    result.slip_velocity = problem.slip_velocity();
+    if (problem.closed(0)) {
+        result.touch = Touch::corner;
+        result.body.vz = result.body.omega * pose.lever;
+        result.body.vx = result.body.omega * pose.height + result.slip_velocity;
+    }
+    return result;
+}
+
+ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
+                         bool old_slips) {
+    const double base = model.shape.half_base(before.quadrant);
+    const double rise = model.shape.half_rise(before.quadrant);
+    const FrictionLaw& law = model.friction;
+    const double old_friction = old_slips ? law.kinetic_coefficient : law.static_coefficient;
+    const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
+    const double slip_before = before.vx - before.omega * rise;
+
+    const double fastest =
+        std::max(-(before.vz - before.omega * base), -(before.vz + before.omega * base));
+    const bool slides = old_slips || arrival == Arrival::both;
+    if (fastest <= kCaptureSpeed) return laid_down(before, slides ? slip_before : 0.0);
+
+    ImpactProblem problem(model, rise, before);
+    problem.add(base, new_ahead ? law.kinetic_coefficient : old_friction, new_ahead);
+    problem.add(-base, new_behind ? law.kinetic_coefficient : old_friction, new_behind);
+    if (!problem.solve()) return laid_down(before, 0.0);
+
+    const bool ahead = problem.closed(0), behind = problem.closed(1);
+    ImpactResult result{problem.after(), Touch::none, problem.slip_velocity()};
+    if (ahead && behind) return laid_down(result.body, result.slip_velocity);
+    if (!ahead && !behind) return result;
+    result.touch = Touch::corner;
+    if (behind) {
+        result.body.quadrant -= 1;
+        result.body.angle = kQuarterTurn;
+    }
+    const double lever = ahead ? base : -base;
+    result.body.vz = result.body.omega * lever;
+    result.body.vx = result.body.omega * rise + result.slip_velocity;
+    return result;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "stickslip/contact.hpp"
+
+namespace stickslip {
+
+/// Below this approach speed (m/s) a touch-down does not rebound and a rocking face comes to rest.
+/// It ends the infinite sequences of ever smaller impacts; the energy it removes, m v^2/2 of a 25
+/// ug robot, is 1e-20 J, a billionth of its weight times its height.
+inline constexpr double kCaptureSpeed = 1e-6;
+
+/// Which corner of a face meets the surface newly in an impact. The other one, if any, touched
+/// before.
+enum class Arrival { ahead, behind, both };
+
+/// Robot and contact just after an impact.
+struct ImpactResult {
+    BodyState body;
+    Touch touch = Touch::none;
+    double slip_velocity = 0.0;  ///< m/s, exactly zero where the contact sticks
+};
+
+/// Impact of the quadrant's lowest corner out of flight: Newton restitution with impulsive Coulomb
+/// friction (kinetic coefficient).
+ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before);
+
+/// Impact of a face at angle 0 of `before.quadrant`, both corners solved together as one
+/// complementarity problem: the arriving corner has the kinetic coefficient and the restitution,
+/// the one that already touched has the static coefficient where it stuck (`old_slips` false), else
+/// the kinetic.
+ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
+                         bool old_slips);
+
+}  // namespace stickslip

@@ -1,0 +1,93 @@
+#include "stickslip/local_field.hpp"
+
+namespace stickslip {
+namespace {
+
+// Part of the way to a coil's plane that the robot may go.
+constexpr double kWorkspace = 0.9;
+
+struct PlanarGradient {
+    double xx, xz, zz;
+};
+
+PlanarGradient gradient_at(const CoilSet& coils, Coil coil, double x, double z) {
+    const FieldAndGradient unit = coils.unit_field(coil, Eigen::Vector3d(x, 0.0, z));
+    return {unit.gradient(0, 0), unit.gradient(0, 2), unit.gradient(2, 2)};
+}
+
+}  // namespace
+
+LocalField::LocalField(const CoilSet& coils, const std::array<bool, kCoilCount>& driven,
+                       double ambient_x, double ambient_z)
+    : coils_(&coils), driven_(driven), ambient_x_(ambient_x), ambient_z_(ambient_z) {}
+
+void LocalField::set_segment(const CurrentSegment& segment) {
+    segment_ = segment;
+    base_tau_ = 0.0;
+    base_decay_.fill(1.0);
+    if (expanded_) combine();
+}
+
+void LocalField::rebase(double tau, double x, double z) {
+    base_tau_ = tau;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
+        base_decay_[j] = std::exp(-segment_.rate[j] * tau);
+    }
+    const double limit = kWorkspace * coils_->geometry().distance;
+    outside_ = !(std::abs(x) < limit && std::abs(z) < limit);
+    if (outside_) return;
+    constexpr double half = 0.5 * kReach;
+    if (!expanded_ || std::abs(x - centre_x_) > half || std::abs(z - centre_z_) > half) {
+        expand(x, z);
+        combine();
+    }
+}
+
+void LocalField::expand(double x, double z) {
+    constexpr double d = kSpacing;
+    constexpr double per_d = 1.0 / (2.0 * d);
+    constexpr double per_dd = 1.0 / (d * d);
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        if (!driven_[k]) continue;
+        const auto coil = static_cast<Coil>(k);
+        const FieldAndGradient unit = coils_->unit_field(coil, Eigen::Vector3d(x, 0.0, z));
+        const double xx = unit.gradient(0, 0), xz = unit.gradient(0, 2), zz = unit.gradient(2, 2);
+        const PlanarGradient east = gradient_at(*coils_, coil, x + d, z);
+        const PlanarGradient west = gradient_at(*coils_, coil, x - d, z);
+        const PlanarGradient up = gradient_at(*coils_, coil, x, z + d);
+        const PlanarGradient down = gradient_at(*coils_, coil, x, z - d);
+        unit_[k] = {unit.field.x(),
+                    unit.field.z(),
+                    xx,
+                    xz,
+                    zz,
+                    (east.xx - west.xx) * per_d,
+                    (up.xx - down.xx) * per_d,
+                    (up.xz - down.xz) * per_d,
+                    (up.zz - down.zz) * per_d,
+                    (east.xx - 2.0 * xx + west.xx) * per_dd,
+                    (east.xz - 2.0 * xz + west.xz) * per_dd,
+                    (up.xx - 2.0 * xx + down.xx) * per_dd,
+                    (up.xz - 2.0 * xz + down.xz) * per_dd,
+                    (up.zz - 2.0 * zz + down.zz) * per_dd};
+    }
+    centre_x_ = x;
+    centre_z_ = z;
+    expanded_ = true;
+}
+
+void LocalField::combine() {
+    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+        Terms sum = {};
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            const double coefficient = segment_.coefficient[b][k];
+            if (!driven_[k] || coefficient == 0.0) continue;
+            for (std::size_t i = 0; i < kTerms; ++i) sum[i] += coefficient * unit_[k][i];
+        }
+        basis_[b] = sum;
+    }
+    basis_[0][0] += ambient_x_;
+    basis_[0][1] += ambient_z_;
+}
+
+}  // namespace stickslip

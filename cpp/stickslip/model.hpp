@@ -1,0 +1,32 @@
+#pragma once
+
+#include "stickslip/adhesion.hpp"
+#include "stickslip/coil_set.hpp"
+#include "stickslip/friction.hpp"
+#include "stickslip/rectangle.hpp"
+
+namespace stickslip {
+
+/// The mechanical constants of one simulation, in the robot's own frame (its x axis points the way
+/// that the moment does at theta = 0), with all named effects already in their places.
+struct Model {
+    Rectangle shape{0.0, 0.0};
+    double mass = 0.0;          ///< kg
+    double inertia = 0.0;       ///< kg m^2 about the centre of mass
+    double moment = 0.0;        ///< A m^2
+    double misalignment = 0.0;  ///< rad, from the body's x axis to the moment, nose-down positive
+    double gravity_x = 0.0;     ///< m/s^2, along the surface
+    double gravity_z = 0.0;     ///< m/s^2, negative
+    double linear_drag = 0.0;   ///< N s/m, Eq. (18)
+    double angle_drag = 0.0;    ///< -, the drag grows by this factor times cos^2 theta
+    double rotational_drag = 0.0;  ///< N m s, linear
+    double quadratic_drag = 0.0;   ///< N m s^2, Eq. (19)
+    FrictionLaw friction;
+    Adhesion adhesion;
+    double restitution = 0.0;
+
+    /// Inertia about a corner, J + m r^2.
+    double corner_inertia() const { return inertia + mass * shape.radius() * shape.radius(); }
+};
+
+}  // namespace stickslip

@@ -1,0 +1,251 @@
+#include "stickslip/parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace stickslip {
+namespace {
+
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
+// The two accessors of a member, from one expression.
+#define STICKSLIP_MEMBER(path)                                               \
+    [](const Scenario& s) -> double { return static_cast<double>(s.path); }, \
+        [](Scenario& s, double value) { s.path = static_cast<decltype(s.path)>(value); }
+
+std::vector<Parameter> make_parameters() {
+    constexpr bool kOpen = false, kClosed = true, kReal = false, kWhole = true;
+    return {
+        {"drive.frequency", "Hz", 0, 1e5, kOpen, kReal, "pulses a second",
+         STICKSLIP_MEMBER(drive.frequency)},
+        {"drive.peak", "T", 0, 1, kClosed, kReal,
+         "top of the sawtooth, as the field at the centre if its voltage were held for ever",
+         STICKSLIP_MEMBER(drive.peak)},
+        {"drive.base", "T", -1, 1, kClosed, kReal, "bottom of the sawtooth, same meaning",
+         STICKSLIP_MEMBER(drive.base)},
+        {"drive.hold", "T", 0, 1, kClosed, kReal, "field of the holding coil, same meaning",
+         STICKSLIP_MEMBER(drive.hold)},
+        {"drive.edge_time", "s", 0, kAny, kClosed, kReal, "duration of the sudden edge",
+         STICKSLIP_MEMBER(drive.edge_time)},
+        {"drive.ramp", "s", 0, 1e4, kClosed, kReal,
+         "rise of both coils from zero before the first pulse", STICKSLIP_MEMBER(drive.ramp)},
+        {"drive.pulses", "-", 1, 1e12, kClosed, kWhole, "number of pulses",
+         STICKSLIP_MEMBER(drive.pulses)},
+        {"drive.ramp_down", "s", 0, 1e4, kClosed, kReal,
+         "fall of the in-plane coil to zero after the last pulse",
+         STICKSLIP_MEMBER(drive.ramp_down)},
+        {"coil.resistance", "ohm", 0, 1e9, kOpen, kReal, "resistance of one coil, Table I",
+         STICKSLIP_MEMBER(coil.resistance)},
+        {"coil.inductance", "H", 0, 1e3, kOpen, kReal, "inductance of one coil, Table I",
+         STICKSLIP_MEMBER(coil.inductance)},
+        {"coil.side", "m", 0, 100, kOpen, kReal, "effective length of a coil's side, Table I",
+         STICKSLIP_MEMBER(coil.geometry.side)},
+        {"coil.distance", "m", 1e-3, 100, kClosed, kReal,
+         "distance of each coil's plane from the centre, Table I",
+         STICKSLIP_MEMBER(coil.geometry.distance)},
+        {"coil.turns", "-", 0, 1e6, kOpen, kReal, "turns of one coil, Table I",
+         STICKSLIP_MEMBER(coil.geometry.turns)},
+        {"robot.length", "m", 1e-6, 1e-2, kClosed, kReal,
+         "length along the magnetization, Table II", STICKSLIP_MEMBER(robot.length)},
+        {"robot.width", "m", 1e-6, 1e-2, kClosed, kReal,
+         "width, across the plane of motion, Table II", STICKSLIP_MEMBER(robot.width)},
+        {"robot.height", "m", 1e-6, 1e-2, kClosed, kReal, "height, Table II",
+         STICKSLIP_MEMBER(robot.height)},
+        {"robot.mass", "kg", 0, 1, kOpen, kReal, "mass, Table II read as micrograms",
+         STICKSLIP_MEMBER(robot.mass)},
+        {"robot.magnetization", "A/m", 0, 1e7, kClosed, kReal,
+         "magnetization along the length, Table II", STICKSLIP_MEMBER(robot.magnetization)},
+        {"contact.static_friction", "-", 0, 100, kClosed, kReal,
+         "Coulomb coefficient of a contact that sticks", STICKSLIP_MEMBER(contact.static_friction)},
+        {"contact.kinetic_friction", "-", 0, 100, kClosed, kReal,
+         "Coulomb coefficient of a contact that slips", STICKSLIP_MEMBER(contact.kinetic_friction)},
+        {"contact.adhesion", "N", 0, 1, kClosed, kReal,
+         "pull of the surface on the touching corners together",
+         STICKSLIP_MEMBER(contact.adhesion)},
+        {"contact.adhesion_range", "m", 0, 1e-2, kClosed, kReal,
+         "gap at which adhesion has faded to nothing; 0: at contact only",
+         STICKSLIP_MEMBER(contact.adhesion_range)},
+        {"contact.restitution", "-", 0, 1, kClosed, kReal, "Newton restitution of a touch-down",
+         STICKSLIP_MEMBER(contact.restitution)},
+        {"drag.linear", "N s/m", 0, 1e3, kClosed, kReal,
+         "drag force by velocity at the centre of mass, Eq. (18)", STICKSLIP_MEMBER(drag.linear)},
+        {"drag.rotational", "N m s^2", 0, 1, kClosed, kReal,
+         "drag torque by the square of the angular rate, Eq. (19)",
+         STICKSLIP_MEMBER(drag.rotational)},
+        {"environment.gravity", "m/s^2", 0, 1e3, kClosed, kReal, "acceleration of gravity",
+         STICKSLIP_MEMBER(gravity)},
+        {"solver.rtol", "-", 1e-13, 1e-2, kClosed, kReal,
+         "local error a step, relative to the natural scales of the motion",
+         STICKSLIP_MEMBER(solver.rtol)},
+        {"solver.max_step", "s", 0, kAny, kClosed, kReal, "longest step; 0: no limit",
+         STICKSLIP_MEMBER(solver.max_step)},
+        {"effects.surface_tilt.angle", "rad", -1.5, 1.5, kClosed, kReal,
+         "tilt of the surface about y; positive: downhill towards +x of the world",
+         STICKSLIP_MEMBER(effects.surface_tilt_angle)},
+        {"effects.ambient_field.Bx", "T", -0.1, 0.1, kClosed, kReal,
+         "uniform field along +x of the world", STICKSLIP_MEMBER(effects.ambient_field_bx)},
+        {"effects.ambient_field.Bz", "T", -0.1, 0.1, kClosed, kReal, "uniform field along +z",
+         STICKSLIP_MEMBER(effects.ambient_field_bz)},
+        {"effects.misalignment.angle", "rad", -3.2, 3.2, kClosed, kReal,
+         "angle from the body's long axis to its moment, nose-down positive",
+         STICKSLIP_MEMBER(effects.misalignment_angle)},
+        {"effects.restitution.coefficient", "-", 0, 1, kClosed, kReal,
+         "restitution beyond contact.restitution",
+         STICKSLIP_MEMBER(effects.restitution_coefficient)},
+        {"effects.angle_drag.strength", "-", -0.99, 1e3, kClosed, kReal,
+         "k in: linear drag times (1 + k cos^2 theta)",
+         STICKSLIP_MEMBER(effects.angle_drag_strength)},
+        {"effects.rotational_drag.coefficient", "N m s", 0, 1, kClosed, kReal,
+         "drag torque by angular rate", STICKSLIP_MEMBER(effects.rotational_drag_coefficient)},
+        {"effects.stribeck_friction.velocity", "m/s", 0, 100, kClosed, kReal,
+         "v_s in: mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^2) while slipping",
+         STICKSLIP_MEMBER(effects.stribeck_friction_velocity)},
+        {"effects.eddy_lag.time", "s", 0, 10, kClosed, kReal,
+         "time constant with which the field follows the currents",
+         STICKSLIP_MEMBER(effects.eddy_lag_time)},
+    };
+}
+
+#undef STICKSLIP_MEMBER
+
+template <class Enum>
+std::string word(const char* key, Enum value) {
+    const auto& all = choices();
+    const auto found = std::find_if(
+        all.begin(), all.end(), [&](const Choice& c) { return std::string_view(c.key) == key; });
+    return found->allowed[static_cast<std::size_t>(value)];
+}
+
+// The words stand in the order of the enumerators.
+#define STICKSLIP_CHOICE(key, path)                      \
+    [](const Scenario& s) { return word(key, s.path); }, \
+        [](Scenario& s, std::size_t index) { s.path = static_cast<decltype(s.path)>(index); }
+
+std::vector<Choice> make_choices() {
+    return {
+        {"drive.mode",
+         {"IPP", "OPP", "program"},
+         "which coil pulses, or voltages from a file",
+         STICKSLIP_CHOICE("drive.mode", drive.mode)},
+        {"drive.clamp",
+         {"down", "up"},
+         "sign of the clamp coil's field; down: B_z < 0, nose-down",
+         STICKSLIP_CHOICE("drive.clamp", drive.clamp)},
+        {"drive.edge",
+         {"rise", "fall"},
+         "where the sawtooth is sudden",
+         STICKSLIP_CHOICE("drive.edge", drive.edge)},
+        {"drive.direction",
+         {"+x", "-x"},
+         "where the robot faces and is driven",
+         STICKSLIP_CHOICE("drive.direction", drive.direction)},
+        {"solver.method",
+         {"tsit5", "arkode"},
+         "integrator",
+         STICKSLIP_CHOICE("solver.method", solver.method)},
+    };
+}
+
+#undef STICKSLIP_CHOICE
+
+std::vector<EffectDescription> make_effects() {
+    return {
+        {"surface_tilt", "the surface is not level: a part of the weight acts along it",
+         "rigid-body statics; cf. the tilted wafer of Eq. (15)"},
+        {"ambient_field", "a uniform field that no coil makes, such as the Earth's",
+         "superposition in Eqs. (8)-(9)"},
+        {"misalignment", "the moment is not along the robot's long axis",
+         "rotation of M in Eqs. (8)-(9); laser cutting, section III"},
+        {"restitution", "touch-downs rebound", "Newton's law of impact"},
+        {"angle_drag", "the fluid's drag depends on the angle of the body",
+         "suspected in section VI-C"},
+        {"rotational_drag", "drag torque proportional to the angular rate",
+         "Stokes drag, Eq. (19) in the limit of slow flow"},
+        {"stribeck_friction",
+         "friction falls from the static to the kinetic coefficient over a range of slip "
+         "velocities",
+         "Stribeck curve in the Gaussian form of Bo and Pavelescu (1982)"},
+        {"eddy_lag", "eddy currents delay the field behind the coil currents",
+         "first-order lag of a conducting shell"},
+    };
+}
+
+std::string out_of_range(const Parameter& parameter, double value) {
+    std::ostringstream text;
+    text << parameter.key << " = " << value << ": allowed is " << allowed_range(parameter);
+    return text.str();
+}
+
+}  // namespace
+
+const std::vector<Parameter>& parameters() {
+    static const std::vector<Parameter> table = make_parameters();
+    return table;
+}
+
+const std::vector<Choice>& choices() {
+    static const std::vector<Choice> table = make_choices();
+    return table;
+}
+
+const std::vector<EffectDescription>& effects() {
+    static const std::vector<EffectDescription> table = make_effects();
+    return table;
+}
+
+const Parameter* find_parameter(std::string_view key) {
+    static const auto index = [] {
+        std::unordered_map<std::string_view, const Parameter*> map;
+        for (const Parameter& parameter : parameters()) map.emplace(parameter.key, &parameter);
+        return map;
+    }();
+    const auto found = index.find(key);
+    return found == index.end() ? nullptr : found->second;
+}
+
+std::string allowed_range(const Parameter& parameter) {
+    std::ostringstream text;
+    text << (parameter.integer ? "a whole number" : "a number");
+    text << (parameter.low_allowed ? " from " : " above ") << parameter.low;
+    if (std::isfinite(parameter.high))
+        text << (parameter.low_allowed ? " to " : " up to ") << parameter.high;
+    else
+        text << " upwards";
+    if (std::string_view(parameter.unit) != "-") text << " " << parameter.unit;
+    return text.str();
+}
+
+void set_parameter(Scenario& scenario, std::string_view key, double value) {
+    const Parameter* parameter = find_parameter(key);
+    if (parameter == nullptr) {
+        throw std::invalid_argument(std::string(key) + ": there is no such numeric key");
+    }
+    const bool above = parameter->low_allowed ? value >= parameter->low : value > parameter->low;
+    const bool fits = std::isfinite(value) && above && value <= parameter->high &&
+                      (!parameter->integer || value == std::floor(value));
+    if (!fits) throw std::invalid_argument(out_of_range(*parameter, value));
+    parameter->set(scenario, value);
+}
+
+void set_choice(Scenario& scenario, std::string_view key, std::string_view value) {
+    for (const Choice& choice : choices()) {
+        if (key != choice.key) continue;
+        std::string allowed;
+        for (std::size_t i = 0; i < choice.allowed.size(); ++i) {
+            if (choice.allowed[i] == value) {
+                choice.set(scenario, i);
+                return;
+            }
+            allowed += (i ? ", \"" : "\"") + choice.allowed[i] + "\"";
+        }
+        throw std::invalid_argument(std::string(key) + " = \"" + std::string(value) +
+                                    "\": allowed is one of " + allowed);
+    }
+    throw std::invalid_argument(std::string(key) + ": there is no such key");
+}
+
+}  // namespace stickslip

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stickslip/scenario.hpp"
+
+namespace stickslip {
+
+/// A numeric key of a scenario file: the one place where its unit, range and meaning stand.
+struct Parameter {
+    const char* key;   ///< "section.name", "effects.effect.name"
+    const char* unit;  ///< SI, "-" for none
+    double low, high;
+    bool low_allowed;  ///< whether `low` itself is allowed
+    bool integer;
+    const char* meaning;
+    double (*get)(const Scenario&);
+    void (*set)(Scenario&, double);
+};
+
+/// A key that takes one of a few words.
+struct Choice {
+    const char* key;
+    std::vector<std::string> allowed;
+    const char* meaning;
+    std::string (*get)(const Scenario&);
+    void (*set)(Scenario&, std::size_t index);
+};
+
+/// A named extension: what it adds and where the form comes from. Its parameters are those whose
+/// keys begin with "effects.<name>.".
+struct EffectDescription {
+    const char* name;
+    const char* meaning;
+    const char* source;
+};
+
+const std::vector<Parameter>& parameters();
+const std::vector<Choice>& choices();
+const std::vector<EffectDescription>& effects();
+
+/// nullptr if there is no numeric key of that name.
+const Parameter* find_parameter(std::string_view key);
+
+/// The allowed range in words, with the unit.
+std::string allowed_range(const Parameter& parameter);
+
+/// Sets a key. Throws std::invalid_argument naming key, value and what is allowed for an unknown
+/// key or a value out of range.
+void set_parameter(Scenario& scenario, std::string_view key, double value);
+void set_choice(Scenario& scenario, std::string_view key, std::string_view value);
+
+}  // namespace stickslip

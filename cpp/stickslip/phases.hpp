@@ -1,0 +1,298 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "stickslip/contact.hpp"
+
+/// Between two events the robot moves smoothly in one of four phases (a face that sticks does not
+/// move at all: see rest.hpp). Each phase has the fewest coordinates that its contact leaves free,
+/// so a sticking corner cannot creep and a touching one cannot penetrate. A phase offers
+///   kDim, kEvents      number of coordinates and of event functions
+///   kSlips, kFlies     whether a contact slips, whether nothing touches
+///   kEvent             what each event function is; it fires when its function falls through zero
+///   rates(tau, y, dydt, g)   rates and event functions
+///   rebase(tau, y)     the base of the next step (see Dynamics)
+///   begin(body), body(y)     to coordinates and back
+///   scale()            the size of each coordinate, for the error norm
+namespace stickslip {
+
+enum class Event {
+    none,
+    lift_off,         ///< the reaction of a single corner reaches zero
+    breaks_forward,   ///< friction holds no more and the contact slips to +x
+    breaks_backward,  ///< the same to -x
+    slip_stops,
+    behind_lands,      ///< the corner behind the pivot reaches the surface
+    ahead_lands,       ///< the corner ahead of the pivot reaches the surface
+    ahead_lifts,       ///< the front end of a face leaves
+    behind_lifts,      ///< the rear end of a face leaves
+    sliding_jams,      ///< sliding loses its solution (Painleve)
+    pivot_touches,     ///< in flight, the lowest corner reaches the surface
+    opposite_touches,  ///< in flight, the corner opposite to it does
+};
+
+/// Sizes that make the tolerances relative: a length, and velocities of the free swing.
+struct Scales {
+    double length = 0.0;    ///< m
+    double velocity = 0.0;  ///< m/s
+    double rate = 0.0;      ///< rad/s
+};
+
+/// Everything at an instant that a recording may want.
+struct Snapshot {
+    BodyState body;
+    Reaction reaction;
+    double contact_x = std::numeric_limits<double>::quiet_NaN();      ///< m, of the pivot corner
+    double slip_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, of the pivot corner
+};
+
+/// A corner sticks: y = (angle, omega).
+class CornerStickPhase {
+public:
+    static constexpr int kDim = 2;
+    static constexpr int kEvents = 5;
+    static constexpr bool kSlips = false;
+    static constexpr bool kFlies = false;
+    using State = std::array<double, kDim>;
+    using Values = std::array<double, kEvents>;
+    static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::breaks_backward,
+                                                          Event::breaks_forward,
+                                                          Event::behind_lands, Event::ahead_lands};
+
+    CornerStickPhase(Dynamics& dynamics, double contact_x)
+        : dynamics_(&dynamics),
+          contact_x_(contact_x),
+          corner_inertia_(dynamics.model().corner_inertia()) {}
+
+    void rates(double tau, const State& y, State& dydt, Values& g) const {
+        const CornerStick stick = solve(tau, y);
+        dydt = {y[1], stick.angular_acceleration};
+        const double limit = dynamics_->model().friction.static_coefficient * stick.reaction.normal;
+        g = {stick.reaction.normal, limit - stick.reaction.friction,
+             limit + stick.reaction.friction, y[0], kQuarterTurn - y[0]};
+    }
+    void rebase(double tau, const State& y) {
+        const Pose pose = dynamics_->rebase_angle(y[0]);
+        dynamics_->rebase_field(tau, contact_x_ - pose.lever, pose.height);
+    }
+    State begin(const BodyState& body) const { return {body.angle, body.omega}; }
+    BodyState body(const State& y) const {
+        const Pose pose = dynamics_->pose(y[0]);
+        return {contact_x_ - pose.lever, pose.height,       y[0],
+                y[1] * pose.height,      y[1] * pose.lever, y[1],
+                dynamics_->quadrant()};
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        return {body(y), solve(tau, y).reaction, contact_x_, 0.0};
+    }
+    State scale(const Scales& s) const { return {1.0, s.rate}; }
+    bool outside() const { return dynamics_->field().outside(); }
+    double angle(const State& y) const { return y[0]; }
+    double omega(const State& y) const { return y[1]; }
+    double contact_x(const State&) const { return contact_x_; }
+
+private:
+    CornerStick solve(double tau, const State& y) const {
+        const Pose pose = dynamics_->pose(y[0]);
+        const Load load =
+            dynamics_->load_near_surface(tau, contact_x_ - pose.lever, pose.height, pose,
+                                         y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
+        return corner_stick(dynamics_->model(), corner_inertia_, pose, y[1], load);
+    }
+
+    Dynamics* dynamics_;
+    double contact_x_;
+    double corner_inertia_;
+};
+
+/// A corner slips to one side: y = (contact_x, angle, slip velocity, omega).
+class CornerSlipPhase {
+public:
+    static constexpr int kDim = 4;
+    static constexpr int kEvents = 5;
+    static constexpr bool kSlips = true;
+    static constexpr bool kFlies = false;
+    using State = std::array<double, kDim>;
+    using Values = std::array<double, kEvents>;
+    static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::slip_stops,
+                                                          Event::behind_lands, Event::ahead_lands,
+                                                          Event::sliding_jams};
+
+    CornerSlipPhase(Dynamics& dynamics, double contact_x, int slip, double slip_velocity)
+        : dynamics_(&dynamics), contact_x_(contact_x), slip_velocity_(slip_velocity), slip_(slip) {}
+
+    void rates(double tau, const State& y, State& dydt, Values& g) const {
+        const CornerSlip motion = solve(tau, y);
+        dydt = {y[2], y[3], motion.slip_acceleration, motion.angular_acceleration};
+        g = {motion.normal, slip_ * y[2], y[1], kQuarterTurn - y[1],
+             motion.effective_inertia - kJammed * dynamics_->model().inertia};
+    }
+    void rebase(double tau, const State& y) {
+        const Pose pose = dynamics_->rebase_angle(y[1]);
+        dynamics_->rebase_field(tau, y[0] - pose.lever, pose.height);
+    }
+    State begin(const BodyState& body) const {
+        return {contact_x_, body.angle, slip_velocity_, body.omega};
+    }
+    BodyState body(const State& y) const {
+        const Pose pose = dynamics_->pose(y[1]);
+        return {y[0] - pose.lever,         pose.height,       y[1],
+                y[2] + y[3] * pose.height, y[3] * pose.lever, y[3],
+                dynamics_->quadrant()};
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        const double normal = solve(tau, y).normal;
+        return {body(y), {normal, -coefficient(y[2]) * normal}, y[0], y[2]};
+    }
+    State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
+    bool outside() const { return dynamics_->field().outside(); }
+    double angle(const State& y) const { return y[1]; }
+    double omega(const State& y) const { return y[3]; }
+    double contact_x(const State& y) const { return y[0]; }
+    double slip_velocity(const State& y) const { return y[2]; }
+    /// Whether a step that could not be made small enough may be laid to sliding about to jam.
+    bool nearly_jams(const State& y) const {
+        const double inertia =
+            painleve_inertia(dynamics_->model(), dynamics_->pose(y[1]), coefficient(y[2]));
+        return inertia < kNearlyJammed * dynamics_->model().inertia;
+    }
+
+private:
+    // Sliding is taken as jammed a little before the effective inertia reaches zero, where the
+    // reaction, which grows as its inverse, leaves the range of numbers.
+    static constexpr double kJammed = 1e-6;
+    static constexpr double kNearlyJammed = 1e-2;
+
+    double coefficient(double slip_velocity) const {
+        return slip_ * dynamics_->model().friction.kinetic(slip_velocity);
+    }
+    CornerSlip solve(double tau, const State& y) const {
+        const Pose pose = dynamics_->pose(y[1]);
+        const Load load =
+            dynamics_->load_near_surface(tau, y[0] - pose.lever, pose.height, pose,
+                                         y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
+        return corner_slip(dynamics_->model(), pose, y[3], load, coefficient(y[2]));
+    }
+
+    Dynamics* dynamics_;
+    double contact_x_, slip_velocity_;
+    int slip_;
+};
+
+/// A face slides: y = (x of the centre of mass, slip velocity).
+class FaceSlidePhase {
+public:
+    static constexpr int kDim = 2;
+    static constexpr int kEvents = 3;
+    static constexpr bool kSlips = true;
+    static constexpr bool kFlies = false;
+    using State = std::array<double, kDim>;
+    using Values = std::array<double, kEvents>;
+    static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
+                                                          Event::slip_stops};
+
+    FaceSlidePhase(Dynamics& dynamics, int slip) : dynamics_(&dynamics), slip_(slip) {}
+
+    void rates(double tau, const State& y, State& dydt, Values& g) const {
+        Load load;
+        const FaceReaction reaction = solve(tau, y, load);
+        dydt = {y[1], (load.fx + reaction.friction) / dynamics_->model().mass};
+        g = {reaction.ahead, reaction.behind, slip_ * y[1]};
+    }
+    void rebase(double tau, const State& y) {
+        dynamics_->rebase_angle(0.0);
+        dynamics_->rebase_field(tau, y[0], height());
+    }
+    State begin(const BodyState& body) const { return {body.x, body.vx}; }
+    BodyState body(const State& y) const {
+        return {y[0], height(), 0.0, y[1], 0.0, 0.0, dynamics_->quadrant()};
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        Load load;
+        const FaceReaction reaction = solve(tau, y, load);
+        return {body(y), {reaction.normal(), reaction.friction}, contact_x(y), y[1]};
+    }
+    State scale(const Scales& s) const { return {s.length, s.velocity}; }
+    bool outside() const { return dynamics_->field().outside(); }
+    double angle(const State&) const { return 0.0; }
+    double omega(const State&) const { return 0.0; }
+    double contact_x(const State& y) const {
+        return y[0] + dynamics_->model().shape.half_base(dynamics_->quadrant());
+    }
+    double slip_velocity(const State& y) const { return y[1]; }
+
+private:
+    double height() const { return dynamics_->model().shape.half_rise(dynamics_->quadrant()); }
+    FaceReaction solve(double tau, const State& y, Load& load) const {
+        const Model& model = dynamics_->model();
+        load = dynamics_->load(tau, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
+        return face_reaction(model, dynamics_->quadrant(), load, false,
+                             slip_ * model.friction.kinetic(y[1]));
+    }
+
+    Dynamics* dynamics_;
+    int slip_;
+};
+
+/// Nothing touches: y = (x, z, angle, vx, vz, omega).
+class FlightPhase {
+public:
+    static constexpr int kDim = 6;
+    static constexpr int kEvents = 4;
+    static constexpr bool kSlips = false;
+    static constexpr bool kFlies = true;
+    using State = std::array<double, kDim>;
+    using Values = std::array<double, kEvents>;
+    static constexpr std::array<Event, kEvents> kEvent = {
+        Event::pivot_touches, Event::behind_lands, Event::ahead_lands, Event::opposite_touches};
+
+    explicit FlightPhase(Dynamics& dynamics) : dynamics_(&dynamics) {}
+
+    void rates(double tau, const State& y, State& dydt, Values& g) const {
+        const Model& model = dynamics_->model();
+        const Pose pose = dynamics_->pose(y[2]);
+        const double gap = y[1] - pose.height;
+        // In flight a corner at gap zero pulls no more: adhesion without range is lost at lift-off.
+        const Load load =
+            dynamics_->load_near_surface(tau, y[0], y[1], pose, y[3], y[4], y[5],
+                                         std::max(gap, std::numeric_limits<double>::min()));
+        dydt = {y[3],
+                y[4],
+                y[5],
+                load.fx / model.mass,
+                load.fz / model.mass,
+                load.torque / model.inertia};
+        const double behind = 2.0 * model.shape.half_base(dynamics_->quadrant()) * pose.sine;
+        const double ahead = 2.0 * model.shape.half_rise(dynamics_->quadrant()) * pose.cosine;
+        g = {gap, gap + behind, gap + ahead, gap + behind + ahead};
+    }
+    void rebase(double tau, const State& y) {
+        dynamics_->rebase_angle(y[2]);
+        dynamics_->rebase_field(tau, y[0], y[1]);
+    }
+    State begin(const BodyState& body) const {
+        return {body.x, body.z, body.angle, body.vx, body.vz, body.omega};
+    }
+    BodyState body(const State& y) const {
+        return {y[0], y[1], y[2], y[3], y[4], y[5], dynamics_->quadrant()};
+    }
+    Snapshot snapshot(double, const State& y) const {
+        Snapshot result;
+        result.body = body(y);
+        return result;
+    }
+    State scale(const Scales& s) const {
+        return {s.length, s.length, 1.0, s.velocity, s.velocity, s.rate};
+    }
+    bool outside() const { return dynamics_->field().outside(); }
+    double angle(const State& y) const { return y[2]; }
+    double omega(const State& y) const { return y[5]; }
+
+private:
+    Dynamics* dynamics_;
+};
+
+}  // namespace stickslip

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "stickslip/event_location.hpp"
+#include "stickslip/stepping.hpp"
+
+namespace stickslip {
+
+/// A face that lies still. Nothing has to be integrated: the forces are linear in the currents,
+/// which are known in closed form, so only the end of rest is looked for.
+class FaceRest {
+public:
+    static constexpr int kEvents = 4;
+    static constexpr std::array<Event, kEvents> kEvent = {
+        Event::ahead_lifts, Event::behind_lifts, Event::breaks_backward, Event::breaks_forward};
+    using Values = std::array<double, kEvents>;
+
+    FaceRest(Dynamics& dynamics, const BodyState& body) : dynamics_(&dynamics), body_(body) {
+        dynamics_->rebase_angle(0.0);
+        dynamics_->rebase_field(0.0, body.x, body.z);
+    }
+
+    Values values(double tau) const {
+        const FaceReaction reaction = solve(tau);
+        const double limit = dynamics_->model().friction.static_coefficient * reaction.normal();
+        return {reaction.ahead, reaction.behind, limit - reaction.friction,
+                limit + reaction.friction};
+    }
+
+    Snapshot snapshot(double tau) const {
+        const FaceReaction reaction = solve(tau);
+        const double base = dynamics_->model().shape.half_base(body_.quadrant);
+        return {body_, {reaction.normal(), reaction.friction}, body_.x + base, 0.0};
+    }
+
+    struct End {
+        Event event = Event::none;
+        double tau = 0.0;
+    };
+
+    /// The first event in [tau, tau_end]. `fastest`: the largest decay rate of the currents, 1/s.
+    End advance(PhaseMemory& memory, double tau, double tau_end, double fastest) const {
+        Values start = values(tau);
+        if (memory.fresh) {
+            for (std::size_t i = 0; i < kEvents; ++i) memory.armed[i] = start[i] > 0.0;
+            memory.fresh = false;
+        }
+        while (tau < tau_end) {
+            // The exponentials of a stretch die out from its start, so the search may widen with
+            // it.
+            const double width = std::min(std::max(0.125 / fastest, 0.125 * tau), tau_end - tau);
+            const auto value = [&](std::size_t i, double s) { return values(tau + s * width)[i]; };
+            using Finder = EventFinder<kEvents>;
+            EventSamples<kEvents> samples;
+            samples.start = start;
+            samples.early = values(tau + Finder::kEarly * width);
+            samples.late = values(tau + Finder::kLate * width);
+            samples.end = values(tau + width);
+            for (std::size_t i = 0; i < kEvents; ++i) {
+                samples.lowest[i] = std::min({samples.start[i], samples.early[i], samples.late[i]});
+            }
+            const EventHit hit = Finder::find(samples, memory.armed, value);
+            if (hit) return {kEvent[static_cast<std::size_t>(hit.index)], tau + hit.s * width};
+            tau = tau + width >= tau_end ? tau_end : tau + width;
+            start = samples.end;
+        }
+        return {Event::none, tau_end};
+    }
+
+private:
+    FaceReaction solve(double tau) const {
+        const Load load =
+            dynamics_->load(tau, body_.x, body_.z, dynamics_->pose(0.0), 0.0, 0.0, 0.0);
+        return face_reaction(dynamics_->model(), body_.quadrant, load, true, 0.0);
+    }
+
+    Dynamics* dynamics_;
+    BodyState body_;
+};
+
+}  // namespace stickslip

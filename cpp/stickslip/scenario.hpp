@@ -1,0 +1,107 @@
+#pragma once
+
+#include "stickslip/circuit.hpp"
+#include "stickslip/coil_set.hpp"
+#include "stickslip/drive.hpp"
+#include "stickslip/model.hpp"
+
+namespace stickslip {
+
+/// One coil; all five are equal. Table I.
+struct CoilParameters {
+    CoilGeometry geometry;
+    double resistance = 10.0;  ///< ohm
+    double inductance = 0.07;  ///< H
+};
+
+/// Table II.
+struct RobotParameters {
+    double length = 250e-6;      ///< m
+    double width = 130e-6;       ///< m
+    double height = 100e-6;      ///< m
+    double mass = 25.6e-9;       ///< kg
+    double magnetization = 5e5;  ///< A/m
+};
+
+struct ContactParameters {
+    double static_friction = 0.2;
+    double kinetic_friction = 0.145;
+    double adhesion = 0.22e-6;    ///< N
+    double adhesion_range = 0.0;  ///< m
+    double restitution = 0.0;
+};
+
+struct DragParameters {
+    double linear = 1.0e-5;       ///< N s/m, Eq. (18)
+    double rotational = 9.0e-17;  ///< N m s^2, Eq. (19)
+};
+
+/// Parameters of the named extensions. Each is absent at zero; see parameters.cpp for their
+/// meaning.
+struct Effects {
+    double surface_tilt_angle = 0.0;  ///< rad
+    double ambient_field_bx = 0.0;    ///< T
+    double ambient_field_bz = 0.0;    ///< T
+    double misalignment_angle = 0.0;  ///< rad
+    double restitution_coefficient = 0.0;
+    double angle_drag_strength = 0.0;
+    double rotational_drag_coefficient = 0.0;  ///< N m s
+    double stribeck_friction_velocity = 0.0;   ///< m/s
+    double eddy_lag_time = 0.0;                ///< s
+};
+
+enum class Method { tsit5, arkode };
+
+struct SolverSettings {
+    Method method = Method::tsit5;
+    double rtol = 1e-7;
+    double max_step = 0.0;  ///< s, zero: no limit
+};
+
+enum class RecordKind { none, events, uniform };
+
+struct RecordSettings {
+    RecordKind kind = RecordKind::none;
+    double rate = 0.0;  ///< Hz, of the uniform grid
+};
+
+/// All that defines one simulation.
+struct Scenario {
+    Drive drive;
+    VoltageProgram program;  ///< V, world frame; used by DriveMode::program
+    CoilParameters coil;
+    RobotParameters robot;
+    ContactParameters contact;
+    DragParameters drag;
+    double gravity = 9.81;  ///< m/s^2
+    Effects effects;
+    SolverSettings solver;
+    RecordSettings record;
+};
+
+/// Throws std::invalid_argument, naming key, value and what is allowed, for values that are each in
+/// their range but make no sense together.
+void check(const Scenario& scenario);
+
+/// +1, or -1 for a robot that is turned to face -x: world x = frame sign times the robot's x.
+double frame_sign(const Scenario& scenario);
+
+/// Constants of motion in the robot's own frame.
+Model make_model(const Scenario& scenario);
+
+Circuit make_circuit(const Scenario& scenario);
+
+/// Voltages in the robot's own frame.
+VoltageProgram make_program(const Scenario& scenario);
+
+/// Simulated time from start to end, s.
+double duration(const Scenario& scenario);
+
+/// Times (s) between which the mean velocity is taken: from the end of the third pulse (of the
+/// ramp, with three pulses or fewer) to the end of the last (section VII); all of a free program.
+struct Window {
+    double start = 0.0, end = 0.0;
+};
+Window measuring_window(const Scenario& scenario);
+
+}  // namespace stickslip

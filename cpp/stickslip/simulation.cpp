@@ -1,0 +1,87 @@
+#include "stickslip/simulation.hpp"
+
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "stickslip/hybrid_loop.hpp"
+#include "stickslip/tsit5.hpp"
+#ifdef STICKSLIP_WITH_ARKODE
+#include "stickslip/arkode.hpp"
+#endif
+
+namespace stickslip {
+
+const char* name(Status status) {
+    switch (status) {
+        case Status::ok:
+            return "ok";
+        case Status::step_underflow:
+            return "step_underflow";
+        case Status::too_many_events:
+            return "too_many_events";
+        case Status::not_finite:
+            return "not_finite";
+        case Status::left_workspace:
+            return "left_workspace";
+        case Status::interrupted:
+            return "interrupted";
+        case Status::no_arkode:
+            return "no_arkode";
+    }
+    return "unknown";
+}
+
+std::string message(const RunResult& result) {
+    std::ostringstream text;
+    text << "at t = " << result.summary.simulated_time << " s ";
+    switch (result.status) {
+        case Status::ok:
+            return "the run reached its end";
+        case Status::step_underflow:
+            text
+                << "the step fell below the resolution of time; loosen solver.rtol, or look at the "
+                   "scenario for a force that grows without bound";
+            break;
+        case Status::too_many_events:
+            text
+                << "contact events followed each other without end; change solver.rtol, or look at "
+                   "friction and restitution";
+            break;
+        case Status::not_finite:
+            text << "a force or a coordinate was not a number; look for extreme values in the "
+                    "scenario";
+            break;
+        case Status::left_workspace:
+            text << "the robot reached the coils; give fewer pulses or less field, or look at "
+                    "effects.surface_tilt and friction";
+            break;
+        case Status::interrupted:
+            text << "the run was stopped";
+            break;
+        case Status::no_arkode:
+            return "this build has no arkode; use solver.method = \"tsit5\", or install SUNDIALS "
+                   "and "
+                   "build again";
+    }
+    return text.str();
+}
+
+RunResult simulate(const Scenario& scenario, RunControl* control) {
+    check(scenario);
+    switch (scenario.solver.method) {
+        case Method::tsit5:
+            return HybridLoop<Tsit5>(scenario, control).run();
+        case Method::arkode:
+#ifdef STICKSLIP_WITH_ARKODE
+            return HybridLoop<Arkode>(scenario, control).run();
+#else
+            break;
+#endif
+    }
+    RunResult result;
+    result.status = Status::no_arkode;
+    return result;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "stickslip/recording.hpp"
+#include "stickslip/scenario.hpp"
+#include "stickslip/stepping.hpp"
+#include "stickslip/summary.hpp"
+
+namespace stickslip {
+
+struct RunResult {
+    Status status = Status::ok;
+    Summary summary;
+    StepCounts steps;
+    Recording recording;
+    BodyState final_state;  ///< robot's own frame
+};
+
+/// "ok", "step_underflow", ...
+const char* name(Status status);
+
+/// What happened and what to do about it, in a sentence.
+std::string message(const RunResult& result);
+
+/// What a simulation shares with the thread that waits for it.
+struct RunControl {
+    std::atomic<bool> stop = false;
+    std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
+};
+
+/// Simulates one scenario from rest, flat, without current, to the end of its drive. Throws
+/// std::invalid_argument for a scenario that makes no sense (see `check`); everything that happens
+/// later is a status.
+RunResult simulate(const Scenario& scenario, RunControl* control = nullptr);
+
+}  // namespace stickslip

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "stickslip/phases.hpp"
+
+/// What the two integrators share.
+namespace stickslip {
+
+/// How a simulation ended.
+enum class Status {
+    ok,
+    step_underflow,   ///< the integrator's step fell below the resolution of time
+    too_many_events,  ///< events without end in no time
+    not_finite,       ///< a coordinate or a force is not a number
+    left_workspace,   ///< the robot reached the coils
+    interrupted,      ///< stopped from outside
+    no_arkode,        ///< the method `arkode` is not in this build
+};
+
+struct StepperOptions {
+    double tolerance = 1e-7;  ///< local error a step, relative to the scales of a phase
+    double max_step = 0.0;    ///< s, zero: no limit
+    Scales scales;
+    double swing_rate = 1.0;  ///< rad/s, of the fastest free swing: gives the first step of a phase
+    const std::atomic<bool>* stop = nullptr;
+};
+
+struct StepCounts {
+    std::int64_t accepted = 0;
+    std::int64_t rejected = 0;
+    std::int64_t evaluations = 0;
+};
+
+/// How a phase, or its part within a stretch of voltage, ended.
+template <class Phase>
+struct PhaseEnd {
+    Status status = Status::ok;
+    Event event = Event::none;  ///< none: the end of the stretch was reached
+    double tau = 0.0;           ///< s
+    typename Phase::State y = {};
+};
+
+/// Event functions that have been positive since the phase began; kept while a phase goes on from
+/// one stretch of voltage to the next.
+struct PhaseMemory {
+    static constexpr std::size_t kMost = 8;
+    std::array<bool, kMost> armed = {};
+    bool fresh = true;
+};
+
+}  // namespace stickslip

@@ -1,0 +1,23 @@
+"""The compiled core. Thin and unchecked: use the package's public classes."""
+
+from numpy import float64
+from numpy.typing import NDArray
+
+__version__: str
+has_arkode: bool
+wire_radius: float
+
+class CoilSet:
+    def __init__(self, side: float = ..., distance: float = ..., turns: float = ...) -> None: ...
+    @property
+    def side(self) -> float: ...
+    @property
+    def distance(self) -> float: ...
+    @property
+    def turns(self) -> float: ...
+    @property
+    def centre_field_per_ampere(self) -> float: ...
+    def field(self, points: NDArray[float64], currents: NDArray[float64]) -> NDArray[float64]: ...
+    def gradient(
+        self, points: NDArray[float64], currents: NDArray[float64]
+    ) -> NDArray[float64]: ...

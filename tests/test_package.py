@@ -1,0 +1,35 @@
+"""What a bare import costs and offers."""
+
+import importlib.metadata
+import subprocess
+import sys
+
+import pytest
+
+import stickslip
+
+
+def test_import_is_light():
+    # The promise is 0.3 s; what would break it are these, each 0.1 s or more by itself. Looking
+    # for them, unlike a clock, gives one answer on any machine.
+    heavy = "{'numpy', 'scipy', 'pandas', 'xarray', 'matplotlib', 'h5py', 'jinja2', 'click'}"
+    code = f"import sys, stickslip; print(sorted({heavy} & set(sys.modules)))"
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there():
+    for name in stickslip.__all__:
+        assert getattr(stickslip, name) is not None
+        assert name in dir(stickslip)
+
+
+def test_version_is_that_of_the_installed_package():
+    assert stickslip.__version__ == importlib.metadata.version("stickslip")
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
+        _ = stickslip.no_such_name
