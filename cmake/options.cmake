@@ -17,7 +17,8 @@ else()
   target_compile_options(stickslip_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion
     -ffp-contract=off
-    $<$<CONFIG:Release>:-O3 -fno-math-errno>
+    # Straight-line vectorisation packs what the stages of an integrator wrote one by one, and waits.
+    $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-slp-vectorize>
   )
 endif()
 

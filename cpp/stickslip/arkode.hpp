@@ -53,7 +53,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
     typename Phase::Values g;
     State slope;
     phase.rebase(tau, y);
-    phase.rates(tau, y, slope, g);
+    phase.rates(phase.field_at(tau), y, slope, g);
     if (memory.fresh) {
         for (std::size_t i = 0; i < kEvents; ++i) memory.armed[i] = g[i] > 0.0;
         memory.fresh = false;
@@ -66,7 +66,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         std::copy_n(at, state.size(), state.begin());
         phase.rebase(t, state);
         typename Phase::Values event_values;
-        phase.rates(t, state, rates, event_values);
+        phase.rates(phase.field_at(t), state, rates, event_values);
         if (dydt) std::copy_n(rates.begin(), rates.size(), dydt);
         if (values) std::copy_n(event_values.begin(), event_values.size(), values);
     };
@@ -106,7 +106,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         // ARKODE takes a function that begins at zero for inactive until it has moved, and never
         // sees one that begins at zero and falls.
         phase.rebase(tau, step.last);
-        phase.rates(tau, step.last, slope, g);
+        phase.rates(phase.field_at(tau), step.last, slope, g);
         for (std::size_t i = 0; i < kEvents && end.event == Event::none; ++i) {
             if (!memory.armed[i] && g[i] < 0.0) end.event = Phase::kEvent[i];
             memory.armed[i] = memory.armed[i] || g[i] > 0.0;

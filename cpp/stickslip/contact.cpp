@@ -16,13 +16,13 @@ public:
 
     Resolution corner(int quadrant, double angle, double slip_velocity, int onset) {
         const Pose pose = pose_at(quadrant, angle);
-        const Load load = dynamics_.load_near_surface(tau_, body_.x, body_.z, pose, body_.vx,
-                                                      body_.vz, body_.omega, 0.0);
+        const Load load = dynamics_.load_near_surface(dynamics_.field_at(tau_), body_.x, body_.z,
+                                                      pose, body_.vx, body_.vz, body_.omega, 0.0);
         if (slip_velocity != 0.0) return sliding(quadrant, pose, load, slip_velocity);
         if (onset != 0) return breaking_loose(quadrant, pose, load, onset);
 
         const CornerStick stick =
-            corner_stick(model_, model_.corner_inertia(), pose, body_.omega, load);
+            corner_stick(model_, 1.0 / model_.corner_inertia(), pose, body_.omega, load);
         const double limit = model_.friction.static_coefficient * stick.reaction.normal;
         if (stick.reaction.normal >= 0.0 && std::abs(stick.reaction.friction) <= limit) {
             return {{Touch::corner, 0}, quadrant};
@@ -32,8 +32,8 @@ public:
 
     Resolution face(int quadrant, double slip_velocity, int onset) {
         const Pose pose = pose_at(quadrant, 0.0);
-        const Load load =
-            dynamics_.load(tau_, body_.x, body_.z, pose, body_.vx, body_.vz, body_.omega);
+        const Load load = dynamics_.load(dynamics_.field_at(tau_), body_.x, body_.z, pose, body_.vx,
+                                         body_.vz, body_.omega);
         int slip = slip_velocity > 0.0 ? 1 : slip_velocity < 0.0 ? -1 : onset;
         FaceReaction reaction = face_reaction(model_, quadrant, load, true, 0.0);
         if (slip == 0 &&

@@ -29,10 +29,12 @@ struct CornerStick {
     Reaction reaction;
 };
 
-inline CornerStick corner_stick(const Model& model, double corner_inertia, const Pose& pose,
-                                double omega, const Load& load) {
-    const double moment = load.torque + pose.height * load.fx + pose.lever * load.fz;
-    const double alpha = moment / corner_inertia;
+/// per_corner_inertia: 1 / (J + m r^2), 1/(kg m^2).
+[[gnu::always_inline]] inline CornerStick corner_stick(const Model& model,
+                                                       double per_corner_inertia, const Pose& pose,
+                                                       double omega, const Load& load) {
+    const double moment = load.torque + (pose.height * load.fx + pose.lever * load.fz);
+    const double alpha = moment * per_corner_inertia;
     const double ww = omega * omega;
     const double ax = alpha * pose.height + ww * pose.lever;
     const double az = alpha * pose.lever - ww * pose.height;
@@ -54,8 +56,9 @@ inline double painleve_inertia(const Model& model, const Pose& pose, double coef
     return model.inertia + model.mass * pose.lever * (pose.lever - coefficient * pose.height);
 }
 
-inline CornerSlip corner_slip(const Model& model, const Pose& pose, double omega, const Load& load,
-                              double coefficient) {
+[[gnu::always_inline]] inline CornerSlip corner_slip(const Model& model, const Pose& pose,
+                                                     double omega, const Load& load,
+                                                     double coefficient) {
     const double ww = omega * omega;
     const double adhesion = load.contact_adhesion;
     const double arm = pose.lever - coefficient * pose.height;

@@ -37,10 +37,13 @@ public:
     const Model& model() const { return *model_; }
     LocalField& field() { return field_; }
     const LocalField& field() const { return field_; }
+    Expansion field_at(double tau) const { return field_.at(tau); }
     int quadrant() const { return quadrant_; }
 
     void set_quadrant(int quadrant) {
+        if (quadrant == quadrant_) return;
         quadrant_ = quadrant;
+        turns_ = kStale;
         const QuarterTurns turn(quadrant);
         const double c = std::cos(model_->misalignment), s = std::sin(model_->misalignment);
         moment_cosine_ = model_->moment * (turn.cosine * c - turn.sine * s);
@@ -50,24 +53,33 @@ public:
 
     /// Takes `angle` as the base of the next step; the robot's pose there.
     Pose rebase_angle(double angle) {
+        // Turning the last base on is quicker than sine and cosine; rounding adds up over few
+        // turns.
+        constexpr int kMostTurns = 32;
+        if (++turns_ < kMostTurns && std::abs(angle - base_angle_) < 0.125) {
+            base_pose_ = pose(angle);
+        } else {
+            base_pose_ = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));
+            turns_ = 0;
+        }
         base_angle_ = angle;
-        base_cosine_ = std::cos(angle);
-        base_sine_ = std::sin(angle);
-        return model_->shape.pose(quadrant_, base_cosine_, base_sine_);
+        return base_pose_;
     }
     void rebase_field(double tau, double x, double z) { field_.rebase(tau, x, z); }
 
-    Pose pose(double angle) const;
+    [[gnu::always_inline]] inline Pose pose(double angle) const;
 
     /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
-    Load load(double tau, double x, double z, const Pose& pose, double vx, double vz,
-              double omega) const;
+    [[gnu::always_inline]] inline Load load(const Expansion& field, double x, double z,
+                                            const Pose& pose, double vx, double vz,
+                                            double omega) const;
 
     /// The same with the adhesion of corners that are near but do not touch, where it has a range.
     /// `gap`: height of the pivot corner above the surface in m, 0 in contact.
-    Load load_near_surface(double tau, double x, double z, const Pose& pose, double vx, double vz,
-                           double omega, double gap) const {
-        Load result = load(tau, x, z, pose, vx, vz, omega);
+    [[gnu::always_inline]] Load load_near_surface(const Expansion& field, double x, double z,
+                                                  const Pose& pose, double vx, double vz,
+                                                  double omega, double gap) const {
+        Load result = load(field, x, z, pose, vx, vz, omega);
         if (model_->adhesion.range > 0.0) add_ranged_adhesion(pose, gap, result);
         return result;
     }
@@ -77,35 +89,35 @@ private:
 
     const Model* model_;
     LocalField field_;
-    int quadrant_ = 0;
+    static constexpr int kNoQuadrant = 1 << 30;
+    static constexpr int kStale = 1000;  // in `turns_`: the base pose is of another quadrant
+
+    int quadrant_ = kNoQuadrant;
     QuarterTurns turn_{0};
     double moment_cosine_ = 0.0, moment_sine_ = 0.0;
-    double base_angle_ = 0.0, base_cosine_ = 1.0, base_sine_ = 0.0;
+    double base_angle_ = 0.0;
+    int turns_ = kStale;
+    Pose base_pose_;
 };
 
 inline Pose Dynamics::pose(double angle) const {
     const double d = angle - base_angle_;
     const double dd = d * d;
-    double c, s;
-    if (dd < 0.0625) {
-        // Series to terms below 1e-16 of the result at |d| = 1/4.
-        c = 1.0 -
-            dd * (1.0 / 2 - dd * (1.0 / 24 - dd * (1.0 / 720 - dd * (1.0 / 40320 - dd / 3628800))));
-        s = d * (1.0 -
-                 dd * (1.0 / 6 -
-                       dd * (1.0 / 120 - dd * (1.0 / 5040 - dd * (1.0 / 362880 - dd / 39916800)))));
-    } else {
-        c = std::cos(d);
-        s = std::sin(d);
-    }
-    return model_->shape.pose(quadrant_, base_cosine_ * c - base_sine_ * s,
-                              base_sine_ * c + base_cosine_ * s);
+    if (!(dd < 0.015625)) return base_pose_.turned(std::cos(d), std::sin(d));
+    // Series whose next terms are below 3e-16 at |d| = 1/8, summed in pairs for the processor to
+    // overlap.
+    const double dddd = dd * dd;
+    const double c =
+        (1.0 - dd * (1.0 / 2)) + dddd * ((1.0 / 24 - dd * (1.0 / 720)) + dddd * (1.0 / 40320));
+    const double s = d * ((1.0 - dd * (1.0 / 6)) +
+                          dddd * ((1.0 / 120 - dd * (1.0 / 5040)) + dddd * (1.0 / 362880)));
+    return base_pose_.turned(c, s);
 }
 
-inline Load Dynamics::load(double tau, double x, double z, const Pose& pose, double vx, double vz,
-                           double omega) const {
+inline Load Dynamics::load(const Expansion& expansion, double x, double z, const Pose& pose,
+                           double vx, double vz, double omega) const {
     const Model& m = *model_;
-    const PlanarField field = field_.at(tau, x, z);
+    const PlanarField field = expansion(x, z);
     const double mx = moment_cosine_ * pose.cosine - moment_sine_ * pose.sine;
     const double mz = -(moment_sine_ * pose.cosine + moment_cosine_ * pose.sine);
     double drag = m.linear_drag;
@@ -116,8 +128,8 @@ inline Load Dynamics::load(double tau, double x, double z, const Pose& pose, dou
     Load load;
     load.fx = mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - drag * vx;
     load.fz = mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - drag * vz;
-    load.torque = mz * field.bx - mx * field.bz -
-                  (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;
+    const double turning_drag = (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;
+    load.torque = (mz * field.bx - turning_drag) - mx * field.bz;
     load.contact_adhesion = m.adhesion.strength;
     return load;
 }

@@ -192,8 +192,7 @@ void HybridLoop<Integrator>::sample_until(double limit, double from, auto&& snap
     for (double t = recorder_.next_time(); t <= limit; t = recorder_.next_time()) {
         const double tau = std::max(t, from) - segment_.start;
         const Snapshot snapshot = snapshot_at(tau);
-        recorder_.add(t, snapshot, mode_,
-                      dynamics_.field().at(tau, snapshot.body.x, snapshot.body.z),
+        recorder_.add(t, snapshot, mode_, dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
                       segment_.currents(tau));
     }
 }
@@ -424,7 +423,7 @@ void HybridLoop<Integrator>::record_events(double tau) {
     for (const EventKind kind : pending_) {
         const Snapshot snapshot = snapshot_now(tau);
         recorder_.add(absolute(tau), snapshot, mode_,
-                      dynamics_.field().at(tau, snapshot.body.x, snapshot.body.z),
+                      dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
                       segment_.currents(tau));
         recorder_.add_event(kind);
     }

@@ -29,10 +29,10 @@ void LocalField::set_segment(const CurrentSegment& segment) {
 }
 
 void LocalField::rebase(double tau, double x, double z) {
-    base_tau_ = tau;
     for (std::size_t j = 0; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
-        base_decay_[j] = std::exp(-segment_.rate[j] * tau);
+        base_decay_[j] = decay(tau, j);
     }
+    base_tau_ = tau;
     const double limit = kWorkspace * coils_->geometry().distance;
     outside_ = !(std::abs(x) < limit && std::abs(z) < limit);
     if (outside_) return;
@@ -82,7 +82,7 @@ void LocalField::combine() {
         for (std::size_t k = 0; k < kCoilCount; ++k) {
             const double coefficient = segment_.coefficient[b][k];
             if (!driven_[k] || coefficient == 0.0) continue;
-            for (std::size_t i = 0; i < kTerms; ++i) sum[i] += coefficient * unit_[k][i];
+            for (std::size_t i = 0; i < Expansion::kTerms; ++i) sum[i] += coefficient * unit_[k][i];
         }
         basis_[b] = sum;
     }

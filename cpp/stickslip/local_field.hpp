@@ -14,6 +14,19 @@ struct PlanarField {
     double dbx_dx = 0.0, dbx_dz = 0.0, dbz_dz = 0.0;  ///< T/m
 };
 
+/// The field at one time as a polynomial in the plane of motion.
+struct Expansion {
+    // bx bz | gxx gxz gzz | xxx xxz xzz zzz | xxxx xxxz xxzz xzzz zzzz: derivatives of the
+    // potential.
+    static constexpr std::size_t kTerms = 14;
+    using Terms = std::array<double, kTerms>;
+
+    Terms terms = {};
+    double centre_x = 0.0, centre_z = 0.0;  ///< m
+
+    [[gnu::always_inline]] inline PlanarField operator()(double x, double z) const;
+};
+
 /// The field of the driven coils near the robot and over one stretch of voltage.
 ///
 /// In the plane of motion the field derives from a potential, which is expanded to fourth order
@@ -38,13 +51,12 @@ public:
     /// The robot has come so near to a coil's plane that the model of the set-up ends.
     bool outside() const { return outside_; }
 
-    /// Field at `tau` seconds into the stretch at (x, 0, z).
-    PlanarField at(double tau, double x, double z) const;
+    /// The expansion at `tau` seconds into the stretch. It does not depend on the robot's state, so
+    /// an integrator can have it ready before a stage begins.
+    Expansion at(double tau) const;
 
 private:
-    // bx bz | gxx gxz gzz | xxx xxz xzz zzz | xxxx xxxz xxzz xzzz zzzz, padded for the vector unit
-    static constexpr std::size_t kTerms = 14;
-    using Terms = std::array<double, kTerms>;
+    using Terms = Expansion::Terms;
 
     void expand(double x, double z);
     void combine();
@@ -65,50 +77,51 @@ private:
 
 /// exp(-rate tau), from its value at the base time by a short series where the two are near.
 inline double LocalField::decay(double tau, std::size_t j) const {
-    const double u = segment_.rate[j] * (tau - base_tau_);
-    if (std::abs(u) > 0.0625) return std::exp(-segment_.rate[j] * tau);
-    // The next term, u^9/9!, is below 4e-17.
-    const double series =
-        1.0 -
-        u * (1.0 -
-             u * (1.0 / 2 -
-                  u * (1.0 / 6 -
-                       u * (1.0 / 24 -
-                            u * (1.0 / 120 - u * (1.0 / 720 - u * (1.0 / 5040 - u / 40320)))))));
-    return base_decay_[j] * series;
+    const double u = segment_.rate[j] * (base_tau_ - tau);
+    if (std::abs(u) > 0.125) return std::exp(-segment_.rate[j] * tau);
+    // The next term, u^10/10!, is below 3e-16. Pairs are summed apart, for the processor to
+    // overlap.
+    const double uu = u * u;
+    const double even =
+        1.0 + uu * (1.0 / 2 + uu * (1.0 / 24 + uu * (1.0 / 720 + uu * (1.0 / 40320))));
+    const double odd =
+        1.0 + uu * (1.0 / 6 + uu * (1.0 / 120 + uu * (1.0 / 5040 + uu * (1.0 / 362880))));
+    return base_decay_[j] * (even + u * odd);
 }
 
-inline PlanarField LocalField::at(double tau, double x, double z) const {
-    Terms c;
+inline Expansion LocalField::at(double tau) const {
+    Expansion result;
+    result.centre_x = centre_x_;
+    result.centre_z = centre_z_;
+    Terms& c = result.terms;
     const double first = decay(tau, 0);
-    for (std::size_t i = 0; i < kTerms; ++i) {
+    for (std::size_t i = 0; i < Expansion::kTerms; ++i) {
         c[i] = basis_[0][i] + basis_[1][i] * tau + basis_[2][i] * first;
     }
     if (segment_.exponentials > 1) {
         const double second = decay(tau, 1);
-        for (std::size_t i = 0; i < kTerms; ++i) c[i] += basis_[3][i] * second;
+        for (std::size_t i = 0; i < Expansion::kTerms; ++i) c[i] += basis_[3][i] * second;
     }
-    const double dx = x - centre_x_;
-    const double dz = z - centre_z_;
-    const double xx = 0.5 * dx * dx, xz = dx * dz, zz = 0.5 * dz * dz;
-    // The gradient in terms of equal degree; a homogeneous term of degree n in the gradient gives
-    // (x, z) . term / (n + 1) in the field (Euler).
-    const double l_xx = c[5] * dx + c[6] * dz;
-    const double l_xz = c[6] * dx + c[7] * dz;
-    const double l_zz = c[7] * dx + c[8] * dz;
-    const double q_xx = c[9] * xx + c[10] * xz + c[11] * zz;
-    const double q_xz = c[10] * xx + c[11] * xz + c[12] * zz;
-    const double q_zz = c[11] * xx + c[12] * xz + c[13] * zz;
+    return result;
+}
+
+inline PlanarField Expansion::operator()(double x, double z) const {
+    const Terms& c = terms;
+    const double dx = x - centre_x, dz = z - centre_z;
+    const double xx = 0.5 * (dx * dx), xz = dx * dz, zz = 0.5 * (dz * dz);
     constexpr double third = 1.0 / 3.0;
-    const double s_xx = c[2] + 0.5 * l_xx + third * q_xx;
-    const double s_xz = c[3] + 0.5 * l_xz + third * q_xz;
-    const double s_zz = c[4] + 0.5 * l_zz + third * q_zz;
+    const double xxx = third * dx * xx, xxz = dz * xx, xzz = dx * zz, zzz = third * dz * zz;
+    // Sums in pairs: what counts is the longest chain of dependent operations.
     PlanarField field;
-    field.bx = c[0] + s_xx * dx + s_xz * dz;
-    field.bz = c[1] + s_xz * dx + s_zz * dz;
-    field.dbx_dx = c[2] + l_xx + q_xx;
-    field.dbx_dz = c[3] + l_xz + q_xz;
-    field.dbz_dz = c[4] + l_zz + q_zz;
+    field.bx =
+        ((c[0] + c[2] * dx) + (c[3] * dz + c[5] * xx)) +
+        ((c[6] * xz + c[7] * zz) + ((c[9] * xxx + c[10] * xxz) + (c[11] * xzz + c[12] * zzz)));
+    field.bz =
+        ((c[1] + c[3] * dx) + (c[4] * dz + c[6] * xx)) +
+        ((c[7] * xz + c[8] * zz) + ((c[10] * xxx + c[11] * xxz) + (c[12] * xzz + c[13] * zzz)));
+    field.dbx_dx = (c[2] + (c[5] * dx + c[6] * dz)) + (c[9] * xx + (c[10] * xz + c[11] * zz));
+    field.dbx_dz = (c[3] + (c[6] * dx + c[7] * dz)) + (c[10] * xx + (c[11] * xz + c[12] * zz));
+    field.dbz_dz = (c[4] + (c[7] * dx + c[8] * dz)) + (c[11] * xx + (c[12] * xz + c[13] * zz));
     return field;
 }
 

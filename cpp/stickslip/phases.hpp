@@ -13,7 +13,9 @@
 ///   kDim, kEvents      number of coordinates and of event functions
 ///   kSlips, kFlies     whether a contact slips, whether nothing touches
 ///   kEvent             what each event function is; it fires when its function falls through zero
-///   rates(tau, y, dydt, g)   rates and event functions
+///   field_at(tau)      the field's expansion, apart from the state
+///   rates(field, y, dydt, g)   rates and event functions
+///   event(i, tau, y)   one event function
 ///   rebase(tau, y)     the base of the next step (see Dynamics)
 ///   begin(body), body(y)     to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
@@ -49,8 +51,32 @@ struct Snapshot {
     double slip_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, of the pivot corner
 };
 
+/// What all phases share.
+class PhaseBase {
+public:
+    explicit PhaseBase(Dynamics& dynamics) : dynamics_(&dynamics) {}
+
+    Expansion field_at(double tau) const { return dynamics_->field_at(tau); }
+    bool outside() const { return dynamics_->field().outside(); }
+
+protected:
+    const Model& model() const { return dynamics_->model(); }
+    int quadrant() const { return dynamics_->quadrant(); }
+
+    template <class Phase>
+    static double event_by_rates(const Phase& phase, std::size_t i, double tau,
+                                 const typename Phase::State& y) {
+        typename Phase::State unused;
+        typename Phase::Values g;
+        phase.rates(phase.field_at(tau), y, unused, g);
+        return g[i];
+    }
+
+    Dynamics* dynamics_;
+};
+
 /// A corner sticks: y = (angle, omega).
-class CornerStickPhase {
+class CornerStickPhase : public PhaseBase {
 public:
     static constexpr int kDim = 2;
     static constexpr int kEvents = 5;
@@ -63,16 +89,22 @@ public:
                                                           Event::behind_lands, Event::ahead_lands};
 
     CornerStickPhase(Dynamics& dynamics, double contact_x)
-        : dynamics_(&dynamics),
+        : PhaseBase(dynamics),
           contact_x_(contact_x),
-          corner_inertia_(dynamics.model().corner_inertia()) {}
+          per_corner_inertia_(1.0 / dynamics.model().corner_inertia()) {}
 
-    void rates(double tau, const State& y, State& dydt, Values& g) const {
-        const CornerStick stick = solve(tau, y);
+    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+                                      Values& g) const {
+        const CornerStick stick = solve(field, y);
         dydt = {y[1], stick.angular_acceleration};
-        const double limit = dynamics_->model().friction.static_coefficient * stick.reaction.normal;
+        const double limit = model().friction.static_coefficient * stick.reaction.normal;
         g = {stick.reaction.normal, limit - stick.reaction.friction,
              limit + stick.reaction.friction, y[0], kQuarterTurn - y[0]};
+    }
+    double event(std::size_t i, double tau, const State& y) const {
+        if (i == 3) return y[0];
+        if (i == 4) return kQuarterTurn - y[0];
+        return event_by_rates(*this, i, tau, y);
     }
     void rebase(double tau, const State& y) {
         const Pose pose = dynamics_->rebase_angle(y[0]);
@@ -81,35 +113,32 @@ public:
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(const State& y) const {
         const Pose pose = dynamics_->pose(y[0]);
-        return {contact_x_ - pose.lever, pose.height,       y[0],
-                y[1] * pose.height,      y[1] * pose.lever, y[1],
-                dynamics_->quadrant()};
+        return {contact_x_ - pose.lever, pose.height, y[0],      y[1] * pose.height,
+                y[1] * pose.lever,       y[1],        quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        return {body(y), solve(tau, y).reaction, contact_x_, 0.0};
+        return {body(y), solve(field_at(tau), y).reaction, contact_x_, 0.0};
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
-    bool outside() const { return dynamics_->field().outside(); }
     double angle(const State& y) const { return y[0]; }
     double omega(const State& y) const { return y[1]; }
     double contact_x(const State&) const { return contact_x_; }
 
 private:
-    CornerStick solve(double tau, const State& y) const {
+    [[gnu::always_inline]] CornerStick solve(const Expansion& field, const State& y) const {
         const Pose pose = dynamics_->pose(y[0]);
         const Load load =
-            dynamics_->load_near_surface(tau, contact_x_ - pose.lever, pose.height, pose,
+            dynamics_->load_near_surface(field, contact_x_ - pose.lever, pose.height, pose,
                                          y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
-        return corner_stick(dynamics_->model(), corner_inertia_, pose, y[1], load);
+        return corner_stick(model(), per_corner_inertia_, pose, y[1], load);
     }
 
-    Dynamics* dynamics_;
     double contact_x_;
-    double corner_inertia_;
+    double per_corner_inertia_;
 };
 
 /// A corner slips to one side: y = (contact_x, angle, slip velocity, omega).
-class CornerSlipPhase {
+class CornerSlipPhase : public PhaseBase {
 public:
     static constexpr int kDim = 4;
     static constexpr int kEvents = 5;
@@ -122,13 +151,20 @@ public:
                                                           Event::sliding_jams};
 
     CornerSlipPhase(Dynamics& dynamics, double contact_x, int slip, double slip_velocity)
-        : dynamics_(&dynamics), contact_x_(contact_x), slip_velocity_(slip_velocity), slip_(slip) {}
+        : PhaseBase(dynamics), contact_x_(contact_x), slip_velocity_(slip_velocity), slip_(slip) {}
 
-    void rates(double tau, const State& y, State& dydt, Values& g) const {
-        const CornerSlip motion = solve(tau, y);
+    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+                                      Values& g) const {
+        const CornerSlip motion = solve(field, y);
         dydt = {y[2], y[3], motion.slip_acceleration, motion.angular_acceleration};
         g = {motion.normal, slip_ * y[2], y[1], kQuarterTurn - y[1],
-             motion.effective_inertia - kJammed * dynamics_->model().inertia};
+             motion.effective_inertia - kJammed * model().inertia};
+    }
+    double event(std::size_t i, double tau, const State& y) const {
+        if (i == 1) return slip_ * y[2];
+        if (i == 2) return y[1];
+        if (i == 3) return kQuarterTurn - y[1];
+        return event_by_rates(*this, i, tau, y);
     }
     void rebase(double tau, const State& y) {
         const Pose pose = dynamics_->rebase_angle(y[1]);
@@ -139,25 +175,22 @@ public:
     }
     BodyState body(const State& y) const {
         const Pose pose = dynamics_->pose(y[1]);
-        return {y[0] - pose.lever,         pose.height,       y[1],
-                y[2] + y[3] * pose.height, y[3] * pose.lever, y[3],
-                dynamics_->quadrant()};
+        return {y[0] - pose.lever, pose.height, y[1],      y[2] + y[3] * pose.height,
+                y[3] * pose.lever, y[3],        quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        const double normal = solve(tau, y).normal;
+        const double normal = solve(field_at(tau), y).normal;
         return {body(y), {normal, -coefficient(y[2]) * normal}, y[0], y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
-    bool outside() const { return dynamics_->field().outside(); }
     double angle(const State& y) const { return y[1]; }
     double omega(const State& y) const { return y[3]; }
     double contact_x(const State& y) const { return y[0]; }
     double slip_velocity(const State& y) const { return y[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(const State& y) const {
-        const double inertia =
-            painleve_inertia(dynamics_->model(), dynamics_->pose(y[1]), coefficient(y[2]));
-        return inertia < kNearlyJammed * dynamics_->model().inertia;
+        const double inertia = painleve_inertia(model(), dynamics_->pose(y[1]), coefficient(y[2]));
+        return inertia < kNearlyJammed * model().inertia;
     }
 
 private:
@@ -167,23 +200,22 @@ private:
     static constexpr double kNearlyJammed = 1e-2;
 
     double coefficient(double slip_velocity) const {
-        return slip_ * dynamics_->model().friction.kinetic(slip_velocity);
+        return slip_ * model().friction.kinetic(slip_velocity);
     }
-    CornerSlip solve(double tau, const State& y) const {
+    [[gnu::always_inline]] CornerSlip solve(const Expansion& field, const State& y) const {
         const Pose pose = dynamics_->pose(y[1]);
         const Load load =
-            dynamics_->load_near_surface(tau, y[0] - pose.lever, pose.height, pose,
+            dynamics_->load_near_surface(field, y[0] - pose.lever, pose.height, pose,
                                          y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
-        return corner_slip(dynamics_->model(), pose, y[3], load, coefficient(y[2]));
+        return corner_slip(model(), pose, y[3], load, coefficient(y[2]));
     }
 
-    Dynamics* dynamics_;
     double contact_x_, slip_velocity_;
     int slip_;
 };
 
 /// A face slides: y = (x of the centre of mass, slip velocity).
-class FaceSlidePhase {
+class FaceSlidePhase : public PhaseBase {
 public:
     static constexpr int kDim = 2;
     static constexpr int kEvents = 3;
@@ -194,13 +226,17 @@ public:
     static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
                                                           Event::slip_stops};
 
-    FaceSlidePhase(Dynamics& dynamics, int slip) : dynamics_(&dynamics), slip_(slip) {}
+    FaceSlidePhase(Dynamics& dynamics, int slip) : PhaseBase(dynamics), slip_(slip) {}
 
-    void rates(double tau, const State& y, State& dydt, Values& g) const {
+    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+                                      Values& g) const {
         Load load;
-        const FaceReaction reaction = solve(tau, y, load);
-        dydt = {y[1], (load.fx + reaction.friction) / dynamics_->model().mass};
+        const FaceReaction reaction = solve(field, y, load);
+        dydt = {y[1], (load.fx + reaction.friction) / model().mass};
         g = {reaction.ahead, reaction.behind, slip_ * y[1]};
+    }
+    double event(std::size_t i, double tau, const State& y) const {
+        return event_by_rates(*this, i, tau, y);
     }
     void rebase(double tau, const State& y) {
         dynamics_->rebase_angle(0.0);
@@ -208,37 +244,32 @@ public:
     }
     State begin(const BodyState& body) const { return {body.x, body.vx}; }
     BodyState body(const State& y) const {
-        return {y[0], height(), 0.0, y[1], 0.0, 0.0, dynamics_->quadrant()};
+        return {y[0], height(), 0.0, y[1], 0.0, 0.0, quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
         Load load;
-        const FaceReaction reaction = solve(tau, y, load);
+        const FaceReaction reaction = solve(field_at(tau), y, load);
         return {body(y), {reaction.normal(), reaction.friction}, contact_x(y), y[1]};
     }
     State scale(const Scales& s) const { return {s.length, s.velocity}; }
-    bool outside() const { return dynamics_->field().outside(); }
     double angle(const State&) const { return 0.0; }
     double omega(const State&) const { return 0.0; }
-    double contact_x(const State& y) const {
-        return y[0] + dynamics_->model().shape.half_base(dynamics_->quadrant());
-    }
+    double contact_x(const State& y) const { return y[0] + model().shape.half_base(quadrant()); }
     double slip_velocity(const State& y) const { return y[1]; }
 
 private:
-    double height() const { return dynamics_->model().shape.half_rise(dynamics_->quadrant()); }
-    FaceReaction solve(double tau, const State& y, Load& load) const {
-        const Model& model = dynamics_->model();
-        load = dynamics_->load(tau, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
-        return face_reaction(model, dynamics_->quadrant(), load, false,
-                             slip_ * model.friction.kinetic(y[1]));
+    double height() const { return model().shape.half_rise(quadrant()); }
+    FaceReaction solve(const Expansion& field, const State& y, Load& load) const {
+        load = dynamics_->load(field, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
+        return face_reaction(model(), quadrant(), load, false,
+                             slip_ * model().friction.kinetic(y[1]));
     }
 
-    Dynamics* dynamics_;
     int slip_;
 };
 
 /// Nothing touches: y = (x, z, angle, vx, vz, omega).
-class FlightPhase {
+class FlightPhase : public PhaseBase {
 public:
     static constexpr int kDim = 6;
     static constexpr int kEvents = 4;
@@ -249,25 +280,28 @@ public:
     static constexpr std::array<Event, kEvents> kEvent = {
         Event::pivot_touches, Event::behind_lands, Event::ahead_lands, Event::opposite_touches};
 
-    explicit FlightPhase(Dynamics& dynamics) : dynamics_(&dynamics) {}
+    using PhaseBase::PhaseBase;
 
-    void rates(double tau, const State& y, State& dydt, Values& g) const {
-        const Model& model = dynamics_->model();
+    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+                                      Values& g) const {
         const Pose pose = dynamics_->pose(y[2]);
         const double gap = y[1] - pose.height;
         // In flight a corner at gap zero pulls no more: adhesion without range is lost at lift-off.
         const Load load =
-            dynamics_->load_near_surface(tau, y[0], y[1], pose, y[3], y[4], y[5],
+            dynamics_->load_near_surface(field, y[0], y[1], pose, y[3], y[4], y[5],
                                          std::max(gap, std::numeric_limits<double>::min()));
         dydt = {y[3],
                 y[4],
                 y[5],
-                load.fx / model.mass,
-                load.fz / model.mass,
-                load.torque / model.inertia};
-        const double behind = 2.0 * model.shape.half_base(dynamics_->quadrant()) * pose.sine;
-        const double ahead = 2.0 * model.shape.half_rise(dynamics_->quadrant()) * pose.cosine;
+                load.fx / model().mass,
+                load.fz / model().mass,
+                load.torque / model().inertia};
+        const double behind = 2.0 * model().shape.half_base(quadrant()) * pose.sine;
+        const double ahead = 2.0 * model().shape.half_rise(quadrant()) * pose.cosine;
         g = {gap, gap + behind, gap + ahead, gap + behind + ahead};
+    }
+    double event(std::size_t i, double tau, const State& y) const {
+        return event_by_rates(*this, i, tau, y);
     }
     void rebase(double tau, const State& y) {
         dynamics_->rebase_angle(y[2]);
@@ -277,7 +311,7 @@ public:
         return {body.x, body.z, body.angle, body.vx, body.vz, body.omega};
     }
     BodyState body(const State& y) const {
-        return {y[0], y[1], y[2], y[3], y[4], y[5], dynamics_->quadrant()};
+        return {y[0], y[1], y[2], y[3], y[4], y[5], quadrant()};
     }
     Snapshot snapshot(double, const State& y) const {
         Snapshot result;
@@ -287,12 +321,8 @@ public:
     State scale(const Scales& s) const {
         return {s.length, s.length, 1.0, s.velocity, s.velocity, s.rate};
     }
-    bool outside() const { return dynamics_->field().outside(); }
     double angle(const State& y) const { return y[2]; }
     double omega(const State& y) const { return y[5]; }
-
-private:
-    Dynamics* dynamics_;
 };
 
 }  // namespace stickslip

@@ -13,6 +13,12 @@ struct Pose {
     double sine = 0.0;
     double lever = 0.0;   ///< m, horizontal distance from the centre of mass to the pivot, signed
     double height = 0.0;  ///< m, height of the centre of mass above the pivot
+
+    /// Turned on by an angle with cosine c and sine s.
+    Pose turned(double c, double s) const {
+        return {cosine * c - sine * s, sine * c + cosine * s, lever * c - height * s,
+                height * c + lever * s};
+    }
 };
 
 /// The robot's side view as a rectangle on the plane z = 0.

@@ -72,8 +72,8 @@ public:
 
 private:
     FaceReaction solve(double tau) const {
-        const Load load =
-            dynamics_->load(tau, body_.x, body_.z, dynamics_->pose(0.0), 0.0, 0.0, 0.0);
+        const Load load = dynamics_->load(dynamics_->field_at(tau), body_.x, body_.z,
+                                          dynamics_->pose(0.0), 0.0, 0.0, 0.0);
         return face_reaction(dynamics_->model(), body_.quadrant, load, true, 0.0);
     }
 

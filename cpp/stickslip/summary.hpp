@@ -63,7 +63,7 @@ public:
         auto middle = last;
         const bool turns = omega_first * omega_last < 0.0;
         if (turns) {
-            middle = step.dense(turning_point(phase, step, s, omega_first));
+            middle = step.dense(turning_point(phase, step, s, omega_first, omega_last));
             see(offset + phase.angle(middle));
         }
         if constexpr (Phase::kSlips) {
@@ -83,14 +83,25 @@ private:
     void add_slip(double omega, double distance) {
         (omega > 0.0 ? rising_ : omega < 0.0 ? falling_ : flat_) += distance;
     }
+    // Where omega changes sign. theta is stationary there, so a few secants find its extreme to
+    // rounding.
     template <class Phase, class Step>
-    static double turning_point(const Phase& phase, const Step& step, double high, double first) {
-        double low = 0.0;
-        for (int i = 0; i < 30; ++i) {
-            const double s = 0.5 * (low + high);
-            (phase.omega(step.dense(s)) * first > 0.0 ? low : high) = s;
+    static double turning_point(const Phase& phase, const Step& step, double high, double at_low,
+                                double at_high) {
+        double low = 0.0, s = high;
+        for (int i = 0; i < 5; ++i) {
+            s = low + (high - low) * at_low / (at_low - at_high);
+            const double at_s = phase.omega(step.dense(s));
+            if (at_s * at_low > 0.0) {
+                low = s, at_low = at_s;
+                at_high *= 0.5;
+            } else {
+                high = s, at_high = at_s;
+                at_low *= 0.5;
+            }
+            if (at_s == 0.0) break;
         }
-        return high;
+        return s;
     }
 
     bool open_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "stickslip/event_location.hpp"
 #include "stickslip/stepping.hpp"
@@ -20,6 +21,7 @@ struct Tsit5Step {
     double width = 0.0;  ///< s
     State first = {}, last = {};
     std::array<State, 7> slope = {};
+    State weight = {};  ///< of each coordinate's error in the norm
 
     /// Coordinates at the fraction s of the step.
     State dense(double s) const {
@@ -45,10 +47,33 @@ struct Tsit5Step {
     }
 };
 
+/// Coefficients of the pair. The last row of `a` is the step itself (first same as last).
+struct Tsit5Table {
+    static constexpr std::array<double, 6> c = {0.0, 0.161, 0.327, 0.9, 0.9800255409045097, 1.0};
+    static constexpr double a[6][6] = {
+        {0.161},
+        {-0.008480655492356989, 0.335480655492357},
+        {2.8971530571054935, -6.359448489975075, 4.3622954328695815},
+        {5.325864828439257, -11.748883564062828, 7.4955393428898365, -0.09249506636175525},
+        {5.86145544294642, -12.92096931784711, 8.159367898576159, -0.071584973281401,
+         -0.028269050394068383},
+        {0.09646076681806523, 0.01, 0.4798896504144996, 1.379008574103742, -3.290069515436081,
+         2.324710524099774}};
+    static constexpr std::array<double, 7> error = {-0.00178001105222577714,
+                                                    -0.0008164344596567469,
+                                                    0.007880878010261995,
+                                                    -0.1447110071732629,
+                                                    0.5823571654525552,
+                                                    -0.45808210592918697,
+                                                    1.0 / 66.0};
+};
+
 /// Adaptive integration of a phase by Tsit5, with events located on the dense output.
 class Tsit5 {
 public:
-    explicit Tsit5(const StepperOptions& options) : options_(options) {}
+    explicit Tsit5(const StepperOptions& options)
+        : options_(options),
+          first_width_(0.3 * std::pow(options.tolerance / 1e-6, 0.2) / options.swing_rate) {}
 
     const StepCounts& counts() const { return counts_; }
 
@@ -59,93 +84,84 @@ public:
                             typename Phase::State y, Observer&& observe);
 
 private:
+    template <std::size_t N>
+    using Stage = std::integral_constant<std::size_t, N>;
+
     template <class Phase>
     double stages(const Phase& phase, Tsit5Step<Phase>& step,
                   EventSamples<Phase::kEvents>& samples);
 
-    double next_width(double error);
+    double next_width(double squared_error);
 
     StepperOptions options_;
     StepCounts counts_;
-    double width_ = 0.0;            // proposal carried along a phase
-    double previous_error_ = 1e-4;  // of the proportional-integral controller
+    double first_width_;  // s, of a phase: a part of a free swing that the tolerance allows
+    double width_ = 0.0;  // s, proposal carried along a phase
+    // The controller takes an error below 1e-4 of the tolerance for that.
+    static constexpr float kLeastLogError = -13.3f;  // base 2
+    float previous_log_error_ = kLeastLogError;
 };
 
-/// Fills the step's stages and end and returns the error norm (accepted if at most one).
+/// Fills the step's stages and end and returns the squared error norm (accepted if at most one).
 template <class Phase>
 double Tsit5::stages(const Phase& phase, Tsit5Step<Phase>& step,
                      EventSamples<Phase::kEvents>& samples) {
-    constexpr double a21 = 0.161;
-    constexpr double a31 = -0.008480655492356989, a32 = 0.335480655492357;
-    constexpr double a41 = 2.8971530571054935, a42 = -6.359448489975075, a43 = 4.3622954328695815;
-    constexpr double a51 = 5.325864828439257, a52 = -11.748883564062828, a53 = 7.4955393428898365,
-                     a54 = -0.09249506636175525;
-    constexpr double a61 = 5.86145544294642, a62 = -12.92096931784711, a63 = 8.159367898576159,
-                     a64 = -0.071584973281401, a65 = -0.028269050394068383;
-    constexpr double b1 = 0.09646076681806523, b2 = 0.01, b3 = 0.4798896504144996,
-                     b4 = 1.379008574103742, b5 = -3.290069515436081, b6 = 2.324710524099774;
-    constexpr double e1 = -0.00178001105222577714, e2 = -0.0008164344596567469,
-                     e3 = 0.007880878010261995, e4 = -0.1447110071732629, e5 = 0.5823571654525552,
-                     e6 = -0.45808210592918697, e7 = 1.0 / 66.0;
-    constexpr std::size_t n = Phase::kDim;
-    const auto& k = step.slope;
-    const auto& y = step.first;
-    const double h = step.width, t = step.start;
-    typename Phase::State u;
-    std::array<double, Phase::kEvents> g;
-    auto lower = [&] {
-        for (std::size_t i = 0; i < g.size(); ++i)
-            samples.lowest[i] = std::min(samples.lowest[i], g[i]);
+    using Table = Tsit5Table;
+    using State = typename Phase::State;
+    const double h = step.width;
+    // The field at the stages' times does not wait for the stages: it is had at once, and the
+    // processor overlaps it with the chain of dependent stages.
+    std::array<Expansion, 5> field;
+    for (std::size_t s = 0; s < 5; ++s) field[s] = phase.field_at(step.start + Table::c[s + 1] * h);
+
+    const auto stage_end = [&](auto row) {
+        constexpr std::size_t kStages = decltype(row)::value;
+        State y = step.first;
+        for (std::size_t j = 0; j < kStages; ++j) {
+            const double weight = h * Table::a[kStages - 1][j];
+            for (std::size_t i = 0; i < y.size(); ++i) y[i] += weight * step.slope[j][i];
+        }
+        return y;
     };
+    const auto lower = [&](const typename Phase::Values& g) {
+        for (std::size_t i = 0; i < g.size(); ++i) {
+            samples.lowest[i] = std::min(samples.lowest[i], g[i]);
+        }
+    };
+    typename Phase::Values g;
     samples.lowest = samples.start;
-    for (std::size_t i = 0; i < n; ++i) u[i] = y[i] + h * (a21 * k[0][i]);
-    phase.rates(t + 0.161 * h, u, step.slope[1], samples.early);
-    g = samples.early;
-    lower();
-    for (std::size_t i = 0; i < n; ++i) u[i] = y[i] + h * (a31 * k[0][i] + a32 * k[1][i]);
-    phase.rates(t + 0.327 * h, u, step.slope[2], g);
-    lower();
-    for (std::size_t i = 0; i < n; ++i) {
-        u[i] = y[i] + h * (a41 * k[0][i] + a42 * k[1][i] + a43 * k[2][i]);
-    }
-    phase.rates(t + 0.9 * h, u, step.slope[3], samples.late);
-    g = samples.late;
-    lower();
-    for (std::size_t i = 0; i < n; ++i) {
-        u[i] = y[i] + h * (a51 * k[0][i] + a52 * k[1][i] + a53 * k[2][i] + a54 * k[3][i]);
-    }
-    phase.rates(t + 0.9800255409045097 * h, u, step.slope[4], g);
-    lower();
-    for (std::size_t i = 0; i < n; ++i) {
-        u[i] = y[i] +
-               h * (a61 * k[0][i] + a62 * k[1][i] + a63 * k[2][i] + a64 * k[3][i] + a65 * k[4][i]);
-    }
-    phase.rates(t + h, u, step.slope[5], g);
-    lower();
-    for (std::size_t i = 0; i < n; ++i) {
-        step.last[i] = y[i] + h * (b1 * k[0][i] + b2 * k[1][i] + b3 * k[2][i] + b4 * k[3][i] +
-                                   b5 * k[4][i] + b6 * k[5][i]);
-    }
-    phase.rates(t + h, step.last, step.slope[6], samples.end);
+    phase.rates(field[0], stage_end(Stage<1>()), step.slope[1], samples.early);
+    lower(samples.early);
+    phase.rates(field[1], stage_end(Stage<2>()), step.slope[2], g);
+    lower(g);
+    phase.rates(field[2], stage_end(Stage<3>()), step.slope[3], samples.late);
+    lower(samples.late);
+    phase.rates(field[3], stage_end(Stage<4>()), step.slope[4], g);
+    lower(g);
+    phase.rates(field[4], stage_end(Stage<5>()), step.slope[5], g);
+    lower(g);
+    step.last = stage_end(Stage<6>());
+    phase.rates(field[4], step.last, step.slope[6], samples.end);
     counts_.evaluations += 6;
-    const auto scale = phase.scale(options_.scales);
+
     double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const double error = h *
-                             (e1 * k[0][i] + e2 * k[1][i] + e3 * k[2][i] + e4 * k[3][i] +
-                              e5 * k[4][i] + e6 * k[5][i] + e7 * k[6][i]) /
-                             scale[i];
+    for (std::size_t i = 0; i < step.last.size(); ++i) {
+        double error = 0.0;
+        for (std::size_t j = 0; j < 7; ++j) error += Table::error[j] * step.slope[j][i];
+        error *= h * step.weight[i];
         sum += error * error;
     }
-    return std::sqrt(sum / static_cast<double>(n)) / options_.tolerance;
+    return sum;
 }
 
-/// Factor on the width after an accepted step: the controller PI 4/5 of Hairer and Wanner.
-inline double Tsit5::next_width(double error) {
-    const double bounded = std::max(error, 1e-10);
-    const double factor = 0.9 * std::pow(bounded, -0.17) * std::pow(previous_error_, 0.04);
-    previous_error_ = std::max(error, 1e-4);
-    return std::clamp(factor, 0.2, 8.0);
+/// Factor on the width after an accepted step: the controller PI of Hairer and Wanner, with
+/// exponents 0.17 and 0.04 for the fifth order. It needs no more than single precision, and the
+/// next step waits for it.
+inline double Tsit5::next_width(double squared_error) {
+    const float log_error = 0.5f * std::log2(static_cast<float>(std::max(squared_error, 1e-20)));
+    const float factor = 0.9f * std::exp2(0.04f * previous_log_error_ - 0.17f * log_error);
+    previous_log_error_ = std::max(log_error, kLeastLogError);
+    return std::clamp(static_cast<double>(factor), 0.2, 8.0);
 }
 
 template <class Phase, class Observer>
@@ -155,17 +171,25 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
     Tsit5Step<Phase> step;
     EventSamples<Phase::kEvents> samples;
     step.first = y;
+    const typename Phase::State scale = phase.scale(options_.scales);
+    for (std::size_t i = 0; i < scale.size(); ++i) {
+        step.weight[i] =
+            1.0 / (scale[i] * options_.tolerance * std::sqrt(static_cast<double>(scale.size())));
+    }
     phase.rebase(tau, y);
-    phase.rates(tau, y, step.slope[0], samples.start);
+    phase.rates(phase.field_at(tau), y, step.slope[0], samples.start);
     ++counts_.evaluations;
     if (memory.fresh) {
         // A step carried over from another phase can leap over the whole of a short one.
-        width_ = 0.02 / options_.swing_rate;
-        previous_error_ = 1e-4;
+        width_ = first_width_;
+        previous_log_error_ = kLeastLogError;
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
             memory.armed[i] = samples.start[i] > 0.0;
         }
         memory.fresh = false;
+    } else {
+        // The same phase over a kink of the voltage, which excites the swing anew.
+        width_ = std::min(width_, 2.0 * first_width_);
     }
     const double least = 1e-15 * std::max(1e-3, tau_end);
     bool after_rejection = false;
@@ -182,7 +206,7 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         if (!(error <= 1.0)) {
             ++counts_.rejected;
             const double factor =
-                std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
+                std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.1)) : 0.1;
             width_ = width * factor;
             after_rejection = true;
             if (width_ < least) {
@@ -193,11 +217,8 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         }
         ++counts_.accepted;
         const auto value = [&](std::size_t i, double s) {
-            typename Phase::State unused;
-            typename Phase::Values g;
-            phase.rates(step.start + s * step.width, step.dense(s), unused, g);
             ++counts_.evaluations;
-            return g[i];
+            return phase.event(i, step.start + s * step.width, step.dense(s));
         };
         const EventHit hit = Finder::find(samples, memory.armed, value);
         if (hit) {
