@@ -5,6 +5,7 @@
 
 #include "register.hpp"
 #include "stickslip/batch.hpp"
+#include "stickslip/sweep.hpp"
 
 namespace py = pybind11;
 
@@ -78,16 +79,69 @@ py::dict summary_dict(const RunResult& run) {
     return result;
 }
 
+/// Called while runs go on: lets Python see signals and the simulated time.
+void report(const RunControl& control, const py::object& progress) {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress.is_none()) progress(control.simulated_time.load());
+}
+
 std::vector<RunResult> batch(const std::vector<Scenario>& scenarios, int threads,
                              const py::object& progress) {
     RunControl control;
-    const auto poll = [&] {
-        const py::gil_scoped_acquire acquire;
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-        if (!progress.is_none()) progress(control.simulated_time.load());
-    };
+    const auto poll = [&] { report(control, progress); };
     const py::gil_scoped_release release;
     return simulate_batch(scenarios, threads, control, poll);
+}
+
+/// A column of a sweep's points.
+template <class T, class Get>
+py::array_t<T> column(const std::vector<SweepPoint>& points, Get&& get) {
+    py::array_t<T> result(static_cast<py::ssize_t>(points.size()));
+    auto out = result.template mutable_unchecked<1>();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        out(static_cast<py::ssize_t>(i)) = static_cast<T>(get(points[i]));
+    }
+    return result;
+}
+
+/// Columns by name, and messages by the index of a point that did not end well.
+py::tuple sweep_columns(
+    const Scenario& base, const std::vector<std::string>& keys,
+    const py::array_t<double, py::array::c_style | py::array::forcecast>& values, int threads,
+    const py::object& progress) {
+    const std::vector<double> flat(values.data(), values.data() + values.size());
+    RunControl control;
+    const auto poll = [&] { report(control, progress); };
+    std::vector<SweepPoint> points;
+    {
+        const py::gil_scoped_release release;
+        points = sweep(base, keys, flat, threads, control, poll);
+    }
+    py::dict columns;
+    const auto add = [&](const char* key, double Summary::*member) {
+        columns[key] =
+            column<double>(points, [member](const SweepPoint& p) { return p.summary.*member; });
+    };
+    columns["status"] = column<std::int8_t>(
+        points, [](const SweepPoint& p) { return p.refused ? -1 : static_cast<int>(p.status); });
+    add("mean_velocity", &Summary::mean_velocity);
+    add("theta_min", &Summary::theta_min);
+    add("theta_max", &Summary::theta_max);
+    add("slip_up", &Summary::slip_up);
+    add("slip_down", &Summary::slip_down);
+    add("slip_flat", &Summary::slip_flat);
+    add("airborne_fraction", &Summary::airborne_fraction);
+    add("simulated_time", &Summary::simulated_time);
+    for (std::size_t k = 0; k < kEventKinds; ++k) {
+        columns[name(static_cast<EventKind>(k))] =
+            column<std::int64_t>(points, [k](const SweepPoint& p) { return p.summary.events[k]; });
+    }
+    py::dict messages;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!points[i].message.empty()) messages[py::int_(i)] = points[i].message;
+    }
+    return py::make_tuple(columns, messages);
 }
 
 }  // namespace
@@ -104,11 +158,17 @@ void register_simulation(py::module_& module) {
 
     module.def("simulate_batch", &batch, py::arg("scenarios"), py::arg("threads") = 1,
                py::arg("progress") = py::none());
-    py::list contact_names, event_names;
+    module.def("sweep", &sweep_columns, py::arg("base"), py::arg("keys"), py::arg("values"),
+               py::arg("threads") = 1, py::arg("progress") = py::none());
+    py::list contact_names, event_names, status_names;
     for (const char* contact : kContactNames) contact_names.append(contact);
     for (std::size_t k = 0; k < kEventKinds; ++k) {
         event_names.append(name(static_cast<EventKind>(k)));
     }
+    for (int k = 0; k <= static_cast<int>(Status::no_arkode); ++k) {
+        status_names.append(name(static_cast<Status>(k)));
+    }
+    module.attr("status_names") = py::tuple(status_names);
     module.attr("contact_names") = py::tuple(contact_names);
     module.attr("event_names") = py::tuple(event_names);
 }

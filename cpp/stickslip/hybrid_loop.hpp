@@ -38,6 +38,7 @@ private:
     void count_change(const ContactMode& before);
     void record_events(double tau);
     Snapshot snapshot_now(double tau);
+    void record_last();
     void watch_progress(double tau);
 
     void sample_until(double limit, double from, auto&& snapshot_at);
@@ -141,11 +142,12 @@ RunResult HybridLoop<Integrator>::run() {
             observer_.close(voltages.start, body_.x, sign_, result_.summary);
         }
         run_segment(voltages);
-        if (control_ && result_.status == Status::ok) {
-            control_->simulated_time.fetch_add(voltages.end - voltages.start,
-                                               std::memory_order_relaxed);
+        // The integrators look too; a body at rest needs none.
+        if (control_ && control_->stop.load(std::memory_order_relaxed)) {
+            result_.status = Status::interrupted;
         }
     }
+    if (result_.status == Status::ok) record_last();
     if (observer_.is_open() && result_.status == Status::ok) {
         observer_.close(program_.duration(), body_.x, sign_, result_.summary);
     }
@@ -162,9 +164,20 @@ void HybridLoop<Integrator>::run_segment(const VoltageSegment& voltages) {
     fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
     double tau = 0.0;
     while (result_.status == Status::ok && tau < segment_.duration) {
+        const double before = tau;
         tau = run_mode(tau, segment_.duration);
         result_.summary.simulated_time = absolute(tau);
+        if (control_) {
+            control_->simulated_time.fetch_add(tau - before, std::memory_order_relaxed);
+        }
     }
+}
+
+// The grid's last sample may lie beyond the end by rounding.
+template <class Integrator>
+void HybridLoop<Integrator>::record_last() {
+    sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
+                 [&](double) { return snapshot_now(segment_.duration); });
 }
 
 template <class Integrator>

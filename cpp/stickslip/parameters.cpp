@@ -208,14 +208,16 @@ const Parameter* find_parameter(std::string_view key) {
 }
 
 std::string allowed_range(const Parameter& parameter) {
+    const std::string unit =
+        std::string_view(parameter.unit) == "-" ? "" : " " + std::string(parameter.unit);
     std::ostringstream text;
     text << (parameter.integer ? "a whole number" : "a number");
     text << (parameter.low_allowed ? " from " : " above ") << parameter.low;
-    if (std::isfinite(parameter.high))
-        text << (parameter.low_allowed ? " to " : " up to ") << parameter.high;
-    else
-        text << " upwards";
-    if (std::string_view(parameter.unit) != "-") text << " " << parameter.unit;
+    if (std::isfinite(parameter.high)) {
+        text << (parameter.low_allowed ? " to " : " up to ") << parameter.high << unit;
+    } else {
+        text << unit << " upwards";
+    }
     return text.str();
 }
 

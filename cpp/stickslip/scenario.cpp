@@ -10,7 +10,8 @@ namespace {
 // Pulses after which the motion counts as steady, section VII.
 constexpr std::int64_t kSettlingPulses = 3;
 
-constexpr double kMostSamples = 1e8;
+// Of a recording, at some 170 bytes each.
+constexpr double kMostSamples = 1e7;
 
 [[noreturn]] void refuse(const char* key, double value, const std::string& allowed) {
     std::ostringstream text;
@@ -55,7 +56,7 @@ void check(const Scenario& s) {
     }
     if (s.record.kind == RecordKind::uniform && s.record.rate * duration(s) > kMostSamples) {
         refuse("record.rate", s.record.rate,
-               with_value("at most 1e8 samples in all, here a rate up to",
+               with_value("at most 1e7 samples in all, here a rate up to",
                           kMostSamples / duration(s)));
     }
 }

@@ -9,21 +9,82 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from stickslip import plot
     from stickslip._core import __version__
     from stickslip.coils import Coils
+    from stickslip.errors import ScenarioError
+    from stickslip.extensions import effects
+    from stickslip.run import Run
+    from stickslip.scenario import Scenario, load
+    from stickslip.sections import (
+        Coil,
+        Contact,
+        Drag,
+        Drive,
+        Environment,
+        Record,
+        Robot,
+        Solver,
+    )
+    from stickslip.simulation import simulate, simulate_batch
+    from stickslip.versions import show_versions
+    from stickslip.waveform import Waveform, volts_per_tesla
 
+# No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {
     "__version__": "_core",
+    "Coil": "sections",
     "Coils": "coils",
+    "Contact": "sections",
+    "Drag": "sections",
+    "Drive": "sections",
+    "Environment": "sections",
+    "Record": "sections",
+    "Robot": "sections",
+    "Run": "run",
+    "Scenario": "scenario",
+    "ScenarioError": "errors",
+    "Solver": "sections",
+    "Waveform": "waveform",
+    "effects": "extensions",
+    "load": "scenario",
+    "plot": "plot",
+    "show_versions": "versions",
+    "simulate": "simulation",
+    "simulate_batch": "simulation",
+    "volts_per_tesla": "waveform",
 }
 
-__all__ = ["Coils", "__version__"]
+__all__ = [
+    "Coil",
+    "Coils",
+    "Contact",
+    "Drag",
+    "Drive",
+    "Environment",
+    "Record",
+    "Robot",
+    "Run",
+    "Scenario",
+    "ScenarioError",
+    "Solver",
+    "Waveform",
+    "__version__",
+    "effects",
+    "load",
+    "plot",
+    "show_versions",
+    "simulate",
+    "simulate_batch",
+    "volts_per_tesla",
+]
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"stickslip.{_HOME[name]}"), name)
+    module = importlib.import_module(f"stickslip.{_HOME[name]}")
+    value = module if name == _HOME[name] else getattr(module, name)
     globals()[name] = value
     return value
 

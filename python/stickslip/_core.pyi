@@ -1,11 +1,84 @@
 """The compiled core. Thin and unchecked: use the package's public classes."""
 
-from numpy import float64
+from collections.abc import Callable, Sequence
+from typing import TypedDict
+
+from numpy import float64, int8
 from numpy.typing import NDArray
 
 __version__: str
 has_arkode: bool
 wire_radius: float
+contact_names: tuple[str, ...]
+event_names: tuple[str, ...]
+
+class _Parameter(TypedDict):
+    key: str
+    unit: str
+    low: float
+    high: float
+    allowed: str
+    integer: bool
+    default: float
+    meaning: str
+
+class _Choice(TypedDict):
+    key: str
+    allowed: list[str]
+    default: str
+    meaning: str
+
+class _Effect(TypedDict):
+    name: str
+    meaning: str
+    source: str
+
+class _Steps(TypedDict):
+    accepted: int
+    rejected: int
+    evaluations: int
+
+class _Summary(TypedDict):
+    mean_velocity: float
+    theta_min: float
+    theta_max: float
+    slip_up: float
+    slip_down: float
+    slip_flat: float
+    airborne_fraction: float
+    simulated_time: float
+    events: dict[str, int]
+    painleve_events: int
+    steps: _Steps
+
+class _Recording(TypedDict):
+    t: NDArray[float64]
+    x: NDArray[float64]
+    z: NDArray[float64]
+    theta: NDArray[float64]
+    vx: NDArray[float64]
+    vz: NDArray[float64]
+    omega: NDArray[float64]
+    normal_force: NDArray[float64]
+    friction_force: NDArray[float64]
+    contact_x: NDArray[float64]
+    slip_velocity: NDArray[float64]
+    bx: NDArray[float64]
+    bz: NDArray[float64]
+    current: NDArray[float64]
+    contact: NDArray[int8]
+    event: NDArray[int8]
+
+_Block = tuple[NDArray[float64], NDArray[float64], int]
+
+def parameters() -> list[_Parameter]: ...
+def choices() -> list[_Choice]: ...
+def effects() -> list[_Effect]: ...
+def simulate_batch(
+    scenarios: Sequence[Scenario],
+    threads: int = 1,
+    progress: Callable[[float], object] | None = None,
+) -> list[RunResult]: ...
 
 class CoilSet:
     def __init__(self, side: float = ..., distance: float = ..., turns: float = ...) -> None: ...
@@ -21,3 +94,27 @@ class CoilSet:
     def gradient(
         self, points: NDArray[float64], currents: NDArray[float64]
     ) -> NDArray[float64]: ...
+
+class Scenario:
+    def __init__(self, other: Scenario = ...) -> None: ...
+    def set(self, key: str, value: float | str) -> None: ...
+    def set_program(self, blocks: Sequence[_Block]) -> None: ...
+    def record_nothing(self) -> None: ...
+    def record_events(self) -> None: ...
+    def record_uniform(self, rate: float) -> None: ...
+    def check(self) -> None: ...
+    def program(self) -> list[_Block]: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def window(self) -> tuple[float, float]: ...
+
+class RunResult:
+    @property
+    def status(self) -> str: ...
+    @property
+    def message(self) -> str: ...
+    @property
+    def mean_velocity(self) -> float: ...
+    def summary(self) -> _Summary: ...
+    def take_recording(self) -> _Recording: ...

@@ -1,0 +1,79 @@
+#include "stickslip/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stickslip/batch.hpp"
+#include "stickslip/parameters.hpp"
+
+namespace stickslip {
+namespace {
+
+const Choice* find_choice(const std::string& key) {
+    const auto& all = choices();
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Choice& c) { return key == c.key; });
+    return found == all.end() ? nullptr : &*found;
+}
+
+class PointSetter {
+public:
+    explicit PointSetter(const std::string& key) : key_(key), choice_(find_choice(key)) {
+        if (choice_ == nullptr && find_parameter(key) == nullptr) {
+            throw std::invalid_argument(key + ": there is no such key");
+        }
+    }
+
+    void operator()(Scenario& scenario, double value) const {
+        if (choice_ == nullptr) {
+            set_parameter(scenario, key_, value);
+            return;
+        }
+        if (!(value >= 0.0 && value < static_cast<double>(choice_->allowed.size()))) {
+            throw std::invalid_argument(key_ + ": there is no word with this index");
+        }
+        choice_->set(scenario, static_cast<std::size_t>(value));
+    }
+
+private:
+    std::string key_;
+    const Choice* choice_;
+};
+
+}  // namespace
+
+std::vector<SweepPoint> sweep(const Scenario& base, const std::vector<std::string>& keys,
+                              const std::vector<double>& values, int threads, RunControl& control,
+                              const std::function<void()>& poll) {
+    const std::vector<PointSetter> setters(keys.begin(), keys.end());
+    if (keys.empty() || values.size() % keys.size() != 0) {
+        throw std::invalid_argument("a sweep needs a row of one value a key for each point");
+    }
+    std::vector<SweepPoint> points(values.size() / keys.size());
+    run_tasks(
+        points.size(), threads, control,
+        [&](std::size_t index) {
+            SweepPoint& point = points[index];
+            Scenario scenario = base;
+            scenario.record = {};
+            try {
+                for (std::size_t k = 0; k < keys.size(); ++k) {
+                    setters[k](scenario, values[index * keys.size() + k]);
+                }
+                check(scenario);
+            } catch (const std::invalid_argument& refusal) {
+                point.refused = true;
+                point.message = refusal.what();
+                return;
+            }
+            const RunResult result = simulate(scenario, &control);
+            point.status = result.status;
+            point.summary = result.summary;
+            if (result.status != Status::ok) point.message = message(result);
+        },
+        poll);
+    return points;
+}
+
+}  // namespace stickslip

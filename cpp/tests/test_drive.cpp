@@ -1,0 +1,170 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "stickslip/coil_set.hpp"
+#include "stickslip/drive.hpp"
+#include "support.hpp"
+
+using namespace stickslip;
+using stickslip::test::kRounding;
+
+namespace {
+
+constexpr double kVoltsPerTesla = 1e4;  // near R over the field of one ampere
+
+struct Expected {
+    double time, in_plane, clamp;  // s, T, T
+};
+
+void check_block(const VoltageBlock& block, const std::vector<Expected>& expected) {
+    REQUIRE(block.points.size() == expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        CAPTURE(i);
+        const PerCoil& volts = block.points[i].voltage;
+        // A product or two, and a difference of times.
+        CHECK(std::abs(block.points[i].time - expected[i].time) <= kRounding * expected[i].time);
+        CHECK(volts[0] == doctest::Approx(kVoltsPerTesla * expected[i].in_plane).epsilon(1e-15));
+        CHECK(volts[4] == doctest::Approx(kVoltsPerTesla * expected[i].clamp).epsilon(1e-15));
+        CHECK(volts[1] == 0.0);
+        CHECK(volts[2] == 0.0);
+        CHECK(volts[3] == 0.0);
+    }
+}
+
+Drive example() {
+    Drive drive;
+    drive.frequency = 40.0;
+    drive.peak = 2.5e-3;
+    drive.base = 0.5e-3;
+    drive.hold = 1e-3;
+    drive.ramp = 0.05;
+    drive.pulses = 7;
+    drive.edge_time = 2e-3;
+    drive.ramp_down = 0.1;
+    return drive;
+}
+
+}  // namespace
+
+TEST_CASE("drive: every breakpoint of in-plane pulsing") {
+    Drive drive = example();
+    // The in-plane coil plays the sawtooth; the clamp coil holds, downwards.
+    for (const Edge edge : {Edge::rise, Edge::fall}) {
+        drive.edge = edge;
+        const double peak_time = edge == Edge::rise ? 2e-3 : 23e-3;
+        const VoltageProgram program = sawtooth_program(drive, kVoltsPerTesla);
+        REQUIRE(program.blocks().size() == 3);
+        CHECK(program.blocks()[0].repeats == 1);
+        CHECK(program.blocks()[1].repeats == 7);
+        CHECK(program.blocks()[2].repeats == 1);
+        check_block(program.blocks()[0], {{0.0, 0.0, 0.0}, {0.05, 0.5e-3, -1e-3}});
+        check_block(program.blocks()[1],
+                    {{0.0, 0.5e-3, -1e-3}, {peak_time, 2.5e-3, -1e-3}, {25e-3, 0.5e-3, -1e-3}});
+        check_block(program.blocks()[2], {{0.0, 0.5e-3, -1e-3}, {0.1, 0.0, -1e-3}});
+        CHECK(program.duration() == doctest::Approx(0.05 + 7.0 / 40.0 + 0.1).epsilon(1e-15));
+    }
+}
+
+TEST_CASE("drive: every breakpoint of out-of-plane pulsing") {
+    Drive drive = example();
+    drive.mode = DriveMode::opp;
+    drive.clamp = Clamp::up;
+    for (const Edge edge : {Edge::rise, Edge::fall}) {
+        drive.edge = edge;
+        const double peak_time = edge == Edge::rise ? 2e-3 : 23e-3;
+        const VoltageProgram program = sawtooth_program(drive, kVoltsPerTesla);
+        REQUIRE(program.blocks().size() == 3);
+        check_block(program.blocks()[0], {{0.0, 0.0, 0.0}, {0.05, 1e-3, 0.5e-3}});
+        check_block(program.blocks()[1],
+                    {{0.0, 1e-3, 0.5e-3}, {peak_time, 1e-3, 2.5e-3}, {25e-3, 1e-3, 0.5e-3}});
+        check_block(program.blocks()[2], {{0.0, 1e-3, 0.5e-3}, {0.1, 0.0, 0.5e-3}});
+    }
+}
+
+TEST_CASE("drive: the clamp's polarity is the sign of the clamp coil and of nothing else") {
+    for (const DriveMode mode : {DriveMode::ipp, DriveMode::opp}) {
+        Drive down = example(), up = example();
+        down.mode = up.mode = mode;
+        down.clamp = Clamp::down;
+        up.clamp = Clamp::up;
+        const VoltageProgram a = sawtooth_program(down, kVoltsPerTesla);
+        const VoltageProgram b = sawtooth_program(up, kVoltsPerTesla);
+        for (std::size_t i = 0; i < a.blocks().size(); ++i) {
+            for (std::size_t j = 0; j < a.blocks()[i].points.size(); ++j) {
+                PerCoil mirrored = a.blocks()[i].points[j].voltage;
+                CHECK(mirrored[4] <= 0.0);
+                mirrored[4] = -mirrored[4];
+                CHECK(mirrored == b.blocks()[i].points[j].voltage);
+            }
+        }
+    }
+}
+
+TEST_CASE("drive: without edge time the edge is a jump") {
+    Drive drive = example();
+    drive.edge_time = 0.0;
+    for (const Edge edge : {Edge::rise, Edge::fall}) {
+        drive.edge = edge;
+        const VoltageBlock pulse = sawtooth_program(drive, kVoltsPerTesla).blocks()[1];
+        const std::size_t jump = edge == Edge::rise ? 0 : 1;
+        CHECK(pulse.points[jump].time == pulse.points[jump + 1].time);
+        CHECK(std::abs(pulse.points[jump].voltage[0] - pulse.points[jump + 1].voltage[0]) ==
+              doctest::Approx(kVoltsPerTesla * 2e-3).epsilon(1e-14));
+    }
+}
+
+TEST_CASE("drive: no ramps, no blocks for them; any number of pulses is one block") {
+    Drive drive = example();
+    drive.ramp = 0.0;
+    drive.ramp_down = 0.0;
+    drive.pulses = 1'000'000'000'000;
+    const VoltageProgram program = sawtooth_program(drive, kVoltsPerTesla);
+    REQUIRE(program.blocks().size() == 1);
+    CHECK(program.blocks()[0].points.size() == 3);
+    CHECK(program.blocks()[0].repeats == 1'000'000'000'000);
+}
+
+TEST_CASE("drive: a free program has no sawtooth") {
+    Drive drive = example();
+    drive.mode = DriveMode::program;
+    CHECK_THROWS_AS(sawtooth_program(drive, kVoltsPerTesla), std::invalid_argument);
+}
+
+TEST_CASE("turned: the field of the turned robot's coils is the turned field") {
+    const VoltageProgram world({{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}},
+                                  {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}}, 3}});
+    const VoltageProgram robot = turned(world);
+    CHECK(robot.duration() == world.duration());
+    const CoilSet coils;
+    const Eigen::Vector3d here(2e-3, -1e-3, 0.5e-3);
+    const Eigen::Vector3d flip(-1.0, -1.0, 1.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto currents = [](const VoltagePoint& at) {
+            return Currents(Eigen::Map<const Currents>(at.voltage.data()));
+        };
+        const Eigen::Vector3d in_world =
+            coils.field(here, currents(world.blocks()[0].points[i])).field;
+        const Eigen::Vector3d in_robot =
+            coils.field(flip.cwiseProduct(here), currents(robot.blocks()[0].points[i])).field;
+        // The same terms, added in another order.
+        CHECK((in_robot - flip.cwiseProduct(in_world)).norm() <= 8.0 * kRounding * 4e-3);
+    }
+}
+
+TEST_CASE("turned: turned twice is as it was, to the last bit") {
+    const VoltageProgram world({{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}},
+                                  {0.5, {0.1, 0.2, 0.3, 0.4, 0.5}},
+                                  {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}}, 2}});
+    const VoltageProgram once = turned(world), twice = turned(once);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const VoltagePoint& was = world.blocks()[0].points[i];
+        CHECK(twice.blocks()[0].points[i].voltage == was.voltage);
+        CHECK(once.blocks()[0].points[i].voltage != was.voltage);
+        CHECK(twice.blocks()[0].points[i].time == was.time);
+    }
+    CHECK(twice.blocks()[0].repeats == 2);
+}

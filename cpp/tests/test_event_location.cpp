@@ -1,0 +1,300 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "stickslip/event_location.hpp"
+
+using namespace stickslip;
+
+namespace {
+
+using Function = std::function<double(double)>;
+
+// A step of event functions that are known as functions of the fraction s, sampled where Tsit5 has
+// its stages.
+template <std::size_t M>
+class Step {
+public:
+    using Finder = EventFinder<M>;
+
+    explicit Step(std::array<Function, M> functions) : functions_(std::move(functions)) {
+        armed.fill(true);
+    }
+
+    EventHit find() {
+        EventSamples<M> samples;
+        for (std::size_t i = 0; i < M; ++i) {
+            const Function& g = functions_[i];
+            samples.start[i] = g(0.0);
+            samples.early[i] = g(Finder::kEarly);
+            samples.late[i] = g(Finder::kLate);
+            samples.end[i] = g(1.0);
+            samples.lowest[i] = samples.start[i];
+            for (const double s : {0.161, 0.327, 0.9, 0.9800255409045097, 1.0}) {
+                samples.lowest[i] = std::min(samples.lowest[i], g(s));
+            }
+        }
+        evaluations = 0;
+        return Finder::find(samples, armed, [&](std::size_t i, double s) {
+            ++evaluations;
+            return functions_[i](s);
+        });
+    }
+
+    std::array<bool, M> armed = {};
+    int evaluations = 0;
+
+private:
+    std::array<Function, M> functions_;
+};
+
+Step<1> single(Function function) {
+    return Step<1>({std::move(function)});
+}
+
+Function parabola(double bottom, double depth) {
+    return [=](double s) { return (s - bottom) * (s - bottom) - depth; };
+}
+
+// Far side, and as near to the root as the finder promises: its last bracket is shorter than twice
+// its resolution.
+void check_hit(const EventHit& hit, int index, double root, const Function& function) {
+    REQUIRE(hit);
+    CHECK(hit.index == index);
+    CHECK(std::abs(hit.s - root) <= 2.0 * EventFinder<1>::kResolution);
+    CHECK(function(hit.s) <= 0.0);
+}
+
+}  // namespace
+
+TEST_CASE("events: no zero, no event") {
+    Step<1> step = single([](double s) { return 1.0 + s; });
+    CHECK_FALSE(step.find());
+    CHECK(step.evaluations == 0);  // nor any cost
+    Step<1> shallow = single(parabola(0.5, -0.2));
+    CHECK_FALSE(shallow.find());
+}
+
+TEST_CASE("events: a plain crossing, returned on its far side") {
+    for (const double root : {1e-6, 0.1, 0.5, 0.99, 1.0 - 1e-9}) {
+        CAPTURE(root);
+        const Function line = [=](double s) { return root - s; };
+        Step<1> step = single(line);
+        check_hit(step.find(), 0, root, line);
+    }
+}
+
+TEST_CASE("events: a dip inside a step") {
+    // Roots at bottom -+ sqrt(depth); from one that the stages see to one of a thousandth of a step.
+    for (const double bottom : {0.1, 0.24, 0.5, 0.62, 0.83, 0.93}) {
+        for (const double depth : {4e-3, 1e-3, 1e-4, 1e-6}) {
+            CAPTURE(bottom);
+            CAPTURE(depth);
+            const Function dip = parabola(bottom, depth);
+            Step<1> step = single(dip);
+            check_hit(step.find(), 0, bottom - std::sqrt(depth), dip);
+        }
+    }
+}
+
+TEST_CASE("events: a dip near either end of a step" * doctest::should_fail()) {
+    for (const double bottom : {0.04, 0.08, 0.94, 0.96}) {
+        for (const double depth : {1e-3, 1e-4, 1e-6}) {
+            CAPTURE(bottom);
+            CAPTURE(depth);
+            const Function dip = parabola(bottom, depth);
+            Step<1> step = single(dip);
+            check_hit(step.find(), 0, bottom - std::sqrt(depth), dip);
+        }
+    }
+}
+
+TEST_CASE("events: a dip whose bottom lies half way between two probes of the search" *
+          doctest::should_fail()) {
+    // The golden section of [3/8, 5/8] probes at equal heights around this bottom.
+    constexpr double golden = 0.3819660112501051;
+    const double bottom = 0.375 + 0.5 * (1.0 - golden) * 0.25;
+    const Function dip = parabola(bottom, 1e-4);
+    Step<1> step = single(dip);
+    check_hit(step.find(), 0, bottom - 1e-2, dip);
+}
+
+TEST_CASE("events: a grazing root") {
+    // Touching zero without crossing it is no event; an overshoot of 1e-9 is one.
+    const Function touching = parabola(0.56, 0.0);
+    Step<1> touches = single(touching);
+    const EventHit hit = touches.find();
+    if (hit) CHECK(touching(hit.s) <= 0.0);
+    const Function above = parabola(0.56, -1e-9);
+    Step<1> misses = single(above);
+    CHECK_FALSE(misses.find());
+    const Function below = parabola(0.56, 1e-9);
+    Step<1> crosses = single(below);
+    check_hit(crosses.find(), 0, 0.56 - std::sqrt(1e-9), below);
+}
+
+TEST_CASE("events: a triple root is found, at its flat") {
+    const Function cubic = [](double s) { return std::pow(0.4 - s, 3); };
+    Step<1> step = single(cubic);
+    check_hit(step.find(), 0, 0.4, cubic);
+}
+
+TEST_CASE("events: exactly at the end of a step, found once, at the start of the next") {
+    const Function line = [](double s) { return 1.0 - s; };
+    Step<1> first = single(line);
+    CHECK_FALSE(first.find());
+    CHECK(first.armed[0]);
+    Step<1> second = single([&](double s) { return line(1.0 + s); });
+    second.armed = first.armed;
+    const EventHit hit = second.find();
+    REQUIRE(hit);
+    CHECK(hit.s == 0.0);
+}
+
+TEST_CASE("events: just before and just after the end of a step") {
+    const Function before = [](double s) { return (1.0 - 1e-14) - s; };
+    Step<1> step = single(before);
+    const EventHit hit = step.find();
+    REQUIRE(hit);
+    CHECK(hit.s >= 1.0 - 2.0 * EventFinder<1>::kResolution);
+    CHECK(before(hit.s) <= 0.0);
+    Step<1> beyond = single([](double s) { return (1.0 + 1e-14) - s; });
+    CHECK_FALSE(beyond.find());
+}
+
+TEST_CASE("events: a phase born on its event surface") {
+    SUBCASE("and rising from it: no event, and armed from then on") {
+        Step<1> step = single([](double s) { return s; });
+        step.armed = {false};
+        CHECK_FALSE(step.find());
+        CHECK(step.armed[0]);
+    }
+    SUBCASE("rising, but below it by rounding") {
+        Step<1> step = single([](double s) { return s - 1e-18; });
+        step.armed = {false};
+        CHECK_FALSE(step.find());
+        CHECK(step.armed[0]);
+    }
+    SUBCASE("and falling: the event is there and then") {
+        Step<1> step = single([](double s) { return -s; });
+        step.armed = {false};
+        const EventHit hit = step.find();
+        REQUIRE(hit);
+        CHECK(hit.s == 0.0);
+    }
+    SUBCASE("and staying on it: no event, and not armed") {
+        Step<1> step = single([](double) { return 0.0; });
+        step.armed = {false};
+        CHECK_FALSE(step.find());
+        CHECK_FALSE(step.armed[0]);
+    }
+}
+
+TEST_CASE("events: born on the surface and dead within the first step") {
+    for (const double root : {0.9, 0.5, 0.2, 0.03, 0.002}) {
+        CAPTURE(root);
+        const Function arch = [=](double s) { return s * (root - s); };
+        Step<1> step = single(arch);
+        step.armed = {false};
+        check_hit(step.find(), 0, root, arch);
+    }
+    // Shorter than a thousandth of the step, it counts as never risen.
+    Step<1> step = single([](double s) { return s * (5e-4 - s); });
+    step.armed = {false};
+    const EventHit hit = step.find();
+    REQUIRE(hit);
+    CHECK(hit.s <= 5e-4);
+}
+
+TEST_CASE("events: born on the surface, falls below it and comes back within the first step" *
+          doctest::should_fail()) {
+    Step<1> step = single([](double s) { return s * (s - 0.5); });
+    step.armed = {false};
+    const EventHit hit = step.find();
+    REQUIRE(hit);
+    CHECK(hit.s == 0.0);
+}
+
+TEST_CASE("events: born on the surface, risen, and dips within the first step" *
+          doctest::should_fail()) {
+    const Function wave = [](double s) { return s * (s - 0.3) * (s - 0.6); };
+    Step<1> step = single(wave);
+    step.armed = {false};
+    check_hit(step.find(), 0, 0.3, wave);
+}
+
+TEST_CASE("events: two functions of very different scale dip at once") {
+    const Function large = [](double s) { return 1e6 * ((s - 0.7) * (s - 0.7) - 0.01); };
+    const Function small = [](double s) { return 1e-9 * ((s - 0.4) * (s - 0.4) - 0.01); };
+    Step<2> step({large, small});
+    check_hit(step.find(), 1, 0.3, small);
+    Step<2> exchanged({small, large});
+    check_hit(exchanged.find(), 0, 0.3, small);
+    // The large one alone dips early enough.
+    const Function early = [](double s) { return 1e6 * ((s - 0.2) * (s - 0.2) - 0.01); };
+    Step<2> other({early, small});
+    check_hit(other.find(), 0, 0.1, early);
+}
+
+TEST_CASE("events: of several in a step the first, whatever their order and kind") {
+    const Function crossing = [](double s) { return 0.45 - s; };
+    const Function dip = parabola(0.3, 0.01);             // at 0.2
+    const Function late = [](double s) { return 0.9 - s; };
+    Step<3> step({late, crossing, dip});
+    check_hit(step.find(), 2, 0.2, dip);
+    Step<2> two({late, crossing});
+    check_hit(two.find(), 1, 0.45, crossing);
+    Step<2> turned({crossing, late});
+    check_hit(turned.find(), 0, 0.45, crossing);
+}
+
+TEST_CASE("events: a function that falls, rises and falls again is caught at its first root" *
+          doctest::should_fail()) {
+    // Seen at a stage (0.327) to be negative between.
+    const Function wave = [](double s) { return -(s - 0.2) * (s - 0.45) * (s - 0.95); };
+    Step<1> step = single(wave);
+    check_hit(step.find(), 0, 0.2, wave);
+}
+
+TEST_CASE("events: what rises through zero does not fire") {
+    Step<1> step = single([](double s) { return s - 0.5; });
+    step.armed = {false};
+    CHECK_FALSE(step.find());
+    CHECK(step.armed[0]);
+}
+
+TEST_CASE("locate: returns the far side, at any shape, in few evaluations") {
+    const std::array<std::pair<Function, double>, 6> cases = {{
+        {[](double s) { return 0.3 - s; }, 0.3},
+        {[](double s) { return std::tanh(200.0 * (0.7 - s)); }, 0.7},
+        {[](double s) { return std::exp(-30.0 * s) - std::exp(-12.0); }, 0.4},
+        {[](double s) { return std::pow(0.55 - s, 5); }, 0.55},
+        {[](double s) { return s < 0.123 ? 1.0 : -1e-12; }, 0.123},
+        {[](double s) { return std::sqrt(std::max(0.0, 0.8 - s)) - 1e-3; }, 0.8 - 1e-6},
+    }};
+    for (const auto& [function, root] : cases) {
+        CAPTURE(root);
+        int evaluations = 0;
+        const auto value = [&](std::size_t, double s) {
+            ++evaluations;
+            return function(s);
+        };
+        const double s =
+            EventFinder<1>::locate(0, {0.0, 1.0, function(0.0), function(1.0)}, value);
+        CHECK(function(s) <= 0.0);
+        // The fifth power is below 1e-80 in the last 1e-16: no flatter root is told apart.
+        CHECK(std::abs(s - root) <= 2.0 * EventFinder<1>::kResolution);
+        CHECK(evaluations <= 2 * 40);  // bisection would take log2(1e12) = 40
+    }
+}
+
+TEST_CASE("locate: where the dense output ends short of a zero that the step has passed") {
+    // By rounding: the bracket's far end is known to be past zero, the interpolant is not.
+    const auto value = [](std::size_t, double s) { return 1.0 + 1e-15 - s; };
+    const double s = EventFinder<1>::locate(0, {0.0, 1.0, 1.0, -1e-16}, value);
+    CHECK(s >= 1.0 - EventFinder<1>::kResolution);
+    CHECK(s <= 1.0);
+}

@@ -1,0 +1,196 @@
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "stickslip/tsit5.hpp"
+#include "support.hpp"
+
+using namespace stickslip;
+using stickslip::test::observed_order;
+using stickslip::test::paper_coils;
+using stickslip::test::paper_model;
+
+/// Convergence of whole integrations on smooth phases: a corner that sticks and a flight, in the
+/// fields of two coils whose currents settle after a jump of the voltage.
+namespace {
+
+constexpr double kSwingRate = 2600.0;  // rad/s, at 2.5 mT: one swing takes 2.4 ms
+
+StepperOptions options(double tolerance, double max_step) {
+    StepperOptions result;
+    result.tolerance = tolerance;
+    result.max_step = max_step;
+    const double radius = paper_model().shape.radius();
+    result.scales = {radius, radius * kSwingRate, kSwingRate};
+    result.swing_rate = kSwingRate;
+    return result;
+}
+
+// Steps of one width: an error of any size is accepted. The first step, a part of a swing, grows
+// with the tolerance and is cut to max_step as all others are.
+StepperOptions fixed_steps(double width) {
+    return options(1e12, width);
+}
+
+class Setup {
+public:
+    Setup() : model_(paper_model()), dynamics_(model_, field()) {
+        model_.friction = {1e3, 1e3, 0.0};  // nothing slips
+        model_.adhesion.strength = 1e-3;    // and nothing leaves
+        // Omega |omega| has no second derivative where the swing turns: no order would be seen.
+        model_.quadratic_drag = 0.0;
+        model_.rotational_drag = 1e-14;
+    }
+    Dynamics& dynamics() { return dynamics_; }
+
+private:
+    static LocalField field() {
+        Circuit circuit(10.0, 0.07, 0.0);
+        VoltageSegment jump{0.0, 1.0, {26.0, 0.0, 0.0, 0.0, -13.0}, {26.0, 0.0, 0.0, 0.0, -13.0}};
+        LocalField result(paper_coils(), {true, false, false, false, true}, 1.0e-3, -0.6e-3);
+        result.set_segment(circuit.advance(jump));
+        return result;
+    }
+    Model model_;
+    Dynamics dynamics_;
+};
+
+struct Stick {
+    static CornerStickPhase phase(Dynamics& dynamics) { return {dynamics, 0.0}; }
+    static CornerStickPhase::State start() { return {0.6, 300.0}; }
+    static constexpr double kEnd = 4e-3;
+};
+
+struct Flight {
+    static FlightPhase phase(Dynamics& dynamics) { return FlightPhase(dynamics); }
+    static FlightPhase::State start() { return {0.0, 0.01, 0.7, 0.02, 0.05, 200.0}; }
+    static constexpr double kEnd = 2e-3;
+};
+
+template <class Case>
+struct Run {
+    using Phase = decltype(Case::phase(std::declval<Dynamics&>()));
+    typename Phase::State end;
+    StepCounts counts;
+    std::vector<typename Phase::State> middles;  // dense output half way through each step
+
+    explicit Run(const StepperOptions& how, double until = Case::kEnd) {
+        Setup setup;
+        Phase phase = Case::phase(setup.dynamics());
+        Tsit5 integrator(how);
+        PhaseMemory memory;
+        const PhaseEnd<Phase> result = integrator.advance(
+            phase, memory, 0.0, until, Case::start(),
+            [&](const auto& step, double) { middles.push_back(step.dense(0.5)); });
+        REQUIRE(result.status == Status::ok);
+        REQUIRE(result.event == Event::none);
+        end = result.y;
+        counts = integrator.counts();
+    }
+};
+
+// Largest difference in units of the scales of a phase.
+template <class Case>
+double difference(const typename Run<Case>::Phase::State& a,
+                  const typename Run<Case>::Phase::State& b) {
+    Setup setup;
+    const auto scale = Case::phase(setup.dynamics()).scale(options(1.0, 0.0).scales);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < scale.size(); ++i) {
+        largest = std::max(largest, std::abs(a[i] - b[i]) / scale[i]);
+    }
+    return largest;
+}
+
+template <class Case>
+void check_order_of_steps() {
+    // A reference of 1/16 of the narrowest step: its error is 1e-6 of the least that is measured.
+    // With wider steps the sixth order is not yet small against the fifth.
+    constexpr double end = Case::kEnd;
+    const auto reference = Run<Case>(fixed_steps(end / 2048)).end;
+    const double wide = difference<Case>(Run<Case>(fixed_steps(end / 64)).end, reference);
+    const double narrow = difference<Case>(Run<Case>(fixed_steps(end / 128)).end, reference);
+    CHECK(Run<Case>(fixed_steps(end / 128)).counts.accepted == 128);
+    CHECK(narrow > 1e-11);  // far from rounding
+    const double order = observed_order(2.0, wide, 1.0, narrow);
+    CHECK(order == doctest::Approx(5.0).epsilon(0.3 / 5.0));
+}
+
+template <class Case>
+void check_order_of_dense_output() {
+    // Half way through a single step from exact data the error of a fourth-order interpolant is
+    // h^5, where a fifth-order one would have h^6 and a third-order one h^4.
+    const double h = Case::kEnd / 256;
+    const auto error = [&](double width) {
+        const auto exact = Run<Case>(fixed_steps(width / 64), 0.5 * width).end;
+        return difference<Case>(Run<Case>(fixed_steps(width), width).middles.front(), exact);
+    };
+    const double order = observed_order(2.0, error(2.0 * h), 1.0, error(h)) - 1.0;
+    CHECK(order == doctest::Approx(4.0).epsilon(0.3 / 4.0));
+}
+
+template <class Case>
+void check_error_control() {
+    const auto reference = Run<Case>(options(1e-13, 0.0)).end;
+    double previous = 1.0;
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+        const double error = difference<Case>(Run<Case>(options(tolerance, 0.0)).end, reference);
+        // The estimate is of the fourth order and the step of the fifth: with h ~ tolerance^(1/5)
+        // the global error goes with h^5, that is with the tolerance. Two decades of it have to
+        // bring one and a half at least. The absolute size: a local error a step, over some tens
+        // of steps, carried on by an oscillation.
+        CHECK(error < previous / 30.0);
+        CHECK(error < 100.0 * tolerance);
+        previous = error;
+    }
+}
+
+}  // namespace
+
+TEST_CASE("tsit5: fixed steps converge with order five, a corner that sticks") {
+    check_order_of_steps<Stick>();
+}
+
+TEST_CASE("tsit5: fixed steps converge with order five, flight") {
+    check_order_of_steps<Flight>();
+}
+
+TEST_CASE("tsit5: dense output of order four, a corner that sticks") {
+    check_order_of_dense_output<Stick>();
+}
+
+TEST_CASE("tsit5: dense output of order four, flight") {
+    check_order_of_dense_output<Flight>();
+}
+
+TEST_CASE("tsit5: the global error falls with the tolerance") {
+    check_error_control<Stick>();
+    check_error_control<Flight>();
+}
+
+TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
+    // Kinetic energy about the corner, potential energy of weight and magnet; no drag.
+    Model model = paper_model();
+    model.linear_drag = model.quadratic_drag = 0.0;
+    model.friction = {1e3, 1e3, 0.0};
+    model.adhesion.strength = 1e-3;
+    const double bx = 2e-3, bz = -1e-3;
+    Dynamics dynamics = stickslip::test::in_uniform_field(model, bx, bz);
+    const auto energy = [&](const CornerStickPhase::State& y) {
+        const Pose pose = model.shape.pose(0, std::cos(y[0]), std::sin(y[0]));
+        return 0.5 * model.corner_inertia() * y[1] * y[1] -
+               model.mass * model.gravity_z * pose.height -
+               model.moment * (std::cos(y[0]) * bx - std::sin(y[0]) * bz);
+    };
+    CornerStickPhase phase(dynamics, 0.0);
+    Tsit5 integrator(options(1e-9, 0.0));
+    PhaseMemory memory;
+    const CornerStickPhase::State start = {0.9, 0.0};
+    const auto end = integrator.advance(phase, memory, 0.0, 0.05, start, [](auto&&...) {});
+    CHECK(end.status == Status::ok);
+    CHECK(end.event == Event::none);
+    // About 20 swings of some 40 steps, each with an error of 1e-9.
+    CHECK(std::abs(energy(end.y) - energy(start)) < 1e-6 * model.moment * std::hypot(bx, bz));
+}

@@ -1,0 +1,235 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "stickslip/local_field.hpp"
+#include "support.hpp"
+
+using namespace stickslip;
+using stickslip::test::all_driven;
+using stickslip::test::kRounding;
+using stickslip::test::paper_coils;
+using stickslip::test::Random;
+using stickslip::test::steady;
+
+namespace {
+
+PerCoil random_currents(Random& random) {
+    PerCoil currents;
+    for (double& current : currents) current = random.between(-7.0, 7.0);
+    return currents;
+}
+
+// The full sum of Eqs. (4)-(6), and what it would come to if nothing cancelled.
+struct FullSum {
+    PlanarField field;
+    double field_size = 0.0;     // T, sum of the coils' |B|
+    double gradient_size = 0.0;  // T/m
+};
+
+FullSum full_sum(const PerCoil& currents, double x, double z) {
+    FullSum sum;
+    for (const Coil coil : kAllCoils) {
+        const double current = currents[static_cast<std::size_t>(coil)];
+        const FieldAndGradient unit = paper_coils().unit_field(coil, {x, 0.0, z});
+        sum.field.bx += current * unit.field.x();
+        sum.field.bz += current * unit.field.z();
+        sum.field.dbx_dx += current * unit.gradient(0, 0);
+        sum.field.dbx_dz += current * unit.gradient(0, 2);
+        sum.field.dbz_dz += current * unit.gradient(2, 2);
+        sum.field_size += std::abs(current) * unit.field.norm();
+        sum.gradient_size += std::abs(current) * unit.gradient.norm();
+    }
+    return sum;
+}
+
+double field_difference(const PlanarField& a, const PlanarField& b) {
+    return std::hypot(a.bx - b.bx, a.bz - b.bz);
+}
+
+double gradient_difference(const PlanarField& a, const PlanarField& b) {
+    return std::hypot(a.dbx_dx - b.dbx_dx, std::numbers::sqrt2 * (a.dbx_dz - b.dbx_dz),
+                      a.dbz_dz - b.dbz_dz);
+}
+
+// m, from a point of the plane y = 0 between the coils to the nearest wire.
+double distance_to_wires(double x, double z) {
+    const double a = 0.5 * paper_coils().geometry().side, c = paper_coils().geometry().distance;
+    const double wires_along_y = std::hypot(c - std::abs(x), a - std::abs(z));
+    const double of_clamp = std::hypot(c + z, a - std::abs(x));
+    const double wires_beside = std::min(std::hypot(c - std::abs(x), a), std::hypot(c + z, a));
+    const double of_y_coils = std::hypot(c, a - std::max(std::abs(x), std::abs(z)));
+    return std::min({wires_along_y, of_clamp, wires_beside, of_y_coils});
+}
+
+}  // namespace
+
+TEST_CASE("local field: exact at its centre") {
+    Random random(1);
+    for (int n = 0; n < 200; ++n) {
+        const PerCoil currents = random_currents(random);
+        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        field.set_segment(steady(currents));
+        const double x = random.between(-0.05, 0.05), z = random.between(-0.05, 0.05);
+        field.rebase(0.0, x, z);
+        const PlanarField found = field.at(0.5)(x, z);
+        const FullSum full = full_sum(currents, x, z);
+        // Both add the same five products.
+        CHECK(field_difference(found, full.field) <= 8.0 * kRounding * full.field_size);
+        CHECK(gradient_difference(found, full.field) <= 8.0 * kRounding * full.gradient_size);
+    }
+}
+
+TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
+    Random random(2);
+    double worst_field = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+        const PerCoil currents = random_currents(random);
+        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        field.set_segment(steady(currents));
+        const double centre_x = random.between(-0.06, 0.06);
+        const double centre_z = random.between(-0.06, 0.06);
+        field.rebase(0.0, centre_x, centre_z);
+        const double angle = random.between(0.0, 2.0 * std::numbers::pi);
+        const double offset = LocalField::kReach * std::sqrt(random.between(0.0, 1.0));
+        const double x = centre_x + offset * std::cos(angle);
+        const double z = centre_z + offset * std::sin(angle);
+        const PlanarField found = field.at(0.5)(x, z);
+        const FullSum full = full_sum(currents, x, z);
+        const double error = field_difference(found, full.field) / full.field_size;
+        worst_field = std::max(worst_field, error);
+
+        // A harmonic field's Taylor terms about a point fall as (offset / distance to the wires)^n.
+        // The first term left out of the field is the fourth; the gradient's is its derivative. The
+        // third derivatives carry the error (spacing/distance)^2 of their differences, of the same
+        // order. A factor of four stands for the constants.
+        const double rho = distance_to_wires(centre_x, centre_z);
+        const double reach = std::max(offset, LocalField::kSpacing) / rho;
+        CHECK(error <= 4.0 * std::pow(reach, 4) + 8.0 * kRounding);
+        CHECK(gradient_difference(found, full.field) <=
+              16.0 * std::pow(reach, 3) * full.field_size / rho);
+    }
+    CHECK(worst_field < 1e-9);
+}
+
+TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
+    // Of 2.5 cm, section IV-B. By the bound above (1.5e-4/0.103)^3 = 3e-9 of B/rho, times 4 and the constants; a
+    // coil's gradient is 2.3 to 3 B/rho there.
+    Random random(3);
+    for (int n = 0; n < 1000; ++n) {
+        const PerCoil currents = random_currents(random);
+        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        field.set_segment(steady(currents));
+        const double x = random.between(-0.0125, 0.0125), z = random.between(-0.0125, 0.0125);
+        field.rebase(0.0, x, z);
+        const double step = LocalField::kReach * std::numbers::sqrt2 / 2.0;
+        const FullSum full = full_sum(currents, x + step, z - step);
+        const PlanarField found = field.at(0.0)(x + step, z - step);
+        CHECK(gradient_difference(found, full.field) < 1e-8 * full.gradient_size);
+        CHECK(field_difference(found, full.field) < 1e-11 * full.field_size);
+    }
+}
+
+TEST_CASE("local field: follows the robot by rebase") {
+    Random random(4);
+    const PerCoil currents = random_currents(random);
+    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    field.set_segment(steady(currents));
+    double x = 0.0, z = 5e-5;
+    field.rebase(0.0, x, z);
+    CHECK(field.at(0.0).centre_x == 0.0);
+    for (int n = 0; n < 500; ++n) {
+        x += random.between(-1e-4, 1.5e-4);
+        z += random.between(-1e-4, 1e-4);
+        field.rebase(0.0, x, z);
+        const Expansion expansion = field.at(0.0);
+        CHECK(std::abs(x - expansion.centre_x) <= 0.5 * LocalField::kReach);
+        CHECK(std::abs(z - expansion.centre_z) <= 0.5 * LocalField::kReach);
+        const FullSum full = full_sum(currents, x, z);
+        CHECK(field_difference(expansion(x, z), full.field) < 1e-9 * full.field_size);
+    }
+    CHECK(std::abs(x) > 10.0 * LocalField::kReach);  // the walk has gone somewhere
+    const Expansion before = field.at(0.0);
+    field.rebase(0.0, before.centre_x + 0.49 * LocalField::kReach, before.centre_z);
+    CHECK(field.at(0.0).centre_x == before.centre_x);  // not moved without need
+}
+
+TEST_CASE("local field: currents that change, whatever the base time of the exponentials") {
+    Random random(5);
+    CurrentSegment segment;
+    segment.duration = 0.1;
+    segment.exponentials = 2;
+    segment.rate = {1.0 / 0.007, 1.0 / 0.001};
+    for (PerCoil& row : segment.coefficient) row = random_currents(random);
+    segment.coefficient[1] = {10.0, 20.0, -30.0, 40.0, -50.0};  // A/s
+
+    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    field.set_segment(segment);
+    const double x = 1e-3, z = 2e-4;
+    field.rebase(0.0, x, z);
+    for (int n = 0; n < 2000; ++n) {
+        const double base = random.between(0.0, 0.1);
+        field.rebase(base, x, z);
+        // Of either size as against 1/32 of a time constant, below which a series is used.
+        const double span = random.coin() ? 1e-4 : 0.02;
+        const double tau = std::clamp(base + random.between(-span, span), 0.0, 0.1);
+        const FullSum full = full_sum(segment.currents(tau), x, z);
+        // exp(-r tau) of r tau <= 100 has the relative rounding of its argument, 100 eps; by the
+        // base's value it is had twice. Sizes are those of the parts: up to 5 times the sum.
+        const double size = 4.0 * 7.0 * 5.0 * 1.2e-3;
+        CHECK(field_difference(field.at(tau)(x, z), full.field) < 4.0 * kRounding * size);
+    }
+}
+
+TEST_CASE("local field: a new stretch of voltage takes effect at once") {
+    Random random(6);
+    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    const double x = 3e-3, z = 1e-3;
+    field.set_segment(steady(random_currents(random)));
+    field.rebase(0.7, x, z);
+    for (int n = 0; n < 20; ++n) {
+        const PerCoil currents = random_currents(random);
+        field.set_segment(steady(currents));
+        const FullSum full = full_sum(currents, x, z);
+        CHECK(field_difference(field.at(0.0)(x, z), full.field) <=
+              8.0 * kRounding * full.field_size);
+    }
+}
+
+TEST_CASE("local field: an ambient field is added, and a coil that is not driven left out") {
+    const PerCoil currents = {1.0, 2.0, -3.0, 4.0, -5.0};
+    PerCoil driven_currents = currents;
+    driven_currents[1] = driven_currents[4] = 0.0;
+    LocalField field(paper_coils(), {true, false, true, true, false}, 3e-4, -2e-4);
+    field.set_segment(steady(currents));
+    const double x = 2e-3, z = 1e-3;
+    field.rebase(0.0, x, z);
+    const PlanarField found = field.at(0.0)(x, z);
+    FullSum full = full_sum(driven_currents, x, z);
+    full.field.bx += 3e-4;
+    full.field.bz -= 2e-4;
+    CHECK(field_difference(found, full.field) <= 8.0 * kRounding * full.field_size);
+    CHECK(gradient_difference(found, full.field) <= 8.0 * kRounding * full.gradient_size);
+}
+
+TEST_CASE("local field: near the coils' planes is outside") {
+    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    field.set_segment(steady({1.0, 0.0, 0.0, 0.0, 0.0}));
+    const double limit = 0.9 * paper_coils().geometry().distance;
+    const auto outside = [&](double x, double z) {
+        field.rebase(0.0, x, z);
+        return field.outside();
+    };
+    CHECK_FALSE(outside(0.0, 0.0));
+    for (const double sign : {-1.0, 1.0}) {
+        CHECK_FALSE(outside(sign * 0.999 * limit, 0.0));
+        CHECK_FALSE(outside(0.0, sign * 0.999 * limit));
+        CHECK(outside(sign * 1.001 * limit, 0.0));
+        CHECK(outside(0.0, sign * 1.001 * limit));
+    }
+    CHECK(outside(std::numeric_limits<double>::quiet_NaN(), 0.0));
+    CHECK(outside(0.0, std::numeric_limits<double>::infinity()));
+    CHECK_FALSE(outside(0.01, 0.01));  // and back
+}

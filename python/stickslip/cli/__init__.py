@@ -1,0 +1,71 @@
+"""The command ``stickslip``. Only what `main` needs to answer an interrupt is imported here."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+BAD_INPUT = 2
+FAILED = 1
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command and exit: 0; 1 if a simulation failed; 2 for bad input; 130 on Ctrl-C."""
+    try:
+        code = _run(arguments)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except KeyboardInterrupt:
+        _leave(INTERRUPTED)
+    except BrokenPipeError:
+        _leave(BROKEN_PIPE)
+    except OSError as error:
+        # The own errors name the file in their text; the system's carry a number beside it.
+        where = error.filename or "standard output"
+        text = f"cannot write {where}: {error.strerror}" if error.errno else error
+        print(f"stickslip: {_one_line(text)}", file=sys.stderr)
+        _leave(FAILED)
+    except MemoryError:
+        print("stickslip: out of memory; set a lower record.rate", file=sys.stderr)
+        _leave(FAILED)
+    sys.exit(code)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    import click
+
+    from stickslip.cli.commands import stickslip
+    from stickslip.errors import ScenarioError
+
+    try:
+        return int(stickslip.main(arguments, prog_name="stickslip", standalone_mode=False) or 0)
+    except click.exceptions.NoArgsIsHelpError as error:
+        print(error.format_message(), file=sys.stderr)
+        return BAD_INPUT
+    except click.ClickException as error:
+        print(f"stickslip: {_one_line(error.format_message())}", file=sys.stderr)
+        return BAD_INPUT
+    except ScenarioError as error:
+        print(f"stickslip: {_one_line(error)}", file=sys.stderr)
+        return BAD_INPUT
+    except click.Abort:
+        raise KeyboardInterrupt from None
+    except SystemExit:
+        # Not in standalone mode, click exits by itself for this alone.
+        raise BrokenPipeError from None
+
+
+def _one_line(message: object) -> str:
+    return " ".join(str(message).split())
+
+
+def _leave(code: int) -> NoReturn:
+    """Exit without the flush of standard output, which would fail or wait again."""
+    try:
+        sys.stderr.flush()
+    finally:
+        os._exit(code)

@@ -1,0 +1,51 @@
+"""The group of commands. A command's module is imported when it is called."""
+
+from __future__ import annotations
+
+import importlib
+
+import click
+
+_HOME = {
+    "effects": "effects_command",
+    "run": "run_command",
+}
+
+
+class LazyGroup(click.Group):
+    """Looks a command up in its module, so that one command does not pay for the others."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(_HOME)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _HOME:
+            return None
+        module = importlib.import_module(f"stickslip.cli.{_HOME[cmd_name]}")
+        command: click.Command = module.command
+        return command
+
+
+def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:
+    if wanted:
+        from stickslip import _core
+
+        click.echo(f"stickslip {_core.__version__}")
+        ctx.exit()
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="\b\nExample:\n  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",
+)
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_print_version,
+    help="Show the version and exit.",
+)
+def stickslip() -> None:
+    """Simulate magnetic micro-robots that walk by stick-slip in the field of five coils."""

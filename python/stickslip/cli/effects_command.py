@@ -1,0 +1,57 @@
+"""``stickslip effects``."""
+
+from __future__ import annotations
+
+import textwrap
+
+import click
+
+from stickslip.cli.json_text import json_text
+from stickslip.extensions import PREFIX, Effect, effects
+
+
+@click.command("effects", epilog="\b\nExample:\n  stickslip effects --json")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def command(as_json: bool) -> None:
+    """List the named extensions of the model.
+
+    What each does, its parameters with unit and range, and its source. An extension is used by a
+    section [effects.NAME] in a scenario, or by --set effects.NAME.PARAMETER=VALUE.
+    """
+    if as_json:
+        click.echo(json_text({"effects": [_as_dict(effect) for effect in effects()]}))
+        return
+    click.echo("\n\n".join(_as_text(effect) for effect in effects()))
+
+
+def _as_dict(effect: Effect) -> dict[str, object]:
+    return {
+        "name": effect.name,
+        "meaning": effect.meaning,
+        "source": effect.source,
+        "parameters": [
+            {
+                "name": key.name.rpartition(".")[2],
+                "key": key.name,
+                "unit": key.unit,
+                "low": key.low,
+                "high": key.high,
+                "allowed": key.allowed,
+                "default": key.default,
+                "meaning": key.meaning,
+            }
+            for key in effect.parameters
+        ],
+    }
+
+
+def _as_text(effect: Effect) -> str:
+    lines = [f"[{PREFIX}{effect.name}]", *_indented(effect.meaning)]
+    for key in effect.parameters:
+        name = key.name.rpartition(".")[2]
+        lines += _indented(f"{name}: {key.meaning}; {key.allowed}")
+    return "\n".join([*lines, *_indented(f"source: {effect.source}")])
+
+
+def _indented(text: str) -> list[str]:
+    return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="        ")

@@ -1,0 +1,11 @@
+"""The exception of everything that a user can get wrong in a scenario."""
+
+from __future__ import annotations
+
+
+class ScenarioError(ValueError):
+    """A scenario, or a file that belongs to one, that cannot be simulated.
+
+    The message is one line that names the file (if there is one), the key or row, the value and
+    what is allowed.
+    """

@@ -1,0 +1,53 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+
+
+def check_writable(path: str | PathLike[str]) -> None:
+    """Refuse a path to which `replacing` could not write.
+
+    Raises
+    ------
+    OSError
+        If the path is a folder or a device, or its folder is missing or cannot be written to.
+    """
+    target = Path(path)
+    folder = target.parent
+    if target.is_dir():
+        raise IsADirectoryError(f"cannot write {target}: it is a folder")
+    if target.exists() and not target.is_file():
+        raise OSError(f"cannot write {target}: it is not an ordinary file")
+    if not folder.is_dir():
+        raise FileNotFoundError(f"cannot write {target}: there is no folder {folder}")
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(f"cannot write {target}: no permission to write in {folder}")
+
+
+@contextlib.contextmanager
+def replacing(path: str | PathLike[str]) -> Iterator[Path]:
+    """A temporary path in the same folder that becomes `path` when the block ends without error.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; then `path` is as it was before.
+    """
+    check_writable(path)
+    target = Path(path).resolve()
+    # A suffix is kept: matplotlib takes the format from it.
+    temporary = target.with_name(f".{secrets.token_hex(8)}.tmp{target.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OSError(f"cannot write {path}: {reason}") from error
+    finally:
+        temporary.unlink(missing_ok=True)

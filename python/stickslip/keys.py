@@ -1,0 +1,184 @@
+"""The keys of a scenario: what the core knows of each, and the check of a single value.
+
+The compiled core decides what a number or a word may be. Here stands only what it cannot see: the
+type that a value had before it became a number.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import json
+import math
+import numbers
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, NoReturn
+
+from stickslip import _core
+from stickslip.errors import ScenarioError
+
+Value = float | int | str
+"""What a scalar key of a scenario can hold."""
+
+RECORD_RATE = "record.rate"
+RECORD_WORDS = ("none", "events")
+
+_LONGEST_SHOWN = 60
+
+
+@dataclass(frozen=True)
+class Key:
+    """One scalar key of a scenario.
+
+    Attributes
+    ----------
+    name : str
+        Dotted key, such as ``"drive.frequency"``.
+    kind : {"real", "whole", "word", "rate"}
+        What it holds; ``"rate"`` is a number or a word.
+    unit : str
+        SI unit; ``"-"`` for none.
+    low, high : float
+        Range of a number; NaN for a word.
+    allowed : str
+        The range or the words, for a reader.
+    default : float, int or str
+        Value that a scenario has where none is given.
+    meaning : str
+        What it is, in a phrase.
+    """
+
+    name: str
+    kind: Literal["real", "whole", "word", "rate"]
+    unit: str
+    low: float
+    high: float
+    allowed: str
+    default: Value
+    meaning: str
+
+    @property
+    def section(self) -> str:
+        """Everything before the last dot."""
+        return self.name.rpartition(".")[0]
+
+
+@functools.cache
+def known_keys() -> dict[str, Key]:
+    """All scalar keys by name, section by section."""
+    keys: dict[str, Key] = {}
+    for word in _core.choices():
+        allowed = "one of " + ", ".join(json.dumps(each) for each in word["allowed"])
+        keys[word["key"]] = Key(
+            word["key"], "word", "-", math.nan, math.nan, allowed, word["default"], word["meaning"]
+        )
+    for number in _core.parameters():
+        whole = number["integer"]
+        default = number["default"]
+        keys[number["key"]] = Key(
+            number["key"],
+            "whole" if whole else "real",
+            number["unit"],
+            number["low"],
+            number["high"],
+            number["allowed"],
+            int(default) if whole else default,
+            number["meaning"],
+        )
+    keys[RECORD_RATE] = Key(
+        RECORD_RATE,
+        "rate",
+        "Hz",
+        0.0,
+        math.inf,
+        'a number above 0 Hz, "events" or "none"',
+        "none",
+        "rate of the uniform output grid, or one record an event, or no record",
+    )
+    sections = list(dict.fromkeys(row["key"].rpartition(".")[0] for row in _core.parameters()))
+    sections.insert(sections.index("solver") + 1, "record")
+    in_order = sorted(keys.values(), key=lambda key: sections.index(key.section))
+    return {key.name: key for key in in_order}
+
+
+def shown(value: object) -> str:
+    """A value as it would stand in a file, on one line and not too long."""
+    if isinstance(value, bool):
+        text = "true" if value else "false"
+    elif isinstance(value, str):
+        text = json.dumps(value, ensure_ascii=False)
+    elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
+        text = repr(float(value))
+    else:
+        try:
+            text = " ".join(repr(value).split())
+        except ValueError:  # an integer of thousands of digits
+            text = "a number too long to print"
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """What was probably meant, or everything that could have been."""
+    known = list(known)
+    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    if near:
+        return f'did you mean "{near[0]}"?'
+    return "known are " + ", ".join(f'"{each}"' for each in known)
+
+
+def refuse(key: str, value: object, allowed: str) -> NoReturn:
+    """Raise the one-line error of a value that is not allowed."""
+    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
+
+
+def find_key(name: str, value: object) -> Key:
+    """The key of that name, or an error that names the nearest one."""
+    keys = known_keys()
+    if name in keys:
+        return keys[name]
+    section = name.rpartition(".")[0]
+    siblings = [key.name for key in keys.values() if key.section == section]
+    if siblings or difflib.get_close_matches(name, keys, n=1, cutoff=0.6):
+        hint = suggestion(name, siblings or keys)
+    else:
+        hint = suggestion(section, dict.fromkeys(key.section for key in keys.values()))
+    raise ScenarioError(f"{name} = {shown(value)}: there is no such key; {hint}")
+
+
+def checked(name: str, value: object) -> Value:
+    """The value of a key, converted to float, int or str, if the core allows it."""
+    key = find_key(name, value)
+    if key.kind == "rate":
+        return _checked_rate(key, value)
+    if key.kind == "word":
+        if not isinstance(value, str):
+            refuse(name, value, key.allowed)
+        converted: float | str = str(value)
+    else:
+        converted = _as_number(key, value)
+    try:
+        _core.Scenario().set(name, converted)
+    except ValueError:
+        refuse(name, value, key.allowed)
+    return int(converted) if key.kind == "whole" else converted
+
+
+def _as_number(key: Key, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        refuse(key.name, value, key.allowed)
+    try:
+        return float(value)
+    except OverflowError:
+        refuse(key.name, value, key.allowed)
+
+
+def _checked_rate(key: Key, value: object) -> Value:
+    if isinstance(value, str):
+        if value not in RECORD_WORDS:
+            refuse(key.name, value, key.allowed)
+        return str(value)
+    rate = _as_number(key, value)
+    if not (math.isfinite(rate) and rate > 0.0):
+        refuse(key.name, value, key.allowed)
+    return rate

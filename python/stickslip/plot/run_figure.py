@@ -1,0 +1,190 @@
+"""One run over time: fields, tilt, slip, path, force and contact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from stickslip.plot import style
+from stickslip.run import Run
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    _Array = NDArray[np.float64]
+
+# More pulses than this are a smear; the last ones show the steady motion.
+_MOST_PULSES = 12
+_SHOWN_PULSES = 6
+
+
+def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
+    """Draw one run: what the paper's Figs. 4-7 show, with path, normal force and contact mode.
+
+    Parameters
+    ----------
+    run : Run
+        A run with a record on a uniform grid (``record.rate`` in Hz).
+    start, stop : float, optional
+        Stretch of time to draw, s. Without them all of a run of up to twelve pulses, or the last
+        six pulses of a longer one.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not bound to a window; `stickslip.plot.save` writes it.
+
+    Raises
+    ------
+    AttributeError
+        If the run has no record.
+    ValueError
+        If the record is one of events, or has less than two samples from `start` to `stop`.
+    """
+    if run.scenario.record.rate == "events":
+        raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
+    first, last, what = _stretch(run, start, stop)
+    chosen = (run.t >= first) & (run.t <= last)
+    if np.count_nonzero(chosen) < 2:
+        raise ValueError(f"there are less than two samples from {first} s to {last} s")
+
+    with matplotlib.rc_context(style.RC):
+        figure = Figure(figsize=(8.0, 9.0), layout="constrained")
+        fields, tilt, path, force, contact = figure.subplots(
+            5, 1, sharex=True, height_ratios=[1.0, 1.3, 0.9, 1.0, 0.22]
+        )
+        t = run.t[chosen]
+        _draw_fields(fields, t, run.bx[chosen], run.bz[chosen])
+        _draw_tilt(tilt, t, run.theta[chosen], run.slip_velocity[chosen])
+        _draw_path(path, t, run.x[chosen])
+        _draw_force(force, t, run.normal_force[chosen], run)
+        _draw_contact(figure, contact, t, run.contact[chosen])
+        contact.set_xlim(t[0], t[-1])
+        contact.set_xlabel("time (s)")
+        figure.align_ylabels([fields, path, force])
+        figure.suptitle(_title(run, what), fontsize=10.5)
+    return figure
+
+
+def _stretch(run: Run, start: float | None, stop: float | None) -> tuple[float, float, str]:
+    """First and last time to draw, s, and words for it."""
+    drive = run.scenario.drive
+    end = float(run.t[-1])
+    if start is None and stop is None and drive.mode != "program" and drive.pulses > _MOST_PULSES:
+        pulses_end = min(run.scenario.window[1], end)
+        first = pulses_end - _SHOWN_PULSES / drive.frequency
+        # A run that failed in the ramp has no pulses to show.
+        if run.ok and first >= 0.0:
+            return first, pulses_end, f"last {_SHOWN_PULSES} of {drive.pulses} pulses"
+    return (0.0 if start is None else start), (end if stop is None else stop), ""
+
+
+def _title(run: Run, what: str) -> str:
+    drive = run.scenario.drive
+    words = ["voltage program"]
+    if drive.mode != "program":
+        words = [drive.mode, f"{drive.frequency:g} Hz"]
+    if np.isfinite(run.mean_velocity):
+        words.append(f"mean velocity {run.mean_velocity * 1e3:.4g} mm/s")
+    if what:
+        words.append(what)
+    if not run.ok:
+        words.append(f"ended early: {run.status}")
+    return ", ".join(words)
+
+
+def _draw_fields(axes: Axes, t: _Array, bx: _Array, bz: _Array) -> None:
+    axes.plot(t, bx * 1e3, color=style.BLUE, label="$B_x$")
+    axes.plot(t, bz * 1e3, color=style.VERMILION, linestyle="--", label="$B_z$")
+    axes.set_ylabel("field (mT)")
+    _legend_above(axes, [*axes.get_lines()])
+
+
+def _draw_tilt(axes: Axes, t: _Array, theta: _Array, slip: _Array) -> None:
+    # The upper of the two, the tilt lies on top of the velocity's spikes.
+    velocity, tilt = axes, axes.twinx()
+    velocity.plot(t, slip * 1e3, color=style.ORANGE, linewidth=0.9, label="contact velocity")
+    velocity.set_ylabel("contact velocity (mm/s)")
+    velocity.yaxis.set_label_position("right")
+    velocity.yaxis.tick_right()
+    velocity.grid(visible=False, axis="y")
+    tilt.plot(t, np.degrees(theta), color=style.BLUE, label=r"$\theta$")
+    tilt.set_ylabel(r"tilt $\theta$ (degrees)")
+    tilt.yaxis.set_label_position("left")
+    tilt.yaxis.tick_left()
+    tilt.grid(visible=False)
+    _legend_above(axes, [*tilt.get_lines(), *velocity.get_lines()])
+
+
+def _draw_path(axes: Axes, t: _Array, x: _Array) -> None:
+    axes.plot(t, x * 1e6, color=style.BLACK)
+    axes.set_ylabel("x (µm)")
+
+
+def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run) -> None:
+    scenario = run.scenario
+    axes.plot(t, force * 1e6, color=style.GREEN, linewidth=0.9)
+    at_rest = scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
+    resting = axes.axhline(
+        at_rest * 1e6, color=style.GREY, linestyle=":", label="weight + adhesion"
+    )
+    axes.set_ylabel("normal force (µN)")
+    _legend_above(axes, [resting])
+
+
+def _legend_above(axes: Axes, handles: list[Line2D]) -> None:
+    """Above the axes, where it covers no curve."""
+    axes.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=len(handles),
+        frameon=False,
+        borderaxespad=0.1,
+    )
+
+
+def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int8]) -> None:
+    """A band that changes colour with the mode of the contact."""
+    changes = np.flatnonzero(np.diff(contact)) + 1
+    begins = np.concatenate([[0], changes])
+    ends = np.concatenate([changes, [len(t) - 1]])
+    present = sorted(set(contact.tolist()))
+    for code in present:
+        spans = [
+            (t[begin], t[end] - t[begin])
+            for begin, end in zip(begins, ends, strict=True)
+            if contact[begin] == code
+        ]
+        colour = style.CONTACT_COLOURS[Run.contact_names[code]]
+        axes.broken_barh(spans, (0.0, 1.0), facecolor=colour, edgecolor="none")
+    axes.set_ylim(0.0, 1.0)
+    axes.set_yticks([])
+    axes.set_ylabel("contact", rotation=0, ha="right", va="center")
+    axes.grid(visible=False)
+    handles = [
+        Patch(
+            facecolor=style.CONTACT_COLOURS[Run.contact_names[code]],
+            edgecolor=style.GREY,
+            label=style.CONTACT_LABELS[Run.contact_names[code]],
+        )
+        for code in present
+    ]
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=_legend_columns(len(present)),
+        frameon=False,
+    )
+
+
+def _legend_columns(entries: int) -> int:
+    """As many as fit side by side, in rows of about the same length."""
+    rows = -(-entries // 5)
+    return -(-entries // rows)

@@ -1,0 +1,42 @@
+"""Writing figures to files."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from matplotlib.backend_bases import FigureCanvasBase
+from matplotlib.figure import Figure
+
+from stickslip.files import replacing
+
+DOTS_PER_INCH = 150
+
+
+def check_format(path: str | PathLike[str]) -> None:
+    """Refuse a name whose suffix is no format of pictures.
+
+    Raises
+    ------
+    ValueError
+        Naming the suffixes that are.
+    """
+    suffix = Path(path).suffix.removeprefix(".").lower()
+    known = sorted(FigureCanvasBase.get_supported_filetypes())
+    if suffix not in known:
+        raise ValueError(f"{path}: allowed are names that end in .{', .'.join(known)}")
+
+
+def save(figure: Figure, path: str | PathLike[str]) -> None:
+    """Write a figure, whole or not at all, in the format that the path's suffix names.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is no format of pictures.
+    OSError
+        If the file cannot be written; an older file of that name is then untouched.
+    """
+    check_format(path)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=DOTS_PER_INCH)

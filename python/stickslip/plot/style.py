@@ -1,0 +1,40 @@
+"""Colours and sizes that all figures share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+# Okabe and Ito (2008): told apart with every kind of colour vision.
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+GREEN = "#009E73"
+YELLOW = "#F0E442"
+BLUE = "#0072B2"
+VERMILION = "#D55E00"
+PURPLE = "#CC79A7"
+GREY = "#999999"
+
+CONTACT_COLOURS = {
+    "flight": "#FFFFFF",
+    "corner_stick": BLUE,
+    "corner_slip_forward": ORANGE,
+    "corner_slip_backward": VERMILION,
+    "face_stick": SKY,
+    "face_slip_forward": YELLOW,
+    "face_slip_backward": PURPLE,
+}
+
+CONTACT_LABELS = {name: name.replace("_", " ") for name in CONTACT_COLOURS}
+
+RC: Any = {
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 10.0,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.2,
+    "axes.grid": True,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+}

@@ -1,0 +1,159 @@
+"""Scenario files: reading and writing TOML."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.errors import ScenarioError
+from stickslip.extensions import EffectSettings
+from stickslip.files import replacing
+from stickslip.keys import Value, known_keys, shown, suggestion
+from stickslip.scenario import Scenario
+from stickslip.sections import SECTIONS
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+if TYPE_CHECKING:
+    from stickslip.waveform import Waveform
+
+FORMAT_VERSION = 1
+
+# A scenario is a page of text; what is longer is another file, or a device that never ends.
+_MOST_BYTES = 1 << 20
+
+
+def read_scenario(path: str | PathLike[str]) -> Scenario:
+    """See `Scenario.from_toml`."""
+    path = Path(path)
+    try:
+        return _scenario(_document(path), path.parent)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+
+
+def _document(path: Path) -> dict[str, Any]:
+    try:
+        with path.open("rb") as file:
+            data = file.read(_MOST_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ScenarioError(f"cannot be read: {reason}") from None
+    if len(data) > _MOST_BYTES:
+        raise ScenarioError(f"is longer than {_MOST_BYTES} bytes, so it is no scenario file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(
+            f"is no text: byte {error.start + 1} is not UTF-8; a scenario is a TOML file"
+        ) from None
+    if not text.strip():
+        raise ScenarioError('is empty; a scenario has "stickslip = 1" and a section [drive]')
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        reason = " ".join(str(error).split())
+        raise ScenarioError(f"is not valid TOML: {reason}") from None
+
+
+def _scenario(document: dict[str, Any], folder: Path) -> Scenario:
+    _check_version(document)
+    known = [*SECTIONS, "effects"]
+    for name, content in document.items():
+        if name == "stickslip":
+            continue
+        if name not in known:
+            raise ScenarioError(
+                f"[{name}] = {shown(content)}: there is no such section; {suggestion(name, known)}"
+            )
+        if not isinstance(content, dict):
+            raise ScenarioError(f"{name} = {shown(content)}: allowed is a section [{name}]")
+    if "drive" not in document:
+        raise ScenarioError("[drive] is missing: it is required, if only as an empty section")
+
+    sections: dict[str, Any] = {}
+    for name, section in SECTIONS.items():
+        values = dict(document.get(name, {}))
+        for field, value in values.items():
+            if name == "drive" and field == "file":
+                continue
+            _check_field(name, field, value)
+        if name == "drive" and "file" in values:
+            values["program"] = _program(values.pop("file"), folder)
+        sections[name] = section(**values)
+    return Scenario(**sections, effects=EffectSettings(document.get("effects")))
+
+
+def _check_version(document: dict[str, Any]) -> None:
+    if "stickslip" not in document:
+        raise ScenarioError(f'stickslip is missing: a scenario has "stickslip = {FORMAT_VERSION}"')
+    version = document["stickslip"]
+    if isinstance(version, bool) or not isinstance(version, int) or version != FORMAT_VERSION:
+        raise ScenarioError(
+            f"stickslip = {shown(version)}: allowed is {FORMAT_VERSION}, the version of the format"
+        )
+
+
+def _check_field(section: str, field: str, value: object) -> None:
+    known = [key.name for key in known_keys().values() if key.section == section]
+    if section == "drive":
+        known.append("drive.file")
+    key = f"{section}.{field}"
+    if key not in known:
+        hint = suggestion(key, known)
+        raise ScenarioError(f"{key} = {shown(value)}: there is no such key; {hint}")
+
+
+def _program(file: object, folder: Path) -> Waveform:
+    from stickslip.waveform import Waveform
+
+    if not isinstance(file, str) or not file:
+        raise ScenarioError(f"drive.file = {shown(file)}: allowed is the path of a CSV file")
+    try:
+        return Waveform.from_csv(folder / file)
+    except ScenarioError as error:
+        raise ScenarioError(f"drive.file = {shown(file)}: {error}") from None
+
+
+def write_scenario(scenario: Scenario, path: str | PathLike[str]) -> str:
+    """Write the scenario's file, and its voltages beside it; return the text."""
+    path = Path(path)
+    voltages = path.with_name(f"{path.stem}.voltages.csv")
+    text = scenario_text(scenario, voltages.name)
+    if scenario.drive.program is not None:
+        scenario.drive.program.to_csv(voltages)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return text
+
+
+def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
+    """The TOML text; `voltages` is the file that a program's voltages are in."""
+    lines = [f"stickslip = {FORMAT_VERSION}"]
+    for section, kind in SECTIONS.items():
+        lines += ["", f"[{section}]"]
+        for field in dataclasses.fields(kind):
+            if field.name != "program":
+                key = f"{section}.{field.name}"
+                lines.append(_line(field.name, scenario.get(key), known_keys()[key].unit))
+        if section == "drive" and scenario.drive.program is not None:
+            lines.append(_line("file", voltages, "-"))
+    for name, parameters in scenario.effects.items():
+        lines += ["", f"[effects.{name}]"]
+        for parameter, value in parameters.items():
+            unit = known_keys()[f"effects.{name}.{parameter}"].unit
+            lines.append(_line(parameter, value, unit))
+    return "\n".join(lines) + "\n"
+
+
+def _line(name: str, value: Value, unit: str) -> str:
+    text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+    comment = "" if unit == "-" or isinstance(value, str) else f"  # {unit}"
+    return f"{name} = {text}{comment}"

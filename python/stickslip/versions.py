@@ -1,0 +1,38 @@
+"""What a report of a problem should say of the installation."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+
+from stickslip import _core
+
+_PACKAGES = (
+    "numpy",
+    "scipy",
+    "xarray",
+    "h5netcdf",
+    "h5py",
+    "pandas",
+    "matplotlib",
+    "click",
+    "tqdm",
+    "jinja2",
+)
+
+
+def show_versions() -> None:
+    """Print the versions of stickslip, of Python and of the packages it uses."""
+    rows = [
+        ("stickslip", _core.__version__),
+        ("arkode", "yes" if _core.has_arkode else "no"),
+        ("python", platform.python_version()),
+        ("platform", platform.platform()),
+    ]
+    for package in _PACKAGES:
+        try:
+            rows.append((package, importlib.metadata.version(package)))
+        except importlib.metadata.PackageNotFoundError:
+            rows.append((package, "missing"))
+    for name, version in rows:
+        print(f"{name:<12}{version}")

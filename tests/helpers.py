@@ -1,0 +1,150 @@
+"""What the tests of the physics share: Table II's robot, scenarios by key, and the invariants.
+
+Positions and forces of a run are in the world's frame, theta and omega in the robot's own.
+"""
+
+import numpy as np
+
+from stickslip import Scenario, Waveform, simulate, volts_per_tesla
+
+# Table II, with the mass read as micrograms.
+LENGTH, WIDTH, HEIGHT = 250e-6, 130e-6, 100e-6  # m
+MASS = 25.6e-9  # kg
+GRAVITY = 9.81  # m/s^2
+WEIGHT = MASS * GRAVITY  # N
+ADHESION = 0.22e-6  # N
+RADIUS = np.hypot(LENGTH, HEIGHT) / 2  # m, from the centre of mass to a corner
+INERTIA = MASS * (LENGTH**2 + HEIGHT**2) / 12  # kg m^2
+MOMENT = LENGTH * WIDTH * HEIGHT * 5e5  # A m^2
+
+FLIGHT = 0
+STICKING = (1, 4)
+FORWARD = (2, 5)
+ON_A_CORNER = (1, 2, 3)
+ON_A_FACE = (4, 5, 6)
+
+NO_FIELD = {"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0, "drive.ramp": 0.0}
+
+# Currents that follow their voltages within 0.1 us, for tests that need a field at once.
+QUICK_COILS = {"coil.inductance": 1e-6}
+
+
+def scenario(*changes, **more):
+    """The default scenario with values by dotted key; `mode=...` stands for `drive.mode`."""
+    values = {key: value for change in changes for key, value in change.items()}
+    return Scenario().replace({**values, **{f"drive.{k}": v for k, v in more.items()}})
+
+
+def run(*changes, rate="none", **more):
+    """Simulate `scenario(...)`, recorded at `rate`, and refuse any status but ok."""
+    result = simulate(scenario(*changes, {"record.rate": rate}, **more))
+    assert result.ok, result.message
+    return result
+
+
+def program(waveform):
+    """Keys of a drive that plays `waveform`."""
+    return {"drive.mode": "program", "drive.program": waveform}
+
+
+def still_for(seconds):
+    """Keys of a drive that does nothing for so long."""
+    return program(Waveform.hold(seconds, {}))
+
+
+def volts(in_plane=0.0, clamp=0.0):
+    """Voltages of the two coils of a sawtooth for fields at the centre in T."""
+    return {"xp": in_plane * volts_per_tesla(), "clamp": clamp * volts_per_tesla()}
+
+
+def corner_offsets(of):
+    """x and z of the four corners from the centre of mass, m, robot's frame, shape (4, n) each."""
+    robot = of.scenario.robot
+    a = 0.5 * robot.length * np.array([[1], [-1], [-1], [1]])
+    b = 0.5 * robot.height * np.array([[-1], [-1], [1], [1]])
+    cosine, sine = np.cos(of.theta), np.sin(of.theta)
+    return a * cosine + b * sine, -a * sine + b * cosine
+
+
+def is_mode(of, codes):
+    return np.isin(of.contact, codes)
+
+
+def friction_coefficient(of):
+    """Of a slip at the recorded velocities."""
+    contact = of.scenario.contact
+    velocity = of.scenario.get("effects.stribeck_friction.velocity")
+    if velocity == 0.0:
+        return np.full_like(of.t, contact.kinetic_friction)
+    share = np.exp(-((of.slip_velocity / velocity) ** 2))
+    return contact.kinetic_friction + (contact.static_friction - contact.kinetic_friction) * share
+
+
+def violations(of, slack=1e-9, start=0.0, speed_slack=0.0):
+    """What in a recording cannot be, as one line each; an empty list for a sound one.
+
+    slack: of forces, relative to weight and adhesion. start: s, samples before it are not looked
+    at. speed_slack: m/s, of a slip against its mode's direction.
+    """
+    seen = of.t >= start
+    robot, contact = of.scenario.robot, of.scenario.contact
+    sign = 1.0 if of.scenario.drive.direction == "+x" else -1.0
+    force = robot.mass * of.scenario.environment.gravity + contact.adhesion
+    flying, sticking = of.contact == FLIGHT, is_mode(of, STICKING)
+    slipping = ~flying & ~sticking
+    normal, friction, slip = of.normal_force, of.friction_force, np.nan_to_num(of.slip_velocity)
+    gaps = np.sort(of.z + corner_offsets(of)[1], axis=0)
+    direction = np.where(is_mode(of, FORWARD), 1.0, -1.0)
+    speed = np.abs(of.vx) + np.abs(of.omega) * of.z
+    limit = contact.static_friction * normal
+    excess = {
+        "a corner is below the surface": -gaps[0] - 1e-12,
+        # Rounding of heights is 1e-20 m, and angles of many turns add a little.
+        "what touches is not at the surface": np.where(flying, -1.0, np.abs(gaps[0]) - 1e-16),
+        "a face does not lie flat": np.where(is_mode(of, ON_A_FACE), gaps[1] - 1e-16, -1.0),
+        "the surface pulls": -normal - slack * force,
+        "there is a force in flight": np.where(flying, np.abs(normal) + np.abs(friction), -1.0),
+        "a stick is outside the friction cone": np.where(
+            sticking, np.abs(friction) - limit - slack * (limit + force), -1.0
+        ),
+        "a stick slips": np.where(sticking, np.abs(slip), -1.0),
+        "friction of a slip is not kinetic": np.where(
+            slipping,
+            np.abs(friction + direction * friction_coefficient(of) * normal) - slack * force,
+            -1.0,
+        ),
+        "a slip runs against its mode": np.where(slipping, -direction * slip - speed_slack, -1.0),
+        "the contact does not move with the body": np.where(
+            flying, -1.0, np.abs(sign * of.vx - of.omega * of.z - sign * slip) - 1e-12 * speed - 1e-15
+        ),
+    }  # fmt: skip
+    found = []
+    for what, amount in excess.items():
+        bad = seen & ~(amount <= 0.0)
+        if bad.any():
+            worst = np.argmax(np.where(bad, amount, -np.inf))
+            found.append(
+                f"{what}: {bad.sum()} of {len(of.t)} samples, worst by {amount[worst]:.3g} at "
+                f"t = {of.t[worst]!r} in {of.contact_names[of.contact[worst]]}"
+            )
+    for name in ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction_force"):
+        if not np.all(np.isfinite(getattr(of, name))):
+            found.append(f"{name} is not finite")
+    return found
+
+
+def energy(of):
+    """Kinetic, of gravity and of the moment in the field, J; for the direction "+x"."""
+    s = of.scenario
+    mass, length, height = s.robot.mass, s.robot.length, s.robot.height
+    inertia = mass * (length**2 + height**2) / 12
+    moment = s.robot.magnetization * length * s.robot.width * height
+    tilt = s.get("effects.surface_tilt.angle")
+    weight = mass * s.environment.gravity
+    angle = of.theta + s.get("effects.misalignment.angle")
+    return (
+        0.5 * mass * (of.vx**2 + of.vz**2)
+        + 0.5 * inertia * of.omega**2
+        + weight * (np.cos(tilt) * of.z - np.sin(tilt) * of.x)
+        - moment * (np.cos(angle) * of.bx - np.sin(angle) * of.bz)
+    )

@@ -1,0 +1,185 @@
+"""Entry of the reference simulator: dictionaries with the keys of a scenario in, numbers out."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import stepper as slot
+from .drive import complete_drive, voltages_of
+from .field import INDUCTANCE, RESISTANCE, coil_wires
+from .stepper import Model, march
+
+GRAVITY = 9.81  # m/s^2
+
+ROBOT_DEFAULTS = {
+    "length": 250e-6,  # m, Table II
+    "width": 130e-6,  # m
+    "height": 100e-6,  # m
+    "mass": 25.6e-9,  # kg; the weight of 251 nN shows that the table's "ng" means ug
+    "magnetization": 5e5,  # A/m
+}
+CONTACT_DEFAULTS = {
+    "static_friction": 0.2,
+    "kinetic_friction": 0.145,
+    "adhesion": 0.22e-6,  # N
+    "restitution": 0.0,
+}
+DRAG_DEFAULTS = {
+    "linear": 1.0e-5,  # N s/m, Eq. (18)
+    "rotational": 9.0e-17,  # N m s^2, Eq. (19)
+}
+# Every effect is absent at these values.
+EFFECT_DEFAULTS = {
+    "surface_tilt": {"angle": 0.0},  # rad, > 0 is downhill towards +x of the world
+    "ambient_field": {"Bx": 0.0, "Bz": 0.0},  # T, in the world
+    "misalignment": {"angle": 0.0},  # rad, added to theta in the moment's direction
+    "rotational_drag": {"coefficient": 0.0},  # N m s, torque -coefficient omega
+    "angle_drag": {"amplitude": 0.0, "power": 2},  # 1 + amplitude |cos theta|^power
+    "stribeck_friction": {"speed": 0.0, "form": "gaussian"},  # m/s; or "rational"
+    "eddy_lag": {"time": 0.0},  # s
+    "restitution": {"coefficient": 0.0},  # the same as [contact] restitution
+}
+
+
+@dataclass(frozen=True)
+class ReferenceRun:
+    """Result of one run. SI units, radians.
+
+    mean_velocity: m/s, centre of mass in x from the end of the third pulse to that of the last;
+        nan with three pulses or fewer.
+    theta_min, theta_max: rad over the whole drive from the start at theta = 0.
+    airborne_fraction: share of the whole drive without any contact.
+    window_*: the same three over the interval of the mean velocity.
+    slip_up, slip_down: m/s, travel of a single slipping contact corner while theta rises / falls,
+        per unit of time of the same interval (two-corner sliding at constant theta is neither).
+    touchdowns, lift_offs: corners, not bodies. irregular: steps that only an impulse could solve.
+    t, x, z, theta, vx, vz, omega: samples, empty unless a rate was asked for. Velocities are means
+        over one step.
+    """
+
+    mean_velocity: float
+    theta_min: float
+    theta_max: float
+    airborne_fraction: float
+    window_theta_min: float
+    window_theta_max: float
+    window_airborne_fraction: float
+    slip_up: float
+    slip_down: float
+    touchdowns: int
+    lift_offs: int
+    irregular: int
+    dt: float
+    t: np.ndarray = field(repr=False)
+    x: np.ndarray = field(repr=False)
+    z: np.ndarray = field(repr=False)
+    theta: np.ndarray = field(repr=False)
+    vx: np.ndarray = field(repr=False)
+    vz: np.ndarray = field(repr=False)
+    omega: np.ndarray = field(repr=False)
+
+
+def _complete(name: str, given: dict | None, defaults: dict) -> dict:
+    given = given or {}
+    unknown = set(given) - set(defaults)
+    if unknown:
+        raise ValueError(f"unknown {name} keys: {sorted(unknown)}")
+    return {**defaults, **given}
+
+
+def _model(robot, contact, drag, effects, mirror: float) -> Model:
+    """Constants of the kernel in the robot's frame; `mirror` is -1 if that faces the world's -x."""
+    body = _complete("robot", robot, ROBOT_DEFAULTS)
+    touch = _complete("contact", contact, CONTACT_DEFAULTS)
+    fluid = _complete("drag", drag, DRAG_DEFAULTS)
+    given = _complete("effects", effects, EFFECT_DEFAULTS)
+    effect = {k: _complete(f"effects.{k}", given[k], v) for k, v in EFFECT_DEFAULTS.items()}
+    volume = body["length"] * body["width"] * body["height"]
+    tilt = effect["surface_tilt"]["angle"]
+    form = effect["stribeck_friction"]["form"]
+    if form not in ("gaussian", "rational"):
+        raise ValueError(f"effects.stribeck_friction.form = {form!r}")
+    return Model(
+        half_length=float(body["length"] / 2),
+        half_height=float(body["height"] / 2),
+        mass=float(body["mass"]),
+        inertia=float(body["mass"] * (body["height"] ** 2 + body["length"] ** 2) / 12),
+        moment=float(volume * body["magnetization"]),
+        mu_static=float(touch["static_friction"]),
+        mu_kinetic=float(touch["kinetic_friction"]),
+        adhesion=float(touch["adhesion"]),
+        restitution=float(effect["restitution"]["coefficient"] or touch["restitution"]),
+        drag_linear=float(fluid["linear"]),
+        drag_quadratic=float(fluid["rotational"]),
+        drag_rotational=float(effect["rotational_drag"]["coefficient"]),
+        gravity_x=float(mirror * GRAVITY * np.sin(tilt)),
+        gravity_z=float(-GRAVITY * np.cos(tilt)),
+        ambient_x=float(mirror * effect["ambient_field"]["Bx"]),
+        ambient_z=float(effect["ambient_field"]["Bz"]),
+        misalignment=float(effect["misalignment"]["angle"]),
+        angle_drag=float(effect["angle_drag"]["amplitude"]),
+        angle_drag_power=int(effect["angle_drag"]["power"]),
+        stribeck_speed=float(effect["stribeck_friction"]["speed"]),
+        stribeck_rational=bool(form == "rational"),
+        lag_time=float(effect["eddy_lag"]["time"]),
+        resistance=RESISTANCE,
+        inductance=INDUCTANCE,
+    )
+
+
+def simulate_reference(
+    drive: dict,
+    robot: dict | None = None,
+    contact: dict | None = None,
+    drag: dict | None = None,
+    effects: dict | None = None,
+    dt: float = 1e-7,
+    rate: float | None = None,
+) -> ReferenceRun:
+    """Simulate one drive from rest.
+
+    drive, robot, contact, drag: keys and units of the scenario sections of the same names (SI);
+    absent keys take the defaults above. effects: {name: {parameter: value}}, see EFFECT_DEFAULTS.
+    dt: s, fixed step. rate: Hz of the samples; without it none are kept.
+    Raises ValueError for a key or a word that is not known.
+    """
+    full = complete_drive(drive)
+    # With direction "-x" the robot, its moment and the driving coil are turned about z together. In
+    # the turned frame nothing differs but what is fixed to the world, so that is what is mirrored.
+    mirror = 1.0 if full["direction"] == "+x" else -1.0
+    model = _model(robot, contact, drag, effects, mirror)
+    volts = voltages_of(full)
+    wires = np.stack([coil_wires("xp"), coil_wires("clamp")])
+    # The last moment itself must fall inside a step, whichever way its multiple of dt rounds.
+    steps = int(np.floor(volts.end / dt + 1e-9)) + 1
+    duration = volts.end
+    window = np.array([volts.first_counted, volts.last_counted])
+    count = int(np.floor(duration * rate + 1e-9)) + 1 if rate else 0
+    samples = np.zeros((count, 6))
+    marks, counts = march(
+        model, wires, volts.start, volts.level, volts.slope, float(dt), steps, window,
+        float(rate or 1.0), samples,
+    )  # fmt: skip
+    seconds = window[1] - window[0]
+    return ReferenceRun(
+        mean_velocity=float(mirror * (marks[slot.X_END] - marks[slot.X_BEGIN]) / seconds),
+        theta_min=float(marks[slot.THETA_MIN]),
+        theta_max=float(marks[slot.THETA_MAX]),
+        airborne_fraction=float(marks[slot.AIRBORNE] / (steps * dt)),
+        window_theta_min=float(marks[slot.WINDOW_MIN]),
+        window_theta_max=float(marks[slot.WINDOW_MAX]),
+        window_airborne_fraction=float(marks[slot.WINDOW_AIRBORNE] / seconds),
+        slip_up=float(mirror * marks[slot.SLIP_UP] / seconds),
+        slip_down=float(mirror * marks[slot.SLIP_DOWN] / seconds),
+        touchdowns=int(counts[slot.TOUCHDOWNS]),
+        lift_offs=int(counts[slot.LIFT_OFFS]),
+        irregular=int(counts[slot.IRREGULAR]),
+        dt=float(dt),
+        t=np.arange(count) / (rate or 1.0),
+        x=mirror * samples[:, 0],
+        z=samples[:, 1],
+        theta=samples[:, 2],
+        vx=mirror * samples[:, 3],
+        vz=samples[:, 4],
+        omega=samples[:, 5],
+    )

@@ -1,0 +1,311 @@
+"""The time-stepping kernel: velocities live half-way between the positions (leapfrog).
+
+With the forces at t_k in the middle of the step from v(k-1/2) to v(k+1/2), and the contact
+directions taken at the middle of the displacement, motion within one contact mode is second order.
+What jumps when the mode changes is weighted within the step, see switching.py.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+from numba import njit
+
+from .circuit import advance_circuits
+from .contact import OPEN, STICK, corner_offsets, keeping_impulse, solve_one, solve_two
+from .field import wire_loop_planar
+from .switching import landing_time, leaving_impulse, onset_coefficient
+
+# SI throughout. moment is V M in A m^2.
+Model = namedtuple(
+    "Model",
+    "half_length half_height mass inertia moment mu_static mu_kinetic adhesion restitution "
+    "drag_linear drag_quadratic drag_rotational gravity_x gravity_z ambient_x ambient_z "
+    "misalignment angle_drag angle_drag_power stribeck_speed stribeck_rational lag_time "
+    "resistance inductance",
+)
+
+# The field is re-evaluated when the centre of mass has moved this far; in between its first-order
+# expansion errs by (B / (1 cm)^2) (1 um)^2 / 2, about 1e-8 of B.
+FIELD_REFRESH = 1e-6  # m
+
+QUARTER_TURN = 0.5 * np.pi
+
+# Slots of what `march` returns.
+X_BEGIN, X_END, THETA_MIN, THETA_MAX, AIRBORNE = 0, 1, 2, 3, 4
+WINDOW_AIRBORNE, WINDOW_MIN, WINDOW_MAX, SLIP_UP, SLIP_DOWN = 5, 6, 7, 8, 9
+TOUCHDOWNS, LIFT_OFFS, IRREGULAR = 0, 1, 2
+
+
+@njit
+def _sliding_coefficient(speed, model):
+    """Kinetic friction coefficient at a slip speed in m/s; constant without the Stribeck effect."""
+    if model.stribeck_speed <= 0.0:
+        return model.mu_kinetic
+    ratio = (speed / model.stribeck_speed) ** 2
+    shape = 1.0 / (1.0 + ratio) if model.stribeck_rational else np.exp(-ratio)
+    return model.mu_kinetic + (model.mu_static - model.mu_kinetic) * shape
+
+
+@njit
+def _wrench(model, near, dx, dz, currents, theta):
+    """(force x, force z, torque) in N, N m at the centre of mass: magnet and weight, Eqs. (8)-(9).
+
+    near (2, 6): field and derivatives per ampere at a point from which the body is (dx, dz) m away.
+    """
+    bx, bz = model.ambient_x, model.ambient_z
+    bxx = bxz = bzx = bzz = 0.0
+    for coil in range(2):
+        c = near[coil]
+        bx += currents[coil] * (c[0] + c[2] * dx + c[3] * dz)
+        bz += currents[coil] * (c[1] + c[4] * dx + c[5] * dz)
+        bxx += currents[coil] * c[2]
+        bxz += currents[coil] * c[3]
+        bzx += currents[coil] * c[4]
+        bzz += currents[coil] * c[5]
+    mx = model.moment * np.cos(theta + model.misalignment)
+    mz = -model.moment * np.sin(theta + model.misalignment)
+    force_x = mx * bxx + mz * bxz + model.mass * model.gravity_x
+    force_z = mx * bzx + mz * bzz + model.mass * model.gravity_z
+    return force_x, force_z, mz * bx - mx * bz
+
+
+@njit
+def _pick_corners(z, vz, omega, step, touching, rz_now, rx_mid, chosen, old):
+    """Number of corners in question (at most two), written into chosen (2,) and old (2,).
+
+    They are those in contact, whatever their gap, and those that would be below the plane half a
+    step on. A loaded corner is dropped by its own reaction only: one that rounding or rotation
+    lifts for a step would lose adhesion and stick for no reason, an error that no smaller step
+    would cure.
+    """
+    n = 0
+    for i in range(4):
+        if touching[i] and n < 2:
+            chosen[n] = i
+            old[n] = True
+            n += 1
+    for i in range(4):
+        if not touching[i] and n < 2:
+            approach = vz - rx_mid[i] * omega
+            if approach < 0.0 and z + rz_now[i] + 0.5 * step * approach < 0.0:
+                chosen[n] = i
+                old[n] = False
+                n += 1
+    return n
+
+
+@njit
+def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sample_rate, samples):
+    """Integrate from rest, lying flat with its centre at x = 0.
+
+    wires (2, 5, 3) m: in-plane and clamp coil; seg_*: voltage segments; window (2,) s: interval of
+    the averages; samples (n, 6): filled with x, z, theta, vx, vz, omega at multiples of
+    1 / sample_rate. Returns marks (10,) and counts (3,), see the slots above: x in m at the
+    window's ends, angles in rad, airborne times in s, travel in m of a slipping corner.
+    """
+    half_length, half_height = model.half_length, model.half_height
+    counts = np.zeros(3, np.int64)
+    marks = np.zeros(10)
+    marks[WINDOW_MIN], marks[WINDOW_MAX] = np.inf, -np.inf
+    rx_now, rz_now = np.empty(4), np.empty(4)
+    rx, rz = np.empty(4), np.empty(4)
+    # Memory of each corner; what the last three mean is told in switching.py.
+    touching = np.array([True, True, False, False])
+    slip = np.zeros(4, np.int64)
+    reaction = np.zeros(4)
+    load = np.ones(4)
+    share_given = np.full(4, -1.0)
+    # The corners in question within one step, at most two.
+    chosen = np.zeros(2, np.int64)
+    old = np.zeros(2, np.bool_)
+    pair_rx, target, bound = np.empty(2), np.zeros(2), np.zeros(2)
+    state = np.zeros(2, np.int64)
+    outcome = np.zeros(2, np.int64)
+
+    x, z, theta = 0.0, half_height, 0.0
+    vx = vz = omega = 0.0
+    current, lagged = np.zeros(2), np.zeros(2)
+    segment, sample = 0, 0
+    decay = np.exp(-step * model.resistance / model.inductance)
+    at_x, at_z = np.inf, np.inf
+    near = np.zeros((2, 6))
+    hold = step * model.adhesion
+
+    for k in range(steps):
+        t, t_next = k * step, (k + 1) * step
+        if abs(x - at_x) > FIELD_REFRESH or abs(z - at_z) > FIELD_REFRESH:
+            at_x, at_z = x, z
+            for coil in range(2):
+                terms = wire_loop_planar(wires[coil], x, z)
+                for j in range(6):
+                    near[coil, j] = terms[j]
+        force_x, force_z, torque = _wrench(model, near, x - at_x, z - at_z, lagged, theta)
+
+        # Drag acts on the mean of the old and the new velocity: it damps at any step length.
+        drag = 0.5 * step * model.drag_linear
+        if model.angle_drag != 0.0:
+            drag *= 1.0 + model.angle_drag * abs(np.cos(theta)) ** model.angle_drag_power
+        twist = 0.5 * step * (model.drag_quadratic * abs(omega) + model.drag_rotational)
+        im = 1.0 / (model.mass + drag)
+        ij = 1.0 / (model.inertia + twist)
+        # Velocity at the end of the step if nothing touched.
+        push_x = im * ((model.mass - drag) * vx + step * force_x)
+        push_z = im * ((model.mass - drag) * vz + step * force_z)
+        push_omega = ij * ((model.inertia - twist) * omega + step * torque)
+
+        corner_offsets(theta, half_length, half_height, rx_now, rz_now)
+        corner_offsets(theta + 0.5 * step * omega, half_length, half_height, rx, rz)
+        n = _pick_corners(z, vz, omega, step, touching, rz_now, rx, chosen, old)
+        new_vx, new_vz, new_omega = push_x, push_z, push_omega
+        landing = 0.0
+
+        while n > 0:
+            impact = not old[0] or (n == 2 and not old[1])
+            held = int(old[0]) + int(n == 2 and old[1])
+            if n == 2:
+                # The face lies down within this step: its final position replaces the rotated one.
+                flat = np.round(theta / QUARTER_TURN) * QUARTER_TURN
+                corner_offsets(flat, half_length, half_height, rx, rz)
+            # Adhesion, shared by the corners that touch, and what each corner may do.
+            free_z, free_omega = push_z, push_omega
+            slide = 0.0
+            for j in range(n):
+                i = chosen[j]
+                slide = max(slide, abs(vx + rz[i] * omega))
+                target[j] = 0.0
+                if old[j]:
+                    pull = hold / held
+                    state[j] = slip[i]
+                    # In an impact a slipping corner is stopped by kinetic friction or not at all.
+                    stopped = impact and slip[i] != STICK
+                    bound[j] = model.mu_kinetic if stopped else model.mu_static
+                else:
+                    # A landing corner may stop at once, but only kinetic friction can stop it.
+                    state[j] = STICK if j == 0 else state[0]
+                    bound[j] = model.mu_kinetic
+                    approach = vz - rx[i] * omega
+                    gain = push_z - vz - rx[i] * (push_omega - omega)
+                    landing = landing_time(z + rz_now[i], approach, step)
+                    after = 0.5 - landing / step
+                    # Landing on a second corner only redistributes what the first already holds.
+                    share_given[i] = after if held == 0 else 0.0
+                    # A hop shorter than one step cannot be followed: the corner stays down.
+                    if -model.restitution * approach > 0.5 * abs(gain):
+                        share_given[i] = 0.0
+                        target[j] = -model.restitution * approach
+                        if n == 1:
+                            target[j] += (after - model.restitution * (1.0 - after)) * gain
+                    pull = hold * share_given[i] / n
+                free_z -= im * pull
+                free_omega += ij * pull * rx[i]
+            mu = model.mu_kinetic if impact else _sliding_coefficient(slide, model)
+            keep_n = keep_t = 0.0
+            if n == 1:
+                i = chosen[0]
+                keep_n, keep_t = keeping_impulse(
+                    push_x, free_z, free_omega, rx[i], rz[i], im, ij, state[0], mu
+                )
+                load_now = 1.0
+                if not impact and state[0] == STICK and keep_n > 0.0:
+                    load_now = abs(keep_t) / (model.mu_static * keep_n)
+                    if load_now > 1.0 > load[i] and model.stribeck_speed <= 0.0:
+                        mu = onset_coefficient(load[i], load_now, model.mu_static, mu)
+                load[i] = load_now
+                s = solve_one(
+                    push_x, free_z, free_omega, rx[i], rz[i], target[0], im, ij,
+                    state[0], bound[0], mu,
+                )  # fmt: skip
+            else:
+                pair_rx[0], pair_rx[1] = rx[chosen[0]], rx[chosen[1]]
+                s = solve_two(
+                    push_x, free_z, free_omega, pair_rx, rz[chosen[0]], target, im, ij,
+                    state, bound, mu,
+                )  # fmt: skip
+                load[chosen[0]] = load[chosen[1]] = 1.0
+            new_vx, new_vz, new_omega = s.vx, s.vz, s.omega
+            outcome[0], outcome[1] = s.outcome0, s.outcome1
+            counts[IRREGULAR] += int(s.irregular)
+            left0 = old[0] and outcome[0] == OPEN
+            left1 = n == 2 and old[1] and outcome[1] == OPEN
+            if not (left0 or left1):
+                break
+            # A corner that leaves has lost its adhesion already, and what it held passes to the
+            # corner that stays: solve again without it.
+            for j in range(n):
+                if left0 if j == 0 else left1:
+                    counts[LIFT_OFFS] += 1
+                    touching[chosen[j]] = False
+            if n == 1:
+                i = chosen[0]
+                due_n, due_t = leaving_impulse(reaction[i], share_given[i], keep_n, keep_t, hold)
+                push_x += im * due_t
+                push_z += im * due_n
+                push_omega += ij * (rz[i] * due_t - rx[i] * due_n)
+            if left0 and not left1:
+                chosen[0], old[0] = chosen[1], old[1]
+            n = n - int(left0) - int(left1)
+            corner_offsets(theta + 0.5 * step * omega, half_length, half_height, rx, rz)
+            new_vx, new_vz, new_omega = push_x, push_z, push_omega
+
+        # A landing happens where the old motion meets the plane, up to half a step before or after
+        # t_k; until then the body moves as before.
+        before_x, before_z, before_theta = x, z, theta
+        x += landing * vx + (step - landing) * new_vx
+        z += landing * vz + (step - landing) * new_vz
+        theta += landing * omega + (step - landing) * new_omega
+
+        closed = 0
+        first = -1
+        for j in range(n):
+            i = chosen[j]
+            if outcome[j] == OPEN:
+                continue
+            counts[TOUCHDOWNS] += int(not old[j])
+            if target[j] > 0.0:
+                continue
+            touching[i] = True
+            slip[i] = outcome[j]
+            reaction[i] = s.p0 if j == 0 else s.p1
+            if old[j]:
+                share_given[i] = -1.0
+            closed += 1
+            if first < 0:
+                first = i
+        # Close the gap exactly, from above as well as from below; the first corner keeps its place.
+        corner_offsets(theta, half_length, half_height, rx, rz)
+        if closed == 2:
+            place = x + rx[first]
+            theta = np.round(theta / QUARTER_TURN) * QUARTER_TURN
+            corner_offsets(theta, half_length, half_height, rx, rz)
+            x = place - rx[first]
+        if closed > 0:
+            z = -rz[first]
+
+        while sample < samples.shape[0] and sample / sample_rate <= t_next:
+            part = (sample / sample_rate - t) / step
+            samples[sample, 0] = before_x + part * (x - before_x)
+            samples[sample, 1] = before_z + part * (z - before_z)
+            samples[sample, 2] = before_theta + part * (theta - before_theta)
+            samples[sample, 3] = new_vx
+            samples[sample, 4] = new_vz
+            samples[sample, 5] = new_omega
+            sample += 1
+        for end in range(2):
+            if t < window[end] <= t_next:
+                marks[end] = before_x + (window[end] - t) / step * (x - before_x)
+        marks[THETA_MIN] = min(marks[THETA_MIN], theta)
+        marks[THETA_MAX] = max(marks[THETA_MAX], theta)
+        airborne = step if closed == 0 else 0.0
+        marks[AIRBORNE] += airborne
+        if window[0] <= t < window[1]:
+            marks[WINDOW_AIRBORNE] += airborne
+            marks[WINDOW_MIN] = min(marks[WINDOW_MIN], theta)
+            marks[WINDOW_MAX] = max(marks[WINDOW_MAX], theta)
+            if closed == 1 and slip[first] != STICK:
+                travel = x + rx[first] - before_x - rx_now[first]
+                marks[SLIP_UP if new_omega > 0.0 else SLIP_DOWN] += travel
+        vx, vz, omega = new_vx, new_vz, new_omega
+        segment = advance_circuits(
+            t, t_next, decay, segment, seg_start, seg_level, seg_slope, current, lagged, model
+        )
+    return marks, counts

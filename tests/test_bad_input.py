@@ -1,0 +1,213 @@
+"""Every bad input through the real command: exit status 2, one line, nothing left behind."""
+
+import pytest
+
+from command_line import stickslip
+
+HEAD = "stickslip = 1\n[drive]\n"
+CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
+PROGRAM = HEAD + 'mode = "program"\nfile = "v.csv"\n'
+
+
+def check(done, *words):
+    assert done.returncode == 2, done
+    assert done.stdout == ""
+    assert done.stderr.startswith("stickslip: ")
+    assert done.stderr.endswith("\n")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    for word in words:
+        assert word in done.stderr, done.stderr
+
+
+def run(tmp_path, scenario, *options):
+    """The command with both kinds of output asked for; there must be none."""
+    out = tmp_path / "out"
+    out.mkdir()
+    done = stickslip("run", scenario, "--out", out / "a.nc", "--plot", out / "a.png", *options)
+    assert list(out.iterdir()) == []
+    return done
+
+
+SCENARIOS = {
+    "empty": ("", ["is empty", "[drive]"]),
+    "blank": ("\n \n", ["is empty"]),
+    "syntax": (HEAD + "frequency = = 3\n", ["not valid TOML", "line 3"]),
+    "twice": (HEAD + "peak = 1\npeak = 2\n", ["not valid TOML", "line 4"]),
+    "no version": ("[drive]\n", ['"stickslip = 1"']),
+    "newer version": ("stickslip = 2\n[drive]\n", ["stickslip = 2", "allowed is 1"]),
+    "version as word": ('stickslip = "1"\n[drive]\n', ['stickslip = "1"']),
+    "version as bool": ("stickslip = true\n[drive]\n", ["stickslip = true"]),
+    "no drive": ("stickslip = 1\n", ["[drive] is missing"]),
+    "unknown section": (HEAD + "[contcat]\n", ["[contcat]", 'did you mean "contact"?']),
+    "section as number": ("stickslip = 1\ndrive = 3\n", ["drive = 3", "[drive]"]),
+    "section as list": ("stickslip = 1\n[[drive]]\n", ["drive = ", "[drive]"]),
+    "unknown key": (HEAD + "freqency = 3\n", ["drive.freqency = 3", 'mean "drive.frequency"?']),
+    "unknown effect": (HEAD + "[effects.tilt_surface]\n", ["effects.tilt_surface"]),
+    "unknown parameter": (
+        HEAD + "[effects.surface_tilt]\nangel = 1\n",
+        ["effects.surface_tilt.angel = 1", "effects.surface_tilt.angle"],
+    ),
+    "effects as number": ("stickslip = 1\neffects = 3\n[drive]\n", ["effects = 3"]),
+    "effect as number": (HEAD + "[effects]\neddy_lag = 3\n", ["effects.eddy_lag = 3"]),
+    "word for number": (HEAD + 'frequency = "30"\n', ['drive.frequency = "30"', "a number"]),
+    "bool for number": (HEAD + "frequency = true\n", ["drive.frequency = true", "a number"]),
+    "list for number": (HEAD + "frequency = [1]\n", ["drive.frequency = [1]", "a number"]),
+    "date for number": (HEAD + "frequency = 2008-06-25\n", ["drive.frequency = ", "a number"]),
+    "half a pulse": (HEAD + "pulses = 1.5\n", ["drive.pulses = 1.5", "whole number"]),
+    "no pulses": (HEAD + "pulses = 0\n", ["drive.pulses = 0", "from 1"]),
+    "endless digits": (HEAD + "pulses = 1" + "0" * 400 + "\n", ["drive.pulses = 1", "whole"]),
+    "negative": (HEAD + "frequency = -30\n", ["drive.frequency = -30", "above 0"]),
+    "nan": (HEAD + "peak = nan\n", ["drive.peak = nan", "from 0 to 1 T"]),
+    "inf": (HEAD + "ramp = inf\n", ["drive.ramp = inf", "s"]),
+    "unknown word": (HEAD + 'edge = "up"\n', ['drive.edge = "up"', '"rise", "fall"']),
+    "number for word": (HEAD + "mode = 1\n", ["drive.mode = 1", '"IPP", "OPP", "program"']),
+    "friction": (
+        HEAD + "[contact]\nkinetic_friction = 0.5\n",
+        ["contact.kinetic_friction = 0.5", "contact.static_friction"],
+    ),
+    "sawtooth upside down": (HEAD + "base = 3e-3\n", ["drive.peak", "drive.base"]),
+    "edge too long": (HEAD + "edge_time = 0.01\n", ["drive.edge_time = 0.01", "period"]),
+    "restitution": (
+        HEAD + "[contact]\nrestitution = 0.6\n[effects.restitution]\ncoefficient = 0.6\n",
+        ["effects.restitution.coefficient = 0.6", "at most 1"],
+    ),
+    "zero rate": (HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
+    "nan rate": (HEAD + "[record]\nrate = nan\n", ["record.rate = nan", "above 0"]),
+    "rate as word": (HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),
+    "too many samples": (HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e7"]),
+    "program without file": (HEAD + 'mode = "program"\n', ["drive.mode", "drive.file"]),
+    "file without program": (HEAD + 'file = "v.csv"\n', ['drive.mode = "IPP"', '"program"']),
+    "file as number": (HEAD + "file = 3\n", ["drive.file = 3", "path"]),
+}
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_scenarios(tmp_path, name):
+    text, words = SCENARIOS[name]
+    path = tmp_path / "my scenario.toml"
+    path.write_text(text)
+    (tmp_path / "v.csv").write_text(CSV)
+    check(run(tmp_path, path), str(path), *words)
+
+
+def test_a_missing_scenario(tmp_path):
+    check(run(tmp_path, tmp_path / "no.toml"), "no.toml", "No such file")
+
+
+def test_a_folder_as_scenario(tmp_path):
+    check(run(tmp_path, tmp_path), str(tmp_path), "directory")
+
+
+@pytest.mark.parametrize("data", [b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, b"\0" * 99, b"a" * (2 << 20)])
+def test_a_file_that_is_no_scenario(tmp_path, data):
+    path = tmp_path / "s.toml"
+    path.write_bytes(data)
+    check(run(tmp_path, path), str(path))
+
+
+VOLTAGES = {
+    "empty": ("", ["is empty"]),
+    "header only": ("t,xp,xm,yp,ym,clamp\n", ["0 row(s)", "two or more"]),
+    "one row": ("t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 row(s)", "two or more"]),
+    "missing column": ("t,xp,xm,yp,ym\n0,0,0,0,0\n", ["row 1", "column clamp is missing"]),
+    "no header": ("0,0,0,0,0,0\n1,0,0,0,0,0\n", ["row 1", "column t is missing"]),
+    "extra column": ("t,xp,xm,yp,ym,clamp,zp\n0,0,0,0,0,0,0\n", ["row 1", '"zp"', "no such"]),
+    "column twice": ("t,xp,xm,yp,ym,clamp,xp\n0,0,0,0,0,0,0\n", ["row 1", "xp", "twice"]),
+    "falling time": (CSV + "0.5,0,0,0,0,0\n", ["row 4", "t = 0.5", "1.0 s"]),
+    "late start": (CSV.replace("\n0,", "\n0.5,"), ["row 2", "t = 0.5", "0 s"]),
+    "no time": (CSV.replace("\n1,", "\n0,"), ["row 3", "t = 0.0", "above 0"]),
+    "nan": (CSV + "2,0,nan,0,0,0\n", ["row 4", "column xm", "nan", "finite", "V"]),
+    "inf": (CSV + "2,0,0,0,0,-inf\n", ["row 4", "column clamp", "-inf", "finite"]),
+    "word": (CSV + "2,0,0,off,0,0\n", ["row 4", "column yp", "off", "finite"]),
+    "gap": (CSV + "2,0,0,0,,0\n", ["row 4", "column ym", "finite"]),
+    "time as word": (CSV + "later,0,0,0,0,0\n", ["row 4", "column t", "later", "of s"]),
+    "short row": (CSV + "2,0,0\n", ["row 4", "3 cells", "6"]),
+    "long row": (CSV + "2,0,0,0,0,0,0\n", ["row 4", "7 cells", "6"]),
+    "other columns": (CSV.replace(",", ";"), ["row 1", "column t is missing"]),
+    "line break in a cell": (CSV + '2,"a\nb",0,0,0,0\n', ["column xp", "finite"]),
+}
+
+
+@pytest.mark.parametrize("name", VOLTAGES)
+def test_voltage_files(tmp_path, name):
+    text, words = VOLTAGES[name]
+    (tmp_path / "s.toml").write_text(PROGRAM)
+    (tmp_path / "v.csv").write_text(text)
+    check(run(tmp_path, tmp_path / "s.toml"), "s.toml", 'drive.file = "v.csv"', *words)
+
+
+def test_voltage_files_that_cannot_be_read(tmp_path):
+    (tmp_path / "s.toml").write_text(PROGRAM)
+    check(run(tmp_path, tmp_path / "s.toml"), "v.csv", "No such file")
+
+
+@pytest.mark.parametrize("data", [b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, b"\0" * 200_000])
+def test_binary_voltage_files(tmp_path, data):
+    (tmp_path / "s.toml").write_text(PROGRAM)
+    (tmp_path / "v.csv").write_bytes(data)
+    check(run(tmp_path, tmp_path / "s.toml"), "v.csv")
+
+
+def test_a_folder_as_voltage_file(tmp_path):
+    (tmp_path / "s.toml").write_text(PROGRAM)
+    (tmp_path / "v.csv").mkdir()
+    check(run(tmp_path, tmp_path / "s.toml"), "v.csv", "directory")
+
+
+OPTIONS = {
+    "no value": (["--set", "drive.frequency"], ["drive.frequency", "key=value"]),
+    "no key": (["--set", "=3"], ["key=value"]),
+    "unknown key": (["--set", "drive.freqency=3"], ["did you mean", "drive.frequency"]),
+    "unknown section": (["--set", "robto.length=3"], ["robto.length", "robot.length"]),
+    "word for number": (["--set", "drive.peak=high"], ['drive.peak = "high"', "a number"]),
+    "out of range": (["--set", "drive.frequency=-1"], ["--set", "drive.frequency = -1"]),
+    "nan": (["--set", "drive.frequency=nan"], ["drive.frequency = nan"]),
+    "together": (["--set", "drive.base=1"], ["drive.peak", "drive.base"]),
+    "missing voltages": (["--set", "drive.file=no.csv"], ["no.csv", "No such file"]),
+    "unknown option": (["--frequency", "3"], ["--frequency"]),
+    "two scenarios": (["other.toml"], ["other.toml"]),
+    "curve of events": (["--set", "record.rate=events"], ["--plot", "record.rate"]),
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_options(tmp_path, name):
+    options, words = OPTIONS[name]
+    (tmp_path / "s.toml").write_text(HEAD)
+    check(run(tmp_path, tmp_path / "s.toml", *options), *words)
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "words"),
+    [
+        ("--out", "missing/a.nc", ["missing/a.nc", "no folder"]),
+        ("--out", ".", ["is a folder"]),
+        ("--out", "", ["is a folder"]),
+        ("--plot", "missing/a.png", ["missing/a.png", "no folder"]),
+        ("--plot", "a.docx", ["a.docx", ".png"]),
+        ("--plot", "a", [".png"]),
+    ],
+)
+def test_targets(tmp_path, option, name, words):
+    (tmp_path / "s.toml").write_text(HEAD)
+    check(stickslip("run", "s.toml", option, name, cwd=tmp_path), *words)
+    assert [each.name for each in tmp_path.iterdir()] == ["s.toml"]
+
+
+def test_a_device_is_not_replaced(tmp_path):
+    (tmp_path / "s.toml").write_text(HEAD)
+    check(stickslip("run", tmp_path / "s.toml", "--out", "/dev/null"), "not an ordinary file")
+
+
+def test_one_file_for_both(tmp_path):
+    (tmp_path / "s.toml").write_text(HEAD)
+    both = tmp_path / "a.png"
+    check(stickslip("run", tmp_path / "s.toml", "--out", both, "--plot", both), "cannot be both")
+    assert not both.exists()
+
+
+def test_commands():
+    check(stickslip("rum"), "rum")
+    check(stickslip("run"), "SCENARIO")
+    check(stickslip("effects", "surface_tilt"), "surface_tilt")

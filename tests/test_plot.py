@@ -1,0 +1,130 @@
+"""Pictures of runs: what they show, and that all text can be read."""
+
+import itertools
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from stickslip import Drive, Record, Scenario, plot, simulate
+
+DRIVES = {
+    "IPP 30": Drive(mode="IPP", frequency=30, base=0.5e-3, pulses=12),
+    "IPP 100": Drive(mode="IPP", frequency=100, base=0.5e-3, pulses=12),
+    "OPP 30": Drive(mode="OPP", frequency=30, hold=2.5e-3, edge="fall", pulses=12),
+    "OPP 100": Drive(mode="OPP", frequency=100, hold=2.5e-3, edge="fall", pulses=40),
+    "backwards": Drive(direction="-x", base=0.5e-3, pulses=5, clamp="up"),
+}
+
+
+@pytest.fixture(scope="module", params=DRIVES)
+def run(request):
+    return simulate(Scenario(drive=DRIVES[request.param], record=Record(rate=20e3)))
+
+
+def curve(figure, panel):
+    line = figure.axes[panel].get_lines()[0]
+    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+
+
+def test_panels_share_time_and_show_the_run(run):
+    figure = plot.run(run)
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    for label, unit in [("field", "mT"), ("contact velocity", "mm/s"), ("x", "µm")]:
+        assert any(each.startswith(label) and unit in each for each in labels)
+    assert any("tilt" in each and "degrees" in each for each in labels)
+    assert any("normal force" in each and "µN" in each for each in labels)
+    assert len({axes.get_xlim() for axes in figure.axes}) == 1
+
+    t, x = curve(figure, 2)
+    chosen = np.isin(run.t, t)
+    np.testing.assert_allclose(x, run.x[chosen] * 1e6)
+    sample = 1.5 / 20e3  # and half of one for rounding
+    assert t[-1] == pytest.approx(run.scenario.window[1], abs=sample)
+    # Forty pulses are too many to see: the last six of 10 ms.
+    expected = 0.06 if run.scenario.drive.pulses == 40 else run.scenario.duration
+    assert t[-1] - t[0] == pytest.approx(expected, abs=sample)
+
+
+def test_text_is_neither_clipped_nor_overlapping(run):
+    figure = plot.run(run)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    drawn = visible(figure, canvas.get_renderer())
+    assert len(drawn) > 40
+    page = figure.bbox
+    for words, box in drawn:
+        assert page.x0 <= box.x0 <= box.x1 <= page.x1, words
+        assert page.y0 <= box.y0 <= box.y1 <= page.y1, words
+    for (one, a), (two, b) in itertools.combinations(drawn, 2):
+        width = min(a.x1, b.x1) - max(a.x0, b.x0)
+        height = min(a.y1, b.y1) - max(a.y0, b.y0)
+        assert width <= 1 or height <= 1, (one, two)
+
+
+def visible(figure, renderer):
+    """Words and boxes of all text that is drawn."""
+    texts = [*figure.texts]
+    for legend in figure.legends:
+        texts += legend.get_texts()
+    for axes in figure.axes:
+        texts += [axes.xaxis.label, axes.yaxis.label]
+        if axes.get_legend():
+            texts += axes.get_legend().get_texts()
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            for tick in axis.get_major_ticks():
+                if low <= tick.get_loc() <= high:
+                    texts += [label for label in (tick.label1, tick.label2) if label.get_visible()]
+    return [
+        (text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text()
+    ]
+
+
+def test_the_contact_band_has_the_time_of_each_mode(run):
+    figure = plot.run(run)
+    band = next(axes for axes in figure.axes if axes.get_ylabel() == "contact")
+    t, _ = curve(figure, 2)
+    chosen = run.contact[np.isin(run.t, t)]
+    present = sorted(set(chosen.tolist()))
+    names = [run.contact_names[code].replace("_", " ") for code in present]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == names
+    for code, bars in zip(present, band.collections, strict=True):
+        widths = [path.get_extents().width for path in bars.get_paths()]
+        share = np.mean(chosen[:-1] == code)
+        assert sum(widths) == pytest.approx(share * (t[-1] - t[0]), abs=1e-9)
+
+
+def test_a_stretch_can_be_chosen():
+    run = simulate(Scenario(drive=DRIVES["IPP 100"], record=Record(rate=20e3)))
+    t, _ = curve(plot.run(run, start=0.06, stop=0.08), 2)
+    assert (t[0], t[-1]) == (pytest.approx(0.06), pytest.approx(0.08))
+    with pytest.raises(ValueError, match="less than two samples"):
+        plot.run(run, start=0.08, stop=0.06)
+
+
+def test_what_cannot_be_drawn_is_refused(tmp_path):
+    silent = Scenario(drive=Drive(base=0.5e-3, pulses=2))
+    with pytest.raises(AttributeError, match=r"set record\.rate"):
+        plot.run(simulate(silent))
+    with pytest.raises(ValueError, match=r"set record\.rate"):
+        plot.run(simulate(silent.replace({"record.rate": "events"})))
+    figure = plot.run(simulate(silent.replace({"record.rate": 1e4})))
+    with pytest.raises(ValueError, match=r"\.png"):
+        plot.save(figure, tmp_path / "a.docx")
+    with pytest.raises(OSError, match="no folder"):
+        plot.save(figure, tmp_path / "missing" / "a.png")
+    plot.save(figure, tmp_path / "a.svg")
+    assert [each.name for each in tmp_path.iterdir()] == ["a.svg"]
+
+
+def test_a_failed_run_is_drawn_and_says_so():
+    changes = {
+        "effects.surface_tilt.angle": 1.4,
+        "contact.static_friction": 0.0,
+        "contact.kinetic_friction": 0.0,
+        "drag.linear": 0.0,
+        "record.rate": 1000.0,
+    }
+    run = simulate(Scenario().replace(changes))
+    assert "left_workspace" in plot.run(run)._suptitle.get_text()

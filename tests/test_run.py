@@ -1,0 +1,248 @@
+"""Runs: arrays, summaries, datasets, files, batches."""
+
+import json
+import math
+import pickle
+import resource
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray
+
+from stickslip import Coils, Drive, Record, Scenario, ScenarioError, load, simulate, simulate_batch
+from stickslip.run import COLUMNS
+
+SCENARIO = Scenario(drive=Drive(base=0.5e-3, pulses=12), record=Record(rate=2000.0))
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate(SCENARIO)
+
+
+# Mean velocities in mm/s on which two independent programs agree within 0.05 %.
+@pytest.mark.parametrize(
+    ("mode", "frequency", "base", "hold", "edge", "clamp", "velocity"),
+    [
+        ("IPP", 100, 0.5e-3, 1.0e-3, "rise", "down", 1.9128),
+        ("IPP", 30, 0.5e-3, 1.0e-3, "fall", "up", 0.5986),
+        ("OPP", 30, 0.5e-3, 2.5e-3, "fall", "down", 0.7186),
+        ("OPP", 100, 0.0, 2.5e-3, "rise", "up", 3.0680),
+    ],
+)
+def test_every_field_of_the_drive_reaches_the_core(
+    mode, frequency, base, hold, edge, clamp, velocity
+):
+    drive = Drive(
+        mode=mode, frequency=frequency, base=base, hold=hold, edge=edge, clamp=clamp, pulses=20
+    )
+    assert simulate(Scenario(drive=drive)).mean_velocity * 1e3 == pytest.approx(velocity, rel=5e-4)
+
+
+def test_arrays_lie_on_the_grid(run):
+    # 0.05 s ramp and 12 pulses of 10 ms at 2 kHz: 340 intervals.
+    assert run.ok
+    assert run.t.shape == (341,)
+    np.testing.assert_allclose(run.t, np.arange(341) / 2000.0, rtol=0, atol=1e-12)
+    assert run.current.shape == (341, 5)
+    for name in COLUMNS:
+        if name != "event":
+            assert len(getattr(run, name)) == 341
+    with pytest.raises(AttributeError, match=r'record\.rate to "events"'):
+        _ = run.event
+
+
+def test_arrays_agree_with_each_other(run):
+    # The start is flat and at rest: half the height up, the front corner half a length ahead.
+    assert (run.x[0], run.z[0], run.theta[0]) == (0.0, 50e-6, 0.0)
+    flying = run.contact == run.contact_names.index("flight")
+    assert 0 < flying.sum() < len(flying)
+    assert np.isnan(run.contact_x[flying]).all()
+    assert (run.normal_force[flying] == 0.0).all()
+    touching = ~flying
+    assert np.isfinite(run.contact_x[touching]).all()
+    # Eq. (13)-(14): corner and centre are sqrt(L^2 + H^2)/2 apart.
+    distance = np.hypot(run.x - run.contact_x, run.z)[touching]
+    assert distance == pytest.approx(np.hypot(250e-6, 100e-6) / 2, rel=1e-9)
+    # The field at the centre of mass is that of the currents there.
+    points = np.column_stack([run.x, np.zeros_like(run.x), run.z])
+    field = Coils().field(points[1:], run.current[1:])
+    np.testing.assert_allclose(run.bx[1:], field[:, 0], atol=2e-9)
+    np.testing.assert_allclose(run.bz[1:], field[:, 2], atol=2e-9)
+
+
+def test_mean_velocity_is_that_of_the_arrays(run):
+    start, end = SCENARIO.window
+    first, last = np.searchsorted(run.t, [start - 1e-9, end - 1e-9])
+    velocity = (run.x[last] - run.x[first]) / (run.t[last] - run.t[first])
+    assert run.mean_velocity == pytest.approx(velocity, rel=1e-9)
+    inside = (run.t >= start) & (run.t <= end)
+    assert run.summary()["theta_min"] <= run.theta[inside].min() + 1e-12
+    assert run.summary()["theta_max"] >= run.theta[inside].max() - 1e-12
+
+
+def test_summary_has_the_words_of_the_format(run):
+    summary = run.summary()
+    names = ["mean_velocity", "theta_min", "theta_max", "slip_up", "slip_down"]
+    names += ["airborne_fraction", "events", "painleve_events", "status", "message"]
+    assert {*names, "simulated_time"} <= set(summary)
+    assert summary["status"] == "ok"
+    assert summary["simulated_time"] == pytest.approx(0.17)
+    assert summary["events"]["lift_off"] > 0
+    assert "painleve" not in summary["events"]
+    summary["events"]["lift_off"] = -1
+    assert run.summary()["events"]["lift_off"] > 0
+
+
+def test_a_record_of_events_holds_each_event():
+    run = simulate(SCENARIO.replace({"record.rate": "events"}))
+    counts = np.bincount(run.event, minlength=len(run.event_names))
+    summary = run.summary()
+    expected = {**summary["events"], "painleve": summary["painleve_events"]}
+    assert dict(zip(run.event_names, counts.tolist(), strict=True)) == expected
+    assert set(run.to_xarray()) >= {"event", "contact"}
+
+
+def test_without_a_record_the_hint_names_the_key():
+    run = simulate(SCENARIO.replace({"record.rate": "none"}))
+    assert run.mean_velocity == pytest.approx(simulate(SCENARIO).mean_velocity, rel=1e-6)
+    with pytest.raises(AttributeError, match=r"did not record theta: set record\.rate"):
+        _ = run.theta
+    with pytest.raises(AttributeError, match=r"set record\.rate"):
+        run.to_xarray()
+    with pytest.raises(AttributeError, match="no attribute 'thta'"):
+        _ = run.thta
+
+
+def test_a_failed_simulation_is_a_status():
+    # Full slopes and no friction: the robot slides down 0.1 m to the coils.
+    scenario = Scenario().replace(
+        {
+            "effects.surface_tilt.angle": 1.4,
+            "contact.static_friction": 0.0,
+            "contact.kinetic_friction": 0.0,
+            "drag.linear": 0.0,
+            "record.rate": 100.0,
+        }
+    )
+    run = simulate(scenario)
+    assert not run.ok
+    assert run.status == "left_workspace"
+    assert "coils" in run.message
+    assert 0 < len(run.t) < scenario.duration * 100
+    assert run.summary()["status"] == "left_workspace"
+
+
+def test_a_run_of_twelve_pulses_is_read_back(run, tmp_path):
+    path = tmp_path / "run.nc"
+    run.save(path)
+    assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]
+    with xarray.open_dataset(path, engine="h5netcdf") as read:
+        for name, column in COLUMNS.items():
+            if name == "event":
+                assert name not in read
+                continue
+            np.testing.assert_array_equal(read[name].values, getattr(run, name), err_msg=name)
+            assert read[name].attrs["units"] == column.unit
+            assert read[name].attrs["long_name"] == column.meaning
+        assert list(read["coil"].values) == ["xp", "xm", "yp", "ym", "clamp"]
+        flags = read["contact"].attrs
+        assert flags["flag_meanings"].split()[flags["flag_values"][0]] == "flight"
+        assert read.attrs["mean_velocity"] == run.mean_velocity
+        assert json.loads(read.attrs["events"]) == run.summary()["events"]
+        (tmp_path / "again.toml").write_text(read.attrs["scenario"])
+        assert load(tmp_path / "again.toml") == SCENARIO
+
+
+def test_a_file_that_cannot_be_written_leaves_nothing(run, tmp_path):
+    with pytest.raises(OSError, match="there is no folder"):
+        run.save(tmp_path / "missing" / "run.nc")
+    with pytest.raises(OSError, match="is a folder"):
+        run.save(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_leaves_the_older_file(tmp_path):
+    (tmp_path / "run.nc").write_text("older")
+    code = (
+        "from stickslip import *\n"
+        f"run = simulate(Scenario(record=Record(rate=1e4)))\n"
+        f"try: run.save({str(tmp_path / 'run.nc')!r})\n"
+        "except OSError as error: print(error)\n"
+    )
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, preexec_fn=limit, timeout=60
+    )
+    assert done.stderr == ""
+    assert done.stdout.startswith("cannot write")
+    assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]
+    assert (tmp_path / "run.nc").read_text() == "older"
+
+
+def test_a_batch_is_the_same_for_any_number_of_threads():
+    scenarios = [
+        SCENARIO.replace({"drive.frequency": f, "drive.mode": mode})
+        for f in (30.0, 70.0, 100.0)
+        for mode in ("IPP", "OPP")
+    ]
+    one, two = (simulate_batch(scenarios, threads=n) for n in (1, 2))
+    alone = [simulate(scenario) for scenario in scenarios]
+    for runs in (two, alone):
+        for first, second in zip(one, runs, strict=True):
+            assert first.scenario == second.scenario
+            assert repr(first.summary()) == repr(second.summary())
+            assert first.x.tobytes() == second.x.tobytes()
+            assert first.contact.tobytes() == second.contact.tobytes()
+    assert len({run.mean_velocity for run in one}) == len(scenarios)
+
+
+def test_bad_batches_are_refused():
+    assert simulate_batch([]) == []
+    for threads in (0, -1, 1.5, True):
+        with pytest.raises(ValueError, match="threads"):
+            simulate_batch([SCENARIO], threads=threads)
+    with pytest.raises(ScenarioError, match="scenario 1"):
+        simulate_batch([SCENARIO, "scenario.toml"])
+
+
+def test_progress_rises_and_can_stop():
+    long = SCENARIO.replace({"solver.max_step": 2e-7, "record.rate": "none"})
+    seen = []
+    simulate(long, progress=seen.append)
+    assert len(seen) >= 2
+    assert seen == sorted(seen)
+    assert 0.0 <= seen[0] < seen[-1] <= 1.0
+
+    def stop(fraction):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        simulate(long.replace({"drive.pulses": 100_000}), progress=stop)
+
+
+def test_runs_pickle(run):
+    again = pickle.loads(pickle.dumps(run))
+    assert again.scenario == run.scenario
+    assert again.summary() == run.summary()
+    np.testing.assert_array_equal(again.theta, run.theta)
+
+
+def test_what_was_never_measured_is_nan():
+    # A run that leaves the workspace in its ramp never opens the measuring window.
+    scenario = Scenario().replace(
+        {
+            "drive.ramp": 100.0,
+            "effects.surface_tilt.angle": 1.4,
+            "contact.static_friction": 0.0,
+            "contact.kinetic_friction": 0.0,
+        }
+    )
+    run = simulate(scenario)
+    assert run.status == "left_workspace"
+    assert math.isnan(run.mean_velocity)

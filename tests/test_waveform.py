@@ -1,0 +1,155 @@
+"""Voltage programs."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from stickslip import Coil, Drive, Scenario, ScenarioError, Waveform, simulate, volts_per_tesla
+
+DRIVES = [
+    {},
+    {"frequency": 30.0, "base": 0.5e-3, "edge": "fall", "clamp": "up", "pulses": 7},
+    {"edge_time": 2e-3, "ramp": 0.0, "ramp_down": 0.03, "direction": "-x"},
+    {"edge_time": 2e-3, "edge": "fall", "base": -1e-3, "clamp": "up"},
+]
+
+
+def core_blocks(scenario):
+    return [(t.tolist(), v.tolist(), n) for t, v, n in scenario.to_core().program()]
+
+
+def blocks(waveform):
+    return [(t.tolist(), v.tolist(), n) for t, v, n in waveform.blocks]
+
+
+@pytest.mark.parametrize("fields", DRIVES)
+@pytest.mark.parametrize("mode", ["IPP", "OPP"])
+def test_builders_give_the_voltages_of_the_drive_modes(mode, fields):
+    coil = Coil(resistance=12.0, distance=0.09)
+    build = Waveform.ipp if mode == "IPP" else Waveform.opp
+    scenario = Scenario(drive=Drive(mode=mode, **fields), coil=coil)
+    assert blocks(build(coil=coil, **fields)) == core_blocks(scenario)
+
+
+def test_volts_per_tesla_is_resistance_over_field_per_ampere():
+    # The centre field of a square loop of N turns and side a at distance c:
+    # B/I = mu0 N a^2 / (2 pi (c^2 + a^2/4) sqrt(c^2 + a^2/2)).
+    a, c, turns, ohms = 0.1385, 0.099, 510, 10.0
+    field = 4e-7 * np.pi * turns * a**2 / (2 * np.pi * (c**2 + a**2 / 4) * np.sqrt(c**2 + a**2 / 2))
+    assert volts_per_tesla() == pytest.approx(ohms / field, rel=1e-12)
+    assert volts_per_tesla(Coil(resistance=20.0)) == pytest.approx(2 * ohms / field, rel=1e-12)
+
+
+def test_a_program_moves_the_robot_as_the_mode_does():
+    fields = {"base": 0.5e-3, "pulses": 12}
+    by_mode = simulate(Scenario(drive=Drive(**fields)).replace({"record.rate": 1000.0}))
+    program = Drive(mode="program", program=Waveform.ipp(**fields))
+    by_program = simulate(Scenario(drive=program).replace({"record.rate": 1000.0}))
+    np.testing.assert_array_equal(by_program.x, by_mode.x)
+
+
+def test_voltages_between_points_and_at_jumps():
+    rise = Waveform.sawtooth(0.01, {"xp": 10.0}, {"xp": 30.0, "clamp": -4.0})
+    # The edge is sudden, so at t = 0 the voltage is the top's; halfway down it is the mean.
+    np.testing.assert_allclose(rise.voltages(0.0), [30, 0, 0, 0, -4])
+    np.testing.assert_allclose(rise.voltages([0.005, 0.01])[:, 0], [20, 10])
+    fall = Waveform.sawtooth(0.01, {"xp": 10.0}, {"xp": 30.0}, edge="fall")
+    np.testing.assert_allclose(fall.voltages([0.0, 0.005, 0.01])[:, 0], [10, 20, 10])
+
+
+def test_concatenation_and_repeats():
+    tooth = Waveform.sawtooth(0.25, {"yp": 1.0}, {"yp": 3.0})
+    program = Waveform.ramp(0.5, {"yp": 1.0}) + 3 * tooth + Waveform.hold(1.0, {"yp": 1.0})
+    assert program.duration == 2.25
+    t = np.array([0.25, 0.5, 0.625, 0.75, 1.125, 1.25, 2.25])
+    np.testing.assert_allclose(program.voltages(t)[:, 2], [0.5, 3, 2, 3, 2, 1, 1])
+    assert program.voltages(np.zeros((2, 3))).shape == (2, 3, 5)
+
+
+def test_repeats_need_no_memory():
+    program = Waveform.sawtooth(0.01, {"xp": 1.0}, {"xp": 2.0}).repeat(10**6) * 10**6
+    assert len(program.blocks) == 1
+    assert program.blocks[0][2] == 10**12
+    assert program.duration == pytest.approx(1e10)
+
+
+def test_repeats_within_repeats_are_written_out():
+    tooth = Waveform.sawtooth(1.0, {"xp": 0.0}, {"xp": 1.0}, edge="fall")
+    program = 2 * (3 * tooth + Waveform.hold(1.0, {"xp": 0.0}))
+    assert program.duration == 8.0
+    halves = np.arange(8) + 0.5
+    np.testing.assert_allclose(program.voltages(halves)[:, 0], [0.5] * 3 + [0] + [0.5] * 3 + [0])
+    with pytest.raises(ValueError, match="repeats within repeats"):
+        (tooth * 10**6 + tooth) * 10**6
+
+
+def test_turned_is_its_own_inverse_and_swaps_the_pair():
+    wave = Waveform.hold(1.0, [1, 2, 3, 4, 5])
+    np.testing.assert_array_equal(wave.turned().voltages(0.5), [-2, -1, -4, -3, 5])
+    assert wave.turned().turned() == wave
+
+
+def test_csv_keeps_every_bit_and_any_order_of_columns(tmp_path):
+    rng = np.random.default_rng(20080625)
+    t = np.concatenate([[0.0], np.sort(rng.random(6)).repeat(2)])
+    waveform = Waveform.from_points(t, rng.normal(size=(13, 5)))
+    path = tmp_path / "voltages.csv"
+    waveform.to_csv(path)
+    assert Waveform.from_csv(path) == waveform
+
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    shuffled = tmp_path / "shuffled.csv"
+    order = [3, 5, 0, 1, 4, 2]
+    lines = [", ".join(row[i] for i in order) for row in rows]
+    shuffled.write_text("﻿" + "\r\n".join(lines) + "\r\n\r\n", encoding="utf-8")
+    assert Waveform.from_csv(shuffled) == waveform
+
+
+def test_repeats_in_csv_are_the_same_voltages(tmp_path):
+    waveform = Waveform.ipp(pulses=3)
+    waveform.to_csv(tmp_path / "ipp.csv")
+    read = Waveform.from_csv(tmp_path / "ipp.csv")
+    t = np.linspace(0.0, waveform.duration, 999)[1:-1]
+    np.testing.assert_allclose(read.voltages(t), waveform.voltages(t), atol=1e-9)
+
+
+def test_waveforms_are_values():
+    waveform = Waveform.opp(pulses=3)
+    assert pickle.loads(pickle.dumps(waveform)) == waveform
+    assert hash(Waveform.opp(pulses=3)) == hash(waveform)
+    assert waveform != Waveform.opp(pulses=4)
+    with pytest.raises(ValueError, match="read-only"):
+        waveform.blocks[0][1][0, 0] = 3.0
+
+
+@pytest.mark.parametrize(
+    ("make", "match"),
+    [
+        (lambda: Waveform([]), "empty"),
+        (lambda: Waveform.from_points([0.0], np.zeros((1, 5))), "two points"),
+        (lambda: Waveform.from_points([0.0, 0.0], np.zeros((2, 5))), "no duration"),
+        (lambda: Waveform.from_points([0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),
+        (lambda: Waveform.from_points([0, 2, 1], np.zeros((3, 5))), "must not fall"),
+        (lambda: Waveform.from_points([0, np.nan], np.zeros((2, 5))), "finite"),
+        (lambda: Waveform.from_points([0, 1], np.full((2, 5), np.inf)), "finite"),
+        (lambda: Waveform.from_points([0, 1], np.zeros((2, 4))), r"\(n, 5\)"),
+        (lambda: Waveform.hold(1.0, {"x": 3.0}), "coil 'x'"),
+        (lambda: Waveform.hold(1.0, [1.0, 2.0]), "2 voltages"),
+        (lambda: Waveform.hold(1.0, {}) * 0, "whole number"),
+        (lambda: Waveform.hold(1.0, {}) * True, "whole number"),
+        (lambda: Waveform.hold(1.0, {}).voltages(1.5), "from 0 to 1.0"),
+        (lambda: Waveform.hold(1.0, {}).voltages(np.nan), "from 0 to 1.0"),
+        (lambda: Waveform.sawtooth(1.0, {}, {}, edge="up"), "edge"),
+        (lambda: Waveform.sawtooth(1.0, {}, {}, edge_time=1.0), "edge_time"),
+        (lambda: Waveform.ipp(peak=1e-3, base=2e-3), "drive.peak"),
+    ],
+)
+def test_bad_waveforms_are_refused(make, match):
+    with pytest.raises(ValueError, match=match):
+        make()
+
+
+def test_a_program_needs_its_mode():
+    with pytest.raises(ScenarioError, match='allowed is "program"'):
+        Scenario(drive=Drive(mode="IPP", program=Waveform.ipp(pulses=1)))
