@@ -1,59 +1,135 @@
 #include "stickslip/circuit.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 namespace stickslip {
 
 PerCoil CurrentSegment::currents(double tau) const {
-    PerCoil result = {};
     std::array<double, kMaxBasis> basis = {1.0, tau};
-    for (int j = 0; j < exponentials; ++j) {
-        basis[static_cast<std::size_t>(2 + j)] = std::exp(-rate[static_cast<std::size_t>(j)] * tau);
+    for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {
+        basis[2 + j] = std::exp(-rate[j] * tau);
     }
+    PerCoil result = {};
     for (std::size_t b = 0; b < static_cast<std::size_t>(2 + exponentials); ++b) {
         for (std::size_t k = 0; k < kCoilCount; ++k) result[k] += coefficient[b][k] * basis[b];
     }
     return result;
 }
 
-Circuit::Circuit(double resistance, double inductance, double lag)
-    : resistance_(resistance), time_constant_(inductance / resistance), lag_(lag) {
-    // Equal time constants would need a third function, tau exp(-tau/T). A relative shift of 1e-6
-    // of the lag is far below what it can be known to, and keeps one form for all.
-    if (std::abs(lag_ - time_constant_) < 1e-6 * time_constant_)
-        lag_ = time_constant_ * (1.0 + 1e-6);
+Circuit::Circuit(const CircuitParameters& p) : lag_(p.lag) {
+    Vector per_root;  // R^(-1/2)
+    for (int k = 0; k < kCoilCount; ++k) {
+        per_root(k) = 1.0 / std::sqrt(p.resistance[static_cast<std::size_t>(k)]);
+    }
+    Matrix modes = Matrix::Identity();
+    if (p.coupling == 0.0) {
+        time_constant_ = p.inductance * per_root.cwiseAbs2();
+    } else {
+        Matrix inductance = Matrix::Constant(p.inductance * p.coupling);
+        inductance.diagonal().setConstant(p.inductance);
+        const Matrix scaled = per_root.asDiagonal() * inductance * per_root.asDiagonal();
+        const Eigen::SelfAdjointEigenSolver<Matrix> solver(scaled);
+        modes = solver.eigenvectors();
+        time_constant_ = solver.eigenvalues();
+    }
+    to_modes_ = modes.transpose() * per_root.asDiagonal();
+    from_modes_ = per_root.asDiagonal() * modes;
+
+    for (int m = 0; m < kCoilCount; ++m) {
+        // Equal time constants would need a third function, tau exp(-tau/T). A relative shift of
+        // 1e-6 of the lag is far below what it can be known to, and keeps one form for all.
+        if (std::abs(lag_ - time_constant_(m)) < 1e-6 * time_constant_(m)) {
+            lag_ = time_constant_(m) * (1.0 + 1e-6);
+        }
+        const auto u = static_cast<std::size_t>(m);
+        group_[u] = static_cast<std::size_t>(groups_);
+        for (int earlier = 0; earlier < m; ++earlier) {
+            const double difference = time_constant_(m) - time_constant_(earlier);
+            if (std::abs(difference) < 1e-12 * time_constant_(m)) {
+                group_[u] = group_[static_cast<std::size_t>(earlier)];
+                break;
+            }
+        }
+        groups_ = std::max(groups_, static_cast<int>(group_[u]) + 1);
+    }
 }
 
 CurrentSegment Circuit::advance(const VoltageSegment& segment) {
     CurrentSegment result;
     result.start = segment.start;
     result.duration = segment.end - segment.start;
-    result.rate[0] = 1.0 / time_constant_;
-    const bool lagging = lag_ > 0.0;
-    if (lagging) {
-        result.exponentials = 2;
-        result.rate[1] = 1.0 / lag_;
-    }
-    const double decay = std::exp(-result.duration / time_constant_);
-    for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const double slope = (segment.last[k] - segment.first[k]) / (resistance_ * result.duration);
-        const double constant = segment.first[k] / resistance_ - slope * time_constant_;
-        const double transient = current_[k] - constant;
-        if (lagging) {
-            const double level = constant - slope * lag_;
-            const double through = transient / (1.0 - lag_ / time_constant_);
-            result.coefficient[0][k] = level;
-            result.coefficient[2][k] = through;
-            result.coefficient[3][k] = effective_[k] - level - through;
-        } else {
-            result.coefficient[0][k] = constant;
-            result.coefficient[2][k] = transient;
+    result.exponentials = groups_;
+    const Vector first = to_modes_ * Eigen::Map<const Vector>(segment.first.data());
+    const Vector last = to_modes_ * Eigen::Map<const Vector>(segment.last.data());
+    const Vector slope = (last - first) / result.duration;
+    const Vector level = first - slope.cwiseProduct(time_constant_);
+    const Vector transient = mode_ - level;
+
+    for (int m = 0; m < kCoilCount; ++m) {
+        const std::size_t j = group_[static_cast<std::size_t>(m)];
+        result.rate[j] = 1.0 / time_constant_(m);
+        for (int k = 0; k < kCoilCount; ++k) {
+            const auto coil = static_cast<std::size_t>(k);
+            result.coefficient[0][coil] += from_modes_(k, m) * level(m);
+            result.coefficient[1][coil] += from_modes_(k, m) * slope(m);
+            result.coefficient[2 + j][coil] += from_modes_(k, m) * transient(m);
         }
-        result.coefficient[1][k] = slope;
-        current_[k] = constant + slope * result.duration + transient * decay;
+        mode_(m) = level(m) + slope(m) * result.duration +
+                   transient(m) * std::exp(-result.duration / time_constant_(m));
     }
-    effective_ = result.currents(result.duration);
+    if (lag_ > 0.0) {
+        const auto own = static_cast<std::size_t>(result.exponentials++);
+        result.rate[own] = 1.0 / lag_;
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            result.coefficient[0][k] -= lag_ * result.coefficient[1][k];
+            double start = result.coefficient[0][k];
+            for (std::size_t j = 0; j < own; ++j) {
+                result.coefficient[2 + j][k] /= 1.0 - lag_ * result.rate[j];
+                start += result.coefficient[2 + j][k];
+            }
+            result.coefficient[2 + own][k] = effective_[k] - start;
+        }
+        effective_ = result.currents(result.duration);
+    }
     return result;
+}
+
+PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParameters& parameters) {
+    constexpr std::int64_t kRepeats = 16;  // enough for the coils to reach their periodic state
+    constexpr int kPieces = 8;             // of a stretch, two Gauss points each
+    CircuitParameters without_lag = parameters;
+    without_lag.lag = 0.0;
+    Circuit circuit(without_lag);
+    PerCoil sum = {};
+    for (const VoltageBlock& block : program.blocks()) {
+        const std::int64_t played = std::min(block.repeats, kRepeats);
+        for (std::int64_t repeat = 0; repeat < played; ++repeat) {
+            // The last one played stands for those that are left out.
+            const double weight =
+                repeat + 1 == played ? static_cast<double>(block.repeats - repeat) : 1.0;
+            for (std::size_t i = 0; i + 1 < block.points.size(); ++i) {
+                const VoltagePoint& from = block.points[i];
+                const VoltagePoint& to = block.points[i + 1];
+                if (to.time == from.time) continue;
+                const CurrentSegment segment =
+                    circuit.advance({from.time, to.time, from.voltage, to.voltage});
+                for (int piece = 0; piece < 2 * kPieces; ++piece) {
+                    const double offset = (piece % 2 ? 1.0 : -1.0) / std::sqrt(3.0);
+                    const double tau =
+                        segment.duration * (piece / 2 + 0.5 * (1.0 + offset)) / kPieces;
+                    const PerCoil current = segment.currents(tau);
+                    for (std::size_t k = 0; k < kCoilCount; ++k) {
+                        sum[k] +=
+                            weight * current[k] * current[k] * segment.duration / (2 * kPieces);
+                    }
+                }
+            }
+        }
+    }
+    for (double& value : sum) value /= program.duration();
+    return sum;
 }
 
 }  // namespace stickslip

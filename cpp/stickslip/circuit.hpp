@@ -1,13 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 
 #include "stickslip/voltage_program.hpp"
 
 namespace stickslip {
 
-/// Exponentials that the currents of one stretch are made of: the coil's own, and the lag's.
-inline constexpr int kMaxExponentials = 2;
+/// Exponentials that the currents of one stretch are made of: one a mode of the coupled coils (one
+/// in all for equal coils that are not coupled), and one of the field's lag.
+inline constexpr int kMaxExponentials = kCoilCount + 1;
 inline constexpr int kMaxBasis = 2 + kMaxExponentials;
 
 /// Effective coil currents over one linear stretch of voltage, as
@@ -17,28 +19,45 @@ struct CurrentSegment {
     double duration = 0.0;  ///< s
     int exponentials = 1;
     std::array<double, kMaxExponentials> rate = {};   ///< 1/s
-    std::array<PerCoil, kMaxBasis> coefficient = {};  ///< A, A/s, A, A
+    std::array<PerCoil, kMaxBasis> coefficient = {};  ///< A, A/s, A, A ...
 
     /// Currents that make the field at `tau` seconds from the start, in A.
     PerCoil currents(double tau) const;
 };
 
-/// The resistive-inductive circuit of each coil, Eq. (1), solved in closed form stretch by stretch,
-/// and behind it the first-order lag of the field (effect `eddy_lag`), which is zero by default.
+struct CircuitParameters {
+    PerCoil resistance = {};  ///< ohm
+    double inductance = 0.0;  ///< H
+    double coupling = 0.0;    ///< mutual over self inductance, of every pair of coils
+    double lag = 0.0;         ///< s, with which the field follows the currents
+};
+
+/// The resistive-inductive circuits of the coils, Eq. (1), solved in closed form stretch by
+/// stretch. Coupled or unequal coils are solved in the modes of R^(-1/2) L R^(-1/2). Behind them
+/// stands the first-order lag of the field (effect `eddy_lag`).
 class Circuit {
 public:
-    /// resistance in ohm, inductance in H, lag in s.
-    Circuit(double resistance, double inductance, double lag);
+    explicit Circuit(const CircuitParameters& parameters);
 
     /// The currents over `segment`, going on from where the previous stretch ended.
     CurrentSegment advance(const VoltageSegment& segment);
 
 private:
-    double resistance_;
-    double time_constant_;
+    using Vector = Eigen::Matrix<double, kCoilCount, 1>;
+    using Matrix = Eigen::Matrix<double, kCoilCount, kCoilCount>;
+
+    Matrix to_modes_;                                 // of voltages
+    Matrix from_modes_;                               // to currents
+    Vector time_constant_;                            // s, of each mode
+    std::array<std::size_t, kCoilCount> group_ = {};  // modes of one time constant share a function
+    int groups_ = 0;
     double lag_;
-    PerCoil current_ = {};    ///< A, at the end of the last stretch
-    PerCoil effective_ = {};  ///< A, the lagging current that makes the field
+    Vector mode_ = Vector::Zero();  // modal currents at the end of the last stretch
+    PerCoil effective_ = {};        // A, the lagging currents that make the field
 };
+
+/// Mean of the squared currents over a program, A^2. Of a block that repeats, the first repeats
+/// stand for the others.
+PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParameters& parameters);
 
 }  // namespace stickslip

@@ -23,11 +23,13 @@ public:
 
         const CornerStick stick =
             corner_stick(model_, 1.0 / model_.corner_inertia(), pose, body_.omega, load);
-        const double limit = model_.friction.static_coefficient * stick.reaction.normal;
+        const int slip = opposite_sign(stick.reaction.friction);
+        const double limit =
+            model_.friction.static_limit(slip, contact_x(pose)) * stick.reaction.normal;
         if (stick.reaction.normal >= 0.0 && std::abs(stick.reaction.friction) <= limit) {
             return {{Touch::corner, 0}, quadrant};
         }
-        return breaking_loose(quadrant, pose, load, opposite_sign(stick.reaction.friction));
+        return breaking_loose(quadrant, pose, load, slip);
     }
 
     Resolution face(int quadrant, double slip_velocity, int onset) {
@@ -36,12 +38,13 @@ public:
                                          body_.vz, body_.omega);
         int slip = slip_velocity > 0.0 ? 1 : slip_velocity < 0.0 ? -1 : onset;
         FaceReaction reaction = face_reaction(model_, quadrant, load, true, 0.0);
-        if (slip == 0 &&
-            std::abs(reaction.friction) > model_.friction.static_coefficient * reaction.normal()) {
-            slip = opposite_sign(reaction.friction);
+        if (slip == 0) {
+            const int way = opposite_sign(reaction.friction);
+            const double limit = model_.friction.static_limit(way, body_.x) * reaction.normal();
+            if (std::abs(reaction.friction) > limit) slip = way;
         }
         if (slip != 0) {
-            const double coefficient = slip * model_.friction.kinetic(slip_velocity);
+            const double coefficient = slip * model_.friction.kinetic(slip, slip_velocity, body_.x);
             reaction = face_reaction(model_, quadrant, load, false, coefficient);
         }
         if (reaction.ahead >= 0.0 && reaction.behind >= 0.0) {
@@ -54,6 +57,8 @@ public:
     }
 
 private:
+    double contact_x(const Pose& pose) const { return body_.x + pose.lever; }
+
     Pose pose_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
         dynamics_.rebase_field(tau_, body_.x, body_.z);
@@ -62,8 +67,9 @@ private:
 
     Resolution sliding(int quadrant, const Pose& pose, const Load& load, double slip_velocity) {
         const int slip = slip_velocity > 0.0 ? 1 : -1;
-        const CornerSlip motion = corner_slip(model_, pose, body_.omega, load,
-                                              slip * model_.friction.kinetic(slip_velocity));
+        const CornerSlip motion =
+            corner_slip(model_, pose, body_.omega, load,
+                        slip * model_.friction.kinetic(slip, slip_velocity, contact_x(pose)));
         if (motion.effective_inertia <= 0.0) return {{Touch::corner, 0}, quadrant, true};
         if (motion.normal < 0.0) return {{Touch::none, 0}, quadrant};
         return {{Touch::corner, slip}, quadrant};
@@ -75,7 +81,8 @@ private:
     // stable.
     Resolution breaking_loose(int quadrant, const Pose& pose, const Load& load, int slip) {
         const CornerSlip motion =
-            corner_slip(model_, pose, body_.omega, load, slip * model_.friction.kinetic(0.0));
+            corner_slip(model_, pose, body_.omega, load,
+                        slip * model_.friction.kinetic(slip, 0.0, contact_x(pose)));
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{Touch::none, 0}, quadrant};
         }

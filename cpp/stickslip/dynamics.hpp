@@ -67,6 +67,10 @@ public:
     }
     void rebase_field(double tau, double x, double z) { field_.rebase(tau, x, z); }
 
+    /// Age of the contact at the start of the stretch, s; negative for one that is made later.
+    void set_contact_age(double age) { age_ = age; }
+    double contact_age() const { return age_; }
+
     [[gnu::always_inline]] inline Pose pose(double angle) const;
 
     /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
@@ -85,6 +89,9 @@ public:
     }
 
 private:
+    /// What named effects add; apart, so that a model without them pays one test.
+    void extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
+                const Pose& pose, double vx, double vz, Load& load) const;
     void add_ranged_adhesion(const Pose& pose, double gap, Load& load) const;
 
     const Model* model_;
@@ -95,6 +102,7 @@ private:
     int quadrant_ = kNoQuadrant;
     QuarterTurns turn_{0};
     double moment_cosine_ = 0.0, moment_sine_ = 0.0;
+    double age_ = 0.0;
     double base_angle_ = 0.0;
     int turns_ = kStale;
     Pose base_pose_;
@@ -126,36 +134,14 @@ inline Load Dynamics::load(const Expansion& expansion, double x, double z, const
         drag *= 1.0 + m.angle_drag * cosine * cosine;
     }
     Load load;
-    load.fx = mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - drag * vx;
-    load.fz = mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - drag * vz;
+    if (m.quadratic_linear_drag != 0.0) drag += m.quadratic_linear_drag * std::hypot(vx, vz);
+    load.fx = mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - m.linear_drag * vx;
+    load.fz = mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - m.linear_drag * vz;
     const double turning_drag = (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;
     load.torque = (mz * field.bx - turning_drag) - mx * field.bz;
     load.contact_adhesion = m.adhesion.strength;
+    if (m.extended) extend(expansion, field, mx, mz, pose, vx, vz, load);
     return load;
-}
-
-inline void Dynamics::add_ranged_adhesion(const Pose& pose, double gap, Load& load) const {
-    const Adhesion& adhesion = model_->adhesion;
-    const double base = model_->shape.half_base(quadrant_);
-    const double rise = model_->shape.half_rise(quadrant_);
-    // The two corners that share a side with the pivot; the fourth is never near.
-    const double gap_behind = gap + 2.0 * base * pose.sine;
-    const double gap_ahead = gap + 2.0 * rise * pose.cosine;
-    const double pivot = adhesion.weight(gap);
-    const double behind = adhesion.weight(gap_behind);
-    const double ahead = adhesion.weight(gap_ahead);
-    const double total = pivot + behind + ahead;
-    const double pull_behind = adhesion.pull(behind, total);
-    const double pull_ahead = adhesion.pull(ahead, total);
-    load.contact_adhesion = adhesion.pull(pivot, total);
-    load.fz -= pull_behind + pull_ahead;
-    load.torque += (pose.lever - 2.0 * base * pose.cosine) * pull_behind +
-                   (pose.lever + 2.0 * rise * pose.sine) * pull_ahead;
-    if (gap > 0.0) {
-        load.fz -= load.contact_adhesion;
-        load.torque += pose.lever * load.contact_adhesion;
-        load.contact_adhesion = 0.0;
-    }
 }
 
 }  // namespace stickslip

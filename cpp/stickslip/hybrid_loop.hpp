@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "stickslip/impact.hpp"
+#include "stickslip/measurement_chain.hpp"
 #include "stickslip/recording.hpp"
 #include "stickslip/rest.hpp"
 #include "stickslip/simulation.hpp"
@@ -55,6 +56,8 @@ private:
     const double sign_;
     const Window window_;
     const VoltageProgram program_;
+    const double hold_period_;  // s, effect `sample_hold`
+    const MeasurementChain chain_;
     const CoilSet coils_;
     const Model model_;
     Circuit circuit_;
@@ -81,9 +84,14 @@ template <class Integrator>
 LocalField HybridLoop<Integrator>::local_field(const Scenario& scenario,
                                                const VoltageProgram& program,
                                                const CoilSet& coils) {
-    std::array<bool, kCoilCount> driven = {};
-    for (std::size_t k = 0; k < kCoilCount; ++k) driven[k] = program.largest_voltage()[k] > 0.0;
-    return LocalField(coils, driven, frame_sign(scenario) * scenario.effects.ambient_field_bx,
+    PerCoil gain = field_gain(scenario);
+    // Coupled coils all have current.
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const bool driven = program.largest_voltage()[k] > 0.0 ||
+                            scenario.effects.mutual_inductance_coupling != 0.0;
+        if (!driven) gain[k] = 0.0;
+    }
+    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
                       scenario.effects.ambient_field_bz);
 }
 
@@ -114,9 +122,11 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
     : sign_(frame_sign(scenario)),
       window_(measuring_window(scenario)),
       program_(make_program(scenario)),
+      hold_period_(scenario.effects.sample_hold_period),
+      chain_(make_measurement_chain(scenario)),
       coils_(scenario.coil.geometry),
       model_(make_model(scenario)),
-      circuit_(make_circuit(scenario)),
+      circuit_(make_circuit(scenario, program_)),
       dynamics_(model_, local_field(scenario, program_, coils_)),
       integrator_(options(scenario, model_, program_, coils_, control)),
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
@@ -128,7 +138,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
 
 template <class Integrator>
 RunResult HybridLoop<Integrator>::run() {
-    SegmentCursor cursor(program_);
+    SegmentStream cursor(program_, hold_period_, {window_.start, window_.end});
     VoltageSegment voltages;
     bool settled = false;
     // Boundaries of stretches carry rounding; the window's ends are two of them.
@@ -153,12 +163,14 @@ RunResult HybridLoop<Integrator>::run() {
     }
     result_.steps = integrator_.counts();
     result_.recording = recorder_.take();
+    chain_.apply(result_.summary, result_.recording);
     result_.final_state = body_;
     return std::move(result_);
 }
 
 template <class Integrator>
 void HybridLoop<Integrator>::run_segment(const VoltageSegment& voltages) {
+    dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
     segment_ = circuit_.advance(voltages);
     dynamics_.field().set_segment(segment_);
     fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
@@ -357,6 +369,7 @@ void HybridLoop<Integrator>::touch_down(int offset, double tau) {
         impact = corner_impact(model_, pose(), body_);
     }
     body_ = impact.body;
+    dynamics_.set_contact_age(-tau);
     dynamics_.set_quadrant(body_.quadrant);
     contact_x_ = body_.x + pose().lever;
     place_by_contact();

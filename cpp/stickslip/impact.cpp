@@ -9,11 +9,13 @@ namespace stickslip {
 namespace {
 
 struct ImpactContact {
-    double lever = 0.0;     // m, from the centre of mass along x
-    double friction = 0.0;  // coefficient of the impulse
+    double lever = 0.0;                    // m, from the centre of mass along x
+    double backward = 0.0, forward = 0.0;  // coefficients of the impulse by the way of the slip
     double restitution = 0.0;
     double approach = 0.0;  // m/s, normal velocity before
     bool arriving = false;
+
+    double friction(int slip) const { return slip > 0 ? forward : backward; }
 };
 
 struct Impulse {
@@ -27,8 +29,12 @@ public:
     ImpactProblem(const Model& model, double height, const BodyState& before)
         : model_(model), height_(height), before_(before) {}
 
-    void add(double lever, double friction, bool arriving) {
-        ImpactContact contact{lever, friction, 0.0, before_.vz - before_.omega * lever, arriving};
+    // stuck: the corner touched before and did not slip.
+    void add(double lever, bool arriving, bool stuck) {
+        const FrictionLaw& law = model_.friction;
+        const double x = before_.x + lever;
+        ImpactContact contact{lever, law.impulsive(-1, stuck, x),        law.impulsive(1, stuck, x),
+                              0.0,   before_.vz - before_.omega * lever, arriving};
         if (arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
             contact.restitution = model_.restitution;
         }
@@ -88,7 +94,7 @@ private:
             if (slip == 0) {
                 a(2, i) = lever * height_ * per_inertia;
             } else {
-                a(2, i) = slip * contacts_[u].friction;
+                a(2, i) = slip * contacts_[u].friction(slip);
             }
         }
         if (slip == 0) {
@@ -101,15 +107,15 @@ private:
 
     bool try_set(const std::array<bool, 2>& acting) {
         const Impulse stick = impulse(acting, 0);
+        const int slip = stick.tangential > 0.0 ? -1 : 1;
         double limit = 0.0;
         for (std::size_t i = 0; i < count_; ++i) {
-            if (acting[i]) limit += contacts_[i].friction * stick.normal[i];
+            if (acting[i]) limit += contacts_[i].friction(slip) * stick.normal[i];
         }
         if (admissible(stick, acting) && std::abs(stick.tangential) <= limit) {
             accept(stick, acting, true);
             return true;
         }
-        const int slip = stick.tangential > 0.0 ? -1 : 1;
         const Impulse sliding = impulse(acting, slip);
         if (admissible(sliding, acting) && slip * tangential_velocity(apply(sliding)) >= 0.0) {
             accept(sliding, acting, false);
@@ -158,7 +164,7 @@ ImpactResult laid_down(const BodyState& before, double slip_velocity) {
 
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before) {
     ImpactProblem problem(model, pose.height, before);
-    problem.add(pose.lever, model.friction.kinetic_coefficient, true);
+    problem.add(pose.lever, true, false);
     ImpactResult result{before, Touch::none, 0.0};
     // With one corner that approaches the problem always has a solution; one that does not approach
     // has arrived by rounding and needs no impulse.
@@ -181,8 +187,6 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
                          bool old_slips) {
     const double base = model.shape.half_base(before.quadrant);
     const double rise = model.shape.half_rise(before.quadrant);
-    const FrictionLaw& law = model.friction;
-    const double old_friction = old_slips ? law.kinetic_coefficient : law.static_coefficient;
     const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
     const double slip_before = before.vx - before.omega * rise;
 
@@ -192,8 +196,8 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     if (fastest <= kCaptureSpeed) return laid_down(before, slides ? slip_before : 0.0);
 
     ImpactProblem problem(model, rise, before);
-    problem.add(base, new_ahead ? law.kinetic_coefficient : old_friction, new_ahead);
-    problem.add(-base, new_behind ? law.kinetic_coefficient : old_friction, new_behind);
+    problem.add(base, new_ahead, !new_ahead && !old_slips);
+    problem.add(-base, new_behind, !new_behind && !old_slips);
     if (!problem.solve()) return laid_down(before, 0.0);
 
     const bool ahead = problem.closed(0), behind = problem.closed(1);

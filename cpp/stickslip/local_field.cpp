@@ -17,9 +17,9 @@ PlanarGradient gradient_at(const CoilSet& coils, Coil coil, double x, double z) 
 
 }  // namespace
 
-LocalField::LocalField(const CoilSet& coils, const std::array<bool, kCoilCount>& driven,
-                       double ambient_x, double ambient_z)
-    : coils_(&coils), driven_(driven), ambient_x_(ambient_x), ambient_z_(ambient_z) {}
+LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x,
+                       double ambient_z)
+    : coils_(&coils), gain_(gain), ambient_x_(ambient_x), ambient_z_(ambient_z) {}
 
 void LocalField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
@@ -48,7 +48,7 @@ void LocalField::expand(double x, double z) {
     constexpr double per_d = 1.0 / (2.0 * d);
     constexpr double per_dd = 1.0 / (d * d);
     for (std::size_t k = 0; k < kCoilCount; ++k) {
-        if (!driven_[k]) continue;
+        if (gain_[k] == 0.0) continue;
         const auto coil = static_cast<Coil>(k);
         const FieldAndGradient unit = coils_->unit_field(coil, Eigen::Vector3d(x, 0.0, z));
         const double xx = unit.gradient(0, 0), xz = unit.gradient(0, 2), zz = unit.gradient(2, 2);
@@ -80,8 +80,8 @@ void LocalField::combine() {
     for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
         Terms sum = {};
         for (std::size_t k = 0; k < kCoilCount; ++k) {
-            const double coefficient = segment_.coefficient[b][k];
-            if (!driven_[k] || coefficient == 0.0) continue;
+            const double coefficient = gain_[k] * segment_.coefficient[b][k];
+            if (coefficient == 0.0) continue;
             for (std::size_t i = 0; i < Expansion::kTerms; ++i) sum[i] += coefficient * unit_[k][i];
         }
         basis_[b] = sum;

@@ -23,6 +23,7 @@ struct Expansion {
 
     Terms terms = {};
     double centre_x = 0.0, centre_z = 0.0;  ///< m
+    double tau = 0.0;                       ///< s, the time it holds for
 
     [[gnu::always_inline]] inline PlanarField operator()(double x, double z) const;
 };
@@ -38,9 +39,9 @@ public:
     static constexpr double kReach = 1.5e-4;    ///< m, the robot is never further from the centre
     static constexpr double kSpacing = 1.0e-4;  ///< m
 
-    /// driven: a coil that is never driven costs nothing. ambient_x, ambient_z: a uniform field, T.
-    LocalField(const CoilSet& coils, const std::array<bool, kCoilCount>& driven, double ambient_x,
-               double ambient_z);
+    /// gain: factor on each coil's field; a coil that never has current gets zero and costs
+    /// nothing. ambient_x, ambient_z: a uniform field, T.
+    LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x, double ambient_z);
 
     void set_segment(const CurrentSegment& segment);
 
@@ -63,7 +64,7 @@ private:
     double decay(double tau, std::size_t j) const;
 
     const CoilSet* coils_;
-    std::array<bool, kCoilCount> driven_;
+    PerCoil gain_;
     double ambient_x_, ambient_z_;
     CurrentSegment segment_;
     double centre_x_ = 0.0, centre_z_ = 0.0;
@@ -93,14 +94,15 @@ inline Expansion LocalField::at(double tau) const {
     Expansion result;
     result.centre_x = centre_x_;
     result.centre_z = centre_z_;
+    result.tau = tau;
     Terms& c = result.terms;
     const double first = decay(tau, 0);
     for (std::size_t i = 0; i < Expansion::kTerms; ++i) {
         c[i] = basis_[0][i] + basis_[1][i] * tau + basis_[2][i] * first;
     }
-    if (segment_.exponentials > 1) {
-        const double second = decay(tau, 1);
-        for (std::size_t i = 0; i < Expansion::kTerms; ++i) c[i] += basis_[3][i] * second;
+    for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
+        const double further = decay(tau, j);
+        for (std::size_t i = 0; i < Expansion::kTerms; ++i) c[i] += basis_[2 + j][i] * further;
     }
     return result;
 }

@@ -17,13 +17,16 @@ struct Model {
     double misalignment = 0.0;  ///< rad, from the body's x axis to the moment, nose-down positive
     double gravity_x = 0.0;     ///< m/s^2, along the surface
     double gravity_z = 0.0;     ///< m/s^2, negative
-    double linear_drag = 0.0;   ///< N s/m, Eq. (18)
-    double angle_drag = 0.0;    ///< -, the drag grows by this factor times cos^2 theta
-    double rotational_drag = 0.0;  ///< N m s, linear
-    double quadratic_drag = 0.0;   ///< N m s^2, Eq. (19)
+    double gradient_excess = 0.0;        ///< -, part by which the magnetic force is larger
+    double linear_drag = 0.0;            ///< N s/m, Eq. (18)
+    double angle_drag = 0.0;             ///< -, the drag grows by this factor times cos^2 theta
+    double quadratic_linear_drag = 0.0;  ///< N s^2/m^2
+    double rotational_drag = 0.0;        ///< N m s, linear
+    double quadratic_drag = 0.0;         ///< N m s^2, Eq. (19)
     FrictionLaw friction;
     Adhesion adhesion;
     double restitution = 0.0;
+    bool extended = false;  ///< whether an effect acts on the forces (see Dynamics::extend)
 
     /// Inertia about a corner, J + m r^2.
     double corner_inertia() const { return inertia + mass * shape.radius() * shape.radius(); }

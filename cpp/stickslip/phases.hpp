@@ -97,9 +97,10 @@ public:
                                       Values& g) const {
         const CornerStick stick = solve(field, y);
         dydt = {y[1], stick.angular_acceleration};
-        const double limit = model().friction.static_coefficient * stick.reaction.normal;
-        g = {stick.reaction.normal, limit - stick.reaction.friction,
-             limit + stick.reaction.friction, y[0], kQuarterTurn - y[0]};
+        const FrictionLaw& law = model().friction;
+        const double normal = stick.reaction.normal, friction = stick.reaction.friction;
+        g = {normal, law.static_limit(-1, contact_x_) * normal - friction,
+             law.static_limit(1, contact_x_) * normal + friction, y[0], kQuarterTurn - y[0]};
     }
     double event(std::size_t i, double tau, const State& y) const {
         if (i == 3) return y[0];
@@ -180,7 +181,7 @@ public:
     }
     Snapshot snapshot(double tau, const State& y) const {
         const double normal = solve(field_at(tau), y).normal;
-        return {body(y), {normal, -coefficient(y[2]) * normal}, y[0], y[2]};
+        return {body(y), {normal, -coefficient(y) * normal}, y[0], y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
     double angle(const State& y) const { return y[1]; }
@@ -189,7 +190,7 @@ public:
     double slip_velocity(const State& y) const { return y[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(const State& y) const {
-        const double inertia = painleve_inertia(model(), dynamics_->pose(y[1]), coefficient(y[2]));
+        const double inertia = painleve_inertia(model(), dynamics_->pose(y[1]), coefficient(y));
         return inertia < kNearlyJammed * model().inertia;
     }
 
@@ -199,15 +200,15 @@ private:
     static constexpr double kJammed = 1e-6;
     static constexpr double kNearlyJammed = 1e-2;
 
-    double coefficient(double slip_velocity) const {
-        return slip_ * model().friction.kinetic(slip_velocity);
+    double coefficient(const State& y) const {
+        return slip_ * model().friction.kinetic(slip_, y[2], y[0]);
     }
     [[gnu::always_inline]] CornerSlip solve(const Expansion& field, const State& y) const {
         const Pose pose = dynamics_->pose(y[1]);
         const Load load =
             dynamics_->load_near_surface(field, y[0] - pose.lever, pose.height, pose,
                                          y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
-        return corner_slip(model(), pose, y[3], load, coefficient(y[2]));
+        return corner_slip(model(), pose, y[3], load, coefficient(y));
     }
 
     double contact_x_, slip_velocity_;
@@ -262,7 +263,7 @@ private:
     FaceReaction solve(const Expansion& field, const State& y, Load& load) const {
         load = dynamics_->load(field, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
         return face_reaction(model(), quadrant(), load, false,
-                             slip_ * model().friction.kinetic(y[1]));
+                             slip_ * model().friction.kinetic(slip_, y[1], y[0]));
     }
 
     int slip_;

@@ -25,9 +25,11 @@ public:
 
     Values values(double tau) const {
         const FaceReaction reaction = solve(tau);
-        const double limit = dynamics_->model().friction.static_coefficient * reaction.normal();
-        return {reaction.ahead, reaction.behind, limit - reaction.friction,
-                limit + reaction.friction};
+        const FrictionLaw& law = dynamics_->model().friction;
+        const double normal = reaction.normal();
+        return {reaction.ahead, reaction.behind,
+                law.static_limit(-1, body_.x) * normal - reaction.friction,
+                law.static_limit(1, body_.x) * normal + reaction.friction};
     }
 
     Snapshot snapshot(double tau) const {

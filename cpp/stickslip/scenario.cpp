@@ -1,6 +1,7 @@
 #include "stickslip/scenario.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
@@ -49,8 +50,8 @@ void check(const Scenario& s) {
         if (s.drive.peak < s.drive.base) {
             refuse("drive.peak", s.drive.peak, with_value("at least drive.base", s.drive.base));
         }
-        if (s.drive.edge_time >= period) {
-            refuse("drive.edge_time", s.drive.edge_time,
+        if (s.drive.edge_time + s.effects.edge_time_time >= period) {
+            refuse("drive.edge_time", s.drive.edge_time + s.effects.edge_time_time,
                    with_value("less than one period, 1/drive.frequency", period));
         }
     }
@@ -73,36 +74,77 @@ double frame_sign(const Scenario& scenario) {
 
 Model make_model(const Scenario& s) {
     const RobotParameters& robot = s.robot;
+    const Effects& e = s.effects;
     Model model;
     model.shape = Rectangle(robot.length, robot.height);
     model.mass = robot.mass;
     model.inertia = robot.mass * (robot.length * robot.length + robot.height * robot.height) / 12.0;
-    model.moment = robot.magnetization * robot.length * robot.width * robot.height;
-    model.misalignment = s.effects.misalignment_angle;
-    const double tilt = frame_sign(s) * s.effects.surface_tilt_angle;
+    model.moment = robot.magnetization * robot.length * robot.width * robot.height *
+                   (1.0 + e.magnetization_scale_fraction);
+    model.misalignment = e.misalignment_angle;
+    model.gradient_excess = e.gradient_scale_fraction;
+    const double tilt = frame_sign(s) * e.surface_tilt_angle;
     model.gravity_x = s.gravity * std::sin(tilt);
     model.gravity_z = -s.gravity * std::cos(tilt);
     model.linear_drag = s.drag.linear;
-    model.angle_drag = s.effects.angle_drag_strength;
-    model.rotational_drag = s.effects.rotational_drag_coefficient;
+    model.angle_drag = e.angle_drag_strength;
+    model.quadratic_linear_drag = e.quadratic_drag_coefficient;
+    model.rotational_drag = e.rotational_drag_coefficient;
     model.quadratic_drag = s.drag.rotational;
     model.friction = {s.contact.static_friction, s.contact.kinetic_friction,
-                      s.effects.stribeck_friction_velocity};
-    model.adhesion = {s.contact.adhesion, s.contact.adhesion_range};
-    model.restitution = s.contact.restitution + s.effects.restitution_coefficient;
+                      e.stribeck_friction_velocity, e.viscous_friction_coefficient,
+                      e.friction_anisotropy_fraction,
+                      // A sine in the world's x is its negative in the turned robot's.
+                      frame_sign(s) * e.friction_patches_amplitude,
+                      2.0 * std::numbers::pi / e.friction_patches_period};
+    model.adhesion = {s.contact.adhesion, s.contact.adhesion_range, e.angle_adhesion_strength,
+                      e.adhesion_ageing_rate, e.adhesion_ageing_time};
+    model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.extended = e.gradient_scale_fraction != 0.0 || e.angle_drag_strength != 0.0 ||
+                     e.quadratic_drag_coefficient != 0.0 || e.angle_adhesion_strength != 0.0 ||
+                     e.adhesion_ageing_rate != 0.0;
     return model;
 }
 
-Circuit make_circuit(const Scenario& s) {
-    return Circuit(s.coil.resistance, s.coil.inductance, s.effects.eddy_lag_time);
+Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
+    const Effects& e = s.effects;
+    CircuitParameters parameters;
+    parameters.resistance.fill(s.coil.resistance);
+    parameters.inductance = s.coil.inductance;
+    parameters.coupling = e.mutual_inductance_coupling;
+    parameters.lag = e.eddy_lag_time;
+    if (e.coil_heating_coefficient != 0.0) {
+        const PerCoil squared = mean_square_currents(program, parameters);
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            const double power = s.coil.resistance * squared[k];
+            parameters.resistance[k] *= 1.0 + e.coil_heating_coefficient * power;
+        }
+    }
+    return Circuit(parameters);
+}
+
+MeasurementChain make_measurement_chain(const Scenario& s) {
+    return {s.effects.length_scale_fraction, s.effects.clock_scale_fraction,
+            s.effects.angle_offset_angle};
+}
+
+PerCoil field_gain(const Scenario& s) {
+    const double in_plane = 1.0 + s.effects.field_gain_in_plane;
+    return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
 }
 
 VoltageProgram make_program(const Scenario& s) {
+    const double limit = s.effects.amplifier_limit_voltage;
+    VoltageProgram program;
     if (s.drive.mode == DriveMode::program) {
-        return s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
+        program = s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
+    } else {
+        const CoilSet coils(s.coil.geometry);
+        Drive drive = s.drive;
+        drive.edge_time += s.effects.edge_time_time;
+        program = sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
     }
-    const CoilSet coils(s.coil.geometry);
-    return sawtooth_program(s.drive, s.coil.resistance / coils.centre_field_per_ampere());
+    return limit > 0.0 ? clipped(program, limit) : program;
 }
 
 Window measuring_window(const Scenario& s) {

@@ -3,6 +3,7 @@
 #include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
 #include "stickslip/drive.hpp"
+#include "stickslip/measurement_chain.hpp"
 #include "stickslip/model.hpp"
 
 namespace stickslip {
@@ -39,15 +40,41 @@ struct DragParameters {
 /// Parameters of the named extensions. Each is absent at zero; see parameters.cpp for their
 /// meaning.
 struct Effects {
-    double surface_tilt_angle = 0.0;  ///< rad
-    double ambient_field_bx = 0.0;    ///< T
-    double ambient_field_bz = 0.0;    ///< T
+    // drive
+    double coil_heating_coefficient = 0.0;  ///< 1/W
+    double amplifier_limit_voltage = 0.0;   ///< V
+    double eddy_lag_time = 0.0;             ///< s
+    double sample_hold_period = 0.0;        ///< s
+    double edge_time_time = 0.0;            ///< s
+    double mutual_inductance_coupling = 0.0;
+    double gradient_scale_fraction = 0.0;
+    double field_gain_in_plane = 0.0;
+    double field_gain_clamp = 0.0;
+    // magnet
     double misalignment_angle = 0.0;  ///< rad
+    double magnetization_scale_fraction = 0.0;
+    double ambient_field_bx = 0.0;  ///< T
+    double ambient_field_bz = 0.0;  ///< T
+    // contact
+    double stribeck_friction_velocity = 0.0;    ///< m/s
+    double viscous_friction_coefficient = 0.0;  ///< s/m
+    double friction_anisotropy_fraction = 0.0;
+    double angle_adhesion_strength = 0.0;
+    double adhesion_ageing_rate = 0.0;
+    double adhesion_ageing_time = 1e-3;  ///< s, has no effect at rate zero
     double restitution_coefficient = 0.0;
+    // fluid
     double angle_drag_strength = 0.0;
+    double quadratic_drag_coefficient = 0.0;   ///< N s^2/m^2
     double rotational_drag_coefficient = 0.0;  ///< N m s
-    double stribeck_friction_velocity = 0.0;   ///< m/s
-    double eddy_lag_time = 0.0;                ///< s
+    // surface
+    double surface_tilt_angle = 0.0;  ///< rad
+    double friction_patches_amplitude = 0.0;
+    double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
+    // measurement
+    double length_scale_fraction = 0.0;
+    double clock_scale_fraction = 0.0;
+    double angle_offset_angle = 0.0;  ///< rad
 };
 
 enum class Method { tsit5, arkode };
@@ -89,7 +116,13 @@ double frame_sign(const Scenario& scenario);
 /// Constants of motion in the robot's own frame.
 Model make_model(const Scenario& scenario);
 
-Circuit make_circuit(const Scenario& scenario);
+/// The coils' circuits for `program` (which heats them, if they do).
+Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
+
+MeasurementChain make_measurement_chain(const Scenario& scenario);
+
+/// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
+PerCoil field_gain(const Scenario& scenario);
 
 /// Voltages in the robot's own frame.
 VoltageProgram make_program(const Scenario& scenario);

@@ -39,6 +39,28 @@ void check_block(const VoltageBlock& block, std::size_t index) {
     if (!(previous > 0.0)) throw std::invalid_argument(where + "has no duration");
 }
 
+PerCoil voltage_at(const VoltageSegment& segment, double t) {
+    const double part = (t - segment.start) / (segment.end - segment.start);
+    PerCoil result;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        result[k] = segment.first[k] + part * (segment.last[k] - segment.first[k]);
+    }
+    return result;
+}
+
+// Parts of a stretch, 0 to 1, at which some coil's voltage meets +-limit.
+std::vector<double> crossings(const PerCoil& from, const PerCoil& to, double limit) {
+    std::vector<double> parts;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        for (const double bound : {-limit, limit}) {
+            const double part = (bound - from[k]) / (to[k] - from[k]);
+            if (part > 0.0 && part < 1.0) parts.push_back(part);
+        }
+    }
+    std::sort(parts.begin(), parts.end());
+    return parts;
+}
+
 }  // namespace
 
 VoltageProgram::VoltageProgram(std::vector<VoltageBlock> blocks) : blocks_(std::move(blocks)) {
@@ -78,6 +100,72 @@ bool SegmentCursor::next(VoltageSegment& segment) {
         return true;
     }
     return false;
+}
+
+SegmentStream::SegmentStream(const VoltageProgram& program, double hold_period,
+                             std::vector<double> marks)
+    : cursor_(program),
+      duration_(program.duration()),
+      hold_period_(hold_period),
+      marks_(std::move(marks)) {
+    if (hold_period_ > 0.0) cursor_.next(programmed_);
+}
+
+bool SegmentStream::next_uncut(VoltageSegment& segment) {
+    if (hold_period_ == 0.0) return cursor_.next(segment);
+    // A sliver at the end would be rounding, not a period.
+    const double start = static_cast<double>(held_) * hold_period_;
+    if (start >= duration_ * (1.0 - 1e-12)) return false;
+    ++held_;
+    const double end = std::min(static_cast<double>(held_) * hold_period_, duration_);
+    while (programmed_.end <= start && cursor_.next(programmed_)) {
+    }
+    const PerCoil volts = voltage_at(programmed_, start);
+    segment = {start, end, volts, volts};
+    return true;
+}
+
+bool SegmentStream::next(VoltageSegment& segment) {
+    if (has_rest_) {
+        segment = rest_;
+        has_rest_ = false;
+    } else if (!next_uncut(segment)) {
+        return false;
+    }
+    // Boundaries of stretches carry rounding: a mark that is as near as that is one of them.
+    const double slack = 1e-9 * duration_;
+    for (const double mark : marks_) {
+        if (mark <= segment.start + slack || mark >= segment.end - slack) continue;
+        const PerCoil volts = voltage_at(segment, mark);
+        rest_ = {mark, segment.end, volts, segment.last};
+        has_rest_ = true;
+        segment = {segment.start, mark, segment.first, volts};
+        break;
+    }
+    return true;
+}
+
+VoltageProgram clipped(const VoltageProgram& program, double limit) {
+    std::vector<VoltageBlock> blocks = program.blocks();
+    for (VoltageBlock& block : blocks) {
+        std::vector<VoltagePoint> points;
+        for (const VoltagePoint& point : block.points) {
+            if (!points.empty() && point.time > points.back().time) {
+                const VoltagePoint from = points.back();
+                const VoltageSegment stretch{from.time, point.time, from.voltage, point.voltage};
+                for (const double part : crossings(from.voltage, point.voltage, limit)) {
+                    const double t = from.time + part * (point.time - from.time);
+                    points.push_back({t, voltage_at(stretch, t)});
+                }
+            }
+            points.push_back(point);
+        }
+        for (VoltagePoint& point : points) {
+            for (double& volts : point.voltage) volts = std::clamp(volts, -limit, limit);
+        }
+        block.points = std::move(points);
+    }
+    return VoltageProgram(std::move(blocks));
 }
 
 }  // namespace stickslip

@@ -69,4 +69,29 @@ private:
     double block_start_ = 0.0;
 };
 
+/// The stretches that the coils really get: those of a program, held constant over each period of
+/// the digital-to-analogue converter if it has one (the voltage at its start), and cut at marks.
+class SegmentStream {
+public:
+    /// hold_period in s, zero: none. marks: ascending times, s.
+    SegmentStream(const VoltageProgram& program, double hold_period, std::vector<double> marks);
+
+    bool next(VoltageSegment& segment);
+
+private:
+    bool next_uncut(VoltageSegment& segment);
+
+    SegmentCursor cursor_;
+    double duration_;
+    double hold_period_;
+    std::vector<double> marks_;
+    VoltageSegment programmed_;  // the stretch of the program that is sampled
+    std::int64_t held_ = 0;      // periods of the converter so far
+    VoltageSegment rest_;        // what a cut left over
+    bool has_rest_ = false;
+};
+
+/// The program with every voltage limited to +-limit V.
+VoltageProgram clipped(const VoltageProgram& program, double limit);
+
 }  // namespace stickslip

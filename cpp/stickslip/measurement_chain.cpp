@@ -1,0 +1,35 @@
+#include "stickslip/measurement_chain.hpp"
+
+namespace stickslip {
+namespace {
+
+void scale(std::vector<double>& column, double factor) {
+    for (double& value : column) value *= factor;
+}
+
+}  // namespace
+
+void MeasurementChain::apply(Summary& summary, Recording& recording) const {
+    const double length = 1.0 + length_scale, time = 1.0 + clock_scale;
+    if (length_scale != 0.0 || clock_scale != 0.0) {
+        for (double* velocity :
+             {&summary.mean_velocity, &summary.slip_up, &summary.slip_down, &summary.slip_flat}) {
+            *velocity *= length / time;
+        }
+        scale(recording.t, time);
+        for (auto* column : {&recording.x, &recording.z, &recording.contact_x}) {
+            scale(*column, length);
+        }
+        for (auto* column : {&recording.vx, &recording.vz, &recording.slip_velocity}) {
+            scale(*column, length / time);
+        }
+        scale(recording.omega, 1.0 / time);
+    }
+    if (angle_offset != 0.0) {
+        summary.theta_min += angle_offset;
+        summary.theta_max += angle_offset;
+        for (double& theta : recording.theta) theta += angle_offset;
+    }
+}
+
+}  // namespace stickslip
