@@ -33,8 +33,8 @@ struct CornerImpact {
         do {
             before.quadrant = random.integer(-4, 4);
             before.angle = random.between(0.0, kQuarterTurn);
-            pose = model.shape.pose(before.quadrant, std::cos(before.angle),
-                                    std::sin(before.angle));
+            pose =
+                model.shape.pose(before.quadrant, std::cos(before.angle), std::sin(before.angle));
             before.vx = random.between(-1.0, 1.0);
             before.vz = random.between(-1.0, 1.0);
             before.omega = random.between(-1e4, 1e4);

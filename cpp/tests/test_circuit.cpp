@@ -47,8 +47,8 @@ struct Reference {
             const Rates a = rates(t, current, effective);
             const Rates b = rates(t + h / 2, current + h / 2 * a.current,  //
                                   effective + h / 2 * a.effective);
-            const Rates c = rates(t + h / 2, current + h / 2 * b.current,
-                                  effective + h / 2 * b.effective);
+            const Rates c =
+                rates(t + h / 2, current + h / 2 * b.current, effective + h / 2 * b.effective);
             const Rates d = rates(t + h, current + h * c.current, effective + h * c.effective);
             current += h / 6 * (a.current + 2 * b.current + 2 * c.current + d.current);
             effective += h / 6 * (a.effective + 2 * b.effective + 2 * c.effective + d.effective);
@@ -165,8 +165,8 @@ TEST_CASE("circuit: a lag that is far shorter than anything else is no lag") {
     for (const VoltageSegment& voltages : kProgram) {
         const double middle = 0.5 * (voltages.end - voltages.start);
         // The field is late by the lag: 1e-9 s times the current's rate of at most 70 V / L.
-        const double difference =
-            with.advance(voltages).currents(middle)[0] - without.advance(voltages).currents(middle)[0];
+        const double difference = with.advance(voltages).currents(middle)[0] -
+                                  without.advance(voltages).currents(middle)[0];
         CHECK(std::abs(difference) < 1.01 * 1e-9 * 70.0 / kInductance);
     }
 }

@@ -41,8 +41,8 @@ double residual(const Model& model, const Draw& draw, double angular_acceleratio
                 double slip_acceleration, double normal, double friction) {
     const auto& [pose, omega, load] = draw;
     // Eqs. (13)-(14), differentiated twice, with the corner's own acceleration along x.
-    const double ax = slip_acceleration + angular_acceleration * pose.height +
-                      omega * omega * pose.lever;
+    const double ax =
+        slip_acceleration + angular_acceleration * pose.height + omega * omega * pose.lever;
     const double az = angular_acceleration * pose.lever - omega * omega * pose.height;
     const double up = normal - load.contact_adhesion;
     const double force = model.mass * (std::abs(ax) + std::abs(az)) + std::abs(load.fx) +
@@ -105,9 +105,10 @@ TEST_CASE("face: its two ends carry the load, and the lever of friction") {
         const double tolerance = 8.0 * kRounding * size;
         CHECK(std::abs(reaction.normal() + load.fz - load.contact_adhesion) <= tolerance);
         // No torque about the centre of mass; each end has half of the adhesion.
-        const double torque = load.torque - rise * reaction.friction -
-                              base * (reaction.ahead - reaction.behind);
-        CHECK(std::abs(torque) <= tolerance * (base + rise) + 8.0 * kRounding * std::abs(load.torque));
+        const double torque =
+            load.torque - rise * reaction.friction - base * (reaction.ahead - reaction.behind);
+        CHECK(std::abs(torque) <=
+              tolerance * (base + rise) + 8.0 * kRounding * std::abs(load.torque));
         if (sticks) {
             CHECK(reaction.friction == -load.fx);
         } else {
@@ -130,7 +131,8 @@ TEST_CASE("kinematics: the centripetal term of Eq. (13) points from the corner t
     CHECK(stick.reaction.friction == doctest::Approx(pull * std::cos(psi)).epsilon(1e-14));
     CHECK(stick.reaction.normal == doctest::Approx(-pull * std::sin(psi)).epsilon(1e-14));
 
-    // The same from positions at three times: truncation (omega h)^2/12, rounding 4e-16/(omega h)^2.
+    // The same from positions at three times: truncation (omega h)^2/12, rounding 4e-16/(omega
+    // h)^2.
     const double h = 1e-7;
     const auto x = [&](double t) { return -r * std::cos(psi + omega * t); };
     const double second = (x(h) - 2.0 * x(0.0) + x(-h)) / (h * h);

@@ -117,7 +117,7 @@ TEST_CASE("drive: without edge time the edge is a jump") {
     }
 }
 
-TEST_CASE("drive: no ramps, no blocks for them; any number of pulses is one block") {
+TEST_CASE("drive: no ramps, no blocks for them, and any number of pulses is one block") {
     Drive drive = example();
     drive.ramp = 0.0;
     drive.ramp_down = 0.0;
@@ -135,8 +135,8 @@ TEST_CASE("drive: a free program has no sawtooth") {
 }
 
 TEST_CASE("turned: the field of the turned robot's coils is the turned field") {
-    const VoltageProgram world({{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}},
-                                  {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}}, 3}});
+    const VoltageProgram world(
+        {{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}}, {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}}, 3}});
     const VoltageProgram robot = turned(world);
     CHECK(robot.duration() == world.duration());
     const CoilSet coils;
@@ -158,7 +158,8 @@ TEST_CASE("turned: the field of the turned robot's coils is the turned field") {
 TEST_CASE("turned: turned twice is as it was, to the last bit") {
     const VoltageProgram world({{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}},
                                   {0.5, {0.1, 0.2, 0.3, 0.4, 0.5}},
-                                  {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}}, 2}});
+                                  {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}},
+                                 2}});
     const VoltageProgram once = turned(world), twice = turned(once);
     for (std::size_t i = 0; i < 3; ++i) {
         const VoltagePoint& was = world.blocks()[0].points[i];

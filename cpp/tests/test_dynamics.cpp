@@ -181,7 +181,8 @@ TEST_CASE("pose: by series near the base angle and in full far from it") {
     Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
     for (const double base : {0.0, 0.4, 1.2}) {
         dynamics.rebase_angle(base);
-        for (const double offset : {-0.6, -0.12501, -0.12499, -0.05, 0.0, 1e-9, 0.03, 0.1249, 0.13}) {
+        for (const double offset :
+             {-0.6, -0.12501, -0.12499, -0.05, 0.0, 1e-9, 0.03, 0.1249, 0.13}) {
             const Pose pose = dynamics.pose(base + offset);
             const Pose direct =
                 model.shape.pose(0, std::cos(base + offset), std::sin(base + offset));
@@ -263,8 +264,8 @@ TEST_CASE("adhesion with a range: its power is that of pulls at the corners") {
     int near_two = 0;
     for (int n = 0; n < 500; ++n) {
         const int quadrant = random.integer(-4, 4);
-        const double angle = random.coin() ? random.between(0.0, 0.1)
-                                           : kQuarterTurn - random.between(0.0, 0.1);
+        const double angle =
+            random.coin() ? random.between(0.0, 0.1) : kQuarterTurn - random.between(0.0, 0.1);
         const double gap = random.between(1e-9, 1.2 * range);
         const Load load = adhesion_load(dynamics, quadrant, angle, gap);
         const double vz = random.between(-1.0, 1.0), omega = random.between(-1e4, 1e4);
@@ -305,8 +306,7 @@ TEST_CASE("adhesion with a range: contact and the gap that closes on it pull ali
         const Pose pose = dynamics.pose(angle);
         CHECK(flight.contact_adhesion == 0.0);
         // A gap of 1e-18 m is 1e-12 of the range.
-        CHECK(flight.fz ==
-              doctest::Approx(contact.fz - contact.contact_adhesion).epsilon(1e-11));
+        CHECK(flight.fz == doctest::Approx(contact.fz - contact.contact_adhesion).epsilon(1e-11));
         CHECK(std::abs(flight.torque - contact.torque - pose.lever * contact.contact_adhesion) <
               1e-11 * kStrength * 1.35e-4);
     }

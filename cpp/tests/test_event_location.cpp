@@ -88,7 +88,8 @@ TEST_CASE("events: a plain crossing, returned on its far side") {
 }
 
 TEST_CASE("events: a dip inside a step") {
-    // Roots at bottom -+ sqrt(depth); from one that the stages see to one of a thousandth of a step.
+    // Roots at bottom -+ sqrt(depth); from one that the stages see to one of a thousandth of a
+    // step.
     for (const double bottom : {0.1, 0.24, 0.5, 0.62, 0.83, 0.93}) {
         for (const double depth : {4e-3, 1e-3, 1e-4, 1e-6}) {
             CAPTURE(bottom);
@@ -241,7 +242,7 @@ TEST_CASE("events: two functions of very different scale dip at once") {
 
 TEST_CASE("events: of several in a step the first, whatever their order and kind") {
     const Function crossing = [](double s) { return 0.45 - s; };
-    const Function dip = parabola(0.3, 0.01);             // at 0.2
+    const Function dip = parabola(0.3, 0.01);  // at 0.2
     const Function late = [](double s) { return 0.9 - s; };
     Step<3> step({late, crossing, dip});
     check_hit(step.find(), 2, 0.2, dip);
@@ -282,8 +283,7 @@ TEST_CASE("locate: returns the far side, at any shape, in few evaluations") {
             ++evaluations;
             return function(s);
         };
-        const double s =
-            EventFinder<1>::locate(0, {0.0, 1.0, function(0.0), function(1.0)}, value);
+        const double s = EventFinder<1>::locate(0, {0.0, 1.0, function(0.0), function(1.0)}, value);
         CHECK(function(s) <= 0.0);
         // The fifth power is below 1e-80 in the last 1e-16: no flatter root is told apart.
         CHECK(std::abs(s - root) <= 2.0 * EventFinder<1>::kResolution);

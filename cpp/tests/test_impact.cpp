@@ -19,8 +19,7 @@ double impulse_tolerance(const Model& model) {
 
 void check_face_impact(const FaceImpact& impact) {
     const Model& model = impact.model;
-    const ImpactResult result =
-        face_impact(model, impact.before, impact.arrival, impact.old_slips);
+    const ImpactResult result = face_impact(model, impact.before, impact.arrival, impact.old_slips);
     const BodyState& after = result.body;
     const FaceImpulses impulse(impact, after);
     const double small = impulse_tolerance(model);
@@ -115,7 +114,7 @@ TEST_CASE("face impact: both corners solved together meet all conditions") {
 TEST_CASE("face impact: where the sliding end jams, the jam alone may turn the arriving end back" *
           doctest::should_fail()) {
     Random random(3);
-    for (int n = 0; n < 6000; ++n) {
+    for (int n = 0; n < 600; ++n) {
         CAPTURE(n);
         check_face_impact(FaceImpact(random, 3.0, 0.0));
     }
@@ -147,11 +146,9 @@ TEST_CASE("impact: Newton's restitution can create energy, but only where the sl
     for (int n = 0; n < 20000; ++n) {
         const CornerImpact impact(random, 1.3, random.between(0.8, 1.0));
         const BodyState after = corner_impact(impact.model, impact.pose, impact.before).body;
-        const double gain = kinetic_energy(impact.model, after) /
-                                kinetic_energy(impact.model, impact.before) -
-                            1.0;
-        const double slip =
-            corner_velocity_x(impact.pose, impact.before.vx, impact.before.omega);
+        const double gain =
+            kinetic_energy(impact.model, after) / kinetic_energy(impact.model, impact.before) - 1.0;
+        const double slip = corner_velocity_x(impact.pose, impact.before.vx, impact.before.omega);
         if (gain <= 1e-12) continue;
         ++grown;
         REQUIRE((after.vx - impact.before.vx) * slip > 0.0);

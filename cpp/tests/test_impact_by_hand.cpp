@@ -39,7 +39,8 @@ TEST_CASE("flat robot, rear lands: the old contact has mu_s and the new one mu_k
     const double omega = 500.0;
     for (const double offset : {1e-9, 0.1}) {
         model.friction = {limit + offset, 0.35, 0.0};
-        const ImpactResult result = face_impact(model, rear_comes_down(omega), Arrival::behind, false);
+        const ImpactResult result =
+            face_impact(model, rear_comes_down(omega), Arrival::behind, false);
         CHECK(result.touch == Touch::face);
         CHECK(result.slip_velocity == 0.0);
         CHECK(result.body.vx == 0.0);
@@ -48,7 +49,8 @@ TEST_CASE("flat robot, rear lands: the old contact has mu_s and the new one mu_k
     }
     for (const double offset : {1e-9, 0.1}) {
         model.friction = {limit - offset, 0.35, 0.0};
-        const ImpactResult result = face_impact(model, rear_comes_down(omega), Arrival::behind, false);
+        const ImpactResult result =
+            face_impact(model, rear_comes_down(omega), Arrival::behind, false);
         CHECK(result.touch == Touch::face);
         CHECK(result.slip_velocity < 0.0);
     }
@@ -72,8 +74,7 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
     // A front that was slipping has mu_k too: T = mu_k S.
     const ImpactResult sliding =
         face_impact(model, rear_comes_down(omega, -0.01), Arrival::behind, true);
-    CHECK(sliding.slip_velocity ==
-          doctest::Approx(omega * (mu_k * b - h) - 0.01).epsilon(1e-12));
+    CHECK(sliding.slip_velocity == doctest::Approx(omega * (mu_k * b - h) - 0.01).epsilon(1e-12));
 }
 
 TEST_CASE("face impact: an arriving corner rebounds, the old one stays") {
@@ -106,8 +107,8 @@ TEST_CASE("rocking block: a tall one rolls over, and keeps 1 - 3/2 sin^2 alpha o
         before.omega = omega;
         before.vz = -std::abs(omega) * h;
         before.vx = omega * b;
-        const ImpactResult result = face_impact(
-            model, before, falls_back ? Arrival::behind : Arrival::ahead, false);
+        const ImpactResult result =
+            face_impact(model, before, falls_back ? Arrival::behind : Arrival::ahead, false);
         CHECK(result.touch == Touch::corner);
         CHECK(result.slip_velocity == 0.0);
         CHECK(result.body.omega == doctest::Approx(ratio * omega).epsilon(1e-12));
@@ -175,8 +176,7 @@ TEST_CASE("impact: below the capture speed nothing rebounds") {
         CHECK(face_impact(model, before, Arrival::both, false).touch ==
               (captured ? Touch::face : Touch::none));
         const Pose pose = model.shape.pose(0, std::cos(0.4), std::sin(0.4));
-        CHECK(corner_impact(model, pose, before).touch ==
-              (captured ? Touch::corner : Touch::none));
+        CHECK(corner_impact(model, pose, before).touch == (captured ? Touch::corner : Touch::none));
     }
     // A face that rocks as slowly lies still, a stuck one without any slip.
     const ImpactResult rest =

@@ -194,3 +194,45 @@ TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
     // About 20 swings of some 40 steps, each with an error of 1e-9.
     CHECK(std::abs(energy(end.y) - energy(start)) < 1e-6 * model.moment * std::hypot(bx, bz));
 }
+
+TEST_CASE("tsit5: a slide that comes near the point without solution ends before it") {
+    // Known since Genot and Brogliato 1999: as the effective inertia falls to zero, friction stops
+    // the slip or turns the robot so fast that it lifts off. A fast enough slip reaches neither
+    // stop, and turns nose-down all the way to lift-off.
+    Model model = paper_model();
+    model.adhesion.strength = 1e-6;
+    for (const double mu : {1.34, 1.4, 1.5}) {
+        model.friction = {mu, mu, 0.0};
+        for (const double slip : {0.05, 5.0}) {
+            Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
+            CornerSlipPhase phase(dynamics, 0.0, 1, slip);
+            Tsit5 integrator(options(1e-8, 0.0));
+            PhaseMemory memory;
+            const CornerSlipPhase::State start = {0.0, 0.3, slip, 0.0};
+            const auto end = integrator.advance(phase, memory, 0.0, 1.0, start, [](auto&&...) {});
+            CHECK(end.status == Status::ok);
+            CHECK(end.event == (slip > 1.0 ? Event::lift_off : Event::slip_stops));
+            const Pose pose = model.shape.pose(0, std::cos(end.y[1]), std::sin(end.y[1]));
+            CHECK(painleve_inertia(model, pose, mu) > 0.0);
+            CHECK(painleve_inertia(model, pose, mu) < (slip > 1.0 ? 0.1 : 1.0) * model.inertia);
+        }
+    }
+}
+
+TEST_CASE("tsit5: a slide that begins without solution jams at once") {
+    Model model = paper_model();
+    model.friction = {2.0, 2.0, 0.0};
+    Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
+    CornerSlipPhase phase(dynamics, 0.0, 1, 0.05);
+    const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};
+    phase.rebase(0.0, start);
+    CHECK(phase.nearly_jams(start));
+    BodyState body = phase.body(start);
+    const Resolution found = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.05, 0);
+    CHECK(found.impulse);
+    const Pose pose = model.shape.pose(0, std::cos(0.7), std::sin(0.7));
+    stop_slip_by_impulse(model, pose, 0.05, body);
+    CHECK(body.omega > 0.0);  // nose-down over the corner
+    const Resolution after = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.0, 0);
+    CHECK_FALSE(after.impulse);
+}

@@ -115,8 +115,8 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
 }
 
 TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
-    // Of 2.5 cm, section IV-B. By the bound above (1.5e-4/0.103)^3 = 3e-9 of B/rho, times 4 and the constants; a
-    // coil's gradient is 2.3 to 3 B/rho there.
+    // Of 2.5 cm, section IV-B. By the bound above (1.5e-4/0.103)^3 = 3e-9 of B/rho, times 4 and the
+    // constants; a coil's gradient is 2.3 to 3 B/rho there.
     Random random(3);
     for (int n = 0; n < 1000; ++n) {
         const PerCoil currents = random_currents(random);

@@ -104,8 +104,8 @@ TEST_CASE("rectangle: a pose turned on is the pose of the sum") {
         const int quadrant = random.integer(-3, 3);
         const double a = random.between(0.0, kQuarterTurn), b = random.between(-0.5, 0.5);
         const Pose direct = shape.pose(quadrant, std::cos(a + b), std::sin(a + b));
-        const Pose turned = shape.pose(quadrant, std::cos(a), std::sin(a))
-                                .turned(std::cos(b), std::sin(b));
+        const Pose turned =
+            shape.pose(quadrant, std::cos(a), std::sin(a)).turned(std::cos(b), std::sin(b));
         CHECK(std::abs(turned.cosine - direct.cosine) < 4.0 * kRounding);
         CHECK(std::abs(turned.sine - direct.sine) < 4.0 * kRounding);
         CHECK(std::abs(turned.lever - direct.lever) < 4.0 * kRounding * shape.radius());

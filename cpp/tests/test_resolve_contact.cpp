@@ -110,8 +110,8 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
     dynamics.set_quadrant(found.quadrant);
     dynamics.rebase_field(0.0, body.x, body.z);
     const Pose pose = dynamics.rebase_angle(angle);
-    const Load load = dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz,
-                                    body.omega);
+    const Load load =
+        dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz, body.omega);
     const double adhesion = model.adhesion.strength;
     // A dozen operations on forces of this size; divided by the effective inertia where it is used.
     double tolerance = 1e-14 * draw.force_scale(load);
@@ -191,10 +191,11 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
 
 enum class Lift { any, absent, present };
 
-Tally resolve_many(std::uint64_t seed, Touch touch, double most_friction, Lift lift) {
+Tally resolve_many(std::uint64_t seed, Touch touch, double most_friction, Lift lift,
+                   int count = 4000) {
     Random random(seed);
     Tally tally;
-    for (int n = 0; n < 4000; ++n) {
+    for (int n = 0; n < count; ++n) {
         CAPTURE(n);
         const Draw draw(random, touch, most_friction);
         Dynamics dynamics = draw.dynamics();
@@ -237,9 +238,9 @@ TEST_CASE("resolve: a face under load: every condition holds") {
 
 TEST_CASE("resolve: a face that is lifted as a whole: every condition holds" *
           doctest::should_fail()) {
-    const Tally tally = resolve_many(14, Touch::face, 1.3, Lift::present);
-    CHECK(tally.flight > 300);
-    CHECK(tally.tip > 300);
+    const Tally tally = resolve_many(14, Touch::face, 1.3, Lift::present, 400);
+    CHECK(tally.flight > 20);
+    CHECK(tally.tip > 10);
 }
 
 TEST_CASE("resolve: at the limit of friction the event says which way, not a rounded sign") {

@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kStages = 7;
 using Row = std::array<double, kStages>;
 
-// The tableau in full: a[i][j], weights b and b of the error estimate; the seventh stage is the end.
+// The tableau in full: a[i][j], weights b and b of the error estimate; the seventh stage is the
+// end.
 struct Tableau {
     std::array<Row, kStages> a = {};
     Row b = {}, c = {}, error = {};

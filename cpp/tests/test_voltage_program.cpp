@@ -21,8 +21,8 @@ VoltagePoint point(double time, double volts) {
 }  // namespace
 
 TEST_CASE("voltage program: duration and largest voltages over blocks and repeats") {
-    const VoltageProgram program({{{point(0.0, 1.0), point(0.5, 3.0)}, 1},
-                                  {{point(0.0, -4.0), point(0.25, 2.0)}, 4}});
+    const VoltageProgram program(
+        {{{point(0.0, 1.0), point(0.5, 3.0)}, 1}, {{point(0.0, -4.0), point(0.25, 2.0)}, 4}});
     CHECK(program.duration() == 1.5);
     CHECK(program.largest_voltage() == PerCoil{4.0, 0.0, 0.0, 0.0, 8.0});
 }
@@ -51,8 +51,8 @@ TEST_CASE("segment cursor: stretches in order, jumps passed over, blocks repeate
 TEST_CASE("segment cursor: the last of a hundred thousand repeats starts as exactly as the first") {
     const double period = 1.0 / 30.0;
     constexpr std::int64_t repeats = 100000;
-    const VoltageProgram program(
-        {{{point(0.0, 0.0), point(0.05, 1.0)}, 1}, {{point(0.0, 1.0), point(period, 0.0)}, repeats}});
+    const VoltageProgram program({{{point(0.0, 0.0), point(0.05, 1.0)}, 1},
+                                  {{point(0.0, 1.0), point(period, 0.0)}, repeats}});
     SegmentCursor cursor(program);
     VoltageSegment segment;
     REQUIRE(cursor.next(segment));
@@ -84,8 +84,8 @@ TEST_CASE("voltage program: what cannot be played is refused, with its block") {
 
     CHECK_THROWS_WITH_AS(VoltageProgram(std::vector<VoltageBlock>{}),
                          "the voltage program is empty", std::invalid_argument);
-    CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0)}, 1}), "voltage block 2: needs at least two points",
-                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0)}, 1}),
+                         "voltage block 2: needs at least two points", std::invalid_argument);
     CHECK_THROWS_WITH_AS(build({good.points, 0}),
                          "voltage block 2: repeats = 0, allowed is 1 or more",
                          std::invalid_argument);

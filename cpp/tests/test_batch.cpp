@@ -1,0 +1,134 @@
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstdint>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "stickslip/batch.hpp"
+
+using namespace stickslip;
+
+namespace {
+
+const auto kNoPoll = [] {};
+
+std::vector<Scenario> some_scenarios() {
+    std::vector<Scenario> scenarios;
+    for (int i = 0; i < 12; ++i) {
+        Scenario scenario;
+        scenario.drive.mode = i % 2 == 0 ? DriveMode::ipp : DriveMode::opp;
+        scenario.drive.base = 0.5e-3;
+        scenario.drive.hold = 1e-3 + 1e-4 * i;
+        scenario.drive.pulses = 5;
+        scenario.record = {RecordKind::events, 0.0};
+        scenarios.push_back(scenario);
+    }
+    return scenarios;
+}
+
+std::vector<std::uint64_t> bits(const std::vector<double>& values) {
+    std::vector<std::uint64_t> result;
+    for (const double value : values) result.push_back(std::bit_cast<std::uint64_t>(value));
+    return result;
+}
+
+void wait_until(const std::atomic<bool>& flag) {
+    while (!flag) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+}  // namespace
+
+TEST_CASE("batch: bit-identical for any number of threads, in the order of the scenarios") {
+    const std::vector<Scenario> scenarios = some_scenarios();
+    std::vector<RunResult> alone;
+    for (const Scenario& scenario : scenarios) alone.push_back(simulate(scenario));
+    CHECK(alone[0].summary.mean_velocity != alone[2].summary.mean_velocity);
+    for (const int threads : {1, 2, 4, 40}) {
+        RunControl control;
+        const std::vector<RunResult> results = simulate_batch(scenarios, threads, control, kNoPoll);
+        REQUIRE(results.size() == scenarios.size());
+        for (std::size_t i = 0; i < results.size(); ++i) {
+            CHECK(results[i].summary.mean_velocity == alone[i].summary.mean_velocity);
+            CHECK(results[i].final_state.x == alone[i].final_state.x);
+            CHECK(results[i].summary.events == alone[i].summary.events);
+            CHECK(bits(results[i].recording.x) == bits(alone[i].recording.x));
+            CHECK(bits(results[i].recording.slip_velocity) ==
+                  bits(alone[i].recording.slip_velocity));
+        }
+    }
+}
+
+TEST_CASE("batch: a scenario that makes no sense is refused before any runs") {
+    std::vector<Scenario> scenarios = some_scenarios();
+    scenarios.back().contact.kinetic_friction = 0.5;  // more than the static one
+    RunControl control;
+    CHECK_THROWS_AS(simulate_batch(scenarios, 2, control, kNoPoll), std::invalid_argument);
+    CHECK(control.simulated_time == 0.0);
+}
+
+TEST_CASE("batch: each task once, whatever the number of threads") {
+    for (const int threads : {-1, 0, 1, 3, 100}) {
+        RunControl control;
+        std::vector<std::atomic<int>> runs(50);
+        run_tasks(
+            runs.size(), threads, control, [&](std::size_t i) { ++runs[i]; }, kNoPoll);
+        for (const std::atomic<int>& n : runs) CHECK(n == 1);
+    }
+    RunControl control;
+    CHECK_NOTHROW(run_tasks(
+        0, 2, control, [](std::size_t) {}, kNoPoll));
+}
+
+TEST_CASE("batch: an exception of poll stops the tasks and is thrown again") {
+    RunControl control;
+    std::atomic<int> started = 0;
+    const auto task = [&](std::size_t) {
+        ++started;
+        wait_until(control.stop);
+    };
+    const auto poll = [] { throw std::runtime_error("interrupted from the keyboard"); };
+    CHECK_THROWS_WITH_AS(run_tasks(10, 2, control, task, poll), "interrupted from the keyboard",
+                         std::runtime_error);
+    CHECK(control.stop);
+    CHECK(started <= 2);  // none began after the stop
+}
+
+TEST_CASE("batch: an exception of poll ends simulations that would take long") {
+    Scenario scenario;
+    scenario.drive.base = 0.5e-3;
+    scenario.drive.pulses = 1'000'000'000;
+    RunControl control;
+    const auto poll = [] { throw std::runtime_error("stop"); };
+    CHECK_THROWS_WITH_AS(simulate_batch({scenario, scenario}, 2, control, poll), "stop",
+                         std::runtime_error);
+}
+
+TEST_CASE("batch: an exception of a task stops the others and is thrown again") {
+    RunControl control;
+    std::atomic<int> started = 0;
+    const auto task = [&](std::size_t index) {
+        ++started;
+        if (index == 1) throw std::domain_error("task 1");
+        wait_until(control.stop);
+    };
+    CHECK_THROWS_WITH_AS(run_tasks(10, 2, control, task, kNoPoll), "task 1", std::domain_error);
+    CHECK(started <= 3);
+}
+
+TEST_CASE("batch: polls while it waits, on the calling thread") {
+    RunControl control;
+    std::atomic<bool> polled = false;
+    std::thread::id caller;
+    const auto poll = [&] {
+        caller = std::this_thread::get_id();
+        polled = true;
+    };
+    run_tasks(
+        1, 1, control, [&](std::size_t) { wait_until(polled); }, poll);
+    CHECK(caller == std::this_thread::get_id());
+}
