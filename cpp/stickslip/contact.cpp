@@ -50,9 +50,9 @@ public:
         if (reaction.ahead >= 0.0 && reaction.behind >= 0.0) {
             return {{Touch::face, slip}, quadrant};
         }
-        if (reaction.ahead < 0.0 && reaction.behind < 0.0) return {{Touch::none, 0}, quadrant};
-        // The end that pulls leaves, and the other takes its adhesion.
-        if (reaction.behind < 0.0) return corner(quadrant, 0.0, slip_velocity, onset);
+        // The end that pulls more leaves, and the other takes its adhesion; it may turn out to hold
+        // even where both pulled.
+        if (reaction.behind < reaction.ahead) return corner(quadrant, 0.0, slip_velocity, onset);
         return corner(quadrant - 1, kQuarterTurn, slip_velocity, onset);
     }
 

@@ -30,9 +30,11 @@ struct Load {
 /// cosine.
 class Dynamics {
 public:
-    Dynamics(const Model& model, LocalField field) : model_(&model), field_(std::move(field)) {
+    Dynamics(const Model& model, LocalField field)
+        : model_(&model), field_(std::move(field)), extended_(model.has_force_effects()) {
         set_quadrant(0);
     }
+    Dynamics(const Model&&, LocalField) = delete;  // the model has to outlive this
 
     const Model& model() const { return *model_; }
     LocalField& field() { return field_; }
@@ -96,6 +98,7 @@ private:
 
     const Model* model_;
     LocalField field_;
+    bool extended_;
     static constexpr int kNoQuadrant = 1 << 30;
     static constexpr int kStale = 1000;  // in `turns_`: the base pose is of another quadrant
 
@@ -140,7 +143,7 @@ inline Load Dynamics::load(const Expansion& expansion, double x, double z, const
     const double turning_drag = (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;
     load.torque = (mz * field.bx - turning_drag) - mx * field.bz;
     load.contact_adhesion = m.adhesion.strength;
-    if (m.extended) extend(expansion, field, mx, mz, pose, vx, vz, load);
+    if (extended_) extend(expansion, field, mx, mz, pose, vx, vz, load);
     return load;
 }
 

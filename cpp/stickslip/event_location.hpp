@@ -37,9 +37,10 @@ public:
 
     /// armed: whether each event function has been positive in this phase, brought up to date. A
     /// function that is zero at the phase's birth (a slip that has just begun) can fire only after
-    /// it has risen.
+    /// it has risen; one that does not rise fires at once, at s = 0, or, where the last events
+    /// brought the time no further (`stalled`), at the end of the step.
     template <class Armed, class Value>
-    static EventHit find(const EventSamples<M>& g, Armed& armed, Value&& value) {
+    static EventHit find(const EventSamples<M>& g, Armed& armed, bool stalled, Value&& value) {
         EventHit hit;
         for (std::size_t i = 0; i < M; ++i) {
             Bracket bracket{0.0, 1.0, g.start[i], g.end[i]};
@@ -49,14 +50,12 @@ public:
                 } else if (!may_dip(g, i) || !find_dip(g, i, value, bracket)) {
                     continue;
                 }
-            } else if (g.end[i] < 0.0) {
-                // Born at zero and below it now: it may have risen in between.
-                if (!rises(i, value, bracket)) return {static_cast<int>(i), 0.0};
-            } else {
-                continue;
+            } else if (!risen(g, i, value, bracket)) {
+                if (!stalled) return {static_cast<int>(i), 0.0};
+                bracket.low = bracket.high = 1.0;
             }
-            if (bracket.low >= hit.s) continue;
-            const double s = locate(i, bracket, value);
+            if (!(bracket.at_high < 0.0) || bracket.low >= hit.s) continue;
+            const double s = bracket.low < bracket.high ? locate(i, bracket, value) : bracket.high;
             if (!hit || s < hit.s) hit = {static_cast<int>(i), s};
         }
         if (!hit) {
@@ -99,25 +98,40 @@ public:
     }
 
 private:
-    // Positive at both ends: could it be negative between? Falling at the start and rising at the
-    // end, the two tangents meet at a lower bound where the function is convex; the stages' slopes,
-    // taken over a part of the step, are made steeper by half to stand for the tangents.
-    static bool may_dip(const EventSamples<M>& g, std::size_t i) {
-        if (g.lowest[i] < 0.0) return true;
-        const double falling = 1.5 * (g.early[i] - g.start[i]) / kEarly;
-        const double rising = 1.5 * (g.end[i] - g.late[i]) / (1.0 - kLate);
-        if (!(falling < 0.0 && rising > 0.0)) return false;
-        const double meet = tangents_meet(g, i, falling, rising);
-        return g.start[i] + falling * meet < 0.0 || g.end[i] - rising * (1.0 - meet) < 0.0;
+    // Weights of the values at x0, x1, x2 in the slope at x of the parabola through them.
+    static constexpr std::array<double, 3> slope_weights(double x, double x0, double x1,
+                                                         double x2) {
+        return {(2.0 * x - x1 - x2) / ((x0 - x1) * (x0 - x2)),
+                (2.0 * x - x0 - x2) / ((x1 - x0) * (x1 - x2)),
+                (2.0 * x - x0 - x1) / ((x2 - x0) * (x2 - x1))};
     }
-
+    static double start_slope(const EventSamples<M>& g, std::size_t i) {
+        constexpr auto w = slope_weights(0.0, 0.0, kEarly, kLate);
+        return w[0] * g.start[i] + w[1] * g.early[i] + w[2] * g.late[i];
+    }
+    static double end_slope(const EventSamples<M>& g, std::size_t i) {
+        constexpr auto w = slope_weights(1.0, kEarly, kLate, 1.0);
+        return w[0] * g.early[i] + w[1] * g.late[i] + w[2] * g.end[i];
+    }
     static double tangents_meet(const EventSamples<M>& g, std::size_t i, double falling,
                                 double rising) {
         return std::clamp((g.end[i] - g.start[i] - rising) / (falling - rising), 0.0, 1.0);
     }
 
-    // Negative at the end: is there a root before `s`? Where an early stage was negative too, the
-    // first root lies before it.
+    // Positive at both ends: could it be negative between? Falling at the start and rising at the
+    // end, the two tangents meet at a lower bound where the function is convex; they are made
+    // steeper by a part for what the stages miss.
+    static bool may_dip(const EventSamples<M>& g, std::size_t i) {
+        if (g.lowest[i] < 0.0) return true;
+        const double falling = 1.25 * start_slope(g, i);
+        const double rising = 1.25 * end_slope(g, i);
+        if (!(falling < 0.0 && rising > 0.0)) return false;
+        const double meet = tangents_meet(g, i, falling, rising);
+        return g.start[i] + falling * meet < 0.0 || g.end[i] - rising * (1.0 - meet) < 0.0;
+    }
+
+    // Negative at the end: is there a root before `s`? Where the stages do not simply fall, looks
+    // on the way, so that of several roots the first is found.
     template <class Value>
     static bool narrow(const EventSamples<M>& g, std::size_t i, Value&& value, double s,
                        Bracket& bracket) {
@@ -125,14 +139,74 @@ private:
             bracket.high = s;
             bracket.at_high = value(i, s);
         }
-        if (g.early[i] < 0.0 && kEarly < bracket.high) {
-            const double at_early = value(i, kEarly);
-            if (at_early < 0.0) {
-                bracket.high = kEarly;
-                bracket.at_high = at_early;
-            }
+        const bool falls = g.start[i] > g.early[i] && g.early[i] > g.late[i] &&
+                           g.late[i] > g.end[i] && start_slope(g, i) < 0.0;
+        if (falls) return bracket.at_high < 0.0;
+        for (const double at : {1.0 / 3.0, 2.0 / 3.0}) {
+            if (at >= bracket.high) break;
+            const double there = value(i, at);
+            (there > 0.0 ? bracket.low : bracket.high) = at;
+            (there > 0.0 ? bracket.at_low : bracket.at_high) = there;
         }
         return bracket.at_high < 0.0;
+    }
+
+    // Born at zero or below: false if it falls from there. Where it rises and falls again, the
+    // bracket holds its root; where it does not, the bracket's high end is not negative.
+    template <class Value>
+    static bool risen(const EventSamples<M>& g, std::size_t i, Value&& value, Bracket& bracket) {
+        bracket.low = 0.0;
+        for (const double at : {1.0 / 3.0, 2.0 / 3.0, 1.0}) {
+            const double there = at == 1.0 ? g.end[i] : value(i, at);
+            if (there > 0.0) {
+                bracket.low = at;
+                bracket.at_low = there;
+            } else if (there < 0.0 && there > g.start[i] && bracket.low == 0.0) {
+                continue;  // below by more than rounding, but on its way up
+            } else if (there < 0.0) {
+                bracket.high = at;
+                bracket.at_high = there;
+                return bracket.low > 0.0 || rises_briefly(i, value, bracket);
+            }
+        }
+        bracket.at_high = 0.0;
+        return true;
+    }
+
+    template <class Value>
+    static bool rises_briefly(std::size_t i, Value&& value, Bracket& bracket) {
+        constexpr int kHalvings = 24;
+        double s = bracket.high;
+        for (int k = 0; k < kHalvings; ++k) {
+            s *= 0.5;
+            const double there = value(i, s);
+            if (there > 0.0) {
+                bracket.low = s;
+                bracket.at_low = there;
+                return true;
+            }
+        }
+        return false;
+    }
+
+    // A look or two settles most alarms. Where only a stage was negative (stages are not near the
+    // solution), the dense output well above the lower end at both looks; where the slopes gave the
+    // alarm, a parabola through a look at the tangents' meeting that stays well above zero.
+    template <class Value>
+    static bool clearly_above(const EventSamples<M>& g, std::size_t i, Value&& value) {
+        const double falling = start_slope(g, i), rising = end_slope(g, i);
+        if (!(falling < 0.0 && rising > 0.0)) {
+            const double floor = 0.5 * std::min(g.start[i], g.end[i]);
+            return g.early[i] > floor && g.late[i] > 0.0 && value(i, 0.6) > floor &&
+                   value(i, 0.95) > floor;
+        }
+        const double s = std::clamp(tangents_meet(g, i, falling, rising), 0.02, 0.98);
+        const double middle = value(i, s);
+        // g = start + b s + c s^2 through the three.
+        const double c = ((g.end[i] - g.start[i]) - (middle - g.start[i]) / s) / (1.0 - s);
+        const double b = (middle - g.start[i]) / s - c * s;
+        if (!(c > 0.0)) return middle > 0.0;
+        return g.start[i] - b * b / (4.0 * c) > 0.5 * middle;
     }
 
     // Looks for a negative value on the dense output, by samples and then by closing in on the
@@ -140,6 +214,8 @@ private:
     template <class Value>
     static bool find_dip(const EventSamples<M>& g, std::size_t i, Value&& value, Bracket& bracket) {
         if (clearly_above(g, i, value)) return false;
+        constexpr std::size_t kSamples = 8;
+        const auto at = [](std::size_t j) { return static_cast<double>(j) / kSamples; };
         std::array<double, kSamples + 1> sample;
         sample[0] = g.start[i];
         sample[kSamples] = g.end[i];
@@ -152,65 +228,34 @@ private:
             }
             if (sample[j] < sample[least]) least = j;
         }
-        if (least == 0 || least == kSamples) return false;
+        const std::size_t before = least == 0 ? 0 : least - 1;
+        const std::size_t after = least == kSamples ? kSamples : least + 1;
+        return close_in(i, value, {at(before), at(after), sample[before], sample[after]}, bracket);
+    }
+
+    // Golden section, until a value is negative or the curvature leaves no room for one.
+    template <class Value>
+    static bool close_in(std::size_t i, Value&& value, Bracket around, Bracket& bracket) {
         constexpr double kGolden = 0.3819660112501051;
-        double a = at(least - 1), b = at(least + 1);
+        constexpr int kMost = 40;
+        double a = around.low, b = around.high, at_a = around.at_low, at_b = around.at_high;
         double c = a + kGolden * (b - a), d = b - kGolden * (b - a);
         double at_c = value(i, c), at_d = value(i, d);
-        for (int iteration = 0; iteration < 20; ++iteration) {
+        for (int iteration = 0; iteration < kMost; ++iteration) {
             if (at_c < 0.0 || at_d < 0.0) {
-                bracket = {at(least - 1), at_c < 0.0 ? c : d, sample[least - 1],
-                           at_c < 0.0 ? at_c : at_d};
+                bracket = {around.low, at_c < 0.0 ? c : d, around.at_low, at_c < 0.0 ? at_c : at_d};
                 return true;
             }
-            // The rest of the interval cannot hold a zero that matters once the two inner points
-            // agree far more closely than they are above zero.
-            if (std::abs(at_c - at_d) < 1e-3 * std::min(at_c, at_d)) return false;
+            const double left = ((at_d - at_c) / (d - c) - (at_c - at_a) / (c - a)) / (d - a);
+            const double right = ((at_b - at_d) / (b - d) - (at_d - at_c) / (d - c)) / (b - c);
+            const double sag = 0.5 * std::max(left, right) * (b - a) * (b - a);
+            if (std::min(at_c, at_d) > sag) return false;
             if (at_c < at_d) {
-                b = d, d = c, at_d = at_c;
+                b = d, at_b = at_d, d = c, at_d = at_c;
                 c = a + kGolden * (b - a), at_c = value(i, c);
             } else {
-                a = c, c = d, at_c = at_d;
+                a = c, at_a = at_c, c = d, at_c = at_d;
                 d = b - kGolden * (b - a), at_d = value(i, d);
-            }
-        }
-        return false;
-    }
-
-    static constexpr std::size_t kSamples = 8;
-    static double at(std::size_t sample) {
-        return static_cast<double>(sample) / static_cast<double>(kSamples);
-    }
-
-    // A look or two settles most alarms. Where only a stage was negative (stages are not near the
-    // solution), the dense output well above the lower end at both looks; where the slopes gave the
-    // alarm, a parabola through a look at the tangents' meeting that stays well above zero.
-    template <class Value>
-    static bool clearly_above(const EventSamples<M>& g, std::size_t i, Value&& value) {
-        const double falling = (g.early[i] - g.start[i]) / kEarly;
-        const double rising = (g.end[i] - g.late[i]) / (1.0 - kLate);
-        if (!(falling < 0.0 && rising > 0.0)) {
-            const double floor = 0.5 * std::min(g.start[i], g.end[i]);
-            return g.early[i] > floor && g.late[i] > 0.0 && value(i, 0.6) > floor &&
-                   value(i, 0.95) > floor;
-        }
-        const double s = std::clamp(tangents_meet(g, i, falling, rising), 0.1, 0.9);
-        const double middle = value(i, s);
-        // g = start + b s + c s^2 through the three.
-        const double c = ((g.end[i] - g.start[i]) - (middle - g.start[i]) / s) / (1.0 - s);
-        const double b = (middle - g.start[i]) / s - c * s;
-        if (!(c > 0.0)) return middle > 0.0;
-        return g.start[i] - b * b / (4.0 * c) > 0.5 * middle;
-    }
-
-    template <class Value>
-    static bool rises(std::size_t i, Value&& value, Bracket& bracket) {
-        for (const double s : {0.5, 0.25, 0.75, 0.125, 0.0625, 0.015625, 0.001}) {
-            const double at_s = value(i, s);
-            if (at_s > 0.0) {
-                bracket.low = s;
-                bracket.at_low = at_s;
-                return true;
             }
         }
         return false;

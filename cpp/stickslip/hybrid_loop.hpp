@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "stickslip/impact.hpp"
 #include "stickslip/measurement_chain.hpp"
@@ -22,7 +23,8 @@ public:
 
 private:
     // One stretch of voltage.
-    void run_segment(const VoltageSegment& voltages);
+    void begin_segment(const VoltageSegment& voltages);
+    void run_segment();
     double run_rest(double tau, double duration);
     template <class Phase>
     double run_phase(Phase phase, double tau, double duration);
@@ -38,7 +40,7 @@ private:
     void count(EventKind kind);
     void count_change(const ContactMode& before);
     void record_events(double tau);
-    Snapshot snapshot_now(double tau);
+    Snapshot snapshot_now(double tau) const;
     void record_last();
     void watch_progress(double tau);
 
@@ -76,7 +78,12 @@ private:
     PhaseMemory memory_;
     std::vector<EventKind> pending_;  // counted, not yet recorded
     RunResult result_;
-    double burst_start_ = -1.0;  // s, see watch_progress
+    // See watch_progress.
+    static constexpr int kMostStalls = 4;
+    double last_event_ = -1.0;   // s
+    double burst_start_ = -1.0;  // s
+    double burst_span_;          // s, of one free swing
+    int stalls_ = 0;
     int burst_ = 0;
 };
 
@@ -131,7 +138,9 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       integrator_(options(scenario, model_, program_, coils_, control)),
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
-      control_(control) {
+      control_(control),
+      burst_span_(2.0 * std::numbers::pi /
+                  options(scenario, model_, program_, coils_, control).swing_rate) {
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
 }
@@ -143,6 +152,7 @@ RunResult HybridLoop<Integrator>::run() {
     bool settled = false;
     // Boundaries of stretches carry rounding; the window's ends are two of them.
     const double slack = 1e-9 * program_.duration();
+    bool begun = false;
     while (result_.status == Status::ok && cursor.next(voltages)) {
         if (!settled && voltages.start >= window_.start - slack) {
             observer_.open(voltages.start, body_.x);
@@ -151,7 +161,10 @@ RunResult HybridLoop<Integrator>::run() {
         if (observer_.is_open() && voltages.start >= window_.end - slack) {
             observer_.close(voltages.start, body_.x, sign_, result_.summary);
         }
-        run_segment(voltages);
+        begin_segment(voltages);
+        if (!begun) settle(Touch::face, 0.0, 0, 0.0);  // it may not be able to lie still
+        begun = true;
+        run_segment();
         // The integrators look too; a body at rest needs none.
         if (control_ && control_->stop.load(std::memory_order_relaxed)) {
             result_.status = Status::interrupted;
@@ -169,11 +182,15 @@ RunResult HybridLoop<Integrator>::run() {
 }
 
 template <class Integrator>
-void HybridLoop<Integrator>::run_segment(const VoltageSegment& voltages) {
+void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
     dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
     segment_ = circuit_.advance(voltages);
     dynamics_.field().set_segment(segment_);
     fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::run_segment() {
     double tau = 0.0;
     while (result_.status == Status::ok && tau < segment_.duration) {
         const double before = tau;
@@ -353,8 +370,13 @@ template <class Integrator>
 void HybridLoop<Integrator>::touch_down(int offset, double tau) {
     // A gap below which the second corner of a face has arrived with the first, m.
     constexpr double kTogether = 1e-13;
-    body_.quadrant += offset;
-    body_.angle = std::clamp(body_.angle - offset * kQuarterTurn, 0.0, kQuarterTurn);
+    // The body may have turned on since the flight's quadrant was set: of the quadrants in which
+    // this corner is the lowest, the one of the angle.
+    const double quarters = body_.theta() / kQuarterTurn;
+    const int corner = body_.quadrant + offset;
+    body_.angle = body_.theta();
+    body_.quadrant = corner + 4 * static_cast<int>(std::lround((quarters - corner - 0.5) / 4.0));
+    body_.angle = std::clamp(body_.angle - body_.quadrant * kQuarterTurn, 0.0, kQuarterTurn);
     count(EventKind::touch_down);
     const double to_behind = 2.0 * model_.shape.half_base(body_.quadrant) * body_.angle;
     const double to_ahead =
@@ -402,6 +424,7 @@ void HybridLoop<Integrator>::settle(Touch touch, double slip_velocity, int onset
     slip_velocity_ = slip_velocity;
     mode_ = found.mode;
     memory_ = {};
+    memory_.stalled = stalls_ > kMostStalls;
     count_change(before);
     if (found.impulse) react(Event::sliding_jams, tau);
 }
@@ -424,23 +447,25 @@ void HybridLoop<Integrator>::count_change(const ContactMode& before) {
     }
 }
 
+// On a copy of the dynamics: looking must not move the bases of the steps to come.
 template <class Integrator>
-Snapshot HybridLoop<Integrator>::snapshot_now(double tau) {
-    dynamics_.set_quadrant(body_.quadrant);
+Snapshot HybridLoop<Integrator>::snapshot_now(double tau) const {
+    Dynamics dynamics = dynamics_;
+    dynamics.set_quadrant(body_.quadrant);
     const auto of = [&](auto phase) {
         const auto y = phase.begin(body_);
         phase.rebase(tau, y);
         return phase.snapshot(tau, y);
     };
-    if (mode_.touch == Touch::none) return of(FlightPhase(dynamics_));
+    if (mode_.touch == Touch::none) return of(FlightPhase(dynamics));
     if (mode_.touch == Touch::face) {
-        if (mode_.slip != 0) return of(FaceSlidePhase(dynamics_, mode_.slip));
-        return FaceRest(dynamics_, body_).snapshot(tau);
+        if (mode_.slip != 0) return of(FaceSlidePhase(dynamics, mode_.slip));
+        return FaceRest(dynamics, body_).snapshot(tau);
     }
     if (mode_.slip != 0) {
-        return of(CornerSlipPhase(dynamics_, contact_x_, mode_.slip, slip_velocity_));
+        return of(CornerSlipPhase(dynamics, contact_x_, mode_.slip, slip_velocity_));
     }
-    return of(CornerStickPhase(dynamics_, contact_x_));
+    return of(CornerStickPhase(dynamics, contact_x_));
 }
 
 // One sample for each change at this instant, with the state after all of them.
@@ -456,18 +481,20 @@ void HybridLoop<Integrator>::record_events(double tau) {
     pending_.clear();
 }
 
-// Refuses to go on where events pile up without the time moving: a fault of the model or of this
-// program that would else be a hang. The limits are far from any chatter that ends by itself.
+// Counts events without progress, and refuses to go on where events pile up: a fault of the model
+// or of this program that would else be a hang. The limit is far above what ends by itself, such as
+// the bounces of a restitution of 0.999.
 template <class Integrator>
 void HybridLoop<Integrator>::watch_progress(double tau) {
-    constexpr int kMost = 2000;
-    constexpr double kSpan = 1e-9;  // s
+    constexpr int kMostInBurst = 20000;
     const double now = absolute(tau);
-    if (now - burst_start_ > kSpan) {
+    stalls_ = now == last_event_ ? stalls_ + 1 : 0;
+    last_event_ = now;
+    if (now - burst_start_ > burst_span_) {
         burst_start_ = now;
         burst_ = 0;
     }
-    if (++burst_ > kMost) result_.status = Status::too_many_events;
+    if (++burst_ > kMostInBurst) result_.status = Status::too_many_events;
 }
 
 }  // namespace stickslip

@@ -41,13 +41,15 @@ public:
         contacts_[count_++] = contact;
     }
 
-    // Tries the sets of acting corners, all first; the complementarity problem has one solution but
-    // for ties, where the larger set keeps what touches touching.
+    // Tries the sets of acting corners, all first, then those that arrive; the complementarity
+    // problem has one solution but for ties, where the larger set keeps what touches touching.
     bool solve() {
         if (count_ == 1) return try_set({true, false});
         if (try_set({true, true})) return true;
-        for (std::size_t i = 0; i < 2; ++i) {
-            if (contacts_[i].arriving && try_set({i == 0, i == 1})) return true;
+        for (const bool arriving : {true, false}) {
+            for (std::size_t i = 0; i < 2; ++i) {
+                if (contacts_[i].arriving == arriving && try_set({i == 0, i == 1})) return true;
+            }
         }
         return false;
     }

@@ -26,7 +26,12 @@ struct Model {
     FrictionLaw friction;
     Adhesion adhesion;
     double restitution = 0.0;
-    bool extended = false;  ///< whether an effect acts on the forces (see Dynamics::extend)
+
+    /// Whether a named effect acts on the forces between events.
+    bool has_force_effects() const {
+        return gradient_excess != 0.0 || angle_drag != 0.0 || quadratic_linear_drag != 0.0 ||
+               adhesion.angle_loss != 0.0 || adhesion.ageing_rate != 0.0;
+    }
 
     /// Inertia about a corner, J + m r^2.
     double corner_inertia() const { return inertia + mass * shape.radius() * shape.radius(); }

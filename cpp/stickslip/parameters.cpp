@@ -291,16 +291,14 @@ const Parameter* find_parameter(std::string_view key) {
 }
 
 std::string allowed_range(const Parameter& parameter) {
-    const std::string unit =
-        std::string_view(parameter.unit) == "-" ? "" : " " + std::string(parameter.unit);
     std::ostringstream text;
+    const bool has_unit = std::string_view(parameter.unit) != "-";
     text << (parameter.integer ? "a whole number" : "a number");
     text << (parameter.low_allowed ? " from " : " above ") << parameter.low;
-    if (std::isfinite(parameter.high)) {
-        text << (parameter.low_allowed ? " to " : " up to ") << parameter.high << unit;
-    } else {
-        text << unit << " upwards";
-    }
+    const bool bounded = std::isfinite(parameter.high);
+    if (bounded) text << (parameter.low_allowed ? " to " : " up to ") << parameter.high;
+    if (has_unit) text << " " << parameter.unit;
+    if (!bounded) text << " upwards";
     return text.str();
 }
 

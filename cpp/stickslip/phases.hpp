@@ -16,6 +16,7 @@
 ///   field_at(tau)      the field's expansion, apart from the state
 ///   rates(field, y, dydt, g)   rates and event functions
 ///   event(i, tau, y)   one event function
+///   speed(y)           bound on the speed of the centre of mass
 ///   rebase(tau, y)     the base of the next step (see Dynamics)
 ///   begin(body), body(y)     to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
@@ -121,6 +122,7 @@ public:
         return {body(y), solve(field_at(tau), y).reaction, contact_x_, 0.0};
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
+    double speed(const State& y) const { return std::abs(y[1]) * model().shape.radius(); }
     double angle(const State& y) const { return y[0]; }
     double omega(const State& y) const { return y[1]; }
     double contact_x(const State&) const { return contact_x_; }
@@ -184,6 +186,9 @@ public:
         return {body(y), {normal, -coefficient(y) * normal}, y[0], y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
+    double speed(const State& y) const {
+        return std::abs(y[2]) + std::abs(y[3]) * model().shape.radius();
+    }
     double angle(const State& y) const { return y[1]; }
     double omega(const State& y) const { return y[3]; }
     double contact_x(const State& y) const { return y[0]; }
@@ -253,6 +258,7 @@ public:
         return {body(y), {reaction.normal(), reaction.friction}, contact_x(y), y[1]};
     }
     State scale(const Scales& s) const { return {s.length, s.velocity}; }
+    double speed(const State& y) const { return std::abs(y[1]); }
     double angle(const State&) const { return 0.0; }
     double omega(const State&) const { return 0.0; }
     double contact_x(const State& y) const { return y[0] + model().shape.half_base(quadrant()); }
@@ -322,6 +328,7 @@ public:
     State scale(const Scales& s) const {
         return {s.length, s.length, 1.0, s.velocity, s.velocity, s.rate};
     }
+    double speed(const State& y) const { return std::abs(y[3]) + std::abs(y[4]); }
     double angle(const State& y) const { return y[2]; }
     double omega(const State& y) const { return y[5]; }
 };

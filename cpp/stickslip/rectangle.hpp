@@ -33,11 +33,13 @@ class Rectangle {
 public:
     /// length along the moment and height, in m.
     Rectangle(double length, double height)
-        : half_length_(0.5 * length), half_height_(0.5 * height) {}
+        : half_length_(0.5 * length),
+          half_height_(0.5 * height),
+          radius_(0.5 * std::hypot(length, height)) {}
 
     double half_base(int quadrant) const { return (quadrant & 1) ? half_height_ : half_length_; }
     double half_rise(int quadrant) const { return (quadrant & 1) ? half_length_ : half_height_; }
-    double radius() const { return std::hypot(half_length_, half_height_); }
+    double radius() const { return radius_; }
 
     Pose pose(int quadrant, double cosine, double sine) const {
         const double base = half_base(quadrant);
@@ -46,7 +48,7 @@ public:
     }
 
 private:
-    double half_length_, half_height_;
+    double half_length_, half_height_, radius_;
 };
 
 /// A quadrant's turn as exact cosine and sine.

@@ -53,7 +53,8 @@ public:
         while (tau < tau_end) {
             // The exponentials of a stretch die out from its start, so the search may widen with
             // it.
-            const double width = std::min(std::max(0.125 / fastest, 0.125 * tau), tau_end - tau);
+            const double usual = std::max(0.125 / fastest, 0.125 * tau);
+            const double width = std::min(memory.stalled ? kShortest : usual, tau_end - tau);
             const auto value = [&](std::size_t i, double s) { return values(tau + s * width)[i]; };
             using Finder = EventFinder<kEvents>;
             EventSamples<kEvents> samples;
@@ -64,7 +65,8 @@ public:
             for (std::size_t i = 0; i < kEvents; ++i) {
                 samples.lowest[i] = std::min({samples.start[i], samples.early[i], samples.late[i]});
             }
-            const EventHit hit = Finder::find(samples, memory.armed, value);
+            const EventHit hit = Finder::find(samples, memory.armed, memory.stalled, value);
+            memory.stalled = false;
             if (hit) return {kEvent[static_cast<std::size_t>(hit.index)], tau + hit.s * width};
             tau = tau + width >= tau_end ? tau_end : tau + width;
             start = samples.end;
@@ -73,6 +75,8 @@ public:
     }
 
 private:
+    static constexpr double kShortest = 1e-9;  // s, see Tsit5
+
     FaceReaction solve(double tau) const {
         const Load load = dynamics_->load(dynamics_->field_at(tau), body_.x, body_.z,
                                           dynamics_->pose(0.0), 0.0, 0.0, 0.0);

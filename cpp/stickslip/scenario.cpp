@@ -100,9 +100,6 @@ Model make_model(const Scenario& s) {
     model.adhesion = {s.contact.adhesion, s.contact.adhesion_range, e.angle_adhesion_strength,
                       e.adhesion_ageing_rate, e.adhesion_ageing_time};
     model.restitution = s.contact.restitution + e.restitution_coefficient;
-    model.extended = e.gradient_scale_fraction != 0.0 || e.angle_drag_strength != 0.0 ||
-                     e.quadratic_drag_coefficient != 0.0 || e.angle_adhesion_strength != 0.0 ||
-                     e.adhesion_ageing_rate != 0.0;
     return model;
 }
 

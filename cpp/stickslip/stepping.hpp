@@ -49,6 +49,7 @@ struct PhaseMemory {
     static constexpr std::size_t kMost = 8;
     std::array<bool, kMost> armed = {};
     bool fresh = true;
+    bool stalled = false;  ///< the last events brought the time no further
 };
 
 }  // namespace stickslip

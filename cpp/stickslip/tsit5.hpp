@@ -93,6 +93,8 @@ private:
 
     double next_width(double squared_error);
 
+    static constexpr double kShortest = 1e-9;  // s
+
     StepperOptions options_;
     StepCounts counts_;
     double first_width_;  // s, of a phase: a part of a free swing that the tolerance allows
@@ -187,6 +189,9 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
             memory.armed[i] = samples.start[i] > 0.0;
         }
         memory.fresh = false;
+        // Each of two modes sends the body to the other without time going on: the mode is kept for
+        // the shortest step that is far above the resolution of time.
+        if (memory.stalled) width_ = std::min(width_, kShortest);
     } else {
         // The same phase over a kink of the voltage, which excites the swing anew.
         width_ = std::min(width_, 2.0 * first_width_);
@@ -198,6 +203,9 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
             return {Status::interrupted, Event::none, tau, step.first};
         }
         double width = options_.max_step > 0.0 ? std::min(width_, options_.max_step) : width_;
+        // The field's expansion must hold over the step.
+        const double speed = phase.speed(step.first);
+        if (width * speed > 0.5 * LocalField::kReach) width = 0.5 * LocalField::kReach / speed;
         const bool to_end = tau + 1.0001 * width >= tau_end;
         if (to_end) width = tau_end - tau;
         step.start = tau;
@@ -220,7 +228,8 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
             ++counts_.evaluations;
             return phase.event(i, step.start + s * step.width, step.dense(s));
         };
-        const EventHit hit = Finder::find(samples, memory.armed, value);
+        const EventHit hit = Finder::find(samples, memory.armed, memory.stalled, value);
+        memory.stalled = false;
         if (hit) {
             observe(step, hit.s);
             return {Status::ok, Phase::kEvent[static_cast<std::size_t>(hit.index)],

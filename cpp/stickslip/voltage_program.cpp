@@ -93,7 +93,8 @@ bool SegmentCursor::next(VoltageSegment& segment) {
         const VoltagePoint& from = block.points[point_];
         const VoltagePoint& to = block.points[point_ + 1];
         ++point_;
-        if (to.time == from.time) continue;
+        // Too short for the voltage to matter, and for times far from zero to resolve: a jump.
+        if (to.time - from.time <= 1e-12 * block.duration()) continue;
         // A product, not a running sum: the hundredth pulse starts as exactly as the first.
         const double origin = block_start_ + block.duration() * static_cast<double>(repeat_);
         segment = {origin + from.time, origin + to.time, from.voltage, to.voltage};

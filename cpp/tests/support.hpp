@@ -49,8 +49,17 @@ inline CurrentSegment steady(const PerCoil& currents, double duration = 1.0) {
     return segment;
 }
 
-inline std::array<bool, kCoilCount> all_driven() {
-    return {true, true, true, true, true};
+inline PerCoil all_driven() {
+    return {1.0, 1.0, 1.0, 1.0, 1.0};
+}
+
+/// Equal coils that are not coupled (ohm, H), and the field's lag (s).
+inline Circuit equal_coils(double resistance, double inductance, double lag) {
+    CircuitParameters parameters;
+    parameters.resistance.fill(resistance);
+    parameters.inductance = inductance;
+    parameters.lag = lag;
+    return Circuit(parameters);
 }
 
 /// A robot in a uniform field (T), without gradient. The model has to outlive it.

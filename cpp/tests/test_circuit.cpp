@@ -66,7 +66,7 @@ const std::vector<VoltageSegment> kProgram = {
 TEST_CASE("circuit: the closed form agrees with a Runge-Kutta integration of Eq. (1)") {
     for (const double lag : {0.0, 1e-3, 0.02}) {
         CAPTURE(lag);
-        Circuit circuit(kResistance, kInductance, lag);
+        Circuit circuit = test::equal_coils(kResistance, kInductance, lag);
         Reference reference{lag};
         for (const VoltageSegment& voltages : kProgram) {
             const CurrentSegment segment = circuit.advance(voltages);
@@ -82,7 +82,7 @@ TEST_CASE("circuit: the closed form agrees with a Runge-Kutta integration of Eq.
 }
 
 TEST_CASE("circuit: a coil without voltage carries no current, and coils do not mix") {
-    Circuit circuit(kResistance, kInductance, 0.0);
+    Circuit circuit = test::equal_coils(kResistance, kInductance, 0.0);
     const CurrentSegment segment = circuit.advance(kProgram.front());
     const PerCoil currents = segment.currents(0.013);
     CHECK(currents[0] > 0.0);
@@ -92,7 +92,7 @@ TEST_CASE("circuit: a coil without voltage carries no current, and coils do not 
 TEST_CASE("circuit: a jump of the voltage does not jump the current") {
     for (const double lag : {0.0, 1e-3, kTimeConstant, 0.02}) {
         CAPTURE(lag);
-        Circuit circuit(kResistance, kInductance, lag);
+        Circuit circuit = test::equal_coils(kResistance, kInductance, lag);
         double before = 0.0;
         for (const VoltageSegment& voltages : kProgram) {
             const CurrentSegment segment = circuit.advance(voltages);
@@ -105,7 +105,7 @@ TEST_CASE("circuit: a jump of the voltage does not jump the current") {
 }
 
 TEST_CASE("circuit: the time constant L/R is 7 ms") {
-    Circuit circuit(kResistance, kInductance, 0.0);
+    Circuit circuit = test::equal_coils(kResistance, kInductance, 0.0);
     const CurrentSegment step = circuit.advance(stretch(0.0, 1.0, 10.0, 10.0));
     CHECK(step.currents(0.007)[0] == doctest::Approx(1.0 - std::exp(-1.0)).epsilon(1e-14));
     CHECK(step.currents(1.0)[0] == doctest::Approx(1.0).epsilon(1e-14));  // V / R
@@ -115,7 +115,7 @@ TEST_CASE("circuit: the first harmonic of a 100 Hz voltage reaches the current w
     constexpr double period = 0.01;
     constexpr double omega = 2.0 * std::numbers::pi / period;
     const double amplitude = 20.0;
-    Circuit circuit(kResistance, kInductance, 0.0);
+    Circuit circuit = test::equal_coils(kResistance, kInductance, 0.0);
     std::complex<double> harmonic;
     // After 30 periods exp(-0.3/0.007) = 2e-19 of the transient is left.
     for (int n = 0; n <= 30; ++n) {
@@ -147,7 +147,7 @@ TEST_CASE("circuit: a lag equal to L/R") {
     // u^2/2 exp(-u) = 0.271 (at u = 2), so the shift by 1e-6 that keeps the form costs 2.8e-7.
     const double time = 2.0 * kTimeConstant;
     const auto response = [&](double lag) {
-        Circuit circuit(kResistance, kInductance, lag);
+        Circuit circuit = test::equal_coils(kResistance, kInductance, lag);
         return circuit.advance(stretch(0.0, 0.1, 10.0, 10.0)).currents(time)[0];
     };
     const double expected = 1.0 - 3.0 * std::exp(-2.0);
@@ -161,7 +161,8 @@ TEST_CASE("circuit: a lag equal to L/R") {
 }
 
 TEST_CASE("circuit: a lag that is far shorter than anything else is no lag") {
-    Circuit with(kResistance, kInductance, 1e-9), without(kResistance, kInductance, 0.0);
+    Circuit with = test::equal_coils(kResistance, kInductance, 1e-9);
+    Circuit without = test::equal_coils(kResistance, kInductance, 0.0);
     for (const VoltageSegment& voltages : kProgram) {
         const double middle = 0.5 * (voltages.end - voltages.start);
         // The field is late by the lag: 1e-9 s times the current's rate of at most 70 V / L.

@@ -67,7 +67,7 @@ Found end_of_rest(const Model& model, const CurrentSegment& segment) {
 
 // Five coils' currents over a slow rise of the voltages.
 CurrentSegment slow_rise(const PerCoil& volts, double duration) {
-    Circuit circuit(10.0, 0.07, 0.0);
+    Circuit circuit = test::equal_coils(10.0, 0.07, 0.0);
     return circuit.advance({0.0, duration, {}, volts});
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("rest: a rising clamp field tips the robot when the closed form says")
 
 TEST_CASE("rest: after a jump of the voltage the event lies in the first time constant") {
     const Model model = paper_model();
-    Circuit circuit(10.0, 0.07, 0.0);
+    Circuit circuit = test::equal_coils(10.0, 0.07, 0.0);
     const PerCoil volts = {0.0, 0.0, 0.0, 0.0, -20.0};
     const CurrentSegment segment = circuit.advance({0.0, 100.0, volts, volts});
     const double expected = bisect(
