@@ -80,11 +80,11 @@ def friction_coefficient(of):
     return contact.kinetic_friction + (contact.static_friction - contact.kinetic_friction) * share
 
 
-def violations(of, slack=1e-9, start=0.0, speed_slack=0.0):
+def violations(of, slack=1e-9, start=0.0, speed_slack=0.0, gap_slack=0.0):
     """What in a recording cannot be, as one line each; an empty list for a sound one.
 
     slack: of forces, relative to weight and adhesion. start: s, samples before it are not looked
-    at. speed_slack: m/s, of a slip against its mode's direction.
+    at. speed_slack: m/s, of a slip against its mode's direction. gap_slack: m, of heights.
     """
     seen = of.t >= start
     robot, contact = of.scenario.robot, of.scenario.contact
@@ -95,12 +95,14 @@ def violations(of, slack=1e-9, start=0.0, speed_slack=0.0):
     normal, friction, slip = of.normal_force, of.friction_force, np.nan_to_num(of.slip_velocity)
     gaps = np.sort(of.z + corner_offsets(of)[1], axis=0)
     direction = np.where(is_mode(of, FORWARD), 1.0, -1.0)
-    speed = np.abs(of.vx) + np.abs(of.omega) * of.z
+    rounding = 1e-12 * (np.abs(of.vx) + np.abs(of.omega) * of.z) + 1e-15
     limit = contact.static_friction * normal
     excess = {
-        "a corner is below the surface": -gaps[0] - 1e-12,
+        "a corner is below the surface": -gaps[0] - max(1e-12, gap_slack),
         # Rounding of heights is 1e-20 m, and angles of many turns add a little.
-        "what touches is not at the surface": np.where(flying, -1.0, np.abs(gaps[0]) - 1e-16),
+        "what touches is not at the surface": np.where(
+            flying, -1.0, np.abs(gaps[0]) - max(1e-16, gap_slack)
+        ),
         "a face does not lie flat": np.where(is_mode(of, ON_A_FACE), gaps[1] - 1e-16, -1.0),
         "the surface pulls": -normal - slack * force,
         "there is a force in flight": np.where(flying, np.abs(normal) + np.abs(friction), -1.0),
@@ -115,7 +117,7 @@ def violations(of, slack=1e-9, start=0.0, speed_slack=0.0):
         ),
         "a slip runs against its mode": np.where(slipping, -direction * slip - speed_slack, -1.0),
         "the contact does not move with the body": np.where(
-            flying, -1.0, np.abs(sign * of.vx - of.omega * of.z - sign * slip) - 1e-12 * speed - 1e-15
+            flying, -1.0, np.abs(sign * of.vx - of.omega * of.z - sign * slip) - rounding
         ),
     }  # fmt: skip
     found = []

@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+
+import stickslip
 from helpers import (
     ADHESION,
     FLIGHT,
@@ -18,9 +21,6 @@ from helpers import (
     still_for,
     volts,
 )
-from scipy.integrate import solve_ivp
-
-import stickslip
 from stickslip import Scenario, Waveform
 
 # One value at which each parameter counts.
@@ -34,7 +34,27 @@ PARAMETERS = {
     "rotational_drag.coefficient": 1e-13,
     "stribeck_friction.velocity": 2e-3,
     "eddy_lag.time": 1e-3,
+    "coil_heating.coefficient": 1.0,
+    "amplifier_limit.voltage": 15.0,
+    "sample_hold.period": 1.1e-3,
+    "edge_time.time": 2e-3,
+    "mutual_inductance.coupling": 0.1,
+    "gradient_scale.fraction": 2.0,
+    "field_gain.in_plane": 0.1,
+    "field_gain.clamp": 0.1,
+    "magnetization_scale.fraction": 0.1,
+    "viscous_friction.coefficient": 20.0,
+    "friction_anisotropy.fraction": 0.2,
+    "angle_adhesion.strength": 0.9,
+    "adhesion_ageing.rate": 0.5,
+    "quadratic_drag.coefficient": 1e-3,
+    "friction_patches.amplitude": 0.5,
+    "length_scale.fraction": 0.05,
+    "clock_scale.fraction": 0.05,
+    "angle_offset.angle": 0.05,
 }
+# What shapes an extension that another parameter makes present.
+SHAPES = {"adhesion_ageing.time", "friction_patches.period"}
 # OPP with hops, so that restitution has something to act on.
 DRIVE = {"mode": "OPP", "hold": 2.5e-3, "base": 0.0, "pulses": 8}
 ARRAYS = ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction_force", "current")
@@ -43,8 +63,7 @@ ARRAYS = ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction
 def test_every_extension_is_tested_here():
     listed = {f"{effect.name}.{key.name.rpartition('.')[2]}"
               for effect in stickslip.effects() for key in effect.parameters}  # fmt: skip
-    assert listed == set(PARAMETERS)
-    assert len(stickslip.effects()) == 8
+    assert listed == set(PARAMETERS) | SHAPES
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
@@ -57,7 +76,14 @@ def test_zero_is_absent_to_the_last_bit(name, method):
     for array in ARRAYS:
         assert np.array_equal(getattr(zero, array), getattr(without, array)), array
     assert zero.summary() == without.summary()
-    assert counts.mean_velocity != pytest.approx(without.mean_velocity, rel=0.01)
+    for extended, plain in zip(_reported(counts), _reported(without), strict=True):
+        if extended != pytest.approx(plain, rel=0.004):
+            return
+    pytest.fail(f"{name} = {PARAMETERS[name]} changes nothing that a run reports")
+
+
+def _reported(moving):
+    return moving.mean_velocity, moving.summary()["theta_min"], moving.summary()["theta_max"]
 
 
 def test_tilt_adds_the_weight_along_the_surface():

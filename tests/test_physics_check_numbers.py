@@ -1,6 +1,7 @@
 """Mean velocities that two independent programs agree on, and the two integrators."""
 
 import pytest
+
 from helpers import run
 
 # mode, frequency (Hz), base and hold (mT), edge, clamp, velocity (mm/s)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from helpers import program, run, volts
 
+from helpers import program, run, volts
 from stickslip import Waveform
 
 DRIVES = [

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+
 from helpers import (
     FLIGHT,
     HEIGHT,
@@ -16,21 +18,19 @@ from helpers import (
     run,
     volts,
 )
-from scipy.optimize import brentq
-
 from stickslip import Coils, Waveform
 
-# The paper's frequencies are those of a block of 24.05 ug, density times volume; that of Table II
-# turns more slowly by 3 %.
+# 842 and 421 Hz are the frequencies of a block of 24.05 ug, density times volume; with the mass of
+# Table II it turns more slowly by 3 %.
 masses = pytest.mark.parametrize(("mass", "scale"), [(24.05e-9, 1.0), (MASS, 0.96926)])
 
 NO_MOTION = {"contact.adhesion": 1.0}
 
 methods = pytest.mark.parametrize("method", ["tsit5", "arkode"])
 
-# The moment stands straight up and the clamp coil's field points down: the gradient lifts the block,
-# and without friction nothing turns it. The balance is unstable with a rate of 8300 / s, so the
-# rounding of a quarter turn, 6e-17, becomes no more than 1e-14 within the throw of 0.5 ms.
+# The moment stands straight up and the clamp coil's field points down: the gradient lifts the
+# block, and without friction nothing turns it. The balance is unstable with a rate of 8300 / s, so
+# the rounding of a quarter turn, 6e-17, becomes no more than 1e-14 within the throw of 0.5 ms.
 LAUNCHER = {
     "effects.misalignment.angle": -np.pi / 2,
     "contact.static_friction": 0.0,
@@ -140,8 +140,8 @@ def test_bounces_that_die_out_come_to_rest():
 @masses
 @methods
 def test_turning_frequency_in_flight(method, mass, scale):
-    # Thrown up without gravity the block flies on in the uniform field along its moment, and a small
-    # field across makes it swing about the sum of the two.
+    # Thrown up without gravity the block flies on in the uniform field along its moment, and a
+    # small field across makes it swing about the sum of the two.
     field, across = 2.5e-3, 0.01
     keys = {
         "robot.mass": mass,

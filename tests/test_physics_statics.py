@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+
 from helpers import (
     ADHESION,
     GRAVITY,
@@ -19,8 +21,6 @@ from helpers import (
     still_for,
     volts,
 )
-from scipy.optimize import brentq
-
 from stickslip import Coils, Waveform
 
 STICK_ON_A_CORNER = 1

@@ -3,6 +3,7 @@
 import functools
 
 import pytest
+
 from helpers import run
 from reference import simulate_reference
 

@@ -16,12 +16,17 @@ struct ArkodeStep {
     double start = 0.0, width = 0.0;  ///< s
     State first = {}, last = {};
     const ArkodeSession* session = nullptr;
+    Phase* phase = nullptr;
 
     State dense(double s) const {
         if (s == 0.0) return first;
         if (s == 1.0) return last;
+        // The interpolant asks for rates of its own, which must not move the bases of the steps to
+        // come: a recording would change the motion.
+        const Dynamics state = phase->state();
         State y;
         session->interpolate(start + s * width, y.data());
+        phase->restore(state);
         return y;
     }
 };
@@ -77,6 +82,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
                           0.02 / options_.swing_rate);
     ArkodeStep<Phase> step;
     step.session = &session;
+    step.phase = &phase;
     step.last = y;
     PhaseEnd<Phase> end{Status::ok, Event::none, tau, y};
     while (tau < tau_end) {

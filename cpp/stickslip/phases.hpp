@@ -60,6 +60,10 @@ public:
     Expansion field_at(double tau) const { return dynamics_->field_at(tau); }
     bool outside() const { return dynamics_->field().outside(); }
 
+    /// The bases and the field's expansion, to look elsewhere and come back.
+    Dynamics state() const { return *dynamics_; }
+    void restore(const Dynamics& state) { *dynamics_ = state; }
+
 protected:
     const Model& model() const { return dynamics_->model(); }
     int quadrant() const { return dynamics_->quadrant(); }

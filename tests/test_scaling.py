@@ -1,0 +1,62 @@
+"""Long runs: cost in proportion, memory not at all."""
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+
+from stickslip import Contact, Drive, Scenario, simulate
+
+PULSES = 200
+
+# Slow enough on a sticky surface to stay between the coils for 100 s.
+DRIVE = {"mode": "OPP", "frequency": 200.0, "base": 0.5e-3, "hold": 1.5e-3, "ramp": 0.0}
+ADHESION = 1e-6  # N
+
+PEAK = """
+import json, resource, sys
+from stickslip import Contact, Drive, Scenario, simulate
+drive = Drive(pulses=int(sys.argv[1]), **json.loads(sys.argv[2]))
+run = simulate(Scenario(drive=drive, contact=Contact(adhesion=float(sys.argv[3]))))
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print(json.dumps({"status": run.status, "peak": peak, "time": run.summary()["simulated_time"]}))
+"""
+
+
+def _seconds(pulses):
+    """CPU time of one run, summary only."""
+    scenario = Scenario(drive=Drive(pulses=pulses, **DRIVE), contact=Contact(adhesion=ADHESION))
+    begin = time.process_time()
+    assert simulate(scenario).ok
+    return time.process_time() - begin
+
+
+def test_a_hundred_times_longer_costs_at_most_105_times_as_much():
+    # A machine that others use has slow moments: medians of runs in turn, and up to three looks.
+    ratios = []
+    while len(ratios) < 3 and not (ratios and ratios[-1] <= 105.0):
+        pairs = [
+            (statistics.median(_seconds(PULSES) for _ in range(9)), _seconds(100 * PULSES))
+            for _ in range(5)
+        ]
+        short, long = (statistics.median(times) for times in zip(*pairs, strict=True))
+        ratios.append(long / short)
+    assert ratios[-1] <= 105.0, f"{ratios} times"
+
+
+def _peak(pulses):
+    """kB of resident memory at most, of a process that does one run."""
+    command = [sys.executable, "-c", PEAK, str(pulses), json.dumps(DRIVE), str(ADHESION)]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    found = json.loads(result.stdout)
+    assert found["status"] == "ok"
+    assert found["time"] > 0.999 * pulses / DRIVE["frequency"]
+    return found["peak"]
+
+
+def test_a_hundred_times_longer_needs_no_more_memory():
+    # Two runs of one length differ by some pages; a result of 8 bytes a pulse would be 160 kB.
+    short = max(_peak(PULSES) for _ in range(3))
+    long = min(_peak(100 * PULSES) for _ in range(3))
+    assert long <= short + 128
