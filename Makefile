@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo bench lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo bench bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -85,6 +85,32 @@ demo: install ## a short tour
 bench: install ## benchmarks, against peers where they are installed
 	@$(RUN) bench/bench.py
 
+# The peers have an environment of their own; bench/peers/README.md says what is measured.
+BENCH_VENV := .venv-bench
+BENCH_RUN := $(BENCH_VENV)/bin/python
+
+$(BENCH_VENV)/.created: | system
+	@$(PYTHON) -m venv $(BENCH_VENV) || $(PYTHON) -m virtualenv -q $(BENCH_VENV)
+	@echo '*' >$(BENCH_VENV)/.gitignore
+	@touch $@
+
+$(BENCH_VENV)/.installed: $(VENV)/.installed $(BENCH_VENV)/.created
+	@rm -rf build/bench
+	@$(RUN) -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir build/bench .
+	@$(BENCH_RUN) -m pip install --quiet build/bench/*.whl
+	@$(BENCH_RUN) -m pip install --quiet --no-deps --force-reinstall build/bench/*.whl
+	@touch $@
+
+# A peer that cannot be installed is left out, and tried again next time.
+$(BENCH_VENV)/.peers: $(BENCH_VENV)/.created
+	@all=yes; for peer in scipy heyoka mujoco magpylib; do \
+	    echo "Installing $$peer for the benchmark"; \
+	    $(BENCH_RUN) -m pip install --quiet $$peer || all=no; \
+	done; if [ $$all = yes ]; then touch $@; fi
+
+bench-peers: $(BENCH_VENV)/.installed $(BENCH_VENV)/.peers ## speed and accuracy beside SciPy, heyoka, MuJoCo and magpylib
+	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BENCH_RUN) -m peers
+
 lint: $(VENV)/.created ## ruff, and clang-format where it is installed
 	@test -x $(VENV)/bin/ruff || $(RUN) -m pip install --quiet ruff
 	@$(VENV)/bin/ruff check .
@@ -108,5 +134,5 @@ wheel: $(VENV)/.created ## an isolated build of the wheel, into dist/
 	@ls dist/*.whl
 
 clean: ## remove everything that can be built again
-	rm -rf build dist $(VENV) .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf build dist $(VENV) $(BENCH_VENV) .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

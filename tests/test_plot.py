@@ -1,11 +1,9 @@
 """Pictures of runs: what they show, and that all text can be read."""
 
-import itertools
-
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from pictures import assert_legible
 from stickslip import Drive, Record, Scenario, plot, simulate
 
 DRIVES = {
@@ -47,38 +45,7 @@ def test_panels_share_time_and_show_the_run(run):
 
 
 def test_text_is_neither_clipped_nor_overlapping(run):
-    figure = plot.run(run)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    drawn = visible(figure, canvas.get_renderer())
-    assert len(drawn) > 40
-    page = figure.bbox
-    for words, box in drawn:
-        assert page.x0 <= box.x0 <= box.x1 <= page.x1, words
-        assert page.y0 <= box.y0 <= box.y1 <= page.y1, words
-    for (one, a), (two, b) in itertools.combinations(drawn, 2):
-        width = min(a.x1, b.x1) - max(a.x0, b.x0)
-        height = min(a.y1, b.y1) - max(a.y0, b.y0)
-        assert width <= 1 or height <= 1, (one, two)
-
-
-def visible(figure, renderer):
-    """Words and boxes of all text that is drawn."""
-    texts = [*figure.texts]
-    for legend in figure.legends:
-        texts += legend.get_texts()
-    for axes in figure.axes:
-        texts += [axes.xaxis.label, axes.yaxis.label]
-        if axes.get_legend():
-            texts += axes.get_legend().get_texts()
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            for tick in axis.get_major_ticks():
-                if low <= tick.get_loc() <= high:
-                    texts += [label for label in (tick.label1, tick.label2) if label.get_visible()]
-    return [
-        (text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text()
-    ]
+    assert_legible(plot.run(run), least=41)
 
 
 def test_the_contact_band_has_the_time_of_each_mode(run):

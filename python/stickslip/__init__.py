@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from stickslip.coils import Coils
     from stickslip.errors import ScenarioError
     from stickslip.extensions import effects
+    from stickslip.reproduction.study import reproduce
     from stickslip.run import Run
     from stickslip.scenario import Scenario, load
     from stickslip.sections import (
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
         Solver,
     )
     from stickslip.simulation import simulate, simulate_batch
+    from stickslip.sweeping.run_sweep import sweep
     from stickslip.versions import show_versions
     from stickslip.waveform import Waveform, volts_per_tesla
 
@@ -49,9 +51,11 @@ _HOME = {
     "effects": "extensions",
     "load": "scenario",
     "plot": "plot",
+    "reproduce": "reproduction.study",
     "show_versions": "versions",
     "simulate": "simulation",
     "simulate_batch": "simulation",
+    "sweep": "sweeping.run_sweep",
     "volts_per_tesla": "waveform",
 }
 
@@ -73,9 +77,11 @@ __all__ = [
     "effects",
     "load",
     "plot",
+    "reproduce",
     "show_versions",
     "simulate",
     "simulate_batch",
+    "sweep",
     "volts_per_tesla",
 ]
 

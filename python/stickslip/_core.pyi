@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import TypedDict
 
-from numpy import float64, int8
+from numpy import float64, generic, int8
 from numpy.typing import NDArray
 
 __version__: str
@@ -11,6 +11,7 @@ has_arkode: bool
 wire_radius: float
 contact_names: tuple[str, ...]
 event_names: tuple[str, ...]
+status_names: tuple[str, ...]
 
 class _Parameter(TypedDict):
     key: str
@@ -79,6 +80,13 @@ def simulate_batch(
     threads: int = 1,
     progress: Callable[[float], object] | None = None,
 ) -> list[RunResult]: ...
+def sweep(
+    base: Scenario,
+    keys: Sequence[str],
+    values: NDArray[float64],
+    threads: int = 1,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[dict[str, NDArray[generic]], dict[int, str]]: ...
 
 class CoilSet:
     def __init__(self, side: float = ..., distance: float = ..., turns: float = ...) -> None: ...

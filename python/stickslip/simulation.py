@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.keys import shown
+from stickslip.processors import worker_count
 from stickslip.run import Run
 from stickslip.scenario import Scenario
 
@@ -87,10 +87,7 @@ def simulate_batch(
     for index, scenario in enumerate(scenarios):
         if not isinstance(scenario, Scenario):
             raise ScenarioError(f"scenario {index} = {shown(scenario)}: allowed is a Scenario")
-    if threads is None:
-        threads = _processors()
-    elif isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise ValueError(f"threads = {shown(threads)}: allowed is a whole number from 1")
+    threads = worker_count(threads, "threads")
 
     cores = [scenario.to_core() for scenario in scenarios]
     report = None
@@ -102,9 +99,3 @@ def simulate_batch(
 
     results = _core.simulate_batch(cores, threads, report)
     return [Run(*pair) for pair in zip(scenarios, results, strict=True)]
-
-
-def _processors() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -8,7 +8,9 @@ import click
 
 _HOME = {
     "effects": "effects_command",
+    "reproduce": "reproduce_command",
     "run": "run_command",
+    "sweep": "sweep_command",
 }
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ScenarioError
+from stickslip.keys import Value
 from stickslip.scenario import Scenario
 from stickslip.sections import PROGRAM
 
@@ -26,12 +27,17 @@ def parse_setting(text: str) -> tuple[str, Any]:
         raise ScenarioError(f'--set "{text}": allowed is key=value, such as drive.frequency=30')
     if key == FILE:
         return PROGRAM, _waveform(value)
+    return key, parse_value(value)
+
+
+def parse_value(text: str) -> Value:
+    """A number if it reads as one, else a word, whose quotes can be left out."""
     for number in (int, float):
         try:
-            return key, number(value)
+            return number(text)
         except ValueError:
             continue
-    return key, value.strip("\"'")
+    return text.strip("\"'")
 
 
 def with_settings(scenario: Scenario, settings: tuple[str, ...]) -> Scenario:

@@ -1,6 +1,27 @@
-"""Figures of runs. Each function gives a matplotlib Figure; `save` writes one to a file."""
+"""Pictures of runs and sweeps. Each function gives a matplotlib Figure; `save` writes it.
 
+`run` shows all of a run at once; `fields`, `angle_and_contact_velocity`, `trajectory`,
+`phase_portrait` and `filmstrip` one thing each, in given axes if wanted; `velocity` draws a sweep;
+`animation` writes a moving picture. No module here may have the name of one of them.
+"""
+
+from stickslip.plot.film import filmstrip
+from stickslip.plot.moving_picture import animation
+from stickslip.plot.over_time import angle_and_contact_velocity, fields
+from stickslip.plot.paths import phase_portrait, trajectory
 from stickslip.plot.run_figure import run
 from stickslip.plot.saving import check_format, save
+from stickslip.plot.velocities import velocity
 
-__all__ = ["check_format", "run", "save"]
+__all__ = [
+    "angle_and_contact_velocity",
+    "animation",
+    "check_format",
+    "fields",
+    "filmstrip",
+    "phase_portrait",
+    "run",
+    "save",
+    "trajectory",
+    "velocity",
+]

@@ -8,10 +8,10 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from stickslip.plot import style
+from stickslip.plot.time_axes import draw_fields, draw_tilt, legend_above
 from stickslip.run import Run
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
             5, 1, sharex=True, height_ratios=[1.0, 1.3, 0.9, 1.0, 0.22]
         )
         t = run.t[chosen]
-        _draw_fields(fields, t, run.bx[chosen], run.bz[chosen])
-        _draw_tilt(tilt, t, run.theta[chosen], run.slip_velocity[chosen])
+        draw_fields(fields, t, run.bx[chosen], run.bz[chosen])
+        draw_tilt(tilt, t, run.theta[chosen], run.slip_velocity[chosen])
         _draw_path(path, t, run.x[chosen])
         _draw_force(force, t, run.normal_force[chosen], run)
         _draw_contact(figure, contact, t, run.contact[chosen])
@@ -99,29 +99,6 @@ def _title(run: Run, what: str) -> str:
     return ", ".join(words)
 
 
-def _draw_fields(axes: Axes, t: _Array, bx: _Array, bz: _Array) -> None:
-    axes.plot(t, bx * 1e3, color=style.BLUE, label="$B_x$")
-    axes.plot(t, bz * 1e3, color=style.VERMILION, linestyle="--", label="$B_z$")
-    axes.set_ylabel("field (mT)")
-    _legend_above(axes, [*axes.get_lines()])
-
-
-def _draw_tilt(axes: Axes, t: _Array, theta: _Array, slip: _Array) -> None:
-    # The upper of the two, the tilt lies on top of the velocity's spikes.
-    velocity, tilt = axes, axes.twinx()
-    velocity.plot(t, slip * 1e3, color=style.ORANGE, linewidth=0.9, label="contact velocity")
-    velocity.set_ylabel("contact velocity (mm/s)")
-    velocity.yaxis.set_label_position("right")
-    velocity.yaxis.tick_right()
-    velocity.grid(visible=False, axis="y")
-    tilt.plot(t, np.degrees(theta), color=style.BLUE, label=r"$\theta$")
-    tilt.set_ylabel(r"tilt $\theta$ (degrees)")
-    tilt.yaxis.set_label_position("left")
-    tilt.yaxis.tick_left()
-    tilt.grid(visible=False)
-    _legend_above(axes, [*tilt.get_lines(), *velocity.get_lines()])
-
-
 def _draw_path(axes: Axes, t: _Array, x: _Array) -> None:
     axes.plot(t, x * 1e6, color=style.BLACK)
     axes.set_ylabel("x (µm)")
@@ -135,19 +112,7 @@ def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run) -> None:
         at_rest * 1e6, color=style.GREY, linestyle=":", label="weight + adhesion"
     )
     axes.set_ylabel("normal force (µN)")
-    _legend_above(axes, [resting])
-
-
-def _legend_above(axes: Axes, handles: list[Line2D]) -> None:
-    """Above the axes, where it covers no curve."""
-    axes.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=len(handles),
-        frameon=False,
-        borderaxespad=0.1,
-    )
+    legend_above(axes, [resting])
 
 
 def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int8]) -> None:

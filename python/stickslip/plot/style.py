@@ -38,3 +38,6 @@ RC: Any = {
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
 }
+
+# White, which is flight's in a band of colours, is no line, and yellow next to none.
+LINE_COLOURS = {**CONTACT_COLOURS, "flight": GREY, "face_slip_forward": GREEN}

@@ -1,0 +1,74 @@
+"""``stickslip reproduce``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stickslip.cli.json_text import json_text
+from stickslip.cli.progress import progress_bar
+from stickslip.errors import ScenarioError
+
+if TYPE_CHECKING:
+    from stickslip.reproduction.study import Reproduction
+
+
+@click.command(
+    "reproduce",
+    epilog="\b\nExample:\n  stickslip reproduce --out reproduction --only fig8,fig12",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reproduction"),
+    show_default=True,
+    help="Folder for pictures, data and the page index.html.",
+)
+@click.option("--only", metavar="FIGURES", help="Figures to make, such as fig8,fig12; else all.")
+@click.option(
+    "--measured",
+    type=click.Path(path_type=Path),
+    help="CSV file of digitised points: columns figure, mode, x, y, in SI units.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), help="Simulations at a time.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON object.")
+def command(
+    out: Path, only: str | None, measured: Path | None, jobs: int | None, as_json: bool
+) -> int:
+    """Redo the paper's simulations and test its statements.
+
+    Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
+    reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
+    """
+    from stickslip.reproduction.study import reproduce
+
+    names = None if only is None else [name.strip() for name in only.split(",") if name.strip()]
+    if names == []:
+        raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
+    if out.exists() and not out.is_dir():
+        raise ScenarioError(f"--out: cannot write {out}: it is not a folder")
+    with progress_bar("reproducing") as show:
+        result = reproduce(
+            out,
+            only=names,
+            measured=measured,
+            jobs=jobs,
+            progress=lambda what, fraction: show(fraction),
+        )
+    click.echo(json_text(result.as_dict()) if as_json else _table(result))
+    return 0
+
+
+def _table(result: Reproduction) -> str:
+    lines = [f"{mode}  {setting.text()}" for mode, setting in result.reference.items()]
+    lines.append("")
+    for each in result.statements:
+        share = each.verdict.share
+        holds = "" if share is None else f"holds for {share:.1%} of the settings"
+        lines.append(f"{each.name:<4} {each.text}")
+        lines.append(f"     {'; '.join(filter(None, [each.verdict.text, holds]))}")
+        lines.append(f"     {each.numbers}")
+    lines += ["", f"{len(result.figures)} figures in {result.seconds:.0f} s: {result.page}"]
+    return "\n".join(lines)

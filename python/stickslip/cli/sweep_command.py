@@ -1,0 +1,105 @@
+"""``stickslip sweep``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from stickslip.cli.cluster import cluster
+from stickslip.cli.json_text import json_text
+from stickslip.cli.progress import count_bar
+from stickslip.cli.settings import parse_setting, with_settings
+from stickslip.cli.sweep_table import as_dict, failure, table
+from stickslip.cli.vary import parse_vary
+from stickslip.errors import ScenarioError
+from stickslip.files import check_writable
+from stickslip.scenario import Scenario
+from stickslip.sweeping.points import Points, grid
+from stickslip.sweeping.run_sweep import sweep_points
+
+
+@click.command(
+    "sweep",
+    epilog="\b\nExample:\n"
+    "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
+    "    --out sweep.nc",
+)
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option(
+    "--vary",
+    "vary",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="A key and its values, start:stop:count with both ends, or a,b,c; repeatable.",
+)
+@click.option(
+    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a key; repeatable."
+)
+@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: processors.")
+@click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write the results to a netCDF file.")
+@click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds.")
+@click.option("--json", "as_json", is_flag=True, help="Print the results as one JSON object.")
+def command(
+    scenario: Path,
+    vary: tuple[str, ...],
+    settings: tuple[str, ...],
+    jobs: int | None,
+    dask: str | None,
+    out: Path | None,
+    resume: bool,
+    as_json: bool,
+) -> None:
+    """Simulate a SCENARIO (a TOML file) at all combinations of the values of some keys.
+
+    Prints the summaries; what the scenario records is ignored. A point that fails is a status in
+    the results: the command still succeeds, and says on standard error how many there are.
+
+    --out is written every few seconds and on Ctrl-C, so that --resume can go on with it after
+    whatever stopped the sweep, without simulating a finished point again.
+    """
+    points = _points(scenario, vary, settings)
+    if resume and out is None:
+        raise ScenarioError("--resume: allowed with --out only, the file to go on with")
+    if dask is not None and jobs is not None:
+        raise ScenarioError("--jobs: not allowed with --dask, whose workers are all used")
+    if out is not None:
+        _check_target(out, resume)
+
+    with cluster(dask) as executor, count_bar("sweeping", points.count, "points") as show:
+        data = sweep_points(
+            points, jobs=jobs, executor=executor, out=out, resume=resume, progress=show
+        )
+    click.echo(json_text(as_dict(data)) if as_json else table(data))
+    said = failure(data)
+    if said:
+        click.echo(f"stickslip: {said}", err=True)
+
+
+def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) -> Points:
+    base = Scenario.from_toml(scenario)
+    values = parse_vary(vary)
+    for key, _ in map(parse_setting, settings):
+        if key in values:
+            raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
+    try:
+        return grid(with_settings(base, settings), values)
+    except ScenarioError as error:
+        raise ScenarioError(f"--vary: {error}") from None
+
+
+def _check_target(out: Path, resume: bool) -> None:
+    """Say before a long sweep what could not be written after it."""
+    if out.is_file():
+        if not resume:
+            raise ScenarioError(
+                f"--out: {out} is already there; --resume goes on with it, "
+                "and another name begins anew"
+            )
+        return
+    try:
+        check_writable(out)
+    except OSError as error:
+        raise ScenarioError(str(error)) from None

@@ -1,0 +1,128 @@
+"""What a sweep came to, for a reader and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray
+
+_MOST_ROWS = 50
+
+_VELOCITY = "mean_velocity"
+
+# Name, heading, unit of a reader of micro-robots, and the factor to it.
+_COLUMNS = (
+    (_VELOCITY, "mean velocity", "mm/s", 1e3),
+    ("theta_min", "theta from", "degrees", math.degrees(1.0)),
+    ("theta_max", "to", "degrees", math.degrees(1.0)),
+    ("slip_up", "slip up", "mm/s", 1e3),
+    ("slip_down", "slip down", "mm/s", 1e3),
+    ("airborne_fraction", "airborne", "%", 100.0),
+)
+
+
+def as_dict(data: xarray.Dataset) -> dict[str, Any]:
+    """Counts, extremes and the points in order, in the words of a single run's summary."""
+    columns = _keys(data)
+    columns["status"] = _statuses(data)
+    if "message" in data:
+        columns["message"] = data["message"].values.ravel().tolist()
+    for name in data.data_vars:
+        if name not in ("status", "message", "events"):
+            columns[str(name)] = data[name].values.ravel().tolist()
+    kinds = data["event"].values.tolist()
+    counts = data["events"].values.reshape(-1, len(kinds)).tolist()
+    columns["events"] = [dict(zip(kinds, row, strict=True)) for row in counts]
+    return {
+        "points": data["status"].size,
+        "failed": int(data.attrs["failed_points"]),
+        "status": json.loads(data.attrs["statuses"]),
+        **{name: _point(data, index) for name, index in _extremes(data).items()},
+        "results": [
+            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
+        ],
+    }
+
+
+def table(data: xarray.Dataset) -> str:
+    """Counts and extremes; the points too if they are few."""
+    sizes = " x ".join(f"{size} {name}" for name, size in data["status"].sizes.items())
+    statuses = json.loads(data.attrs["statuses"])
+    rows = [
+        ("points", f"{data['status'].size} ({sizes})"),
+        ("status", ", ".join(f"{name} {count}" for name, count in statuses.items())),
+    ]
+    for name, index in _extremes(data).items():
+        point = _point(data, index)
+        velocity = point.pop(_VELOCITY)
+        where = ", ".join(f"{key} = {_text(value)}" for key, value in point.items())
+        rows.append((name, f"{velocity * 1e3:.6g} mm/s at {where}"))
+    text = "\n".join(f"{name:<10}{value}" for name, value in rows)
+    return f"{_rows(data)}\n\n{text}" if data["status"].size <= _MOST_ROWS else text
+
+
+def failure(data: xarray.Dataset) -> str:
+    """How many points failed, and what the first of them says; empty if none did."""
+    failed = int(data.attrs["failed_points"])
+    if not failed:
+        return ""
+    messages = data["message"].values.ravel()
+    first = int(np.flatnonzero(messages != "")[0])
+    return f"{failed} of {messages.size} points failed; the first: {messages[first]}"
+
+
+def _keys(data: xarray.Dataset) -> dict[str, list[Any]]:
+    """For each swept key its value at every point."""
+    status = data["status"]
+    return {
+        coordinate.attrs["key"]: coordinate.broadcast_like(status)
+        .transpose(*status.dims)
+        .values.ravel()
+        .tolist()
+        for coordinate in data.coords.values()
+        if "key" in coordinate.attrs
+    }
+
+
+def _statuses(data: xarray.Dataset) -> list[str]:
+    about = data["status"].attrs
+    names = dict(zip(about["flag_values"].tolist(), about["flag_meanings"].split(), strict=True))
+    return [names[code] for code in data["status"].values.ravel().tolist()]
+
+
+def _extremes(data: xarray.Dataset) -> dict[str, int]:
+    velocity = data[_VELOCITY].values.ravel()
+    if np.isnan(velocity).all():
+        return {}
+    return {"slowest": int(np.nanargmin(velocity)), "fastest": int(np.nanargmax(velocity))}
+
+
+def _point(data: xarray.Dataset, index: int) -> dict[str, Any]:
+    point = {key: values[index] for key, values in _keys(data).items()}
+    return {**point, _VELOCITY: float(data[_VELOCITY].values.ravel()[index])}
+
+
+def _rows(data: xarray.Dataset) -> str:
+    """A table of all points with two lines of heading."""
+    columns = [
+        [key.rpartition(".")[2], "", *map(_text, values)] for key, values in _keys(data).items()
+    ]
+    columns.append(["status", "", *_statuses(data)])
+    for name, heading, unit, factor in _COLUMNS:
+        values = data[name].values.ravel() * factor + 0.0  # no negative zero
+        columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
+    widths = [max(map(len, column)) for column in columns]
+    lines = zip(*columns, strict=True)
+    return "\n".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
+        for line in lines
+    )
+
+
+def _text(value: object) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,128 @@
+"""Outlines of the body at chosen times, as in the paper's Fig. 2 (e) to (h)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from stickslip.plot import style
+from stickslip.plot.canvas import root_figure
+from stickslip.plot.motion import Motion, corners, lowest_corner, motion
+
+if TYPE_CHECKING:
+    from stickslip.plot.motion import Data
+
+_COLUMNS = 2
+_MARGIN = 25.0  # µm
+
+
+def filmstrip(
+    data: Data,
+    times: Sequence[float],
+    labels: Sequence[str] | None = None,
+    ax: Sequence[Axes] | None = None,
+) -> Figure:
+    """Draw the outline of the body at some times, one panel for each.
+
+    A triangle marks where the body touches, or is lowest in flight; a dashed line where it was in
+    the panel before. The arrow is the moment, which points to the front.
+
+    Parameters
+    ----------
+    data : Run or xarray.Dataset
+        A run with a record on a uniform grid, or what its `to_xarray` gave.
+    times : sequence of float
+        s; the nearest sample of each is drawn.
+    labels : sequence of str, optional
+        Title of each panel; the time, if not given.
+    ax : sequence of matplotlib.axes.Axes, optional
+        One for each time; those of a new figure, if not given.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The one that holds the axes.
+
+    Raises
+    ------
+    AttributeError
+        If a run has no record.
+    ValueError
+        If there is no time, one outside the record, or another number of `labels` or `ax`.
+    """
+    shown = motion(data)
+    if not times:
+        raise ValueError("times = []: allowed is a time or more")
+    for time in times:
+        if not shown.t[0] <= time <= shown.t[-1]:
+            raise ValueError(
+                f"times: {time} s is outside the record, {shown.t[0]:g} s to {shown.t[-1]:g} s"
+            )
+    for name, given in (("labels", labels), ("ax", ax)):
+        if given is not None and len(given) != len(times):
+            raise ValueError(f"{name} has {len(given)} entries: allowed are {len(times)}")
+
+    with matplotlib.rc_context(style.RC):
+        panels = _new_panels(len(times)) if ax is None else list(ax)
+        samples = [shown.sample(time) for time in times]
+        touch = lowest_corner(shown)[samples] * 1e6
+        titles = labels or [f"t = {shown.t[k]:.4f} s" for k in samples]
+        for place, (axes, sample, title) in enumerate(zip(panels, samples, titles, strict=True)):
+            draw_body(axes, shown, sample)
+            mark_contact(axes, float(touch[place]), float(touch[place - 1]) if place else None)
+            axes.set_title(title, loc="left")
+        _share_limits(panels, shown, samples)
+    return root_figure(panels[0])
+
+
+def _new_panels(count: int) -> list[Axes]:
+    columns = min(_COLUMNS, count)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(2.9 * columns, 2.3 * rows), layout="constrained")
+    panels = [figure.add_subplot(rows, columns, k + 1) for k in range(count)]
+    for k, axes in enumerate(panels):
+        if k + columns >= count:
+            axes.set_xlabel("x (µm)")
+        if k % columns == 0:
+            axes.set_ylabel("z (µm)")
+    return panels
+
+
+def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
+    """The outline, the surface and the moment at one sample, in µm."""
+    outline = corners(motion, sample) * 1e6
+    axes.axhline(0.0, color=style.BLACK, linewidth=1.0)
+    axes.add_patch(
+        Polygon(outline, closed=True, facecolor="#E8EEF4", edgecolor=style.BLACK, linewidth=1.2)
+    )
+    front = 0.5 * (outline[0] + outline[3])
+    centre = outline.mean(axis=0)
+    axes.annotate(
+        "",
+        xy=tuple(centre + 0.75 * (front - centre)),
+        xytext=tuple(centre - 0.35 * (front - centre)),
+        arrowprops={"arrowstyle": "->", "color": style.BLUE, "linewidth": 1.4},
+    )
+
+
+def mark_contact(axes: Axes, here: float, before: float | None) -> None:
+    """Where the body touches, and where it did before, in µm."""
+    axes.plot([here], [-9.0], marker="^", markersize=7, color=style.VERMILION, linestyle="none")
+    if before is not None:
+        axes.axvline(before, color=style.VERMILION, linestyle="--", linewidth=1.1)
+
+
+def _share_limits(panels: Sequence[Axes], motion: Motion, samples: Sequence[int]) -> None:
+    """The same stretch of surface in every panel, with equal scales."""
+    outlines = np.concatenate([corners(motion, k) for k in samples]) * 1e6
+    for axes in panels:
+        axes.set_xlim(outlines[:, 0].min() - _MARGIN, outlines[:, 0].max() + _MARGIN)
+        axes.set_ylim(-_MARGIN, outlines[:, 1].max() + _MARGIN)
+        axes.set_aspect("equal", adjustable="box")
+        axes.grid(visible=False)

@@ -1,0 +1,98 @@
+"""Paths of a motion whose colour says how the body touches: trajectory and phase portrait."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from stickslip.plot import style
+from stickslip.plot.canvas import own_axes, root_figure
+from stickslip.plot.motion import motion
+from stickslip.run import Run
+
+if TYPE_CHECKING:
+    from stickslip.plot.motion import Data
+
+    _Array = NDArray[np.float64]
+
+
+def trajectory(
+    data: Data, start: float | None = None, stop: float | None = None, ax: Axes | None = None
+) -> Figure:
+    """Draw the path of the centre of mass in the plane of motion, coloured by contact mode.
+
+    Parameters
+    ----------
+    data : Run or xarray.Dataset
+        A run with a record on a uniform grid, or what its `to_xarray` gave.
+    start, stop : float, optional
+        Stretch of time to draw, s; all of it, if not given.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure, if not given.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The one that holds the axes.
+
+    Raises
+    ------
+    AttributeError
+        If a run has no record.
+    ValueError
+        If the record is one of events, or has less than two samples from `start` to `stop`.
+    """
+    shown = motion(data).between(start, stop)
+    with matplotlib.rc_context(style.RC):
+        axes = own_axes(ax, (5.8, 3.4))
+        _draw_path(axes, shown.x * 1e6, shown.z * 1e6, shown.contact)
+        axes.set_xlabel("x of the centre of mass (µm)")
+        axes.set_ylabel("height of the centre of mass (µm)")
+    return root_figure(axes)
+
+
+def phase_portrait(
+    data: Data, start: float | None = None, stop: float | None = None, ax: Axes | None = None
+) -> Figure:
+    """Draw tilt against its rate, coloured by contact mode.
+
+    Parameters, result and errors are those of `trajectory`.
+    """
+    shown = motion(data).between(start, stop)
+    with matplotlib.rc_context(style.RC):
+        axes = own_axes(ax, (5.8, 4.2))
+        _draw_path(axes, np.degrees(shown.theta), shown.omega, shown.contact)
+        axes.set_xlabel(r"tilt $\theta$ (degrees)")
+        axes.set_ylabel(r"rate of the tilt $\omega$ (rad/s)")
+    return root_figure(axes)
+
+
+def _draw_path(axes: Axes, x: _Array, y: _Array, contact: NDArray[np.int8]) -> None:
+    points = np.column_stack([x, y])
+    segments = np.stack([points[:-1], points[1:]], axis=1)
+    modes = contact[:-1]
+    handles = []
+    for code in sorted(set(modes.tolist())):
+        name = Run.contact_names[code]
+        colour = style.LINE_COLOURS[name]
+        axes.add_collection(LineCollection(list(segments[modes == code]), colors=colour))
+        handles.append(
+            Line2D([], [], color=colour, linewidth=2.5, label=style.CONTACT_LABELS[name])
+        )
+    axes.autoscale_view()
+    # Above the axes, where it covers no curve; in rows that a narrow picture can hold.
+    axes.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=min(3, len(handles)),
+        frameon=False,
+        borderaxespad=0.1,
+    )

@@ -1,0 +1,49 @@
+"""What is drawn against time in more than one picture."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from stickslip.plot import style
+
+_Array = NDArray[np.float64]
+
+
+def draw_fields(axes: Axes, t: _Array, bx: _Array, bz: _Array) -> None:
+    """Both components of the field, mT; `t` in s, fields in T."""
+    lines = axes.plot(t, bx * 1e3, color=style.BLUE, label="$B_x$")
+    lines += axes.plot(t, bz * 1e3, color=style.VERMILION, linestyle="--", label="$B_z$")
+    axes.set_ylabel("field (mT)")
+    legend_above(axes, lines)
+
+
+def draw_tilt(axes: Axes, t: _Array, theta: _Array, slip: _Array) -> None:
+    """Tilt in degrees on the left, contact velocity in mm/s on the right; arguments in SI."""
+    # The upper of the two, the tilt lies on top of the velocity's spikes.
+    velocity, tilt = axes, axes.twinx()
+    velocity.plot(t, slip * 1e3, color=style.ORANGE, linewidth=0.9, label="contact velocity")
+    velocity.set_ylabel("contact velocity (mm/s)")
+    velocity.yaxis.set_label_position("right")
+    velocity.yaxis.tick_right()
+    velocity.grid(visible=False, axis="y")
+    tilt.plot(t, np.degrees(theta), color=style.BLUE, label=r"$\theta$")
+    tilt.set_ylabel(r"tilt $\theta$ (degrees)")
+    tilt.yaxis.set_label_position("left")
+    tilt.yaxis.tick_left()
+    tilt.grid(visible=False)
+    legend_above(axes, [*tilt.get_lines(), *velocity.get_lines()])
+
+
+def legend_above(axes: Axes, handles: list[Line2D]) -> None:
+    """Above the axes, where it covers no curve."""
+    axes.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=len(handles),
+        frameon=False,
+        borderaxespad=0.1,
+    )

@@ -1,0 +1,180 @@
+"""Mean velocity against what a sweep varied."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from stickslip.plot import style
+from stickslip.plot.canvas import own_axes, root_figure
+from stickslip.plot.units import Quantity, quantity
+
+if TYPE_CHECKING:
+    import xarray
+
+    _Array = NDArray[np.float64]
+
+_MOST_LINES = 8
+# Values over more than this are shown on a logarithmic axis.
+_LOG_RATIO = 100.0
+
+_STYLES = list(
+    zip(
+        (style.BLUE, style.VERMILION, style.GREEN, style.PURPLE) * 2,
+        ("-", "--", "-.", ":", "--", "-", ":", "-."),
+        ("o", "s", "^", "D", "v", "P", "X", "*"),
+        strict=True,
+    )
+)
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """A numeric key that was varied."""
+
+    name: str
+    values: _Array
+    shown: Quantity
+
+    @property
+    def log(self) -> bool:
+        return bool(
+            (self.values > 0.0).all() and self.values.max() >= _LOG_RATIO * self.values.min()
+        )
+
+
+def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
+    """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
+
+    Over one key there is a line for each combination of the words that were varied, such as
+    ``drive.mode``. Points that failed are gaps.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        What `stickslip.sweep` gave. Take a part with ``.sel`` or ``.isel`` where it varied more
+        than can be drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure, if not given.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The one that holds the axes.
+
+    Raises
+    ------
+    ValueError
+        If the Dataset is none of a sweep, has no sound point, or varies more than can be drawn.
+    """
+    if "mean_velocity" not in data:
+        raise ValueError("a Dataset without mean_velocity is none of a sweep")
+    speeds = data["mean_velocity"].squeeze() * 1e3
+    if not bool(np.isfinite(speeds.values).any()):
+        raise ValueError("no point of the sweep has a velocity")
+    if speeds.dims == ("point",):
+        speeds = _unlisted(speeds)
+    numeric = [str(d) for d in speeds.dims if speeds[d].dtype.kind in "if"]
+    words = [str(d) for d in speeds.dims if str(d) not in numeric]
+    with matplotlib.rc_context(style.RC):
+        axes = own_axes(ax, (5.4, 3.6))
+        if len(numeric) == 1:
+            _draw_lines(axes, speeds, _axis(speeds, numeric[0]), words)
+        elif len(numeric) == 2 and not words:
+            _draw_map(axes, speeds, _axis(speeds, numeric[0]), _axis(speeds, numeric[1]))
+        else:
+            varied = ", ".join([*numeric, *words]) or "nothing"
+            raise ValueError(
+                f"the sweep varies {varied}: allowed are one number with words, or two numbers; "
+                "take a part of it with .sel"
+            )
+    return root_figure(axes)
+
+
+def _unlisted(speeds: Any) -> Any:
+    """A list of points as a grid of the keys that differ between them."""
+    names = [str(name) for name in speeds.coords if name != "point"]
+    index = [name for name in names if np.unique(speeds[name].values).size > 1]
+    plain = speeds.drop_vars([name for name in names if name not in index])
+    rows = set(zip(*(plain[name].values.tolist() for name in index), strict=True))
+    if len(rows) < plain.sizes["point"]:
+        raise ValueError("the list of the sweep has a point twice")
+    attributes = {name: plain[name].attrs for name in index}
+    if len(index) == 1:
+        return plain.swap_dims(point=index[0]).sortby(index[0])
+    grid = plain.set_index(point=index).unstack("point")
+    for name, about in attributes.items():
+        grid[name].attrs.update(about)
+    return grid
+
+
+def _axis(speeds: Any, name: str) -> _Axis:
+    coordinate = speeds[name]
+    shown = quantity(name.replace("_", " "), str(coordinate.attrs.get("units", "")))
+    return _Axis(name, coordinate.values.astype(np.float64), shown)
+
+
+def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None:
+    choices = list(itertools.product(*(speeds[name].values for name in words)))
+    if len(choices) > _MOST_LINES:
+        raise ValueError(
+            f"{len(choices)} lines: allowed are at most {_MOST_LINES}; take a part with .sel"
+        )
+    for choice, (colour, dashes, marker) in zip(choices, _STYLES, strict=False):
+        line = speeds.sel(dict(zip(words, choice, strict=True)))
+        axes.plot(
+            along.values * along.shown.factor,
+            line.values,
+            color=colour,
+            linestyle=dashes,
+            marker=marker,
+            markersize=3.5,
+            label=", ".join(str(word) for word in choice),
+        )
+    if along.log:
+        axes.set_xscale("log")
+    axes.set_xlabel(along.shown.label)
+    axes.set_ylabel("mean velocity (mm/s)")
+    if words:
+        axes.legend(title=", ".join(words), frameon=False)
+
+
+def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
+    values = speeds.transpose(up.name, across.name).values
+    largest = float(np.nanmax(np.abs(values)))
+    both_ways = float(np.nanmin(values)) < 0.0 < float(np.nanmax(values))
+    mesh = axes.pcolormesh(
+        _edges(across) * across.shown.factor,
+        _edges(up) * up.shown.factor,
+        np.ma.masked_invalid(values),
+        cmap="PuOr_r" if both_ways else "viridis",
+        vmin=-largest if both_ways else None,
+        vmax=largest if both_ways else None,
+        rasterized=True,
+    )
+    for axis, set_scale in ((across, axes.set_xscale), (up, axes.set_yscale)):
+        if axis.log:
+            set_scale("log")
+    axes.set_facecolor("#BBBBBB")
+    axes.grid(visible=False)
+    axes.set_xlabel(across.shown.label)
+    axes.set_ylabel(up.shown.label)
+    bar = root_figure(axes).colorbar(mesh, ax=axes)
+    bar.set_label("mean velocity (mm/s)")
+
+
+def _edges(axis: _Axis) -> _Array:
+    """Borders of the cells around values, half way between them."""
+    values = np.log(axis.values) if axis.log else axis.values
+    middle = 0.5 * (values[1:] + values[:-1])
+    edges = np.concatenate(
+        [[1.5 * values[0] - 0.5 * values[1]], middle, [1.5 * values[-1] - 0.5 * values[-2]]]
+    )
+    return np.asarray(np.exp(edges) if axis.log else edges)

@@ -1,0 +1,68 @@
+"""Straight lines and crossings of curves; one curve a row."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.reproduction.points import Array
+
+
+@dataclass(frozen=True)
+class Line:
+    """Least-squares lines, one for each of n curves.
+
+    Attributes
+    ----------
+    slope : numpy.ndarray, shape (n,)
+    explained : numpy.ndarray, shape (n,)
+        Part of the variance that the line explains, R^2.
+    worst : numpy.ndarray, shape (n,)
+        Greatest departure from the line, relative to it.
+    """
+
+    slope: Array
+    explained: Array
+    worst: Array
+
+
+def proportional(x: Array, y: Array) -> Line:
+    """Fit y = slope x to each row of `y`, shape (n, len(x))."""
+    slope = (y * x).sum(axis=1) / (x**2).sum()
+    return _line(y, slope[:, np.newaxis] * x, slope)
+
+
+def straight(x: Array, y: Array) -> Line:
+    """Fit y = slope x + constant to each row of `y`, shape (n, len(x))."""
+    centred = x - x.mean()
+    slope = (y * centred).sum(axis=1) / (centred**2).sum()
+    return _line(y, y.mean(axis=1, keepdims=True) + slope[:, np.newaxis] * centred, slope)
+
+
+def _line(y: Array, line: Array, slope: Array) -> Line:
+    spread = ((y - y.mean(axis=1, keepdims=True)) ** 2).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        explained = 1.0 - ((y - line) ** 2).sum(axis=1) / spread
+        worst = np.abs(y / line - 1.0).max(axis=1)
+    return Line(slope, explained, worst)
+
+
+def bend(x: Array, y: Array) -> Array:
+    """Slope of the upper half over that of the lower, for each row of `y`; below 1: roll-off."""
+    middle = len(x) // 2
+    upper = straight(x[middle:], y[:, middle:]).slope
+    lower = straight(x[: middle + 1], y[:, : middle + 1]).slope
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(upper / lower)
+
+
+def crossing(x: Array, y: Array, level: float) -> float:
+    """Where a falling curve first meets a level, between points in log x; NaN if it never does."""
+    below = np.flatnonzero(y < level)
+    if len(below) == 0 or below[0] == 0:
+        return math.nan
+    k = int(below[0])
+    part = (y[k - 1] - level) / (y[k - 1] - y[k])
+    return float(x[k - 1] * (x[k] / x[k - 1]) ** part)

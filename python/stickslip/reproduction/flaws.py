@@ -1,0 +1,191 @@
+"""What is wrong or open in the paper, and what it comes to in numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.reproduction.field_checks import FieldChecks
+from stickslip.reproduction.points import evaluate, point
+from stickslip.reproduction.scans import KINETIC_SHARE, PULSES, SCANS
+from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
+from stickslip.reproduction.survey import Survey
+from stickslip.run import Run
+from stickslip.sections import Robot
+
+_DENSITY = 7400.0  # kg/m^3, Table II
+_MASS_AS_PRINTED = 25.6e-12  # kg, "25.6 ng"
+
+
+@dataclass(frozen=True)
+class Flaw:
+    """One row of the table: where it is, what is wrong, what is done here, and its effect."""
+
+    where: str
+    what: str
+    done: str
+    effect: str
+
+
+def flaws(
+    found: Survey,
+    runs: Mapping[Mode, Run],
+    reference: Mapping[Mode, Setting],
+    checks: FieldChecks,
+    threads: int,
+) -> list[Flaw]:
+    """The table, with numbers from the survey, the reference runs and the field."""
+    return [
+        _centripetal_sign(runs),
+        _mass(reference, threads),
+        _gradient(checks),
+        _fringe(checks),
+        _unsigned_drag(runs),
+        _open_settings(found),
+        _painleve(found),
+        Flaw(
+            "Figs. 12 to 15",
+            "the measured points are drawn, but are not in the text",
+            "none is invented; digitised points can be laid over the curves",
+            "agreement with the measurements is not judged here",
+        ),
+    ]
+
+
+def _centripetal_sign(runs: Mapping[Mode, Run]) -> Flaw:
+    words = []
+    for mode, run in runs.items():
+        robot, contact = run.scenario.robot, run.scenario.contact
+        start, stop = run.scenario.window
+        seen = (run.t >= start) & (run.t <= stop)
+        radius = 0.5 * math.hypot(robot.length, robot.height)
+        lever = radius * np.cos(np.abs(run.theta[seen]) + math.atan(robot.height / robot.length))
+        # The sign is that of the term, so the difference is twice the term.
+        wrong = 2.0 * robot.mass * run.omega[seen] ** 2 * np.abs(lever)
+        weight = robot.mass * run.scenario.environment.gravity
+        limit = contact.static_friction * (weight + contact.adhesion)
+        words.append(f"{mode} {float(wrong.max()) / limit:.0%}")
+    return Flaw(
+        "Eq. (13), second line",
+        "the centripetal term of the horizontal acceleration has the wrong sign",
+        "the sign that differentiation gives",
+        "error of the horizontal force at 30 Hz, at most, over the static friction limit at rest: "
+        + ", ".join(words),
+    )
+
+
+def _mass(reference: Mapping[Mode, Setting], threads: int) -> Flaw:
+    robot = Robot()
+    by_density = _DENSITY * robot.length * robot.width * robot.height
+    masses = (robot.mass, by_density)
+    points = np.array(
+        [
+            [
+                point(
+                    {
+                        **setting.keys(),
+                        "drive.peak": PEAK,
+                        "drive.frequency": 30.0,
+                        "drive.pulses": PULSES,
+                        "robot.mass": mass,
+                    }
+                )
+                for mass in masses
+            ]
+            for setting in reference.values()
+        ]
+    )
+    velocity = evaluate(points, threads)["mean_velocity"] * 1e3
+    change = ", ".join(
+        f"{mode} {row[0]:.2f} and {row[1]:.2f} mm/s"
+        for mode, row in zip(reference, velocity, strict=True)
+    )
+    return Flaw(
+        "Table II",
+        'the mass is given as 25.6 "ng"; its weight of 251 nN needs micrograms',
+        "25.6 µg; the density is not used",
+        f"as printed the weight would be {_MASS_AS_PRINTED * 9.81 * 1e9:.3f} nN; density times "
+        f"volume is {by_density * 1e9:.2f} µg, and at 30 Hz 25.6 µg and this give {change}",
+    )
+
+
+def _gradient(checks: FieldChecks) -> Flaw:
+    return Flaw(
+        "Table I",
+        "6.5 mT and 149 mT/m at the centre do not go together",
+        "both follow from the geometry",
+        f"at 6.5 mT the gradient is {checks.gradient_at_centre * 1e3:.0f} mT/m at the centre; "
+        f"149 mT/m is met {checks.full_gradient_offset * 1e3:.1f} mm from it, and the force is "
+        f"{checks.force_at_centre * 1e9:.0f} nN instead of {checks.force_at_offset * 1e9:.0f} nN",
+    )
+
+
+def _fringe(checks: FieldChecks) -> Flaw:
+    return Flaw(
+        "Section IV-B",
+        "fringe below 2.5% in a cube of 25 mm",
+        "computed from all five coils at the robot's place",
+        f"{checks.fringe:.1%} in that cube, {checks.fringe_small:.2%} in one of 5 mm",
+    )
+
+
+def _unsigned_drag(runs: Mapping[Mode, Run]) -> Flaw:
+    words = []
+    for mode, run in runs.items():
+        drive = run.scenario.drive
+        start, stop = run.scenario.window
+        seen = (run.t >= start) & (run.t <= stop)
+        # The paper's angle is positive: where theta is not, its rate has the other sign.
+        rate = np.sign(run.theta[seen]) * run.omega[seen]
+        power = run.scenario.drag.rotational * rate**3
+        step = (run.t[-1] - run.t[0]) / (len(run.t) - 1)
+        pulses = (stop - start) * drive.frequency
+        signed = float(np.abs(power).sum()) * step / pulses
+        gained = float(-np.minimum(power, 0.0).sum()) * step / pulses
+        words.append(
+            f"{mode}: with the sign it takes {signed * 1e12:.2f} pJ a pulse; without, "
+            f"{gained * 1e12:.2f} pJ of these are put in instead"
+        )
+    return Flaw(
+        "Eqs. (17), (19)",
+        "the drag torque goes with the square of the rate, without its sign: it drives a falling "
+        "body on",
+        "rate times its magnitude",
+        "; ".join(words),
+    )
+
+
+def _open_settings(found: Survey) -> Flaw:
+    words = []
+    for mode in MODES:
+        works = found.works(mode)
+        velocity = found.at(mode, "frequency", (30.0,))[works, 0] * 1e3
+        spread = (
+            f", {velocity.min():.2f} to {velocity.max():.2f} mm/s at 30 Hz" if works.any() else ""
+        )
+        words.append(f"{mode} walks forwards with {works.sum()} of {len(works)} settings{spread}")
+    return Flaw(
+        "Figs. 4 and 6",
+        "edge and base of the sawtooth, field of the holding coil and sign of the clamp coil's "
+        "field are not stated",
+        "all are inputs; this study tries a grid of them",
+        "; ".join(words),
+    )
+
+
+def _painleve(found: Survey) -> Flaw:
+    values = np.array(SCANS["friction"].values)
+    beyond = KINETIC_SHARE * values > 4.0 / 3.0
+    words = []
+    for mode in MODES:
+        events = found.painleve[mode, "friction"][:, beyond]
+        words.append(f"{mode} {events.sum()} in {events.size * found.count} simulations")
+    return Flaw(
+        "Section IV-C, Fig. 8",
+        "with kinetic friction above 4/3 a sliding rectangle can have no consistent contact force",
+        "such a contact is met with an impulse without collision, and counted",
+        "such events in this study with kinetic friction above 4/3: " + ", ".join(words),
+    )

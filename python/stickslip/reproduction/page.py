@@ -1,0 +1,114 @@
+"""The study as one HTML page that needs nothing else: no network, no script, no other file."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import jinja2
+
+from stickslip import _core
+from stickslip.files import replacing
+from stickslip.reproduction.curves import CURVES
+from stickslip.reproduction.measured import MeasuredPoint
+from stickslip.reproduction.motions import MOTIONS
+from stickslip.reproduction.points import SPREAD
+from stickslip.reproduction.statements import Statement
+
+if TYPE_CHECKING:
+    from stickslip.reproduction.study import Reproduction
+
+_MARKS = {"reproduced": "yes", "not reproduced": "no", "depends": "some"}
+_PLURALS = {
+    "reproduced": "reproduced",
+    "not reproduced": "not reproduced",
+    "depends": "depend on what is left open",
+}
+
+
+def write_page(result: Reproduction, path: Path, measured: Sequence[MeasuredPoint]) -> None:
+    """Write the page, whole or not at all; the figures are those of `result`."""
+    with replacing(path) as temporary:
+        temporary.write_text(page_text(result, measured), encoding="utf-8")
+
+
+def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
+    """The page as text."""
+    source = resources.files("stickslip.reproduction").joinpath("page.html").read_text("utf-8")
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(source).render(
+        statements=[_statement(each) for each in result.statements],
+        counts=_counts(result),
+        reference=result.reference,
+        rule=result.rule,
+        findings=result.findings,
+        flaws=result.flaws,
+        figures=[_figure(name, result, measured) for name in result.figures],
+        spread=f"{SPREAD:.0%}",
+        version=_core.__version__,
+        seconds=f"{result.seconds:.0f}",
+        tried=len(result.settings["mode"]),
+    )
+
+
+def _statement(each: Statement) -> dict[str, Any]:
+    share = each.verdict.share
+    return {
+        "name": each.name,
+        "text": each.text,
+        "condition": each.condition,
+        "numbers": each.numbers,
+        "verdict": each.verdict.text,
+        "mark": _MARKS[each.verdict.word],
+        "share": "" if share is None else f"{share:.1%}",
+        "at_reference": "yes" if each.verdict.at_reference else "no",
+        "parts": [f"{part} {value:.0%}" for part, value in each.parts.items()]
+        if len(each.parts) > 1
+        else [],
+    }
+
+
+def _counts(result: Reproduction) -> list[str]:
+    words: list[str] = [each.verdict.word for each in result.statements]
+    return [f"{words.count(word)} {_PLURALS[word]}" for word in _MARKS]
+
+
+def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) -> dict[str, Any]:
+    picture = base64.b64encode(result.figures[name].read_bytes()).decode("ascii")
+    table = result.tables[name]
+    number = name.removeprefix("fig")
+    if name in MOTIONS:
+        modes: tuple[str, ...] = (MOTIONS[name].mode,)
+        caption = MOTIONS[name].caption
+        if name in ("fig5", "fig7") and result.reference[MOTIONS[name].mode].clamp == "up":
+            caption += " With the clamp up the tilt is negative: an upstroke goes down here."
+    else:
+        modes, caption = CURVES[name].modes, CURVES[name].caption
+        count = sum(point.figure == name for point in measured)
+        caption += f" {count} measured points from a file." if count else ""
+    failed = int(table["failed"].sum()) if "failed" in table.columns else 0
+    painleve = int(table["painleve_events"].sum()) if "painleve_events" in table.columns else 0
+    return {
+        "name": name,
+        "title": "Fig. 2 (e) to (h)" if name == "fig2" else f"Fig. {number}",
+        "picture": picture,
+        "caption": caption,
+        "settings": "; ".join(
+            f"{mode}: {setting.text()}"
+            for mode, setting in result.reference.items()
+            if mode in modes
+        ),
+        "columns": ", ".join(
+            f"{column} ({unit})" if unit not in ("", "1") else column
+            for column, unit in table.units.items()
+        ),
+        "notes": [
+            *([f"{failed} simulations failed and are left out."] if failed else []),
+            *([f"{painleve} Painlevé events were met."] if painleve else []),
+        ],
+    }

@@ -1,0 +1,266 @@
+"""The whole study: survey, statements, reference settings, figures, page."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip import plot
+from stickslip.errors import ScenarioError
+from stickslip.keys import shown
+from stickslip.processors import worker_count
+from stickslip.reproduction.curve_drawing import draw_curves
+from stickslip.reproduction.curves import CURVES, curve_tables
+from stickslip.reproduction.field_checks import field_checks
+from stickslip.reproduction.findings import findings, settings_table
+from stickslip.reproduction.flaws import Flaw, flaws
+from stickslip.reproduction.measured import MeasuredPoint, read_measured
+from stickslip.reproduction.motions import MOTIONS, draw_motion, motion_table, reference_runs
+from stickslip.reproduction.page import write_page
+from stickslip.reproduction.reference import RULE
+from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
+from stickslip.reproduction.statements import Statement, judge
+from stickslip.reproduction.survey import survey
+from stickslip.reproduction.tables import Table
+
+if TYPE_CHECKING:
+    from stickslip.run import Run
+
+FIGURES = (*MOTIONS, *CURVES)
+"""Names of the figures, in the paper's order."""
+
+PAGE = "index.html"
+
+Report = Callable[[str, float], object]
+"""Called with what is being done, and the fraction of the whole that is done, 0 to 1."""
+
+# Shares of the time: the survey, the figures' simulations; the rest is drawing.
+_SURVEY, _CURVES = 0.62, 0.86
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is simulated.
+
+    Parameters
+    ----------
+    grid : Grid
+        The settings that are tried.
+    survey_variations, band_variations : int
+        Small changes of frequency, friction and field for each point of the survey and of the
+        figures; the first is no change.
+    """
+
+    grid: Grid = Grid()  # noqa: RUF009 - immutable
+    survey_variations: int = 3
+    band_variations: int = 20
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What the study found. SI units.
+
+    Attributes
+    ----------
+    statements : list of Statement
+        S1 to S17 with numbers and verdict.
+    reference : dict of Setting
+        The settings of the figures, by mode.
+    rule : str
+        How they were chosen.
+    findings : list of str
+        What else the survey says.
+    settings : Table
+        All settings that were tried, and what each does.
+    flaws : list of Flaw
+        What is wrong or open in the paper.
+    tables : dict of Table
+        Data of the figures by name.
+    figures : dict of Path
+        Pictures by name; empty if nothing was written.
+    page : Path or None
+    seconds : float
+        What the study took, s.
+    """
+
+    statements: list[Statement]
+    reference: dict[Mode, Setting]
+    rule: str
+    findings: list[str]
+    settings: Table
+    flaws: list[Flaw]
+    tables: dict[str, Table]
+    figures: dict[str, Path]
+    page: Path | None
+    seconds: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result without data and pictures, of plain types."""
+        return {
+            "statements": [
+                {
+                    "name": each.name,
+                    "statement": each.text,
+                    "condition": each.condition,
+                    "numbers": each.numbers,
+                    "verdict": each.verdict.word,
+                    "text": each.verdict.text,
+                    "share": each.verdict.share,
+                    "at_reference": each.verdict.at_reference,
+                    "parts": each.parts,
+                }
+                for each in self.statements
+            ],
+            "reference": {mode: setting.keys() for mode, setting in self.reference.items()},
+            "rule": self.rule,
+            "findings": self.findings,
+            "flaws": [vars(each) for each in self.flaws],
+            "figures": {name: str(path) for name, path in self.figures.items()},
+            "page": None if self.page is None else str(self.page),
+            "seconds": self.seconds,
+        }
+
+
+def reproduce(
+    out: str | PathLike[str] | None = None,
+    *,
+    only: Iterable[str] | None = None,
+    measured: str | PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: Report | None = None,
+    effort: Effort | None = None,
+) -> Reproduction:
+    """Redo the paper's simulations, and test its statements.
+
+    The paper leaves open the sawtooth's edge and base, the field of the holding coil and the clamp
+    coil's polarity. A grid of these is tried first, to say for each statement with which of them it
+    holds; the figures are then drawn with the settings for which the most statements do.
+
+    Parameters
+    ----------
+    out : path-like, optional
+        Folder for pictures, data and the page ``index.html``; made if need be. Nothing is written
+        without it.
+    only : iterable of str, optional
+        Names of the figures to make, such as ``"fig8"``; all, if not given. The statements are
+        tested in any case.
+    measured : path-like, optional
+        CSV file with digitised points, columns figure, mode, x, y (SI), drawn over the curves.
+    jobs : int, optional
+        How many simulations go on at a time; as many as there are processors, if not given.
+    progress : callable, optional
+        Called with what is being done, and the fraction that is done.
+    effort : Effort, optional
+        How much is simulated.
+
+    Returns
+    -------
+    Reproduction
+
+    Raises
+    ------
+    ScenarioError
+        If a figure is not known, or the file of points is not sound.
+    ValueError
+        If `jobs` is not a whole number above zero, or no setting of the grid walks in both modes.
+    OSError
+        If something cannot be written.
+    """
+    begin = time.perf_counter()
+    names = _chosen(only)
+    points = [] if measured is None else read_measured(measured)
+    threads = worker_count(jobs, "jobs")
+    folder = None if out is None else _folder(Path(out))
+    effort = effort or Effort()
+    report = progress or (lambda what, fraction: None)
+
+    found = survey(
+        effort.grid,
+        effort.survey_variations,
+        threads,
+        lambda done: report("trying settings", _SURVEY * done),
+    )
+    checks = field_checks()
+    statements, (i, j), outcomes = judge(found, checks)
+    reference = {mode: found.settings[mode][k] for mode, k in zip(MODES, (i, j), strict=True)}
+    runs = reference_runs(reference, threads)
+    tables = {
+        name: motion_table(name, runs[MOTIONS[name].mode]) for name in names if name in MOTIONS
+    }
+    tables |= curve_tables(
+        [name for name in names if name in CURVES],
+        reference,
+        effort.band_variations,
+        threads,
+        lambda done: report("simulating figures", _SURVEY + (_CURVES - _SURVEY) * done),
+    )
+    result = Reproduction(
+        statements=statements,
+        reference=reference,
+        rule=RULE,
+        findings=findings(found, outcomes),
+        settings=settings_table(found),
+        flaws=flaws(found, runs, reference, checks, threads),
+        tables=tables,
+        figures={},
+        page=None,
+        seconds=time.perf_counter() - begin,
+    )
+    if folder is None:
+        return result
+    return _written(result, folder, runs, points, report, begin)
+
+
+def _chosen(only: Iterable[str] | None) -> list[str]:
+    if only is None:
+        return list(FIGURES)
+    wanted = [only] if isinstance(only, str) else list(only)
+    for name in wanted:
+        if name not in FIGURES:
+            raise ScenarioError(
+                f"figure {shown(name)}: allowed is one or more of {', '.join(FIGURES)}"
+            )
+    return [name for name in FIGURES if name in wanted]
+
+
+def _folder(path: Path) -> Path:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(f"cannot write {path}: it is not a folder") from None
+    except OSError as error:
+        raise OSError(f"cannot write {path}: {error.strerror or error}") from error
+    return path
+
+
+def _written(
+    result: Reproduction,
+    folder: Path,
+    runs: dict[Mode, Run],
+    points: Sequence[MeasuredPoint],
+    report: Report,
+    begin: float,
+) -> Reproduction:
+    figures = {}
+    for place, (name, table) in enumerate(result.tables.items()):
+        report("drawing", _CURVES + (1.0 - _CURVES) * place / len(result.tables))
+        figures[name] = folder / f"{name}.png"
+        table.write(folder / f"{name}.csv")
+        if name in MOTIONS:
+            figure = draw_motion(name, runs[MOTIONS[name].mode])
+        else:
+            figure = draw_curves(name, table, points)
+        plot.save(figure, figures[name])
+    result.settings.write(folder / "settings.csv")
+    page = folder / PAGE
+    complete = dataclasses.replace(
+        result, figures=figures, page=page, seconds=time.perf_counter() - begin
+    )
+    write_page(complete, page, points)
+    report("done", 1.0)
+    return complete

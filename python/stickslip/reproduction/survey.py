@@ -1,0 +1,165 @@
+"""All settings of the grid, each through all scans of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.reproduction.points import Array, evaluate_all, point, set_key, varied
+from stickslip.reproduction.scans import SCANS
+from stickslip.reproduction.settings import MODES, PEAK, Grid, Mode, Setting
+from stickslip.reproduction.strokes import Strokes, strokes
+from stickslip.scenario import Scenario
+from stickslip.simulation import simulate_batch
+
+if TYPE_CHECKING:
+    from stickslip.simulation import Progress
+
+SCANNED = ("frequency", "friction", "adhesion", "linear", "rotational", "field")
+
+STROKE_FREQUENCY = 30.0
+"""Of the runs that are looked at stroke by stroke, as in Figs. 4 to 7, Hz."""
+
+_WORKING_FREQUENCIES = (30.0, 100.0)
+_SLOWEST = 2e-5  # m/s; a hundredth of what the paper measured
+_FLAT = 0.02  # rad
+_STROKE_PULSES = 12
+_STROKE_RATE = 20e3
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What every setting of the grid does.
+
+    Attributes
+    ----------
+    settings : dict
+        Settings by mode; n is their number.
+    velocity : dict
+        Mean velocity by mode and scan, m/s, shape (n, number of values); the median of small
+        changes.
+    painleve : dict
+        Painleve events by mode and scan, same shape, summed over the small changes.
+    count : int
+        Simulations behind each velocity.
+    tilt_low, tilt_high : dict
+        Least and greatest tilt at 30 Hz and 100 Hz by mode, rad, shape (n,), positive in the
+        direction that the clamp coil gives.
+    still_tilt : dict
+        Tilt by mode with base and hold alone, before the first pulse, rad, shape (n,).
+    still_velocity : dict
+        Greatest speed by mode with constant fields, m/s, shape (n,).
+    strokes : dict
+        Strokes by mode; None for a setting that does not work.
+    """
+
+    settings: dict[Mode, list[Setting]]
+    velocity: dict[tuple[Mode, str], Array]
+    painleve: dict[tuple[Mode, str], NDArray[np.int64]]
+    count: int
+    tilt_low: dict[Mode, Array]
+    tilt_high: dict[Mode, Array]
+    still_tilt: dict[Mode, Array]
+    still_velocity: dict[Mode, Array]
+    strokes: dict[Mode, list[Strokes | None]]
+
+    def works(self, mode: Mode) -> NDArray[np.bool_]:
+        """Which settings walk as the paper's robot does, shape (n,).
+
+        Forwards at 30 Hz and at 100 Hz, and with the tilt between flat and upright throughout.
+        """
+        velocity = self.at(mode, "frequency", _WORKING_FREQUENCIES)
+        forwards = np.all(velocity > _SLOWEST, axis=1)
+        low, high = self.tilt_low[mode], self.tilt_high[mode]
+        return np.asarray(forwards & (low > -_FLAT) & (high < 0.5 * np.pi))
+
+    def at(self, mode: Mode, scan: str, values: Sequence[float]) -> Array:
+        """Velocity at some of a scan's values, m/s, shape (n, len(values))."""
+        places = [SCANS[scan].values.index(value) for value in values]
+        return self.velocity[mode, scan][:, places]
+
+
+def survey(grid: Grid, count: int, threads: int, progress: Progress | None = None) -> Survey:
+    """Simulate every setting of a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+    count : int
+        Small changes for each point.
+    threads : int
+    progress : callable, optional
+        Called with the fraction that is done.
+
+    Returns
+    -------
+    Survey
+    """
+    settings = {mode: grid.settings(mode) for mode in MODES}
+    keys = [(mode, name) for mode in MODES for name in SCANNED]
+    batches = [varied(SCANS[name].points(settings[mode]), count) for mode, name in keys]
+    batches += [_constant_fields(settings[mode]) for mode in MODES]
+    results = evaluate_all(batches, threads, progress)
+    scanned = dict(zip(keys, results, strict=False))
+    still = dict(zip(MODES, results[len(keys) :], strict=True))
+
+    low, high = {}, {}
+    for mode in MODES:
+        low[mode], high[mode] = _tilt_range(settings[mode], scanned[mode, "frequency"])
+    found = Survey(
+        settings=settings,
+        velocity={k: np.nanmedian(scanned[k]["mean_velocity"], axis=-1) for k in keys},
+        painleve={k: scanned[k]["painleve"].sum(axis=-1) for k in keys},
+        count=count,
+        tilt_low=low,
+        tilt_high=high,
+        still_tilt={mode: np.abs(still[mode]["theta_max"][:, 0]) for mode in MODES},
+        still_velocity={mode: np.abs(still[mode]["mean_velocity"]).max(axis=1) for mode in MODES},
+        strokes={mode: [None] * len(settings[mode]) for mode in MODES},
+    )
+    _add_strokes(found, threads)
+    return found
+
+
+def _constant_fields(settings: Sequence[Setting]) -> Array:
+    """Points for a second with constant fields: base and hold, then peak and hold."""
+    points = np.array([point({**s.keys(), "drive.peak": PEAK}) for s in settings])
+    result = np.repeat(points[:, np.newaxis], 2, axis=1)
+    set_key(result, "drive.frequency", 10.0)
+    set_key(result, "drive.pulses", 13)
+    set_key(result[:, 0], "drive.peak", [s.base for s in settings])
+    set_key(result[:, 1], "drive.base", PEAK)
+    return result
+
+
+def _tilt_range(settings: Sequence[Setting], result: dict[str, Any]) -> tuple[Array, Array]:
+    places = [SCANS["frequency"].values.index(each) for each in _WORKING_FREQUENCIES]
+    least = result["theta_min"][:, places].min(axis=(1, 2))
+    greatest = result["theta_max"][:, places].max(axis=(1, 2))
+    down = np.array([setting.tilt_sign for setting in settings]) > 0.0
+    return np.where(down, least, -greatest), np.where(down, greatest, -least)
+
+
+def stroke_scenario(setting: Setting) -> Scenario:
+    """The run of a setting that is looked at stroke by stroke."""
+    return Scenario().replace(
+        {
+            **setting.keys(),
+            "drive.peak": PEAK,
+            "drive.frequency": STROKE_FREQUENCY,
+            "drive.pulses": _STROKE_PULSES,
+            "record.rate": _STROKE_RATE,
+        }
+    )
+
+
+def _add_strokes(found: Survey, threads: int) -> None:
+    for mode in MODES:
+        chosen = np.flatnonzero(found.works(mode))
+        scenarios = [stroke_scenario(found.settings[mode][i]) for i in chosen]
+        for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
+            found.strokes[mode][i] = strokes(run)

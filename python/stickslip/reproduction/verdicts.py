@@ -1,0 +1,105 @@
+"""From where a statement holds to a verdict in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from stickslip.reproduction.outcome import Flags
+
+Word = Literal["reproduced", "not reproduced", "depends"]
+
+MOST = 0.9
+"""Share of the settings from which on a statement counts as reproduced, whatever is chosen."""
+FEW = 0.1
+"""Share up to which it counts as not reproduced."""
+TELLING = 0.25
+"""Least difference of a factor's shares for the factor to be named."""
+
+_NAMED = 2
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the settings say of one statement.
+
+    Attributes
+    ----------
+    word : {"reproduced", "not reproduced", "depends"}
+    text : str
+        The verdict, with what it depends on.
+    share : float or None
+        Part of the working settings, or of their pairs, for which the statement holds; None for
+        one that no setting enters.
+    at_reference : bool
+        Whether it holds for the reference settings.
+    """
+
+    word: Word
+    text: str
+    share: float | None
+    at_reference: bool
+
+
+def verdict(
+    holds: Flags,
+    works: Flags,
+    factors: Mapping[str, Sequence[object]],
+    reference: tuple[int, int],
+) -> Verdict:
+    """Judge a statement by the share of working pairs for which it holds.
+
+    Parameters
+    ----------
+    holds, works : numpy.ndarray of bool, shape (settings of IPP, settings of OPP)
+    factors : mapping
+        For each factor its level in every setting: of IPP where the name begins with it, else of
+        OPP.
+    reference : tuple of int
+        Indices of the reference pair.
+
+    Returns
+    -------
+    Verdict
+    """
+    holds = np.broadcast_to(holds, works.shape)
+    count = int(works.sum())
+    share = float(holds[works].mean()) if count else 0.0
+    at_reference = bool(holds[reference])
+    if share >= MOST:
+        return Verdict("reproduced", "reproduced", share, at_reference)
+    if share <= FEW:
+        return Verdict("not reproduced", "not reproduced", share, at_reference)
+    named = telling_factors(holds, works, factors)
+    what = " and ".join(named) if named else "the settings together"
+    return Verdict("depends", f"depends on {what}", share, at_reference)
+
+
+def telling_factors(
+    holds: Flags, works: Flags, factors: Mapping[str, Sequence[object]]
+) -> list[str]:
+    """The factors whose levels differ most in their share, most first, each with its best level."""
+    found = []
+    for name, levels in factors.items():
+        axis = 0 if name.startswith("IPP") else 1
+        shares = {}
+        for level in dict.fromkeys(levels):
+            chosen = np.array([each == level for each in levels])
+            pairs = works & (chosen[:, np.newaxis] if axis == 0 else chosen)
+            if pairs.any():
+                shares[level] = float(holds[pairs].mean())
+        if len(shares) > 1:
+            best = max(shares, key=lambda level: shares[level])
+            apart = shares[best] - min(shares.values())
+            if apart >= TELLING:
+                found.append((apart, f"{name} (most often with {best}: {shares[best]:.0%})"))
+    return [text for _, text in sorted(found, reverse=True)[:_NAMED]]
+
+
+def of_number(holds: bool, text: str = "") -> Verdict:
+    """The verdict on a statement that no setting enters."""
+    word: Word = "reproduced" if holds else "not reproduced"
+    return Verdict(word, text or word, None, holds)

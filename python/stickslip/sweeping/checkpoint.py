@@ -1,0 +1,131 @@
+"""The file of a sweep: written now and then while it runs, and read to go on with it."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from os import PathLike
+from typing import Any
+
+import h5netcdf
+import numpy as np
+
+from stickslip import _core
+from stickslip.dataset import write_netcdf
+from stickslip.errors import ScenarioError
+from stickslip.sweeping.dataset import dataset
+from stickslip.sweeping.points import Points
+from stickslip.sweeping.results import NOT_RUN, NUMBERS, Results
+
+_INTERVAL = 5.0
+"""Time between two checkpoints, s."""
+
+_MOST_SHARE = 0.05
+"""Share of the time that may go into writing."""
+
+
+class Checkpoint:
+    """Keeps a file up to date: whole at any time, and never much behind."""
+
+    def __init__(self, path: str | PathLike[str], points: Points, results: Results) -> None:
+        self._path = path
+        self._points = points
+        self._results = results
+        self._written = results.finished
+        self._next = time.monotonic() + _INTERVAL
+
+    def write(self) -> None:
+        """Write all results that there are.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; then the one before is still there.
+        """
+        start = time.monotonic()
+        write_netcdf(dataset(self._points, self._results), self._path)
+        end = time.monotonic()
+        self._written = self._results.finished
+        self._next = end + max(_INTERVAL, (end - start) / _MOST_SHARE)
+
+    def write_if_due(self) -> None:
+        """Write if there is something new and the last time is long enough ago."""
+        if time.monotonic() >= self._next and self.behind:
+            self.write()
+
+    @property
+    def behind(self) -> bool:
+        """Whether there are results that the file has not."""
+        return self._results.finished > self._written
+
+
+def read(path: str | PathLike[str], points: Points) -> Results:
+    """The results that a file of the same sweep holds.
+
+    Raises
+    ------
+    ScenarioError
+        If the file is none of a sweep, or one of another sweep or version.
+    """
+    try:
+        with h5netcdf.File(os.fspath(path), "r") as file:
+            _check_same({name: file.attrs[name] for name in file.attrs}, points)
+            return _results(file, points)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path} cannot be resumed: {error}") from None
+    except Exception as error:  # whatever a damaged file makes HDF5 raise
+        reason = " ".join(str(error).split())
+        raise ScenarioError(
+            f"{path} cannot be resumed: it is no file of a sweep ({reason})"
+        ) from None
+
+
+def _check_same(found: dict[str, Any], points: Points) -> None:
+    if "vary" not in found or "scenario" not in found:
+        raise ScenarioError("it is no file of a sweep")
+    version = str(found.get("stickslip_version"))
+    if version != _core.__version__:
+        raise ScenarioError(f"it is of stickslip {version}, and this is {_core.__version__}")
+    scenario = points.scenario.to_toml()
+    if found["scenario"] != scenario:
+        raise ScenarioError(f"its scenario is another: {_difference(found['scenario'], scenario)}")
+    if found.get("voltage_blocks", "") != points.voltages():
+        raise ScenarioError("its voltages are others")
+    if (found.get("arrangement"), found["vary"]) != (points.arrangement, points.vary()):
+        raise ScenarioError(f"its points are others: {_other_points(found['vary'], points.vary())}")
+
+
+def _difference(there: str, here: str) -> str:
+    """The first line in which two scenarios differ."""
+    section = ""
+    for old, new in zip(there.splitlines(), here.splitlines(), strict=False):
+        if old != new:
+            theirs, ours = (line.partition("#")[0].strip() for line in (old, new))
+            return f"{section} {theirs} there, {ours} here"
+        section = old if old.startswith("[") else section
+    return "other extensions of the model"
+
+
+def _other_points(there: str, here: str) -> str:
+    theirs, ours = json.loads(there), json.loads(here)
+    if list(theirs) != list(ours):
+        return f"{', '.join(theirs)} there, {', '.join(ours)} here"
+    key = next((key for key in ours if theirs[key] != ours[key]), None)
+    return "a list and a grid" if key is None else f"other values of {key}"
+
+
+def _results(file: h5netcdf.File, points: Points) -> Results:
+    results = Results(points.count)
+    results.status[:] = np.asarray(file["status"]).ravel()
+    for name in NUMBERS:
+        results.numbers[name][:] = np.asarray(file[name]).ravel()
+    results.events[:] = np.asarray(file["events"]).reshape(results.events.shape)
+    results.painleve_events[:] = np.asarray(file["painleve_events"]).ravel()
+    results.finished = int(np.count_nonzero(results.status != NOT_RUN))
+    if "message" in file.variables:
+        texts = np.asarray(file["message"]).ravel()
+        for index in np.flatnonzero(texts != ""):
+            text = texts[index]
+            results.messages[int(index)] = text.decode() if isinstance(text, bytes) else str(text)
+    return results

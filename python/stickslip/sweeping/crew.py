@@ -1,0 +1,131 @@
+"""Who does the work: threads of this process, or an executor that the user brings."""
+
+from __future__ import annotations
+
+import importlib
+import threading
+import time
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
+from typing import Any, Protocol
+
+from stickslip.sweeping.worker import Chunk, Part, run_chunk
+
+_SIZE_IF_UNKNOWN = 16
+_RECOUNT = 5.0
+"""Time between two looks at the size of an executor that may grow, s."""
+
+# Of Dask, which is not imported for this: the worker died, or the cluster forgot the work.
+_DEATHS = ("KilledWorker", "FutureCancelledError", "FuturesCancelledError")
+
+
+class Crew(Protocol):
+    """Takes chunks."""
+
+    shortest: float
+    """Time below which a chunk is not worth its way to a worker, s."""
+
+    def size(self) -> int:
+        """How many chunks are worked on at a time."""
+
+    def submit(self, chunk: Chunk) -> Future[Part]:
+        """Begin with a chunk as soon as there is room."""
+
+    def close(self) -> None:
+        """Stop the work that can be stopped, and wait for its end."""
+
+
+class Threads:
+    """Threads of this process; the core does not hold Python's lock while it simulates."""
+
+    shortest = 2e-3
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._stop = threading.Event()
+        self._executor = ThreadPoolExecutor(count, thread_name_prefix="stickslip-sweep")
+
+    def size(self) -> int:
+        return self._count
+
+    def submit(self, chunk: Chunk) -> Future[Part]:
+        return self._executor.submit(run_chunk, chunk, self._poll)
+
+    def close(self) -> None:
+        self._stop.set()
+        self._executor.shutdown(wait=True, cancel_futures=True)
+
+    def _poll(self, simulated: float) -> None:
+        if self._stop.is_set():
+            raise CancelledError
+
+
+class Workers:
+    """The workers of an executor, which stays open.
+
+    A pool of processes that is broken by the death of one of them takes no more work; a new pool
+    then takes its place until the sweep ends.
+    """
+
+    shortest = 20e-3
+
+    def __init__(self, executor: Executor, jobs: int | None) -> None:
+        self._executor = executor
+        self._jobs = jobs
+        self._replacement: Executor | None = None
+        self._size = jobs or size_of(executor)
+        self._counted = time.monotonic()
+
+    def size(self) -> int:
+        if self._jobs is None and time.monotonic() - self._counted > _RECOUNT:
+            self._size = size_of(self._executor)
+            self._counted = time.monotonic()
+        return self._size
+
+    def submit(self, chunk: Chunk) -> Future[Part]:
+        try:
+            return self._executor.submit(run_chunk, chunk)
+        except BrokenExecutor:
+            self.close()
+            self._executor = self._replacement = _like(self._executor, self._size)
+            return self._executor.submit(run_chunk, chunk)
+
+    def close(self) -> None:
+        if self._replacement is not None:
+            self._replacement.shutdown(wait=True)
+
+
+def died(error: BaseException) -> bool:
+    """Whether this error of a chunk says that its worker died, so that it can be tried again."""
+    return (
+        isinstance(error, BrokenExecutor | CancelledError)
+        or type(error).__name__ in _DEATHS
+    )  # fmt: skip
+
+
+def size_of(executor: Executor) -> int:
+    """How many workers an executor has: one of Python, loky, MPI or Dask; others do not say."""
+    client = getattr(executor, "_client", None)
+    if client is not None:
+        threads: dict[str, int] = client.nthreads()
+        return max(1, sum(threads.values()))
+    size: int | None = getattr(executor, "_max_workers", None)
+    return size or getattr(executor, "num_workers", None) or _SIZE_IF_UNKNOWN
+
+
+def _like(broken: Any, size: int) -> Executor:
+    if type(broken).__module__.startswith("loky"):
+        pool: Executor = importlib.import_module("loky").ProcessPoolExecutor(size)
+        return pool
+    return ProcessPoolExecutor(
+        size,
+        mp_context=getattr(broken, "_mp_context", None),
+        initializer=getattr(broken, "_initializer", None),
+        initargs=getattr(broken, "_initargs", ()),
+    )

@@ -1,0 +1,96 @@
+"""The results of a sweep as an xarray Dataset."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.keys import known_keys
+from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
+from stickslip.sweeping.results import EVENTS, NUMBERS, OK, STATUSES, Results
+
+EVENT_DIMENSION = "event"
+
+
+def dataset(points: Points, results: Results) -> xarray.Dataset:
+    """See `stickslip.sweep`. Arrays are views of those of `results`."""
+    dimensions, shape = points.dimensions, points.shape
+
+    def variable(values: NDArray[Any], **attributes: Any) -> tuple[Any, ...]:
+        extra = (EVENT_DIMENSION,) if values.ndim == 2 else ()
+        shaped = values.reshape(*shape, *values.shape[1:])
+        # Half of a sweep's file are counts of events, most of them small.
+        encoding = {"zlib": True, "complevel": 1, "shuffle": True}
+        return (*dimensions, *extra), shaped, attributes, encoding
+
+    variables = {
+        name: variable(values, units=NUMBERS[name].unit, long_name=NUMBERS[name].meaning)
+        for name, values in results.numbers.items()
+    }
+    variables["events"] = variable(results.events, units="1", long_name="events by kind")
+    variables["painleve_events"] = variable(
+        results.painleve_events, units="1", long_name="contacts without a consistent force"
+    )
+    variables["status"] = variable(
+        results.status,
+        long_name="how the simulation ended",
+        flag_values=np.array(list(STATUSES), dtype=np.int8),
+        flag_meanings=" ".join(STATUSES.values()),
+    )
+    if results.messages:
+        messages = np.full(points.count, "", dtype=object)
+        for index, text in results.messages.items():
+            messages[index] = text
+        variables["message"] = (
+            dimensions,
+            messages.reshape(shape),
+            {"long_name": "what happened, of a point that failed"},
+        )
+    return xarray.Dataset(
+        variables,
+        coords={**_coordinates(points), EVENT_DIMENSION: _event_coordinate()},
+        attrs=attributes(points, results),
+    )
+
+
+def _coordinates(points: Points) -> dict[str, Any]:
+    coordinates = {}
+    for key in points.keys:
+        known = known_keys()[key]
+        about = {"long_name": known.meaning, "key": key}
+        if known.kind != "word":
+            about["units"] = "1" if known.unit == "-" else known.unit
+        name = short_name(key)
+        dimension = LIST_DIMENSION if points.arrangement == "list" else name
+        coordinates[name] = (dimension, points.labels(key), about)
+    return coordinates
+
+
+def _event_coordinate() -> tuple[Any, ...]:
+    return EVENT_DIMENSION, list(EVENTS), {"long_name": "kind of event"}
+
+
+def attributes(points: Points, results: Results) -> dict[str, Any]:
+    """What the points have in common, and what made the results."""
+    about = {
+        "title": "stick-slip motion of a magnetic micro-robot, parameter sweep",
+        "created_by": f"stickslip {_core.__version__}, sweep",
+        "stickslip_version": _core.__version__,
+        "xarray_version": xarray.__version__,
+        "numpy_version": np.__version__,
+        "scenario": points.scenario.to_toml(),
+        "arrangement": points.arrangement,
+        "vary": points.vary(),
+        "points": points.count,
+        "finished_points": results.finished,
+        "failed_points": int(np.count_nonzero(results.status != OK))
+        - (points.count - results.finished),
+        "statuses": json.dumps(results.counts()),
+    }
+    voltages = points.voltages()
+    return {**about, "voltage_blocks": voltages} if voltages else about

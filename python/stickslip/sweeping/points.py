@@ -1,0 +1,241 @@
+"""Which scenarios a sweep simulates: a grid over keys, or a list.
+
+Every point is one row of numbers, one for each swept key; of a word the number is its index among
+the words that its key takes. That is what the compiled core reads.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.errors import ScenarioError
+from stickslip.extensions import PREFIX
+from stickslip.keys import RECORD_RATE, Value, checked, known_keys, shown
+from stickslip.scenario import Scenario
+from stickslip.sections import PROGRAM, SECTIONS
+
+MOST_POINTS = 10_000_000
+"""Points of the largest sweep; their results take some 1.5 GB of memory."""
+
+LIST_DIMENSION = "point"
+
+_Array = NDArray[np.float64]
+
+
+class Points:
+    """The points of a sweep.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What every point has in common, without its record.
+    keys : tuple of str
+        Dotted keys that differ between points.
+    arrangement : {"grid", "list"}
+        Whether the points are all combinations of the keys' values, or given one by one.
+    columns : tuple of numpy.ndarray
+        For each key its values: those of its axis for a grid, one a point for a list.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        arrangement: Literal["grid", "list"],
+        columns: Mapping[str, Sequence[Value]],
+    ) -> None:
+        self.scenario = scenario.replace({RECORD_RATE: "none"})
+        self.arrangement = arrangement
+        self.keys = tuple(columns)
+        self.columns = tuple(_encoded(key, values) for key, values in columns.items())
+        if self.count > MOST_POINTS:
+            raise ScenarioError(f"{self.count} points: allowed are at most {MOST_POINTS}")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points along each dimension."""
+        if self.arrangement == "list":
+            return (len(self.columns[0]),)
+        return tuple(len(values) for values in self.columns)
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        if self.arrangement == "list":
+            return (LIST_DIMENSION,)
+        return tuple(short_name(key) for key in self.keys)
+
+    def rows(self, indices: NDArray[np.int64]) -> _Array:
+        """Values of some points, shape (n, number of keys); the last key of a grid runs fastest."""
+        if self.arrangement == "list":
+            places: Sequence[NDArray[np.int64]] = [indices] * len(self.keys)
+        else:
+            places = np.unravel_index(indices, self.shape)
+        return np.column_stack(
+            [values[place] for values, place in zip(self.columns, places, strict=True)]
+        )
+
+    def labels(self, key: str) -> NDArray[Any]:
+        """Values of a key as they stand in a scenario: numbers, whole numbers or words."""
+        values = self.columns[self.keys.index(key)]
+        kind = known_keys()[key].kind
+        if kind == "word":
+            words = _words(key)
+            return np.array([words[place] for place in values.astype(int)])
+        return values.astype(np.int64) if kind == "whole" else values
+
+    def vary(self) -> str:
+        """The keys and their values as JSON, columns as in the attribute `columns`."""
+        return json.dumps({key: self.labels(key).tolist() for key in self.keys})
+
+    def voltages(self) -> str:
+        """The voltages of a program as JSON, which a scenario's text leaves out; else empty."""
+        program = self.scenario.drive.program
+        if program is None:
+            return ""
+        return json.dumps(
+            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
+        )
+
+
+def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
+    """All combinations of the values of `vary`.
+
+    Raises
+    ------
+    ScenarioError
+        If a key is unknown, or a value not allowed or given twice, or there are none.
+    """
+    if not vary:
+        raise ScenarioError("a sweep needs a key that varies, such as drive.frequency")
+    columns: dict[str, list[Value]] = {}
+    for key, values in vary.items():
+        _check_key(key)
+        columns[key] = [checked(key, value) for value in _listed(key, values)]
+        _check_axis(key, columns[key])
+    return Points(scenario, "grid", columns)
+
+
+def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Points:
+    """One point for each of `rows`: the scenario with those values changed.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no row, a key is unknown or a value not allowed.
+    """
+    if not rows:
+        raise ScenarioError("a sweep needs a point: the list is empty")
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    columns: dict[str, list[Value]] = {}
+    # Nothing has to change; a coordinate that labels the points there has to be.
+    for key in keys or ["drive.frequency"]:
+        _check_key(key)
+        own = scenario.get(key)
+        columns[key] = [checked(key, row[key]) if key in row else own for row in rows]
+    return Points(scenario, "list", columns)
+
+
+def from_scenarios(scenarios: Sequence[Scenario]) -> Points:
+    """One point for each scenario, by the keys in which they differ.
+
+    Raises
+    ------
+    ScenarioError
+        If there is none, or two have different voltage programs.
+    """
+    if not scenarios:
+        raise ScenarioError("a sweep needs a point: the list is empty")
+    programs = {each.drive.program for each in scenarios} - {None}
+    if len(programs) > 1:
+        raise ScenarioError(
+            f"{PROGRAM}: the scenarios of a sweep can have one program of voltages, not "
+            f"{len(programs)}"
+        )
+    base = next((each for each in scenarios if each.drive.program is not None), scenarios[0])
+    rows = [_differences(base, each) for each in scenarios]
+    return from_changes(base, rows)
+
+
+@functools.cache
+def _short_names() -> dict[str, str]:
+    last = [key.rpartition(".")[2] for key in known_keys()]
+    names = {}
+    for key in known_keys():
+        section, _, name = key.removeprefix(PREFIX).rpartition(".")
+        names[key] = name if last.count(name) == 1 else f"{section}_{name}"
+    return names
+
+
+def short_name(key: str) -> str:
+    """What a key is called in a dataset: its last word, with its section where others have it."""
+    return _short_names()[key]
+
+
+def _differences(base: Scenario, scenario: Scenario) -> dict[str, Value]:
+    changed: dict[str, Value] = {}
+    for section in (*SECTIONS, "effects"):
+        if section == "record" or getattr(base, section) == getattr(scenario, section):
+            continue
+        for key in _keys_of(section):
+            value = scenario.get(key)
+            if value != base.get(key):
+                changed[key] = value
+    return changed
+
+
+@functools.cache
+def _keys_of(section: str) -> tuple[str, ...]:
+    return tuple(key for key in known_keys() if key.startswith(f"{section}."))
+
+
+def _check_key(key: object) -> None:
+    if not isinstance(key, str):
+        raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
+    if key in (PROGRAM, "drive.file"):
+        raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages")
+    if key == RECORD_RATE:
+        raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
+
+
+def _listed(key: str, values: object) -> list[Any]:
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise ScenarioError(f"{key} = {shown(values)}: allowed is a list of values")
+    try:
+        return list(values)
+    except TypeError:  # an array without dimensions
+        raise ScenarioError(f"{key} = {shown(values)}: allowed is a list of values") from None
+
+
+def _check_axis(key: str, values: list[Value]) -> None:
+    if not values:
+        raise ScenarioError(f"{key}: there is no value")
+    seen: set[Value] = set()
+    for value in values:
+        if value in seen:
+            raise ScenarioError(f"{key} = {shown(value)}: this value is given twice")
+        seen.add(value)
+
+
+@functools.cache
+def _words(key: str) -> tuple[str, ...]:
+    return next(tuple(row["allowed"]) for row in _core.choices() if row["key"] == key)
+
+
+def _encoded(key: str, values: Sequence[Value]) -> _Array:
+    if known_keys()[key].kind == "word":
+        places = {word: place for place, word in enumerate(_words(key))}
+        values = [places[str(value)] for value in values]
+    return np.array(values, dtype=np.float64)

@@ -1,0 +1,100 @@
+"""The results of a sweep's points as they come in, in any order."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.run import Column
+from stickslip.sweeping.worker import Part
+
+NOT_RUN = -2
+REFUSED = -1
+OK = 0
+
+STATUSES = {
+    NOT_RUN: "not_run",
+    REFUSED: "refused",
+    **dict(enumerate(_core.status_names)),
+}
+"""Names of all statuses by number; `refused` is a point whose values make no scenario."""
+
+PAINLEVE = "painleve"
+EVENTS = tuple(name for name in _core.event_names if name != PAINLEVE)
+"""Kinds of event that are counted in `events`."""
+
+NUMBERS = {
+    "mean_velocity": Column("m/s", "mean velocity along the surface, measuring window"),
+    "theta_min": Column("rad", "smallest tilt angle, measuring window"),
+    "theta_max": Column("rad", "largest tilt angle, measuring window"),
+    "slip_up": Column("m/s", "slip of the contact while the tilt angle rises, over the window"),
+    "slip_down": Column("m/s", "slip of the contact while the tilt angle falls, over the window"),
+    "slip_flat": Column("m/s", "slip of the contact while a face lies flat, over the window"),
+    "airborne_fraction": Column("1", "part of the measuring window in flight"),
+    "simulated_time": Column("s", "simulated time"),
+}
+"""The numbers of a summary that are no counts."""
+
+_KEPT_ON_FAILURE = "simulated_time"
+
+
+class Results:
+    """What is known of each point so far.
+
+    Attributes
+    ----------
+    status : numpy.ndarray of int8, shape (n,)
+        Keys of `STATUSES`, for n points.
+    numbers : dict of numpy.ndarray, shape (n,)
+        By name as in `NUMBERS`; NaN where the point failed or was not run.
+    events : numpy.ndarray of int64, shape (n, number of kinds)
+        Counts in the order of `EVENTS`.
+    painleve_events : numpy.ndarray of int64, shape (n,)
+        Counts.
+    messages : dict of str
+        By point, of those that failed.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.status = np.full(count, NOT_RUN, dtype=np.int8)
+        self.numbers = {name: np.full(count, np.nan) for name in NUMBERS}
+        self.events = np.zeros((count, len(EVENTS)), dtype=np.int64)
+        self.painleve_events = np.zeros(count, dtype=np.int64)
+        self.messages: dict[int, str] = {}
+        self.finished = 0
+
+    @property
+    def complete(self) -> bool:
+        """Whether every point was run."""
+        return self.finished == len(self.status)
+
+    def pending(self) -> NDArray[np.int64]:
+        """Indices of the points that were not run."""
+        return np.flatnonzero(self.status == NOT_RUN)
+
+    def put(self, indices: NDArray[np.int64], part: Part) -> None:
+        """Take the results of the points `indices`."""
+        columns: dict[str, NDArray[Any]] = part.columns
+        self.status[indices] = columns["status"]
+        failed = columns["status"] != OK
+        for name, values in self.numbers.items():
+            new = columns[name].copy()
+            if name != _KEPT_ON_FAILURE:
+                new[failed] = np.nan
+            values[indices] = new
+        for place, kind in enumerate(EVENTS):
+            self.events[indices, place] = columns[kind]
+        self.painleve_events[indices] = columns[PAINLEVE]
+        for place, text in part.messages.items():
+            self.messages[int(indices[place])] = text
+        self.finished += len(indices)
+
+    def counts(self) -> dict[str, int]:
+        """Number of points by status, of those statuses that occur."""
+        return {
+            STATUSES[int(code)]: int(count)
+            for code, count in zip(*np.unique(self.status, return_counts=True), strict=True)
+        }

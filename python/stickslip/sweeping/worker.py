@@ -1,0 +1,102 @@
+"""What one worker does: a chunk of points. It is sent to other processes and machines."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.scenario import Scenario
+
+_LONGEST = 2.0
+"""Time after which a chunk ends early, s: points can take far longer than those before them."""
+
+_SLICE = 64
+"""Points between two looks at the clock."""
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Points that one worker simulates in one go.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What the points have in common.
+    keys : tuple of str
+        Dotted keys in which they differ.
+    values : numpy.ndarray, shape (n, number of keys)
+        A row for each point.
+    version : str
+        Version of this package that asks for them.
+    attempt : int
+        How often these points have met a worker that died. An executor that recognises work by its
+        arguments would otherwise answer with the failure again.
+    """
+
+    scenario: Scenario
+    keys: tuple[str, ...]
+    values: NDArray[np.float64]
+    version: str
+    attempt: int = 0
+
+
+class Part(NamedTuple):
+    """The results of a chunk's first points.
+
+    Attributes
+    ----------
+    columns : dict of numpy.ndarray
+        By name, shape (m,) each for the m points that were simulated.
+    messages : dict of str
+        By place in the chunk, of points that did not end well.
+    seconds : float
+        How long it took, s.
+    """
+
+    columns: dict[str, NDArray[np.generic]]
+    messages: dict[int, str]
+    seconds: float
+
+
+def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> Part:
+    """Simulate the points of a chunk, or as many of the first ones as two seconds allow.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        What to simulate.
+    poll : callable, optional
+        Called some twenty times a second; what it raises ends the work.
+
+    Returns
+    -------
+    Part
+
+    Raises
+    ------
+    RuntimeError
+        If this process has another version of the package than the one that asks.
+    """
+    if chunk.version != _core.__version__:
+        raise RuntimeError(
+            f"a worker has stickslip {_core.__version__} and this process {chunk.version}: "
+            "results need the same version everywhere"
+        )
+    start = time.perf_counter()
+    base = chunk.scenario.to_core()
+    slices = []
+    messages: dict[int, str] = {}
+    for first in range(0, len(chunk.values), _SLICE):
+        columns, said = _core.sweep(base, chunk.keys, chunk.values[first : first + _SLICE], 1, poll)
+        slices.append(columns)
+        messages.update((first + place, text) for place, text in said.items())
+        if time.perf_counter() - start > _LONGEST:
+            break
+    together = {name: np.concatenate([each[name] for each in slices]) for name in slices[0]}
+    return Part(together, messages, time.perf_counter() - start)

@@ -1,0 +1,194 @@
+"""Pictures of one motion: what they show, where they draw, and that they can be read."""
+
+import itertools
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from helpers import corner_offsets
+from pictures import assert_legible
+from stickslip import Drive, Record, Scenario, plot, simulate
+from stickslip.plot import style
+
+RATE = 10e3
+
+
+@pytest.fixture(scope="module")
+def run():
+    drive = Drive(mode="OPP", frequency=30, hold=2.5e-3, edge="rise", clamp="up", pulses=6)
+    return simulate(Scenario(drive=drive, record=Record(rate=RATE)))
+
+
+@pytest.fixture(scope="module", params=["run", "dataset"])
+def data(request, run):
+    return run if request.param == "run" else run.to_xarray()
+
+
+def line(axes, place=0):
+    drawn = axes.get_lines()[place]
+    return np.asarray(drawn.get_xdata()), np.asarray(drawn.get_ydata())
+
+
+def labels(figure):
+    return [label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel())]
+
+
+def test_fields_are_those_of_the_run(run, data):
+    figure = plot.fields(data)
+    t, bx = line(figure.axes[0], 0)
+    _, bz = line(figure.axes[0], 1)
+    np.testing.assert_array_equal(t, run.t)
+    np.testing.assert_allclose(bx, run.bx * 1e3)
+    np.testing.assert_allclose(bz, run.bz * 1e3)
+    assert labels(figure) == ["time (s)", "field (mT)"]
+    assert_legible(figure, least=8)
+
+
+def test_angle_and_contact_velocity_are_those_of_the_run(run, data):
+    figure = plot.angle_and_contact_velocity(data, 0.1, 0.2)
+    velocity, tilt = figure.axes
+    seen = (run.t >= 0.1) & (run.t <= 0.2)
+    np.testing.assert_allclose(line(tilt)[1], np.degrees(run.theta[seen]))
+    np.testing.assert_allclose(line(velocity)[1], run.slip_velocity[seen] * 1e3)
+    assert (tilt.get_ylabel(), velocity.get_ylabel()) == (
+        r"tilt $\theta$ (degrees)",
+        "contact velocity (mm/s)",
+    )
+    assert velocity.get_xlabel() == "time (s)"
+    assert_legible(figure, least=10)
+
+
+@pytest.mark.parametrize("draw", [plot.trajectory, plot.phase_portrait])
+def test_paths_have_every_step_in_the_colour_of_its_contact(run, data, draw):
+    figure = draw(data, 0.1, 0.15)
+    (axes,) = figure.axes
+    seen = (run.t >= 0.1) & (run.t <= 0.15)
+    modes = run.contact[seen][:-1]
+    present = sorted(set(modes.tolist()))
+    assert len(present) >= 3
+    assert [len(c.get_segments()) for c in axes.collections] == [
+        np.count_nonzero(modes == code) for code in present
+    ]
+    legend = axes.get_legend().get_texts()
+    assert [text.get_text() for text in legend] == [
+        style.CONTACT_LABELS[run.contact_names[code]] for code in present
+    ]
+    every = np.concatenate([np.concatenate(c.get_segments()) for c in axes.collections])
+    x, y = (run.x, run.z) if draw is plot.trajectory else (run.theta, run.omega)
+    factor = (1e6, 1e6) if draw is plot.trajectory else (np.degrees(1.0), 1.0)
+    for column, values, scale in zip(every.T, (x[seen], y[seen]), factor, strict=True):
+        assert (column.min(), column.max()) == pytest.approx(
+            (values.min() * scale, values.max() * scale)
+        )
+    assert all("(" in label for label in labels(figure))
+    assert_legible(figure, least=10)
+
+
+def test_a_filmstrip_shows_outline_contact_and_the_contact_before(run, data):
+    times = [0.1, 0.12, 0.14, 0.16]
+    figure = plot.filmstrip(data, times)
+    assert len(figure.axes) == 4
+    offsets_x, offsets_z = corner_offsets(run)
+    touched = []
+    for axes, time in zip(figure.axes, times, strict=True):
+        k = np.abs(run.t - time).argmin()
+        outline = axes.patches[0].get_xy()[:4]
+        expected = np.column_stack([run.x[k] + offsets_x[:, k], run.z[k] + offsets_z[:, k]]) * 1e6
+        for corner in expected:
+            assert np.min(np.hypot(*(outline - corner).T)) < 1e-6
+        marker = next(each for each in axes.get_lines() if each.get_marker() == "^")
+        touched.append(float(marker.get_xdata()[0]))
+        assert touched[-1] == pytest.approx(expected[expected[:, 1].argmin(), 0])
+        if np.isfinite(run.contact_x[k]):
+            assert touched[-1] == pytest.approx(run.contact_x[k] * 1e6)
+        dashed = [each for each in axes.get_lines() if each.get_linestyle() == "--"]
+        assert [float(each.get_xdata()[0]) for each in dashed] == touched[-2:-1]
+        assert axes.get_aspect() == 1.0
+    assert "x (µm)" in labels(figure)
+    assert "z (µm)" in labels(figure)
+    assert_legible(figure, least=20)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_a_filmstrip_of_any_length_can_be_read(run, count):
+    assert_legible(plot.filmstrip(run, np.linspace(0.1, 0.2, count).tolist()))
+
+
+def test_given_axes_are_drawn_in(run):
+    figure = Figure(layout="constrained", figsize=(9, 9))
+    upper, lower = figure.subfigures(2, 1)
+    axes = upper.subplots(2, 2).ravel()
+    draws = [
+        plot.fields,
+        plot.angle_and_contact_velocity,
+        plot.trajectory,
+        plot.phase_portrait,
+    ]
+    for draw, ax in zip(draws, axes, strict=True):
+        assert draw(run, ax=ax) is figure
+        assert ax.has_data() or ax.collections
+    strip = lower.subplots(1, 2)
+    assert plot.filmstrip(run, [0.1, 0.11], labels=["a", "b"], ax=strip) is figure
+    assert [ax.get_title(loc="left") for ax in strip] == ["a", "b"]
+
+
+def test_a_robot_that_faces_back_is_drawn_facing_back():
+    drive = Drive(direction="-x", base=0.5e-3, pulses=3)
+    run = simulate(Scenario(drive=drive, record=Record(rate=RATE)))
+    (axes,) = plot.filmstrip(run, [0.07]).axes
+    front_bottom = axes.patches[0].get_xy()[0]
+    k = np.abs(run.t - 0.07).argmin()
+    assert front_bottom[0] < run.x[k] * 1e6
+    assert run.contact_x[k] * 1e6 == pytest.approx(front_bottom[0])
+
+
+def test_what_cannot_be_drawn_is_refused(run):
+    with pytest.raises(AttributeError, match=r"set record\.rate"):
+        plot.fields(simulate(run.scenario.replace({"record.rate": "none"})))
+    events = simulate(run.scenario.replace({"record.rate": "events"}))
+    for data in (events, events.to_xarray()):
+        with pytest.raises(ValueError, match=r"set record\.rate"):
+            plot.trajectory(data)
+    with pytest.raises(ValueError, match="without theta"):
+        plot.fields(run.to_xarray().drop_vars("theta"))
+    with pytest.raises(ValueError, match="less than two samples"):
+        plot.phase_portrait(run, 0.2, 0.1)
+    with pytest.raises(ValueError, match="a time or more"):
+        plot.filmstrip(run, [])
+    with pytest.raises(ValueError, match="outside the record"):
+        plot.filmstrip(run, [0.1, 9.0])
+    with pytest.raises(ValueError, match="labels has 1 entries: allowed are 2"):
+        plot.filmstrip(run, [0.1, 0.2], labels=["a"])
+
+
+def test_an_animation_has_the_frames_it_says(run, data, tmp_path):
+    path = tmp_path / "motion.gif"
+    count = plot.animation(data, path, 0.1, 0.14, slowdown=10.0, frames_per_second=20.0)
+    assert count == 8
+    with Image.open(path) as picture:
+        assert picture.n_frames == count
+        assert picture.info["duration"] == 50
+        frames = []
+        for k in range(count):
+            picture.seek(k)
+            frames.append(np.asarray(picture.convert("L"), dtype=float))
+    assert frames[0].std() > 5.0
+    assert all(np.any(a != b) for a, b in itertools.pairwise(frames))
+    assert [each.name for each in tmp_path.iterdir()] == ["motion.gif"]
+
+
+def test_an_animation_that_cannot_be_is_refused_and_leaves_no_file(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(RuntimeError, match="ffmpeg"):
+        plot.animation(run, tmp_path / "a.mp4")
+    with pytest.raises(ValueError, match=r"\.gif or \.mp4"):
+        plot.animation(run, tmp_path / "a.png")
+    with pytest.raises(ValueError, match="at most 2000"):
+        plot.animation(run, tmp_path / "a.gif", slowdown=1e6)
+    with pytest.raises(ValueError, match="slowdown"):
+        plot.animation(run, tmp_path / "a.gif", slowdown=0.0)
+    with pytest.raises(ValueError, match="frames_per_second"):
+        plot.animation(run, tmp_path / "a.gif", frames_per_second=-1.0)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,275 @@
+"""From curves to criteria to verdicts, on made-up surveys where the answer is known."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip.reproduction import fits
+from stickslip.reproduction.curve_criteria import (
+    adhesion,
+    growth_with_field,
+    high_friction,
+    linear_damping,
+    linear_in_frequency,
+    low_friction,
+    middle_friction,
+    roll_off,
+    rotational_damping,
+)
+from stickslip.reproduction.field_checks import FieldChecks
+from stickslip.reproduction.motion_criteria import (
+    no_motion_in_constant_fields,
+    normal_force_in_the_strokes,
+    slip_on_the_downstroke,
+    slip_on_the_upstroke,
+    steady_angle,
+)
+from stickslip.reproduction.reference import reference_pair
+from stickslip.reproduction.scans import SCANS
+from stickslip.reproduction.settings import MODES, Setting
+from stickslip.reproduction.statements import CRITERIA, judge
+from stickslip.reproduction.strokes import Strokes
+from stickslip.reproduction.survey import SCANNED, Survey
+from stickslip.reproduction.verdicts import of_number, telling_factors, verdict
+
+X = {name: np.array(scan.values) for name, scan in SCANS.items()}
+
+# One setting of each mode that does all that the paper says, m/s, and the same upside down.
+GOOD = {
+    ("IPP", "frequency"): 40e-6 * X["frequency"] / (1 + (X["frequency"] / 150) ** 2),
+    ("OPP", "frequency"): 40e-6 * X["frequency"] / (1 + (X["frequency"] / 150) ** 2),
+    ("IPP", "friction"): np.full_like(X["friction"], 2e-3),
+    ("OPP", "friction"): np.interp(X["friction"], [0.1, 0.2, 1.0, 1.2], [5e-3, 2e-3, 2e-3, 1e-3]),
+    ("IPP", "adhesion"): 2e-3 - 1e3 * X["adhesion"],
+    ("OPP", "adhesion"): 3e-3 - 4e3 * X["adhesion"],
+    ("IPP", "linear"): 2e-3 / (1 + X["linear"] / 3e-5),
+    ("OPP", "linear"): 3e-3 / (1 + X["linear"] / 3e-5),
+    ("IPP", "rotational"): 2e-3 / (1 + X["rotational"] / 1e-14),
+    ("OPP", "rotational"): 3e-3 / (1 + X["rotational"] / 1e-14),
+    ("IPP", "field"): 0.6 * X["field"] - 20.0 * X["field"] ** 2,
+    ("OPP", "field"): 0.6 * X["field"],
+}
+BAD = {
+    ("IPP", "frequency"): 1e-8 * X["frequency"] ** 3,
+    ("OPP", "frequency"): 1e-8 * X["frequency"] ** 3,
+    ("IPP", "friction"): np.interp(X["friction"], [0.1, 0.2, 1.0, 1.2], [9e-3, 2e-3, 2e-3, 1e-4]),
+    ("OPP", "friction"): np.interp(X["friction"], [0.1, 0.2, 1.0, 1.2], [1e-4, 9e-3, 9e-3, 3e-3]),
+    ("IPP", "adhesion"): 9e-3 - 1e4 * X["adhesion"],
+    ("OPP", "adhesion"): np.full_like(X["adhesion"], 1e-3),
+    ("IPP", "linear"): np.linspace(1e-3, 2e-3, len(X["linear"])),
+    ("OPP", "linear"): np.linspace(1e-3, 2e-3, len(X["linear"])),
+    ("IPP", "rotational"): np.full_like(X["rotational"], 1e-3),
+    ("OPP", "rotational"): 3e-3 / (1 + X["rotational"] / 1e-16),
+    ("IPP", "field"): 1e5 * X["field"] ** 4,
+    ("OPP", "field"): 5e-3 - 0.6 * X["field"],
+}
+
+
+def strokes(up, down, normal_up, normal_down, tilt):
+    return Strokes(up, down, abs(up), abs(down), normal_up, normal_down, tilt)
+
+
+GOOD_STROKES = {
+    "IPP": strokes(1e-6, 99e-6, 1.1, 0.8, 0.9),
+    "OPP": strokes(99e-6, 1e-6, 1.3, 0.9, 0.4),
+}
+BAD_STROKES = {
+    "IPP": strokes(99e-6, 1e-6, 1.1, 1.2, 0.3),
+    "OPP": strokes(1e-6, 99e-6, 0.9, 0.9, 0.9),
+}
+
+
+def made_up(good=(True, False)):
+    """A survey with a setting of each mode for each entry of `good`."""
+    count = len(good)
+    each = ["rise" if flag else "fall" for flag in good]
+    curves = {
+        key: np.array([(GOOD if flag else BAD)[key] for flag in good])
+        for key in ((mode, name) for mode in MODES for name in SCANNED)
+    }
+    return Survey(
+        settings={m: [Setting(m, edge, "down", 1e-3, 2e-3) for edge in each] for m in MODES},
+        velocity=curves,
+        painleve={key: np.zeros(y.shape, dtype=int) for key, y in curves.items()},
+        count=1,
+        tilt_low={m: np.full(count, 0.1) for m in MODES},
+        tilt_high={m: np.full(count, 1.0) for m in MODES},
+        still_tilt={
+            "IPP": np.array([1.0 if flag else 0.2 for flag in good]),
+            "OPP": np.array([0.5 if flag else 1.2 for flag in good]),
+        },
+        still_velocity={m: np.array([1e-9 if flag else 1e-3 for flag in good]) for m in MODES},
+        strokes={m: [(GOOD_STROKES if flag else BAD_STROKES)[m] for flag in good] for m in MODES},
+    )
+
+
+@pytest.mark.parametrize(
+    "criterion",
+    [
+        slip_on_the_downstroke,
+        slip_on_the_upstroke,
+        normal_force_in_the_strokes,
+        steady_angle,
+        linear_in_frequency,
+        roll_off,
+        low_friction,
+        middle_friction,
+        high_friction,
+        adhesion,
+        linear_damping,
+        rotational_damping,
+        growth_with_field,
+        no_motion_in_constant_fields,
+    ],
+)
+def test_a_criterion_tells_what_the_paper_says_from_its_opposite(criterion):
+    outcome = criterion(made_up())
+    holds = np.broadcast_to(outcome.holds, (2, 2))
+    assert holds[0, 0]
+    assert not holds[1, 1]
+    for pair in ((0, 0), (1, 1)):
+        words = outcome.numbers(*pair)
+        assert words
+        assert "\n" not in words
+
+
+def test_all_criteria_are_tested_above():
+    assert len(CRITERIA) == 14
+    assert list(CRITERIA) == [f"S{number}" for number in range(1, 15)]
+
+
+def test_the_slip_of_a_stroke_must_go_forwards():
+    found = made_up()
+    backwards = dataclasses.replace(GOOD_STROKES["IPP"], slip_down=-99e-6)
+    found.strokes["IPP"][0] = backwards
+    assert not slip_on_the_downstroke(found).holds[0, 0]
+
+
+def test_a_setting_works_that_walks_forwards_between_flat_and_upright():
+    found = made_up((True, True, True, True))
+    found.velocity["IPP", "frequency"][1] *= -1.0
+    found.tilt_high["IPP"][2] = 1.6
+    found.tilt_low["IPP"][3] = -0.1
+    assert found.works("IPP").tolist() == [True, False, False, False]
+    assert found.works("OPP").all()
+
+
+def test_the_reference_has_the_motion_first_then_the_most_then_the_likeliest_speed():
+    found = made_up((False, True, True))
+    none = np.zeros((3, 3), dtype=bool)
+    motion, trends = none.copy(), none.copy()
+    # The motion of (1, 1) outweighs any number of trends of (2, 2).
+    motion[1, 1] = True
+    trends[2, 2] = True
+    assert reference_pair(found, [motion] * 4 + [trends] * 10) == (1, 1)
+    # As good twice: the one nearer to 0.88 mm/s.
+    motion[2, 2] = True
+    trends[1, 1] = True
+    for mode in MODES:
+        found.velocity[mode, "frequency"][1] = 5e-3
+        found.velocity[mode, "frequency"][2] = 1e-3
+    assert reference_pair(found, [motion] * 4 + [trends] * 10) == (2, 2)
+    # What does not work is never chosen.
+    found.tilt_high["IPP"][2] = 3.0
+    assert reference_pair(found, [motion] * 4 + [trends] * 10) == (1, 1)
+    found.tilt_high["IPP"][:] = 3.0
+    with pytest.raises(ValueError, match="no setting"):
+        reference_pair(found, [motion] * 14)
+
+
+ALL = np.ones((2, 2), dtype=bool)
+FACTORS = {
+    "IPP edge": ["rise", "fall"],
+    "OPP edge": ["rise", "fall"],
+    "OPP hold": ["1 mT", "1 mT"],
+}
+
+
+@pytest.mark.parametrize(
+    ("holds", "word", "text"),
+    [
+        (ALL, "reproduced", "reproduced"),
+        (~ALL, "not reproduced", "not reproduced"),
+        (
+            np.array([[True, True], [False, False]]),
+            "depends",
+            "depends on IPP edge (most often with rise: 100%)",
+        ),
+        (np.array([[True, False], [False, True]]), "depends", "depends on the settings together"),
+        (np.array([[True], [True]]), "reproduced", "reproduced"),
+    ],
+)
+def test_a_verdict_goes_by_the_share_of_working_pairs(holds, word, text):
+    found = verdict(holds, ALL, FACTORS, (0, 0))
+    assert (found.word, found.text) == (word, text)
+    assert found.share == np.broadcast_to(holds, ALL.shape).mean()
+    assert found.at_reference == bool(np.broadcast_to(holds, ALL.shape)[0, 0])
+
+
+def test_what_does_not_work_has_no_say():
+    works = np.array([[True, False], [False, False]])
+    holds = np.array([[True, False], [False, False]])
+    assert verdict(holds, works, FACTORS, (0, 0)).share == 1.0
+    nothing = verdict(holds, ~ALL, FACTORS, (0, 0))
+    assert (nothing.word, nothing.share) == ("not reproduced", 0.0)
+
+
+def test_the_most_telling_factors_come_first_and_no_more_than_two():
+    levels = ["a", "a", "b", "b"]
+    factors = {"IPP x": levels, "OPP y": levels, "OPP z": ["c", "d", "c", "d"]}
+    holds = np.zeros((4, 4), dtype=bool)
+    holds[2:] = True
+    holds[0, 2:] = True
+    works = np.ones((4, 4), dtype=bool)
+    assert telling_factors(holds, works, factors) == [
+        "IPP x (most often with b: 100%)",
+        "OPP y (most often with b: 75%)",
+    ]
+
+
+def test_a_number_is_reproduced_or_not():
+    assert of_number(True).word == "reproduced"
+    assert of_number(False, "not reproduced; but nearly").text == "not reproduced; but nearly"
+    assert of_number(False).share is None
+
+
+CHECKS = FieldChecks(10.5e-9, 240e-9, 0.149, 0.0, 240e-9, 0.01, 0.02, 0.02, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, ["reproduced", "reproduced", "reproduced"]),
+        ({"force_at_centre": 197e-9}, ["depends", "reproduced", "reproduced"]),
+        ({"torque": 5e-9}, ["not reproduced", "reproduced", "reproduced"]),
+        ({"winding_flat": 0.03}, ["reproduced", "not reproduced", "reproduced"]),
+        ({"fringe": 0.12}, ["reproduced", "reproduced", "not reproduced"]),
+    ],
+)
+def test_statements_on_the_field(changes, words):
+    statements, _, _ = judge(made_up(), dataclasses.replace(CHECKS, **changes))
+    assert [each.name for each in statements] == [f"S{number}" for number in range(1, 18)]
+    assert [each.verdict.word for each in statements[14:]] == words
+
+
+def test_fits():
+    x = np.array([1.0, 2.0, 3.0, 4.0])
+    y = np.array([2.0 * x, 2.0 * x + 1.0])
+    line = fits.proportional(x, y)
+    assert line.slope == pytest.approx([2.0, 2.0 + 10 / 30])
+    assert line.explained[0] == pytest.approx(1.0)
+    assert line.worst[0] == pytest.approx(0.0)
+    assert line.worst[1] == pytest.approx(3.0 / (2.0 + 10 / 30) - 1.0)
+    assert fits.straight(x, y).slope == pytest.approx([2.0, 2.0])
+    assert fits.straight(x, y).explained == pytest.approx([1.0, 1.0])
+    bent = np.array([[0.0, 2.0, 4.0, 5.0, 6.0]])
+    assert fits.bend(np.arange(5.0), bent) == pytest.approx([0.5])
+
+
+def test_crossing_is_between_points_in_the_logarithm():
+    x, y = np.array([1.0, 10.0, 100.0]), np.array([1.0, 0.8, 0.0])
+    assert fits.crossing(x, y, 0.9) == pytest.approx(10**0.5)
+    assert fits.crossing(x, y, 0.4) == pytest.approx(10**1.5)
+    assert np.isnan(fits.crossing(x, np.ones(3), 0.5))
+    assert np.isnan(fits.crossing(x, np.zeros(3), 0.5))

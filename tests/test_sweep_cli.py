@@ -1,0 +1,267 @@
+"""The command `stickslip sweep`: output, exit statuses, interrupts, bad input."""
+
+import itertools
+import json
+import os
+import resource
+import signal
+import socket
+import subprocess
+import time
+
+import h5netcdf
+import numpy as np
+import pytest
+import xarray
+
+from command_line import COMMAND, stickslip
+from stickslip import load, simulate, sweep
+
+TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n"
+VARY = ["--vary", "drive.frequency=30:90:3", "--vary", "drive.mode=OPP,IPP"]
+GRID = {"drive.frequency": [30.0, 60.0, 90.0], "drive.mode": ["OPP", "IPP"]}
+ENDLESS = ["--set=solver.max_step=1e-6", "--vary", "drive.frequency=50:60:100"]
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    path = tmp_path / "scenario.toml"
+    path.write_text(TEXT)
+    return path
+
+
+def test_json_is_one_object_with_the_summaries_of_single_runs(scenario):
+    done = stickslip("sweep", scenario, *VARY, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads(done.stdout, parse_constant=pytest.fail)
+    assert (found["points"], found["failed"], found["status"]) == (6, 0, {"ok": 6})
+    assert len(found["results"]) == 6
+    for point, values in zip(found["results"], itertools.product(*GRID.values()), strict=True):
+        changes = dict(zip(GRID, values, strict=True))
+        summary = simulate(load(scenario).replace(changes)).summary()
+        del summary["steps"], summary["message"]
+        assert point == {**changes, **summary}
+    velocities = [point["mean_velocity"] for point in found["results"]]
+    assert found["fastest"]["mean_velocity"] == max(velocities)
+    assert found["slowest"]["mean_velocity"] == min(velocities)
+
+
+def test_the_table_has_a_row_for_each_point(scenario):
+    done = stickslip("sweep", scenario, *VARY)
+    assert (done.returncode, done.stderr) == (0, "")
+    rows = [line.split() for line in done.stdout.splitlines()]
+    data = sweep(load(scenario), GRID)
+    velocity = float(data["mean_velocity"].sel(frequency=60.0, mode="IPP"))
+    assert ["60", "IPP", "ok", f"{velocity * 1e3:.4f}"] in [row[:4] for row in rows]
+    assert "6 (3 frequency x 2 mode)" in done.stdout
+
+
+def test_a_long_table_is_left_out(scenario):
+    done = stickslip("sweep", scenario, "--vary", "drive.frequency=30:90:60")
+    assert len(done.stdout.splitlines()) == 4
+
+
+def test_the_file_holds_the_dataset_of_the_library(scenario, tmp_path):
+    done = stickslip(
+        "sweep", scenario, *VARY, "--set=contact.adhesion=0", "--out=a.nc", cwd=tmp_path
+    )
+    assert done.returncode == 0
+    expected = sweep(load(scenario).replace({"contact.adhesion": 0}), GRID)
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
+        xarray.testing.assert_identical(stored.load(), expected)
+    again = stickslip(
+        "sweep", scenario, *VARY, "--set=contact.adhesion=0", "--out=a.nc", "--resume", cwd=tmp_path
+    )
+    assert (again.returncode, again.stdout) == (0, done.stdout)
+
+
+def test_ranges_are_decimal(scenario):
+    done = stickslip("sweep", scenario, "--vary=contact.adhesion=0.1e-6:0.5e-6:5", "--json")
+    values = [point["contact.adhesion"] for point in json.loads(done.stdout)["results"]]
+    assert values == [1e-7, 2e-7, 3e-7, 4e-7, 5e-7]
+    done = stickslip("sweep", scenario, "--vary=drive.pulses=9:4:2", "--json")
+    assert [point["drive.pulses"] for point in json.loads(done.stdout)["results"]] == [9, 4]
+
+
+def test_a_failed_point_is_counted_and_no_failure(scenario):
+    done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1,0.2", "--json")
+    assert done.returncode == 0
+    assert done.stderr == (
+        "stickslip: 1 of 2 points failed; the first: contact.kinetic_friction = 0.145: "
+        "allowed is at most contact.static_friction (0.1)\n"
+    )
+    found = json.loads(done.stdout, parse_constant=pytest.fail)
+    assert found["status"] == {"refused": 1, "ok": 1}
+    assert found["results"][0]["mean_velocity"] is None
+    assert "static_friction" in found["results"][0]["message"]
+    done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1")
+    assert done.returncode == 0
+    assert "nan" in done.stdout
+
+
+def test_help_has_an_example():
+    done = stickslip("sweep", "--help")
+    assert done.returncode == 0
+    assert "Example:" in done.stdout
+    assert "stickslip sweep scenario.toml --vary" in done.stdout
+
+
+def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
+    arguments = ["sweep", scenario, *ENDLESS, "--jobs=2", "--out", tmp_path / "a.nc"]
+    process = subprocess.Popen(
+        [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    try:
+        seen = b""
+        while b"points/s" not in seen:
+            byte = os.read(process.stderr.fileno(), 256)
+            assert byte, "the sweep ended before its bar appeared"
+            seen += byte
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 130
+    assert output == b""
+    assert b"Traceback" not in errors
+    assert b"<" in seen  # the time left
+    with h5netcdf.File(tmp_path / "a.nc", "r") as file:
+        assert 0 < file.attrs["finished_points"] < 100
+
+
+def test_a_full_disk_is_one_line(scenario, tmp_path):
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
+
+    folder = tmp_path / "out"
+    folder.mkdir()
+    done = stickslip("sweep", scenario, *VARY, "--out", folder / "a.nc", preexec_fn=limit)
+    assert done.returncode == 1
+    assert done.stderr.startswith("stickslip: cannot write")
+    assert done.stderr.count("\n") == 1
+    assert list(folder.iterdir()) == []
+
+
+def test_dask(scenario, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None
+    ) as cluster:
+        address = cluster.scheduler_address
+        done = stickslip("sweep", scenario, *VARY, "--dask", address, "--out=a.nc", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
+        xarray.testing.assert_identical(stored.load(), sweep(load(scenario), GRID))
+
+
+def check(done, *words):
+    assert done.returncode == 2, done
+    assert done.stdout == ""
+    assert done.stderr.startswith("stickslip: ")
+    assert done.stderr.endswith("\n")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    for word in words:
+        assert word in done.stderr, done.stderr
+
+
+VARIED = {
+    "nothing": ([], ["--vary"]),
+    "no equals": (["drive.frequency"], ["drive.frequency", "key=start:stop:count"]),
+    "no key": (["=1,2"], ["key=start:stop:count"]),
+    "no value": (["drive.frequency="], ["no value"]),
+    "missing value": (["drive.frequency=1,,2"], ["beside a comma"]),
+    "unknown key": (["drive.freqency=1,2"], ["did you mean", "drive.frequency"]),
+    "unknown section": (["robto.length=1e-4,2e-4"], ["robto.length", "robot.length"]),
+    "repeated key": (["drive.frequency=1,2", "drive.frequency=3:4:2"], ["is there twice"]),
+    "repeated value": (["drive.frequency=1,2,1.0"], ["given twice"]),
+    "word for number": (["drive.frequency=low,high"], ['drive.frequency = "low"', "a number"]),
+    "word not allowed": (["drive.mode=IPP,IPO"], ['drive.mode = "IPO"', '"IPP", "OPP"']),
+    "number for word": (["drive.mode=0:1:2"], ["drive.mode = 0.0", '"IPP", "OPP"']),
+    "out of range": (["drive.frequency=-5:5:3"], ["drive.frequency = -5.0", "above 0"]),
+    "nan": (["drive.frequency=1,nan"], ["drive.frequency = nan"]),
+    "half pulses": (["drive.pulses=1:4:3"], ["drive.pulses = 2.5", "whole number"]),
+    "empty range": (["drive.frequency=5:5:3"], ["the range is empty"]),
+    "one value of two": (["drive.frequency=5:6:1"], ["both start and stop"]),
+    "count 0": (["drive.frequency=5:200:0"], ["count", "from 1"]),
+    "count 1.5": (["drive.frequency=5:200:1.5"], ["count", "whole number"]),
+    "negative count": (["drive.frequency=5:200:-3"], ["count", "whole number"]),
+    "endless count": (["drive.frequency=5:200:1" + "0" * 5000], ["count", "whole number"]),
+    "great count": (["drive.frequency=5:200:100000000"], ["count", "10000000"]),
+    "many points": (["drive.frequency=5:6:9999", "drive.hold=0:1:9999"], ["99980001 points"]),
+    "no count": (["drive.frequency=5:200"], ["key=start:stop:count"]),
+    "four parts": (["drive.frequency=5:200:3:4"], ["key=start:stop:count"]),
+    "range of nothing": (["drive.frequency=::"], ["finite numbers"]),
+    "range of words": (["drive.frequency=a:b:3"], ["finite numbers"]),
+    "infinite range": (["drive.frequency=1:inf:3"], ["finite numbers"]),
+    "huge range": (["drive.frequency=1:1e999999999999:3"], ["finite numbers"]),
+    "record": (["record.rate=100,200"], ["record.rate", "summaries"]),
+    "voltages": (["drive.file=a.csv,b.csv"], ["drive.file", "numbers and words"]),
+}
+
+
+@pytest.mark.parametrize("name", VARIED)
+def test_values_that_are_refused(scenario, tmp_path, name):
+    texts, words = VARIED[name]
+    options = itertools.chain.from_iterable(("--vary", text) for text in texts)
+    check(stickslip("sweep", scenario, *options, "--out", tmp_path / "a.nc"), *words)
+    assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
+
+
+OPTIONS = {
+    "jobs 0": (["--jobs=0"], ["--jobs", "0"]),
+    "jobs 1.5": (["--jobs=1.5"], ["--jobs", "1.5"]),
+    "jobs and dask": (["--jobs=2", "--dask=tcp://127.0.0.1:1"], ["--jobs", "--dask"]),
+    "resume without out": (["--resume"], ["--resume", "--out"]),
+    "set and vary": (["--set=drive.mode=OPP"], ["drive.mode", "--set", "--vary"]),
+    "bad setting": (["--set=drive.peak=high"], ["drive.peak", "a number"]),
+    "missing folder": (["--out=missing/a.nc"], ["missing/a.nc", "no folder"]),
+    "missing folder to resume": (["--out=missing/a.nc", "--resume"], ["no folder"]),
+    "folder": (["--out=."], ["is a folder"]),
+    "device": (["--out=/dev/null"], ["not an ordinary file"]),
+    "existing": (["--out=scenario.toml"], ["already there", "--resume"]),
+    "another file": (["--out=scenario.toml", "--resume"], ["cannot be resumed"]),
+    "no address": (["--dask=nonsense"], ["--dask nonsense", "no cluster"]),
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_options_that_are_refused(scenario, tmp_path, name):
+    options, words = OPTIONS[name]
+    if any("nonsense" in option for option in options):
+        pytest.importorskip("distributed")
+    check(stickslip("sweep", "scenario.toml", *VARY, *options, cwd=tmp_path), *words)
+    assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
+    assert scenario.read_text() == TEXT
+
+
+@pytest.mark.parametrize("listening", [False, True])
+def test_a_cluster_that_does_not_answer(scenario, listening):
+    pytest.importorskip("distributed")
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        if listening:
+            server.listen()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        start = time.monotonic()
+        check(stickslip("sweep", scenario, *VARY, "--dask", address), address, "no cluster")
+        assert time.monotonic() - start < 15.0
+
+
+def test_the_file_of_another_scenario_is_not_touched(scenario, tmp_path):
+    stickslip("sweep", scenario, *VARY, "--out", tmp_path / "a.nc")
+    before = (tmp_path / "a.nc").read_bytes()
+    done = stickslip(
+        "sweep", scenario, *VARY, "--set=drive.hold=2e-3", "--out", tmp_path / "a.nc", "--resume"
+    )
+    check(done, "cannot be resumed", "hold = 0.001 there")
+    assert (tmp_path / "a.nc").read_bytes() == before
+
+
+def test_nan_and_infinity_are_no_json(scenario):
+    done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1", "--json")
+    found = json.loads(done.stdout, parse_constant=pytest.fail)
+    assert found["results"][0]["theta_max"] is None
+    assert "fastest" not in found
+    assert np.isnan(sweep(load(scenario), {"contact.static_friction": [0.1]})["theta_max"]).all()
