@@ -72,7 +72,7 @@ public:
     /// Root of function i in the bracket, to kResolution: its far side. The method is that of
     /// Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
     template <class Value>
-    static double locate(std::size_t i, const Bracket& bracket, Value&& value) {
+    [[gnu::noinline]] static double locate(std::size_t i, const Bracket& bracket, Value&& value) {
         double x1 = bracket.high, f1 = bracket.at_high, x2 = bracket.low, f2 = bracket.at_low;
         double part = f1 / (f1 - f2);
         while (true) {
@@ -133,8 +133,8 @@ private:
     // Negative at the end: is there a root before `s`? Where the stages do not simply fall, looks
     // on the way, so that of several roots the first is found.
     template <class Value>
-    static bool narrow(const EventSamples<M>& g, std::size_t i, Value&& value, double s,
-                       Bracket& bracket) {
+    [[gnu::noinline]] static bool narrow(const EventSamples<M>& g, std::size_t i, Value&& value,
+                                         double s, Bracket& bracket) {
         if (s < 1.0) {
             bracket.high = s;
             bracket.at_high = value(i, s);
@@ -154,7 +154,8 @@ private:
     // Born at zero or below: false if it falls from there. Where it rises and falls again, the
     // bracket holds its root; where it does not, the bracket's high end is not negative.
     template <class Value>
-    static bool risen(const EventSamples<M>& g, std::size_t i, Value&& value, Bracket& bracket) {
+    [[gnu::noinline]] static bool risen(const EventSamples<M>& g, std::size_t i, Value&& value,
+                                        Bracket& bracket) {
         bracket.low = 0.0;
         for (const double at : {1.0 / 3.0, 2.0 / 3.0, 1.0}) {
             const double there = at == 1.0 ? g.end[i] : value(i, at);
@@ -174,7 +175,7 @@ private:
     }
 
     template <class Value>
-    static bool rises_briefly(std::size_t i, Value&& value, Bracket& bracket) {
+    [[gnu::noinline]] static bool rises_briefly(std::size_t i, Value&& value, Bracket& bracket) {
         constexpr int kHalvings = 24;
         double s = bracket.high;
         for (int k = 0; k < kHalvings; ++k) {
@@ -193,7 +194,8 @@ private:
     // solution), the dense output well above the lower end at both looks; where the slopes gave the
     // alarm, a parabola through a look at the tangents' meeting that stays well above zero.
     template <class Value>
-    static bool clearly_above(const EventSamples<M>& g, std::size_t i, Value&& value) {
+    [[gnu::noinline]] static bool clearly_above(const EventSamples<M>& g, std::size_t i,
+                                                Value&& value) {
         const double falling = start_slope(g, i), rising = end_slope(g, i);
         if (!(falling < 0.0 && rising > 0.0)) {
             const double floor = 0.5 * std::min(g.start[i], g.end[i]);
@@ -212,7 +214,8 @@ private:
     // Looks for a negative value on the dense output, by samples and then by closing in on the
     // least.
     template <class Value>
-    static bool find_dip(const EventSamples<M>& g, std::size_t i, Value&& value, Bracket& bracket) {
+    [[gnu::noinline]] static bool find_dip(const EventSamples<M>& g, std::size_t i, Value&& value,
+                                           Bracket& bracket) {
         if (clearly_above(g, i, value)) return false;
         constexpr std::size_t kSamples = 8;
         const auto at = [](std::size_t j) { return static_cast<double>(j) / kSamples; };
@@ -235,7 +238,8 @@ private:
 
     // Golden section, until a value is negative or the curvature leaves no room for one.
     template <class Value>
-    static bool close_in(std::size_t i, Value&& value, Bracket around, Bracket& bracket) {
+    [[gnu::noinline]] static bool close_in(std::size_t i, Value&& value, Bracket around,
+                                           Bracket& bracket) {
         constexpr double kGolden = 0.3819660112501051;
         constexpr int kMost = 40;
         double a = around.low, b = around.high, at_a = around.at_low, at_b = around.at_high;

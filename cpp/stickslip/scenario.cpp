@@ -91,12 +91,14 @@ Model make_model(const Scenario& s) {
     model.quadratic_linear_drag = e.quadratic_drag_coefficient;
     model.rotational_drag = e.rotational_drag_coefficient;
     model.quadratic_drag = s.drag.rotational;
-    model.friction = {s.contact.static_friction, s.contact.kinetic_friction,
-                      e.stribeck_friction_velocity, e.viscous_friction_coefficient,
-                      e.friction_anisotropy_fraction,
-                      // A sine in the world's x is its negative in the turned robot's.
-                      frame_sign(s) * e.friction_patches_amplitude,
-                      2.0 * std::numbers::pi / e.friction_patches_period};
+    model.friction = {s.contact.static_friction,
+                      s.contact.kinetic_friction,
+                      {.stribeck_velocity = e.stribeck_friction_velocity,
+                       .viscous = e.viscous_friction_coefficient,
+                       .anisotropy = e.friction_anisotropy_fraction,
+                       // A sine in the world's x is its negative in the turned robot's.
+                       .patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,
+                       .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period}};
     model.adhesion = {s.contact.adhesion, s.contact.adhesion_range, e.angle_adhesion_strength,
                       e.adhesion_ageing_rate, e.adhesion_ageing_time};
     model.restitution = s.contact.restitution + e.restitution_coefficient;

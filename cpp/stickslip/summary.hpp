@@ -12,14 +12,15 @@ namespace stickslip {
 /// What a run comes to, in the world's frame. Velocities, angles and the flown part are taken over
 /// the measuring window; counts over the whole run.
 struct Summary {
-    double mean_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, section VII
-    double theta_min = std::numeric_limits<double>::quiet_NaN();      ///< rad
-    double theta_max = std::numeric_limits<double>::quiet_NaN();      ///< rad
-    double slip_up =
-        0.0;  ///< m/s, slip of the contact while theta rises, over the window's duration
-    double slip_down = 0.0;  ///< m/s, the same while theta falls
-    double slip_flat = 0.0;  ///< m/s, the same of a face
-    double airborne_fraction = 0.0;
+    static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // not measured
+
+    double mean_velocity = kNone;  ///< m/s, section VII
+    double theta_min = kNone;      ///< rad
+    double theta_max = kNone;      ///< rad
+    double slip_up = kNone;  ///< m/s, slip of the contact while theta rises, over the window's span
+    double slip_down = kNone;  ///< m/s, the same while theta falls
+    double slip_flat = kNone;  ///< m/s, the same of a face
+    double airborne_fraction = kNone;
     double simulated_time = 0.0;  ///< s
     std::array<std::int64_t, kEventKinds> events = {};
 };

@@ -18,7 +18,7 @@ inline double kinetic_energy(const Model& model, const BodyState& body) {
 inline Model random_impact_model(Random& random, double most_friction, double restitution) {
     Model model = paper_model();
     const double mu = random.between(0.0, most_friction);
-    model.friction = {mu, mu * random.between(0.0, 1.0), 0.0};
+    model.friction = {mu, mu * random.between(0.0, 1.0)};
     model.restitution = restitution;
     return model;
 }

@@ -38,7 +38,7 @@ TEST_CASE("flat robot, rear lands: the old contact has mu_s and the new one mu_k
     Model model = paper_model();
     const double omega = 500.0;
     for (const double offset : {1e-9, 0.1}) {
-        model.friction = {limit + offset, 0.35, 0.0};
+        model.friction = {limit + offset, 0.35};
         const ImpactResult result =
             face_impact(model, rear_comes_down(omega), Arrival::behind, false);
         CHECK(result.touch == Touch::face);
@@ -48,7 +48,7 @@ TEST_CASE("flat robot, rear lands: the old contact has mu_s and the new one mu_k
         CHECK(result.body.omega == 0.0);
     }
     for (const double offset : {1e-9, 0.1}) {
-        model.friction = {limit - offset, 0.35, 0.0};
+        model.friction = {limit - offset, 0.35};
         const ImpactResult result =
             face_impact(model, rear_comes_down(omega), Arrival::behind, false);
         CHECK(result.touch == Touch::face);
@@ -64,7 +64,7 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
     const double tangential = (mu * b - delta * third / b) / (1.0 + delta * h / b);
     const double omega = 500.0;
     Model model = paper_model();
-    model.friction = {mu_s, mu_k, 0.0};
+    model.friction = {mu_s, mu_k};
     const ImpactResult result = face_impact(model, rear_comes_down(omega), Arrival::behind, false);
     CHECK(result.touch == Touch::face);
     CHECK(result.slip_velocity == doctest::Approx(omega * (tangential - h)).epsilon(1e-12));
@@ -80,7 +80,7 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
 TEST_CASE("face impact: an arriving corner rebounds, the old one stays") {
     // With friction enough to stick at the old corner it all turns back about it: omega' = e omega.
     Model model = paper_model();
-    model.friction = {5.0, 5.0, 0.0};
+    model.friction = {5.0, 5.0};
     model.restitution = 0.4;
     const ImpactResult result = face_impact(model, rear_comes_down(500.0), Arrival::behind, false);
     CHECK(result.touch == Touch::corner);
@@ -97,7 +97,7 @@ TEST_CASE("rocking block: a tall one rolls over, and keeps 1 - 3/2 sin^2 alpha o
     // B^2) omega before, with half base B and half height H of the standing block, and (J + m r^2)
     // omega' after. With J = m r^2/3 and alpha = atan(B/H) the ratio is 1 - 3/2 sin^2(alpha).
     Model model = paper_model();
-    model.friction = {5.0, 5.0, 0.0};
+    model.friction = {5.0, 5.0};
     const double alpha = std::atan(h / b), sine = std::sin(alpha);
     const double ratio = 1.0 - 1.5 * sine * sine;
     for (const double omega : {-800.0, -1.0, 2.0, 500.0}) {
@@ -121,7 +121,7 @@ TEST_CASE("rocking block: a tall one rolls over, and keeps 1 - 3/2 sin^2 alpha o
 TEST_CASE("rocking block: a block wider than sqrt(2) times its height does not rock") {
     // N_front = (b^2 - 2 h^2) / (3 b) of the first case changes sign there.
     Model model = paper_model();
-    model.friction = {50.0, 50.0, 0.0};
+    model.friction = {50.0, 50.0};
     for (const double ratio : {1.40, 1.43}) {
         model.shape = Rectangle(2.0 * ratio * h, 2.0 * h);
         model.inertia = model.mass * h * h * (1.0 + ratio * ratio) / 3.0;

@@ -37,8 +37,8 @@ StepperOptions fixed_steps(double width) {
 class Setup {
 public:
     Setup() : model_(paper_model()), dynamics_(model_, field()) {
-        model_.friction = {1e3, 1e3, 0.0};  // nothing slips
-        model_.adhesion.strength = 1e-3;    // and nothing leaves
+        model_.friction = {1e3, 1e3};     // nothing slips
+        model_.adhesion.strength = 1e-3;  // and nothing leaves
         // Omega |omega| has no second derivative where the swing turns: no order would be seen.
         model_.quadratic_drag = 0.0;
         model_.rotational_drag = 1e-14;
@@ -174,7 +174,7 @@ TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
     // Kinetic energy about the corner, potential energy of weight and magnet; no drag.
     Model model = paper_model();
     model.linear_drag = model.quadratic_drag = 0.0;
-    model.friction = {1e3, 1e3, 0.0};
+    model.friction = {1e3, 1e3};
     model.adhesion.strength = 1e-3;
     const double bx = 2e-3, bz = -1e-3;
     Dynamics dynamics = stickslip::test::in_uniform_field(model, bx, bz);
@@ -202,7 +202,7 @@ TEST_CASE("tsit5: a slide that comes near the point without solution ends before
     Model model = paper_model();
     model.adhesion.strength = 1e-6;
     for (const double mu : {1.34, 1.4, 1.5}) {
-        model.friction = {mu, mu, 0.0};
+        model.friction = {mu, mu};
         for (const double slip : {0.05, 5.0}) {
             Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
             CornerSlipPhase phase(dynamics, 0.0, 1, slip);
@@ -221,7 +221,7 @@ TEST_CASE("tsit5: a slide that comes near the point without solution ends before
 
 TEST_CASE("tsit5: a slide that begins without solution jams at once") {
     Model model = paper_model();
-    model.friction = {2.0, 2.0, 0.0};
+    model.friction = {2.0, 2.0};
     Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
     CornerSlipPhase phase(dynamics, 0.0, 1, 0.05);
     const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};

@@ -49,7 +49,7 @@ struct Draw {
 
     Draw(Random& random, Touch touch, double most_friction) {
         const double mu = random.between(0.0, most_friction);
-        model.friction = {mu, mu * (random.coin() ? 1.0 : random.between(0.0, 1.0)), 0.0};
+        model.friction = {mu, mu * (random.coin() ? 1.0 : random.between(0.0, 1.0))};
         model.adhesion.strength = random.coin() ? 0.0 : random.between(0.0, 0.5e-6);
         model.gravity_x = random.between(-10.0, 10.0);
         model.gravity_z = random.between(-10.0, 8.0);
@@ -245,7 +245,7 @@ TEST_CASE("resolve: a face that is lifted as a whole: every condition holds") {
 TEST_CASE("resolve: at the limit of friction the event says which way, not a rounded sign") {
     // mu_s = mu_k: stick and slip are one there, and the slip's acceleration is zero to rounding.
     Model model = paper_model();
-    model.friction = {0.2, 0.2, 0.0};
+    model.friction = {0.2, 0.2};
     Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
     for (const int onset : {-1, 1}) {
         BodyState body;

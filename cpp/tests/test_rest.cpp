@@ -76,7 +76,7 @@ CurrentSegment slow_rise(const PerCoil& volts, double duration) {
 TEST_CASE("rest: under a slowly rising field the cone is left when the closed form says") {
     // The x coil alone pulls with its gradient; friction so low that it slips before it tips.
     Model model = paper_model();
-    model.friction = {0.02, 0.01, 0.0};
+    model.friction = {0.02, 0.01};
     for (const double direction : {1.0, -1.0}) {
         PerCoil volts = {};
         volts[direction > 0.0 ? 0 : 1] = 60.0;  // either coil attracts the robot
@@ -137,7 +137,7 @@ TEST_CASE("rest: after a jump of the voltage the event lies in the first time co
 
 TEST_CASE("rest: a load that only just holds, and one that only just does not") {
     Model model = paper_model();
-    model.friction = {0.02, 0.01, 0.0};
+    model.friction = {0.02, 0.01};
     const PerCoil amperes = {5.0, 0.0, 0.0, 0.0, 0.0};
     const Reactions at_five(model, amperes);
     const double needed =
