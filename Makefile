@@ -82,7 +82,7 @@ test-python: install ## Python tests
 demo: install ## a short tour
 	@$(RUN) -m stickslip.demo
 
-bench: install ## benchmarks, against peers where they are installed
+bench: install ## speed of both integrators at equal accuracy, into bench/results/
 	@$(RUN) bench/bench.py
 
 # The peers have an environment of their own; bench/peers/README.md says what is measured.

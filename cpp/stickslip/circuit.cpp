@@ -6,17 +6,39 @@
 
 namespace stickslip {
 
-PerCoil CurrentSegment::currents(double tau) const {
+PerCoil CurrentSegment::at(const Coefficients& coefficients, double tau) const {
     std::array<double, kMaxBasis> basis = {1.0, tau};
     for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {
         basis[2 + j] = std::exp(-rate[j] * tau);
     }
     PerCoil result = {};
     for (std::size_t b = 0; b < static_cast<std::size_t>(2 + exponentials); ++b) {
-        for (std::size_t k = 0; k < kCoilCount; ++k) result[k] += coefficient[b][k] * basis[b];
+        for (std::size_t k = 0; k < kCoilCount; ++k) result[k] += coefficients[b][k] * basis[b];
     }
     return result;
 }
+
+namespace {
+
+// Integral of the square of one coil's current over a stretch, A^2 s.
+double squared_integral(const CurrentSegment& segment, std::size_t coil) {
+    const double d = segment.duration;
+    const double a = segment.coil[0][coil], b = segment.coil[1][coil];
+    double sum = d * (a * a + d * (a * b + d * b * b / 3.0));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
+        const double c = segment.coil[2 + j][coil], rate = segment.rate[j];
+        const double decay = std::exp(-rate * d);
+        sum += 2.0 * a * c * (-std::expm1(-rate * d) / rate) +
+               2.0 * b * c * (-std::expm1(-rate * d) - rate * d * decay) / (rate * rate);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(segment.exponentials); ++i) {
+            const double both = rate + segment.rate[i];
+            sum += c * segment.coil[2 + i][coil] * (-std::expm1(-both * d) / both);
+        }
+    }
+    return sum;
+}
+
+}  // namespace
 
 Circuit::Circuit(const CircuitParameters& p) : lag_(p.lag) {
     Vector per_root;  // R^(-1/2)
@@ -72,41 +94,46 @@ CurrentSegment Circuit::advance(const VoltageSegment& segment) {
         result.rate[j] = 1.0 / time_constant_(m);
         for (int k = 0; k < kCoilCount; ++k) {
             const auto coil = static_cast<std::size_t>(k);
-            result.coefficient[0][coil] += from_modes_(k, m) * level(m);
-            result.coefficient[1][coil] += from_modes_(k, m) * slope(m);
-            result.coefficient[2 + j][coil] += from_modes_(k, m) * transient(m);
+            result.coil[0][coil] += from_modes_(k, m) * level(m);
+            result.coil[1][coil] += from_modes_(k, m) * slope(m);
+            result.coil[2 + j][coil] += from_modes_(k, m) * transient(m);
         }
         mode_(m) = level(m) + slope(m) * result.duration +
                    transient(m) * std::exp(-result.duration / time_constant_(m));
     }
-    if (lag_ > 0.0) {
-        const auto own = static_cast<std::size_t>(result.exponentials++);
-        result.rate[own] = 1.0 / lag_;
-        for (std::size_t k = 0; k < kCoilCount; ++k) {
-            result.coefficient[0][k] -= lag_ * result.coefficient[1][k];
-            double start = result.coefficient[0][k];
-            for (std::size_t j = 0; j < own; ++j) {
-                result.coefficient[2 + j][k] /= 1.0 - lag_ * result.rate[j];
-                start += result.coefficient[2 + j][k];
-            }
-            result.coefficient[2 + own][k] = effective_[k] - start;
-        }
-        effective_ = result.currents(result.duration);
-    }
+    result.field = result.coil;
+    if (lag_ > 0.0) add_lag(result);
     return result;
 }
 
+// The lag's own exponential comes last; each function of time passes through the lag as it must.
+void Circuit::add_lag(CurrentSegment& segment) {
+    const auto own = static_cast<std::size_t>(segment.exponentials++);
+    segment.rate[own] = 1.0 / lag_;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        segment.field[0][k] -= lag_ * segment.field[1][k];
+        double start = segment.field[0][k];
+        for (std::size_t j = 0; j < own; ++j) {
+            segment.field[2 + j][k] /= 1.0 - lag_ * segment.rate[j];
+            start += segment.field[2 + j][k];
+        }
+        segment.field[2 + own][k] = lagging_[k] - start;
+    }
+    lagging_ = segment.field_currents(segment.duration);
+}
+
 PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParameters& parameters) {
-    constexpr std::int64_t kRepeats = 16;  // enough for the coils to reach their periodic state
-    constexpr int kPieces = 8;             // of a stretch, two Gauss points each
     CircuitParameters without_lag = parameters;
     without_lag.lag = 0.0;
     Circuit circuit(without_lag);
+    const double settling = 40.0 * circuit.slowest();  // exp(-40) is below rounding
     PerCoil sum = {};
     for (const VoltageBlock& block : program.blocks()) {
-        const std::int64_t played = std::min(block.repeats, kRepeats);
+        const double needed = std::ceil(settling / block.duration()) + 1.0;
+        const std::int64_t played = static_cast<double>(block.repeats) < needed
+                                        ? block.repeats
+                                        : static_cast<std::int64_t>(needed);
         for (std::int64_t repeat = 0; repeat < played; ++repeat) {
-            // The last one played stands for those that are left out.
             const double weight =
                 repeat + 1 == played ? static_cast<double>(block.repeats - repeat) : 1.0;
             for (std::size_t i = 0; i + 1 < block.points.size(); ++i) {
@@ -115,15 +142,8 @@ PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParamet
                 if (to.time == from.time) continue;
                 const CurrentSegment segment =
                     circuit.advance({from.time, to.time, from.voltage, to.voltage});
-                for (int piece = 0; piece < 2 * kPieces; ++piece) {
-                    const double offset = (piece % 2 ? 1.0 : -1.0) / std::sqrt(3.0);
-                    const double tau =
-                        segment.duration * (piece / 2 + 0.5 * (1.0 + offset)) / kPieces;
-                    const PerCoil current = segment.currents(tau);
-                    for (std::size_t k = 0; k < kCoilCount; ++k) {
-                        sum[k] +=
-                            weight * current[k] * current[k] * segment.duration / (2 * kPieces);
-                    }
+                for (std::size_t k = 0; k < kCoilCount; ++k) {
+                    sum[k] += weight * squared_integral(segment, k);
                 }
             }
         }

@@ -12,17 +12,25 @@ namespace stickslip {
 inline constexpr int kMaxExponentials = kCoilCount + 1;
 inline constexpr int kMaxBasis = 2 + kMaxExponentials;
 
-/// Effective coil currents over one linear stretch of voltage, as
+/// Currents over one linear stretch of voltage, as
 ///   I_k(tau) = c[0][k] + c[1][k] tau + sum_j c[2+j][k] exp(-rate[j] tau),   tau = t - start.
 struct CurrentSegment {
+    using Coefficients = std::array<PerCoil, kMaxBasis>;  // A, A/s, A, A ...
+
     double start = 0.0;     ///< s
     double duration = 0.0;  ///< s
     int exponentials = 1;
-    std::array<double, kMaxExponentials> rate = {};   ///< 1/s
-    std::array<PerCoil, kMaxBasis> coefficient = {};  ///< A, A/s, A, A ...
+    std::array<double, kMaxExponentials> rate = {};  ///< 1/s
+    Coefficients coil = {};                          ///< of the currents in the coils
+    Coefficients field = {};  ///< of the currents that would make the field, which lags
 
-    /// Currents that make the field at `tau` seconds from the start, in A.
-    PerCoil currents(double tau) const;
+    /// Currents in the coils at `tau` seconds from the start, A.
+    PerCoil currents(double tau) const { return at(coil, tau); }
+    /// Currents that would make the field without a lag, A.
+    PerCoil field_currents(double tau) const { return at(field, tau); }
+
+private:
+    PerCoil at(const Coefficients& coefficients, double tau) const;
 };
 
 struct CircuitParameters {
@@ -42,9 +50,14 @@ public:
     /// The currents over `segment`, going on from where the previous stretch ended.
     CurrentSegment advance(const VoltageSegment& segment);
 
+    /// Largest time constant of the modes, s.
+    double slowest() const { return time_constant_.maxCoeff(); }
+
 private:
     using Vector = Eigen::Matrix<double, kCoilCount, 1>;
     using Matrix = Eigen::Matrix<double, kCoilCount, kCoilCount>;
+
+    void add_lag(CurrentSegment& segment);
 
     Matrix to_modes_;                                 // of voltages
     Matrix from_modes_;                               // to currents
@@ -53,7 +66,7 @@ private:
     int groups_ = 0;
     double lag_;
     Vector mode_ = Vector::Zero();  // modal currents at the end of the last stretch
-    PerCoil effective_ = {};        // A, the lagging currents that make the field
+    PerCoil lagging_ = {};          // A, the currents of the field at the end of the last stretch
 };
 
 /// Mean of the squared currents over a program, A^2. Of a block that repeats, the first repeats

@@ -131,13 +131,7 @@ inline Load Dynamics::load(const Expansion& expansion, double x, double z, const
     const PlanarField field = expansion(x, z);
     const double mx = moment_cosine_ * pose.cosine - moment_sine_ * pose.sine;
     const double mz = -(moment_sine_ * pose.cosine + moment_cosine_ * pose.sine);
-    double drag = m.linear_drag;
-    if (m.angle_drag != 0.0) {
-        const double cosine = turn_.cosine * pose.cosine - turn_.sine * pose.sine;
-        drag *= 1.0 + m.angle_drag * cosine * cosine;
-    }
     Load load;
-    if (m.quadratic_linear_drag != 0.0) drag += m.quadratic_linear_drag * std::hypot(vx, vz);
     load.fx = mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - m.linear_drag * vx;
     load.fz = mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - m.linear_drag * vz;
     const double turning_drag = (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;

@@ -423,6 +423,7 @@ void HybridLoop<Integrator>::settle(Touch touch, double slip_velocity, int onset
     if (found.quadrant != body_.quadrant) pivot_on_rear_end();
     slip_velocity_ = slip_velocity;
     mode_ = found.mode;
+    if (mode_.touch == Touch::face && mode_.slip == 0) body_.vx = body_.vz = body_.omega = 0.0;
     memory_ = {};
     memory_.stalled = stalls_ > kMostStalls;
     count_change(before);

@@ -80,7 +80,7 @@ void LocalField::combine() {
     for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
         Terms sum = {};
         for (std::size_t k = 0; k < kCoilCount; ++k) {
-            const double coefficient = gain_[k] * segment_.coefficient[b][k];
+            const double coefficient = gain_[k] * segment_.field[b][k];
             if (coefficient == 0.0) continue;
             for (std::size_t i = 0; i < Expansion::kTerms; ++i) sum[i] += coefficient * unit_[k][i];
         }

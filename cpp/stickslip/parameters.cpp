@@ -96,7 +96,7 @@ std::vector<Parameter> make_parameters() {
          "period over which the controller holds its output; 0: none",
          STICKSLIP_MEMBER(effects.sample_hold_period)},
         {"effects.edge_time.time", "s", 0, 1, kClosed, kReal,
-         "duration of the sudden edge beyond drive.edge_time",
+         "duration of the sawtooth's sudden edge beyond drive.edge_time",
          STICKSLIP_MEMBER(effects.edge_time_time)},
         {"effects.mutual_inductance.coupling", "-", -0.2, 0.9, kClosed, kReal,
          "mutual over self inductance of each pair of coils",

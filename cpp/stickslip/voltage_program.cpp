@@ -119,9 +119,12 @@ bool SegmentStream::next_uncut(VoltageSegment& segment) {
     if (start >= duration_ * (1.0 - 1e-12)) return false;
     ++held_;
     const double end = std::min(static_cast<double>(held_) * hold_period_, duration_);
-    while (programmed_.end <= start && cursor_.next(programmed_)) {
+    // A period that divides the pulse meets its jumps but for rounding, and then holds what
+    // follows.
+    const double instant = start + 1e-9 * hold_period_;
+    while (programmed_.end <= instant && cursor_.next(programmed_)) {
     }
-    const PerCoil volts = voltage_at(programmed_, start);
+    const PerCoil volts = voltage_at(programmed_, std::max(start, programmed_.start));
     segment = {start, end, volts, volts};
     return true;
 }

@@ -45,7 +45,7 @@ inline CurrentSegment steady(const PerCoil& currents, double duration = 1.0) {
     CurrentSegment segment;
     segment.duration = duration;
     segment.rate[0] = 1.0;
-    segment.coefficient[0] = currents;
+    segment.coil[0] = segment.field[0] = currents;
     return segment;
 }
 

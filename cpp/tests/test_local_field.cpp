@@ -162,8 +162,8 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
     segment.duration = 0.1;
     segment.exponentials = 2;
     segment.rate = {1.0 / 0.007, 1.0 / 0.001};
-    for (PerCoil& row : segment.coefficient) row = random_currents(random);
-    segment.coefficient[1] = {10.0, 20.0, -30.0, 40.0, -50.0};  // A/s
+    for (PerCoil& row : segment.field) row = random_currents(random);
+    segment.field[1] = {10.0, 20.0, -30.0, 40.0, -50.0};  // A/s
 
     LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
     field.set_segment(segment);
@@ -175,7 +175,7 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
         // Of either size as against 1/32 of a time constant, below which a series is used.
         const double span = random.coin() ? 1e-4 : 0.02;
         const double tau = std::clamp(base + random.between(-span, span), 0.0, 0.1);
-        const FullSum full = full_sum(segment.currents(tau), x, z);
+        const FullSum full = full_sum(segment.field_currents(tau), x, z);
         // exp(-r tau) of r tau <= 100 has the relative rounding of its argument, 100 eps; by the
         // base's value it is had twice. Sizes are those of the parts: up to 5 times the sum.
         const double size = 4.0 * 7.0 * 5.0 * 1.2e-3;

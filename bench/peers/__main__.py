@@ -1,0 +1,193 @@
+"""Runs all peers and stickslip in turn, prints one table, writes bench/results/peers.json."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from measure import cpu_seconds_in_turn, machine, pin
+
+import stickslip
+from peers import stickslip_side
+from peers.entries import ENTRIES, WRONG, Entry, installed_version
+from peers.problem import FAMILY, REFERENCE, problem_of
+
+POINTS = 100_000
+TARGETS = {"scipy": 400.0, "heyoka": 25.0, "mujoco": 400.0, "magpylib": 20.0}
+SHARE, SECONDS = 0.5, 1.0  # of the friction limit, s: the test for creep
+
+
+def rms_error(velocities: list[float], exact: np.ndarray) -> float:
+    """Root mean square of the relative errors."""
+    return float(np.sqrt(np.mean((np.array(velocities) / exact - 1.0) ** 2)))
+
+
+def tolerance_within(error: float, own_errors: dict[float, float]) -> float:
+    """The loosest tolerance of stickslip whose error, and that of all tighter ones, is within."""
+    chosen = None
+    for rtol, own in sorted(own_errors.items()):
+        if own > error:
+            break
+        chosen = rtol
+    if chosen is None:
+        raise RuntimeError(f"no tolerance of stickslip reaches a velocity error of {error:.1e}")
+    return chosen
+
+
+def motion_rows(entries: list[Entry], repeats: int) -> list[dict]:
+    """CPU time and velocity error of each entry, and of stickslip at no more than that error."""
+    exact = stickslip_side.exact_velocities(FAMILY)
+    problems = [problem_of(drive) for drive in FAMILY]
+    own_errors = {
+        rtol: rms_error([stickslip_side.velocity(drive, rtol) for drive in FAMILY], exact)
+        for rtol in stickslip_side.TOLERANCES
+    }
+    errors = [rms_error([entry.velocity(p) for p in problems], exact) for entry in entries]
+    tolerances = [tolerance_within(error, own_errors) for error in errors]
+
+    reference = problem_of(REFERENCE)
+    works = [lambda e=entry: e.velocity(reference) for entry in entries]
+    distinct = sorted(set(tolerances))
+    scenarios = [stickslip_side.scenario_of(REFERENCE, rtol) for rtol in distinct]
+    works += [lambda s=scenario: stickslip.simulate(s) for scenario in scenarios]
+    costs = [cost / reference.duration for cost in cpu_seconds_in_turn(works, repeats)]
+    own_costs = dict(zip(distinct, costs[len(entries) :], strict=True))
+    rows = []
+    for entry, error, rtol, cost in zip(entries, errors, tolerances, costs, strict=False):
+        rows.append(
+            {
+                "peer": entry.peer,
+                "settings": entry.settings,
+                "unit": "CPU s / simulated s",
+                "cost": cost,
+                "error": error,
+                "stickslip_settings": f"rtol {rtol:.0e}",
+                "stickslip_cost": own_costs[rtol],
+                "stickslip_error": own_errors[rtol],
+                "ratio": cost / own_costs[rtol],
+                "target": TARGETS[entry.peer],
+                "compile_seconds": entry.compile_seconds,
+                "wrong": entry.checked and error > WRONG,
+            }
+        )
+    return rows
+
+
+def field_rows(repeats: int) -> list[dict]:
+    """CPU time a point and coil of field and gradient, within 12.5 mm of the centre."""
+    from peers.magpylib_peer import Coil
+
+    points = np.random.default_rng(1).uniform(-0.0125, 0.0125, (POINTS, 3))
+    current = [1.0, 0.0, 0.0, 0.0, 0.0]
+    own, peer = stickslip.Coils(), Coil()
+    pairs = {
+        "field": (peer.field, own.field),
+        "gradient, 4 differences": (peer.gradient, own.gradient),
+    }
+    works = []
+    for theirs, ours in pairs.values():
+        works += [lambda f=theirs: f(points), lambda f=ours: f(points, current)]
+    costs = [1e9 * cost / POINTS for cost in cpu_seconds_in_turn(works, repeats)]
+    rows = []
+    for k, (name, (theirs, ours)) in enumerate(pairs.items()):
+        exact = ours(points, current)
+        error = float(np.abs(theirs(points) - exact).max() / np.abs(exact).max())
+        rows.append(
+            {
+                "peer": "magpylib",
+                "settings": name,
+                "unit": "ns / point and coil",
+                "cost": costs[2 * k],
+                "error": error,
+                "stickslip_settings": "analytic",
+                "stickslip_cost": costs[2 * k + 1],
+                "stickslip_error": 0.0,
+                "ratio": costs[2 * k] / costs[2 * k + 1],
+                "target": TARGETS["magpylib"],
+                "compile_seconds": 0.0,
+                "wrong": error > 1e-6,
+            }
+        )
+    return rows
+
+
+def creep_rows(with_mujoco: bool) -> list[dict]:
+    """Drift in mm of a block at half its friction limit."""
+    drifts = {"stickslip": stickslip_side.creep(SHARE, SECONDS)}
+    if with_mujoco:
+        from peers import mujoco_peer
+
+        for settings in (mujoco_peer.QUICK, mujoco_peer.ACCURATE):
+            softer = replace(settings, friction_impedance=1.0)
+            for each, name in ((settings, ""), (softer, ", impratio 1")):
+                drift = mujoco_peer.creep(problem_of(), each, SHARE, SECONDS)
+                drifts[f"mujoco, step {settings.timestep * 1e3:.0f} us{name}"] = drift
+    return [{"who": who, "drift_mm": 1e3 * drift} for who, drift in drifts.items()]
+
+
+def show(rows: list[dict]) -> None:
+    """The table."""
+    print(
+        f"{'peer':9}{'settings':32}{'cost':>9} {'unit':20}{'error':>8}"
+        f" | {'stickslip':>10}{'cost':>9}{'error':>8} | {'ratio':>6} {'target':>6}"
+    )
+    for row in rows:
+        print(
+            f"{row['peer']:9}{row['settings']:32}{row['cost']:9.3g} {row['unit']:20}"
+            f"{row['error']:8.1e} | {row['stickslip_settings']:>10}{row['stickslip_cost']:9.3g}"
+            f"{row['stickslip_error']:8.1e} | {row['ratio']:6.3g} {row['target']:6.0f}"
+            f"{'  WRONG' if row['wrong'] else ''}"
+        )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="peers", description=__doc__)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--out", type=Path, default=Path("bench/results/peers.json"))
+    options = parser.parse_args()
+    core = pin()
+
+    versions = {name: installed_version(name) for name in TARGETS}
+    missing = [name for name, version in versions.items() if version is None]
+    entries = [e for name, make in ENTRIES.items() if name not in missing for e in make()]
+    rows = motion_rows(entries, options.repeats)
+    if "magpylib" not in missing:
+        rows += field_rows(options.repeats)
+    creep = creep_rows("mujoco" not in missing)
+
+    show(rows)
+    for name in missing:
+        print(f"{name:9}not installable here: not measured")
+    compiled = [f"{row['compile_seconds']:.2g} s" for row in rows if row["compile_seconds"]]
+    if compiled:
+        print(f"compile time of heyoka's rows, not in the cost: {', '.join(compiled)}")
+    drifts = "; ".join(f"{row['who']}: {row['drift_mm']:.2g} mm" for row in creep)
+    print(f"drift of a block at half its friction limit in {SECONDS:g} s: {drifts}")
+    print(
+        f"stickslip {stickslip.__version__}, "
+        + ", ".join(f"{name} {version}" for name, version in versions.items() if version)
+    )
+
+    result = {
+        "machine": machine(),
+        "core": core,
+        "stickslip": stickslip.__version__,
+        "versions": versions,
+        "rows": rows,
+        "creep": creep,
+    }
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=2) + "\n")
+    print(f"written: {options.out}")
+    wrong = [f"{row['peer']} ({row['settings']})" for row in rows if row["wrong"]]
+    if wrong:
+        print(f"wrong physics: {', '.join(wrong)}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,334 @@
+"""Causes in the drive: what they do to currents and field, from the circuit equations.
+
+Expected currents come from numerical integration of L dI/dt = V - R I in this file; the solver has
+them in closed form.
+"""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from helpers import HEIGHT, LENGTH, MOMENT, RADIUS, WEIGHT, program, run, volts
+from stickslip import Coils, Waveform
+
+RESISTANCE, INDUCTANCE = 10.0, 70e-3  # ohm, H
+SLOW = INDUCTANCE / RESISTANCE  # s
+XP, XM, YP, YM, CLAMP = range(5)
+
+# Pressed so hard to the surface that no field of these tests moves it.
+HELD = {"contact.adhesion": 1e-3}
+# All five coils, jumps, ramps, both signs; stretches short against the time constant.
+BUSY = Waveform.from_points(
+    [0.0, 1e-3, 1e-3, 2e-3, 3e-3, 3e-3, 4e-3],
+    [[0, 0, 0, 0, 0], [30, 5, 0, -8, -20], [-10, 5, 0, 8, -20], [-10, -5, 4, 8, 30],
+     [20, 0, 4, 0, -30], [0, 0, 0, 0, 10], [25, -25, 0, 2, 10]],
+)  # fmt: skip
+
+
+def pieces_of(waveform):
+    """Linear pieces (start, end, volts at start, volts at end); jumps have none."""
+    t, v = waveform.points()
+    return [(t[i], t[i + 1], v[i], v[i + 1]) for i in np.flatnonzero(np.diff(t) > 1e-12)]
+
+
+def held_pieces(waveform, period):
+    """The staircase of a controller that reads the voltages at multiples of `period`.
+
+    At a jump it reads what comes after it, as `Waveform.voltages` does; a nanosecond puts times on
+    that side whatever their rounding, and moves a slope of 1 V/ms by 1e-6 V.
+    """
+    starts = period * np.arange(int(np.ceil(waveform.duration / period - 1e-9)))
+    ends = np.append(starts[1:], waveform.duration)
+    t = waveform.points()[0]
+    jumps = t[1:][np.diff(t) < 1e-12]
+    meets = np.any(np.abs(starts[:, None] - jumps) < 1e-9, axis=1)
+    levels = waveform.voltages(starts + 1e-9 * meets)
+    return [(*step, level, level) for *step, level in zip(starts, ends, levels, strict=True)]
+
+
+def integrated(pieces, at, resistance=RESISTANCE, coupling=0.0, lag=0.0, limit=np.inf):
+    """Lagging currents, which make the field, at times `at` (A, shape (n, 5)), and mean I^2."""
+    every = np.ones((5, 5))
+    inverse = np.linalg.inv(INDUCTANCE * (coupling * every + (1.0 - coupling) * np.eye(5)))
+
+    def rates(t, y, start, end, first, last):
+        voltage = np.clip(first + (t - start) / (end - start) * (last - first), -limit, limit)
+        current, effective = y[:5], y[5:10]
+        change = inverse @ (voltage - resistance * current)
+        behind = (current - effective) / lag if lag else change
+        return np.concatenate([change, behind, current**2])
+
+    y, result = np.zeros(15), np.zeros((len(at), 5))
+    for start, end, first, last in pieces:
+        # Where a voltage is clipped its slope jumps: no step may go over that.
+        cuts = {start, end}
+        for bound in (-limit, limit) if np.isfinite(limit) else ():
+            with np.errstate(divide="ignore", invalid="ignore"):
+                parts = (bound - first) / (last - first)
+            cuts |= {start + part * (end - start) for part in parts if 0.0 < part < 1.0}
+        cuts = sorted(cuts)
+        for begin, stop in itertools.pairwise(cuts):
+            inside = (at >= begin - 1e-12) & (at < stop - 1e-12)
+            t_eval = np.append(np.clip(at[inside], begin, stop), stop)
+            found = solve_ivp(
+                rates, (begin, stop), y, "DOP853", t_eval, args=(start, end, first, last),
+                rtol=1e-12, atol=1e-13,
+            )  # fmt: skip
+            result[inside] = found.y[5:10, :-1].T
+            y = found.y[:, -1]
+    result[at >= pieces[-1][1] - 1e-12] = y[5:10]
+    return result, y[10:] / pieces[-1][1]
+
+
+def heated(mean_square, coefficient):
+    return RESISTANCE * (1.0 + coefficient * RESISTANCE * mean_square)
+
+
+@pytest.mark.parametrize("coupling", [0.0, 0.2, -0.15])
+@pytest.mark.parametrize("heating", [0.0, 0.05])
+@pytest.mark.parametrize("lag", [0.0, 3e-3, SLOW])
+def test_currents_with_lag_heating_and_coupling_are_those_of_the_circuit(lag, heating, coupling):
+    keys = {
+        "effects.eddy_lag.time": lag,
+        "effects.coil_heating.coefficient": heating,
+        "effects.mutual_inductance.coupling": coupling,
+    }
+    waveform = 4 * BUSY
+    of = run(HELD, keys, program(waveform), rate=2e3)
+    _, mean_square = integrated(pieces_of(waveform), of.t, coupling=coupling)
+    resistance = heated(mean_square, heating)
+    currents, _ = integrated(pieces_of(waveform), of.t, resistance, coupling)
+    lagging, _ = integrated(pieces_of(waveform), of.t, resistance, coupling, lag)
+    # A lag of just L/R is moved by 1e-6 of itself: t/T exp(-t/T) then changes by 1e-6 at most.
+    slack = 2e-6 if lag == SLOW and coupling == 0.0 and heating == 0.0 else 1e-8
+    assert of.current == pytest.approx(currents, abs=1e-8)
+    assert np.abs(lagging).max() > 0.2
+    at = np.stack([of.x, np.zeros_like(of.x), of.z], axis=-1)
+    field = Coils().field(at, lagging)
+    assert of.bx == pytest.approx(field[:, 0], abs=1e-3 * slack)  # 0.96 mT for an ampere
+    assert of.bz == pytest.approx(field[:, 2], abs=1e-3 * slack)
+
+
+@pytest.mark.parametrize("seconds", [0.02, 0.5, 4.0])
+def test_heated_coil_has_the_resistance_of_its_mean_power(seconds):
+    # One step to V: nominal I = (V/R)(1 - e^(-t/T)), whose mean square is a closed form.
+    level, coefficient = 50.0, 0.01
+    fading = SLOW * (1.0 - np.exp(-seconds / SLOW))
+    twice = 0.5 * SLOW * (1.0 - np.exp(-2.0 * seconds / SLOW))
+    mean_square = (level / RESISTANCE) ** 2 * (seconds - 2.0 * fading + twice) / seconds
+    warm = heated(mean_square, coefficient)
+    assert warm > 1.5 * RESISTANCE
+    waveform = Waveform.hold(seconds, {"xp": level})
+    keys = {"effects.coil_heating.coefficient": coefficient}
+    of = run(HELD, keys, program(waveform), rate=200.0 / seconds)
+    # L/R shortens with the resistance; the others, without current, stay cold.
+    expected = level / warm * (1.0 - np.exp(-of.t * warm / INDUCTANCE))
+    assert of.current[:, XP] == pytest.approx(expected, rel=1e-5, abs=1e-12)
+    assert np.all(of.current[:, 1:] == 0.0)
+
+
+@pytest.mark.parametrize(("frequency", "pulses"), [(2.0, 3), (100.0, 30), (400.0, 100)])
+def test_pulsed_coils_are_heated_by_all_their_pulses(frequency, pulses):
+    drive = {"frequency": frequency, "pulses": pulses, "hold": 2e-3, "ramp": 0.01}
+    waveform = Waveform.ipp(**drive)
+    keys = {"effects.coil_heating.coefficient": 0.03}
+    of = run(HELD, keys, mode="IPP", rate=500.0, **drive)
+    _, mean_square = integrated(pieces_of(waveform), of.t)
+    expected, _ = integrated(pieces_of(waveform), of.t, heated(mean_square, 0.03))
+    assert of.current == pytest.approx(expected, abs=3e-5)  # 1e-5 of the largest, 2.6 A
+
+
+def test_fast_pulses_heat_a_coil_as_their_mean_voltage_does():
+    # Within a pulse of T the current follows by a part T/(L/R) = 1/35 of its own; the square of
+    # that counts.
+    period, seconds, coefficient = 2e-4, 0.6, 0.02
+    tooth = Waveform.sawtooth(period, {}, {"xp": 60.0})
+    keys = {"effects.coil_heating.coefficient": coefficient}
+    of = run(HELD, keys, program(round(seconds / period) * tooth), rate=1.0 / period)
+    mean_square = 3.0**2 * (1.0 - 1.5 * SLOW / seconds)  # of the step of 30 V
+    pulse = of.current[(of.t > seconds - 1.5 * period) & (of.t < seconds - 0.5 * period), XP]
+    mean = 30.0 / heated(mean_square, coefficient)
+    # A sample each pulse, at its start: half of the current's swing below the mean.
+    swing = 30.0 / INDUCTANCE * period / 4.0
+    assert pulse == pytest.approx(mean - swing, abs=swing)
+    assert swing < 0.02 * mean
+
+
+@pytest.mark.parametrize("clamp", ["down", "up"])
+def test_amplifier_clips_a_sawtooth_on_either_side(clamp):
+    # 2.5 mT is 26 V: clipped to 15 V for a part of each tooth.
+    drive = {"frequency": 80.0, "base": 0.5e-3, "hold": 1e-3, "clamp": clamp, "pulses": 4}
+    waveform = Waveform.opp(**drive)
+    of = run(HELD, {"effects.amplifier_limit.voltage": 15.0}, mode="OPP", rate=2e3, **drive)
+    expected, _ = integrated(pieces_of(waveform), of.t, limit=15.0)
+    assert of.current == pytest.approx(expected, abs=1e-8)
+    free, _ = integrated(pieces_of(waveform), of.t)
+    assert np.abs(free - expected).max() > 0.1
+
+
+def test_amplifier_clips_inside_a_ramp_from_side_to_side():
+    # xp meets the limit at 1/4 and 3/4 of the ramp, clamp at 5/16 and 11/16, ym never.
+    waveform = Waveform.ramp(
+        0.02, {"xp": -30, "clamp": 40, "ym": 14}, {"xp": 30, "clamp": -40, "ym": -14}
+    )
+    waveform = waveform + Waveform.hold(0.2, {"xp": -30, "clamp": 40, "ym": 14})
+    of = run(HELD, {"effects.amplifier_limit.voltage": 15.0}, program(waveform), rate=2e3)
+    expected, _ = integrated(pieces_of(waveform), of.t, limit=15.0)
+    assert of.current == pytest.approx(expected, abs=1e-8)
+    # 200 ms after the ramp, e^-28 of the way to the limit over the resistance is left.
+    assert of.current[-1] == pytest.approx([-1.5, 0.0, 0.0, 1.4, 1.5], abs=1e-10)
+
+
+def test_amplifier_that_is_never_at_its_limit_changes_nothing():
+    drive = {"mode": "OPP", "hold": 2.5e-3, "pulses": 6}
+    plain = run(rate=2e3, **drive)
+    limited = run({"effects.amplifier_limit.voltage": 26.0}, rate=2e3, **drive)
+    assert np.array_equal(limited.current, plain.current)
+    assert np.array_equal(limited.x, plain.x)
+
+
+@pytest.mark.parametrize("edge", ["rise", "fall"])
+@pytest.mark.parametrize("period", [1.7e-3, 7.3e-3, 23e-3])
+def test_held_output_is_a_staircase_of_the_voltages(period, edge):
+    drive = {"base": 0.5e-3, "edge": edge, "pulses": 6, "ramp_down": 0.013}
+    waveform = Waveform.ipp(**drive)
+    of = run(HELD, {"effects.sample_hold.period": period}, mode="IPP", rate=2e3, **drive)
+    expected, _ = integrated(held_pieces(waveform, period), of.t)
+    assert of.current == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("edge", ["rise", "fall"])
+@pytest.mark.parametrize("ramp", [0.0, 0.05])
+def test_held_output_that_meets_a_jump_is_the_voltage_after_it(edge, ramp):
+    # 1 ms divides the pulses, so every pulse has to be held at the same ten voltages.
+    drive = {"edge": edge, "pulses": 20, "ramp": ramp}
+    waveform = Waveform.ipp(**drive)
+    of = run(HELD, {"effects.sample_hold.period": 1e-3}, mode="IPP", rate=2e3, **drive)
+    expected, _ = integrated(held_pieces(waveform, 1e-3), of.t)
+    # The oracle reads a jump 1 ns late, on a slope of 2.6 V/ms.
+    assert of.current == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("period", [0.9e-3, 1.7e-3, 13e-3])
+@pytest.mark.parametrize("ramp_down", [0.0, 0.02])
+def test_mean_velocity_of_a_held_output_is_over_the_same_window(period, ramp_down):
+    # From the end of the third pulse to that of the last, which no period here meets.
+    drive = {"mode": "IPP", "base": 0.5e-3, "pulses": 10, "ramp_down": ramp_down}
+    of = run({"effects.sample_hold.period": period}, rate=1e3, **drive)
+    first, last = np.interp([0.08, 0.15], of.t, of.x)
+    assert np.isclose(of.t, 0.08, rtol=0, atol=1e-12).any()
+    assert of.mean_velocity == pytest.approx((last - first) / 0.07, rel=1e-9)
+    assert of.mean_velocity > 1e-4
+
+
+@pytest.mark.parametrize("edge", ["rise", "fall"])
+def test_edge_time_is_that_of_the_drive_to_the_last_bit(edge):
+    drive = {"mode": "OPP", "edge": edge, "base": 0.0, "hold": 2.5e-3, "pulses": 6}
+    effect = run({"effects.edge_time.time": 1.5e-3}, rate=2e3, **drive)
+    same = run(edge_time=1.5e-3, rate=2e3, **drive)
+    both = run({"effects.edge_time.time": 1.0e-3}, edge_time=0.5e-3, rate=2e3, **drive)
+    for other in (effect, both):
+        assert np.array_equal(other.current, same.current)
+        assert np.array_equal(other.x, same.x)
+        assert other.summary() == same.summary()
+
+
+@pytest.mark.parametrize("coupling", [0.3, -0.15])
+@pytest.mark.parametrize("driven", [XP, CLAMP])
+def test_coupled_coils_share_the_current_of_a_step(driven, coupling):
+    # The sum of all currents has L (1 + 4k), what differs between coils L (1 - k).
+    level, seconds = 40.0, 0.05
+    waveform = Waveform.hold(seconds, np.eye(5)[driven] * level)
+    keys = {"effects.mutual_inductance.coupling": coupling}
+    of = run(HELD, keys, program(waveform), rate=1e5)
+    together = level / RESISTANCE * (1.0 - np.exp(-of.t / (SLOW * (1.0 + 4.0 * coupling))))
+    apart = level / RESISTANCE * (1.0 - np.exp(-of.t / (SLOW * (1.0 - coupling))))
+    idle = (together - apart) / 5.0
+    assert of.current[:, driven] == pytest.approx(idle + apart, abs=1e-12)
+    for coil in {XP, XM, YP, YM, CLAMP} - {driven}:
+        assert of.current[:, coil] == pytest.approx(idle, abs=1e-12)
+    assert np.abs(idle).max() > 0.2
+    # Energy from the source is in the resistors and the field.
+    h = of.t[1] - of.t[0]
+    simpson = np.r_[1.0, np.tile([4.0, 2.0], len(of.t) // 2 - 1), 4.0, 1.0] * h / 3.0
+    given = level * simpson @ of.current[:, driven]
+    heat = RESISTANCE * simpson @ np.sum(of.current**2, axis=1)
+    end = of.current[-1]
+    stored = 0.5 * INDUCTANCE * ((1.0 - coupling) * end @ end + coupling * end.sum() ** 2)
+    assert given == pytest.approx(heat + stored, rel=1e-9)
+
+
+def test_coupled_coils_pull_with_the_currents_that_nobody_gave_them():
+    # A held block feels the gradient of all five; that of xm is against that of xp.
+    keys = {"effects.mutual_inductance.coupling": 0.3}
+    of = run(HELD, keys, program(Waveform.hold(0.02, {"xp": 50.0})), rate=1e4)
+    gradient = Coils().gradient([0.0, 0.0, HEIGHT / 2], of.current)
+    assert of.friction_force == pytest.approx(-MOMENT * gradient[:, 0, 0], abs=1e-15)
+    alone = Coils().gradient([0.0, 0.0, HEIGHT / 2], of.current * [1, 0, 0, 0, 0])
+    assert MOMENT * np.abs(gradient - alone)[:, 0, 0].max() > 5e-9
+
+
+@pytest.mark.parametrize("fraction", [0.5, -1.0, 2.0])
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_gradient_scale_scales_the_magnetic_force_alone(direction, fraction):
+    keys = {"effects.gradient_scale.fraction": fraction, "contact.adhesion": 1e-4}
+    waveform = Waveform.hold(0.03, {"xp": 50.0, "clamp": -20.0, "xm": 5.0})
+    of = run(keys, program(waveform), rate=1e3, direction=direction)
+    gradient = Coils().gradient([0.0, 0.0, HEIGHT / 2], of.current)
+    moment = MOMENT if direction == "+x" else -MOMENT
+    along, up = ((1.0 + fraction) * moment * gradient[:, i, 0] for i in (0, 2))
+    # The field near the robot is good to 1e-9 of itself, some 100 nN.
+    assert of.friction_force == pytest.approx(-along, abs=1e-15)
+    assert of.normal_force == pytest.approx(WEIGHT + 1e-4 - up, abs=1e-15)
+    field = Coils().field([0.0, 0.0, HEIGHT / 2], of.current)
+    assert of.bx == pytest.approx(field[:, 0], rel=1e-8, abs=1e-15)
+    assert of.bz == pytest.approx(field[:, 2], rel=1e-8, abs=1e-15)
+
+
+@pytest.mark.parametrize(("in_plane", "clamp"), [(0.3, 0.0), (0.0, -0.2), (-0.1, 0.4), (-1, 1)])
+def test_field_gain_scales_the_field_of_its_coils(in_plane, clamp):
+    gains = {"effects.field_gain.in_plane": in_plane, "effects.field_gain.clamp": clamp}
+    ambient = {"effects.ambient_field.Bx": 1e-4}
+    of = run(HELD, gains, ambient, program(BUSY), rate=5e3)
+    plain = run(HELD, program(BUSY), rate=5e3)
+    assert np.array_equal(of.current, plain.current)
+    scaled = of.current * (1.0 + np.array([in_plane] * 4 + [clamp]))
+    field = Coils().field([0.0, 0.0, HEIGHT / 2], scaled)
+    assert of.bx == pytest.approx(1e-4 + field[:, 0], abs=1e-11)
+    assert of.bz == pytest.approx(field[:, 2], abs=1e-11)
+    gradient = Coils().gradient([0.0, 0.0, HEIGHT / 2], scaled)
+    assert of.friction_force == pytest.approx(-MOMENT * gradient[:, 0, 0], abs=1e-15)
+
+
+@pytest.mark.parametrize(("in_plane", "clamp"), [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5)])
+def test_field_gain_turns_the_angle_at_which_a_tilted_block_rests(in_plane, clamp):
+    final = volts(in_plane=2.5e-3, clamp=-2.5e-3)
+    keys = {
+        "effects.field_gain.in_plane": in_plane,
+        "effects.field_gain.clamp": clamp,
+        "effects.rotational_drag.coefficient": 1e-12,
+        "contact.static_friction": 50.0,
+    }
+    waveform = Waveform.ramp(0.5, final) + Waveform.hold(1.5, final)
+    of = run(keys, program(waveform), rate=10.0)
+    scaled = of.current[-1] * (1.0 + np.array([in_plane] * 4 + [clamp]))
+    corner = np.arctan2(HEIGHT, LENGTH)
+
+    def torque(theta):
+        lever, height = RADIUS * np.cos(theta + corner), RADIUS * np.sin(theta + corner)
+        centre = [of.contact_x[-1] - lever, 0.0, height]
+        moment = MOMENT * np.array([np.cos(theta), 0.0, -np.sin(theta)])
+        field, gradient = Coils().field(centre, scaled), Coils().gradient(centre, scaled)
+        force = gradient @ moment
+        turning = moment[2] * field[0] - moment[0] * field[2]
+        return turning + height * force[0] + lever * (force[2] - WEIGHT)
+
+    steady = brentq(torque, 0.05, 1.5, xtol=1e-12)
+    # What is left of the rocking is of the integrator's tolerance.
+    assert of.theta[-1] == pytest.approx(steady, abs=1e-5)
+    # Field alone, without weight (some 31 of 4000 pN m), would turn it to atan(Bz/Bx).
+    bare = np.arctan((1.0 + clamp) / (1.0 + in_plane))
+    assert steady == pytest.approx(bare, abs=0.02)
