@@ -49,10 +49,16 @@ def held_pieces(waveform, period):
     return [(*step, level, level) for *step, level in zip(starts, ends, levels, strict=True)]
 
 
+# Signs of the mutual inductances, and 1 with itself: the dipole field of one coil at another, 3 (m.r)
+# (n.r) for the coils on different axes, is along that coil's axis if one is on the positive side.
+SIDE = np.array([1.0, -1.0, 1.0, -1.0, -1.0])
+AXIS = np.array([0, 0, 1, 1, 2])
+LINKED = np.where(AXIS[:, None] == AXIS, 1.0, -np.outer(SIDE, SIDE))
+
+
 def integrated(pieces, at, resistance=RESISTANCE, coupling=0.0, lag=0.0, limit=np.inf):
     """Lagging currents, which make the field, at times `at` (A, shape (n, 5)), and mean I^2."""
-    every = np.ones((5, 5))
-    inverse = np.linalg.inv(INDUCTANCE * (coupling * every + (1.0 - coupling) * np.eye(5)))
+    inverse = np.linalg.inv(INDUCTANCE * (coupling * LINKED + (1.0 - coupling) * np.eye(5)))
 
     def rates(t, y, start, end, first, last):
         voltage = np.clip(first + (t - start) / (end - start) * (last - first), -limit, limit)
@@ -236,34 +242,51 @@ def test_edge_time_is_that_of_the_drive_to_the_last_bit(edge):
         assert other.summary() == same.summary()
 
 
-@pytest.mark.parametrize("coupling", [0.3, -0.15])
+@pytest.mark.parametrize("coupling", [0.2, -0.15])
 @pytest.mark.parametrize("driven", [XP, CLAMP])
 def test_coupled_coils_share_the_current_of_a_step(driven, coupling):
-    # The sum of all currents has L (1 + 4k), what differs between coils L (1 - k).
+    # The matrix of signs has the eigenvalues 2 (four times) and -3 (once): with x the part of the
+    # driven coil in the last mode, L (1 + k) for what is left of it and L (1 - 4k) for that.
+    values, modes = np.linalg.eigh(LINKED)
+    assert values == pytest.approx([-3.0, 2.0, 2.0, 2.0, 2.0], abs=1e-12)
+    last = modes[:, 0] * modes[driven, 0]
     level, seconds = 40.0, 0.05
     waveform = Waveform.hold(seconds, np.eye(5)[driven] * level)
     keys = {"effects.mutual_inductance.coupling": coupling}
     of = run(HELD, keys, program(waveform), rate=1e5)
-    together = level / RESISTANCE * (1.0 - np.exp(-of.t / (SLOW * (1.0 + 4.0 * coupling))))
-    apart = level / RESISTANCE * (1.0 - np.exp(-of.t / (SLOW * (1.0 - coupling))))
-    idle = (together - apart) / 5.0
-    assert of.current[:, driven] == pytest.approx(idle + apart, abs=1e-12)
-    for coil in {XP, XM, YP, YM, CLAMP} - {driven}:
-        assert of.current[:, coil] == pytest.approx(idle, abs=1e-12)
-    assert np.abs(idle).max() > 0.2
+
+    def rising(inductance):
+        return level / RESISTANCE * (1.0 - np.exp(-of.t / (SLOW * inductance)))
+
+    slow, fast = rising(1.0 + coupling), rising(1.0 - 4.0 * coupling)
+    expected = np.outer(slow, np.eye(5)[driven] - last) + np.outer(fast, last)
+    assert of.current == pytest.approx(expected, abs=1e-12)
+    idle = np.delete(of.current, driven, axis=1)
+    assert np.abs(idle).max() > 0.1
     # Energy from the source is in the resistors and the field.
     h = of.t[1] - of.t[0]
     simpson = np.r_[1.0, np.tile([4.0, 2.0], len(of.t) // 2 - 1), 4.0, 1.0] * h / 3.0
     given = level * simpson @ of.current[:, driven]
     heat = RESISTANCE * simpson @ np.sum(of.current**2, axis=1)
     end = of.current[-1]
-    stored = 0.5 * INDUCTANCE * ((1.0 - coupling) * end @ end + coupling * end.sum() ** 2)
+    stored = 0.5 * INDUCTANCE * ((1.0 - coupling) * end @ end + coupling * end @ LINKED @ end)
     assert given == pytest.approx(heat + stored, rel=1e-9)
+
+
+@pytest.mark.parametrize("coupling", [0.2, -0.15])
+def test_coupled_currents_do_not_know_where_the_robot_faces(coupling):
+    keys = {"effects.mutual_inductance.coupling": coupling}
+    waveform = Waveform.hold(0.02, {"xp": 50.0, "yp": -20.0, "clamp": 30.0})
+    one, other = (
+        run(HELD, keys, program(waveform), rate=1e4, direction=direction).current
+        for direction in ("+x", "-x")
+    )
+    assert one == pytest.approx(other, abs=1e-12)
 
 
 def test_coupled_coils_pull_with_the_currents_that_nobody_gave_them():
     # A held block feels the gradient of all five; that of xm is against that of xp.
-    keys = {"effects.mutual_inductance.coupling": 0.3}
+    keys = {"effects.mutual_inductance.coupling": 0.2}
     of = run(HELD, keys, program(Waveform.hold(0.02, {"xp": 50.0})), rate=1e4)
     gradient = Coils().gradient([0.0, 0.0, HEIGHT / 2], of.current)
     assert of.friction_force == pytest.approx(-MOMENT * gradient[:, 0, 0], abs=1e-15)

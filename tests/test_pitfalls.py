@@ -201,11 +201,46 @@ def test_lowest_corners_change_as_the_body_turns_over(clamp):
     assert turned.summary()["events"]["landing"] + turned.summary()["events"]["roll_over"] >= 2
 
 
+def test_a_dip_that_the_stages_do_not_show_is_found():
+    # The intermediate stages of a step are not the solution: here the slope that they give at its end
+    # has the wrong sign, and a search that trusts it misses an event and ends at -0.504 mm/s.
+    drive = {"mode": "OPP", "edge": "rise", "clamp": "up", "pulses": 8, "base": 1e-3}
+    drive |= {"frequency": 133.96790208838377, "hold": 2.0286319607907863e-3}
+    keys = friction(0.9281206662476631, 0.6728874830295557)
+    keys["contact.adhesion"] = 1.2674910410683476e-07
+    default, fine = run(keys, **drive), run(keys, FINE, **drive)
+    assert default.summary()["events"] == fine.summary()["events"]
+    assert default.mean_velocity == pytest.approx(fine.mean_velocity, rel=1e-4)
+
+
+def test_the_default_tolerance_agrees_with_a_fine_one_on_random_drives():
+    # Events decide the motion: one that is missed changes it by percents.
+    random = np.random.default_rng(20)
+    worst = []
+    for _ in range(150):
+        drive = {
+            "mode": random.choice(["IPP", "OPP"]).item(),
+            "edge": random.choice(["rise", "fall"]).item(),
+            "clamp": random.choice(["up", "down"]).item(),
+            "frequency": random.uniform(10.0, 200.0),
+            "base": random.uniform(0.0, 1e-3),
+            "hold": random.uniform(0.5e-3, 3e-3),
+            "pulses": 8,
+        }
+        static = random.uniform(0.1, 1.0)
+        keys = friction(static, 0.725 * static)
+        keys["contact.adhesion"] = random.uniform(0.0, 0.5e-6)
+        default, fine = run(keys, **drive), run(keys, FINE, **drive)
+        worst.append(abs(default.mean_velocity - fine.mean_velocity))
+    # 2 um/s is a thousandth of a brisk walk; a run at a bifurcation may fall either way.
+    assert np.sum(np.array(worst) > 2e-6) <= 1
+
+
 # mode, edge, Hz; base, peak, hold (mT); static, kinetic friction, Stribeck velocity; events
 PAINLEVE = [
     ("IPP", "fall", 233, 0.7, 7.4, 1.7, 2.56, 0.44, 1.1e-3, 6),
-    ("OPP", "rise", 161, 0.4, 3.7, 3.2, 2.45, 0.39, 23.9e-3, 8),
-    ("OPP", "rise", 278, 0.2, 3.7, 5.4, 2.46, 0.73, 5.9e-3, 13),
+    ("OPP", "rise", 161, 0.4, 3.7, 3.2, 2.45, 0.39, 23.9e-3, 5),
+    ("OPP", "rise", 278, 0.2, 3.7, 5.4, 2.46, 0.73, 5.9e-3, 12),
 ]
 
 

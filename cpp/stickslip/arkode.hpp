@@ -39,7 +39,8 @@ class Arkode {
 public:
     explicit Arkode(const StepperOptions& options) : options_(options) {}
 
-    StepCounts counts() const { return counts_; }
+    const StepperOptions& options() const { return options_; }
+    const StepCounts& counts() const { return counts_; }
 
     template <class Phase, class Observer>
     PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,

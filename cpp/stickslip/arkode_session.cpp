@@ -14,13 +14,13 @@
 namespace stickslip {
 namespace {
 
-int rates_callback(realtype t, N_Vector y, N_Vector dydt, void* data) {
+int rates_callback(sunrealtype t, N_Vector y, N_Vector dydt, void* data) {
     const auto* problem = static_cast<const ArkodeProblem*>(data);
     problem->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dydt), nullptr);
     return 0;
 }
 
-int events_callback(realtype t, N_Vector y, realtype* values, void* data) {
+int events_callback(sunrealtype t, N_Vector y, sunrealtype* values, void* data) {
     const auto* problem = static_cast<const ArkodeProblem*>(data);
     problem->rates(t, N_VGetArrayPointer(y), nullptr, values);
     return 0;
@@ -94,7 +94,7 @@ ArkodeSession::~ArkodeSession() = default;
 
 ArkodeSession::Outcome ArkodeSession::step(double t, double* y) {
     Handles& h = *handles_;
-    realtype reached = t;
+    sunrealtype reached = t;
     const int flag = ERKStepEvolve(h.memory, t_stop_, h.y, &reached, ARK_ONE_STEP);
     Outcome outcome;
     outcome.time = reached;

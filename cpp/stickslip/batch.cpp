@@ -35,7 +35,12 @@ void run_tasks(std::size_t count, int threads, RunControl& control,
 
     std::vector<std::jthread> pool;
     pool.reserve(static_cast<std::size_t>(workers));
-    for (int i = 0; i < workers; ++i) pool.emplace_back(work);
+    try {
+        for (int i = 0; i < workers; ++i) pool.emplace_back(work);
+    } catch (...) {  // no more threads: those that run are joined as the pool is left
+        control.stop = true;
+        throw;
+    }
 
     constexpr auto kPollInterval = std::chrono::milliseconds(50);
     std::unique_lock lock(mutex);

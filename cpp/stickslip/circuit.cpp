@@ -49,8 +49,7 @@ Circuit::Circuit(const CircuitParameters& p) : lag_(p.lag) {
     if (p.coupling == 0.0) {
         time_constant_ = p.inductance * per_root.cwiseAbs2();
     } else {
-        Matrix inductance = Matrix::Constant(p.inductance * p.coupling);
-        inductance.diagonal().setConstant(p.inductance);
+        const Matrix inductance = p.inductance * mutual_inductance(p.coupling);
         const Matrix scaled = per_root.asDiagonal() * inductance * per_root.asDiagonal();
         const Eigen::SelfAdjointEigenSolver<Matrix> solver(scaled);
         modes = solver.eigenvectors();
@@ -120,6 +119,20 @@ void Circuit::add_lag(CurrentSegment& segment) {
         segment.field[2 + own][k] = lagging_[k] - start;
     }
     lagging_ = segment.field_currents(segment.duration);
+}
+
+Eigen::Matrix<double, kCoilCount, kCoilCount> mutual_inductance(double coupling) {
+    constexpr std::array<int, kCoilCount> axis = {0, 0, 1, 1, 2};
+    constexpr std::array<double, kCoilCount> side = {1.0, -1.0, 1.0, -1.0, -1.0};
+    Eigen::Matrix<double, kCoilCount, kCoilCount> result;
+    for (int i = 0; i < kCoilCount; ++i) {
+        for (int j = 0; j < kCoilCount; ++j) {
+            const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+            const double sign = axis[a] == axis[b] ? 1.0 : -side[a] * side[b];
+            result(i, j) = i == j ? 1.0 : sign * coupling;
+        }
+    }
+    return result;
 }
 
 PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParameters& parameters) {

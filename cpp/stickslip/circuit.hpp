@@ -36,7 +36,7 @@ private:
 struct CircuitParameters {
     PerCoil resistance = {};  ///< ohm
     double inductance = 0.0;  ///< H
-    double coupling = 0.0;    ///< mutual over self inductance, of every pair of coils
+    double coupling = 0.0;    ///< mutual over self inductance, by size; see `mutual_inductance`
     double lag = 0.0;         ///< s, with which the field follows the currents
 };
 
@@ -68,6 +68,12 @@ private:
     Vector mode_ = Vector::Zero();  // modal currents at the end of the last stretch
     PerCoil lagging_ = {};          // A, the currents of the field at the end of the last stretch
 };
+
+/// Inductance matrix over the self inductance. Every pair has a mutual inductance of the size
+/// `coupling`, with the sign that the directions of positive current give it: opposite coils help
+/// each other; two coils on different axes do where one is on the positive and one on the negative
+/// side.
+Eigen::Matrix<double, kCoilCount, kCoilCount> mutual_inductance(double coupling);
 
 /// Mean of the squared currents over a program, A^2. Of a block that repeats, the first repeats
 /// stand for the others.

@@ -14,6 +14,12 @@ inline constexpr std::array<Coil, kCoilCount> kAllCoils{Coil::xp, Coil::xm, Coil
 /// One value a coil.
 using PerCoil = std::array<double, kCoilCount>;
 
+/// Currents or voltages as a robot turned by 180 degrees about z sees them: the coils of each pair
+/// change places, and fields along x and y change sign.
+inline PerCoil turned(const PerCoil& v) {
+    return {-v[1], -v[0], -v[3], -v[2], v[4]};
+}
+
 /// "xp", "xm", "yp", "ym" or "clamp".
 const char* name(Coil coil);
 

@@ -70,7 +70,12 @@ private:
         const CornerSlip motion =
             corner_slip(model_, pose, body_.omega, load,
                         slip * model_.friction.kinetic(slip, slip_velocity, contact_x(pose)));
-        if (motion.effective_inertia <= 0.0) return {{Touch::corner, 0}, quadrant, true};
+        if (motion.effective_inertia <= 0.0) {
+            // A reaction that lifts presses here: the formula's N is positive where the free corner
+            // rises (flight is consistent) and negative where nothing is, and the slip jams.
+            const bool rises = motion.normal > 0.0;
+            return {{rises ? Touch::none : Touch::corner, 0}, quadrant, !rises};
+        }
         if (motion.normal < 0.0) return {{Touch::none, 0}, quadrant};
         return {{Touch::corner, slip}, quadrant};
     }

@@ -7,8 +7,8 @@
 namespace stickslip {
 namespace {
 
-constexpr std::size_t kInPlane = 0;
-constexpr std::size_t kClampCoil = 4;
+constexpr auto kInPlane = static_cast<std::size_t>(Coil::xp);
+constexpr auto kClampCoil = static_cast<std::size_t>(Coil::clamp);
 
 }  // namespace
 
@@ -52,8 +52,7 @@ VoltageProgram turned(const VoltageProgram& program) {
     std::vector<VoltageBlock> blocks = program.blocks();
     for (VoltageBlock& block : blocks) {
         for (VoltagePoint& point : block.points) {
-            const PerCoil v = point.voltage;
-            point.voltage = {-v[1], -v[0], -v[3], -v[2], v[4]};
+            point.voltage = turned(point.voltage);
         }
     }
     return VoltageProgram(std::move(blocks));

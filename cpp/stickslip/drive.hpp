@@ -33,8 +33,7 @@ struct Drive {
 /// without pulses.
 VoltageProgram sawtooth_program(const Drive& drive, double volts_per_tesla);
 
-/// A world-frame program as the robot turned by 180 degrees about z sees it: the coils of each pair
-/// change places, and fields along x and y change sign.
+/// A world-frame program in the frame of the turned robot, and back.
 VoltageProgram turned(const VoltageProgram& program);
 
 }  // namespace stickslip

@@ -1,5 +1,8 @@
 #include "stickslip/dynamics.hpp"
 
+#include <array>
+#include <cmath>
+
 namespace stickslip {
 
 void Dynamics::extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
@@ -16,25 +19,31 @@ void Dynamics::extend(const Expansion& expansion, const PlanarField& field, doub
 
 void Dynamics::add_ranged_adhesion(const Pose& pose, double gap, Load& load) const {
     const Adhesion& adhesion = model_->adhesion;
-    const double base = model_->shape.half_base(quadrant_);
-    const double rise = model_->shape.half_rise(quadrant_);
-    // The two corners that share a side with the pivot; the fourth is never near.
-    const double gap_behind = gap + 2.0 * base * pose.sine;
-    const double gap_ahead = gap + 2.0 * rise * pose.cosine;
-    const double pivot = adhesion.weight(gap);
-    const double behind = adhesion.weight(gap_behind);
-    const double ahead = adhesion.weight(gap_ahead);
-    const double total = pivot + behind + ahead;
-    const double pull_behind = load.contact_adhesion * Adhesion::share(behind, total);
-    const double pull_ahead = load.contact_adhesion * Adhesion::share(ahead, total);
-    load.contact_adhesion *= Adhesion::share(pivot, total);
-    load.fz -= pull_behind + pull_ahead;
-    load.torque += (pose.lever - 2.0 * base * pose.cosine) * pull_behind +
-                   (pose.lever + 2.0 * rise * pose.sine) * pull_ahead;
-    if (gap > 0.0) {
-        load.fz -= load.contact_adhesion;
-        load.torque += pose.lever * load.contact_adhesion;
-        load.contact_adhesion = 0.0;
+    const double base = 2.0 * model_->shape.half_base(quadrant_);
+    const double rise = 2.0 * model_->shape.half_rise(quadrant_);
+    // Gap and lever of the pivot, the corners behind and ahead of it, and the one opposite.
+    const double along_base = base * pose.cosine, up_base = base * pose.sine;
+    const double along_rise = rise * pose.sine, up_rise = rise * pose.cosine;
+    const std::array<double, 4> gaps = {gap, gap + up_base, gap + up_rise, gap + up_base + up_rise};
+    const std::array<double, 4> levers = {pose.lever, pose.lever - along_base,
+                                          pose.lever + along_rise,
+                                          pose.lever - along_base + along_rise};
+    std::array<double, 4> weights;
+    double total = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) total += weights[i] = adhesion.weight(gaps[i]);
+
+    const bool flies = gap > 0.0;
+    if (flies) {
+        // What is not in contact does not age.
+        const double sine = turn_.sine * pose.cosine + turn_.cosine * pose.sine;
+        load.contact_adhesion = adhesion.of_contact(sine, 0.0);
+    }
+    const double strength = load.contact_adhesion;
+    load.contact_adhesion = flies ? 0.0 : strength * Adhesion::share(weights[0], total);
+    for (std::size_t i = flies ? 0 : 1; i < 4; ++i) {
+        const double pull = strength * Adhesion::share(weights[i], total);
+        load.fz -= pull;
+        load.torque += levers[i] * pull;
     }
 }
 

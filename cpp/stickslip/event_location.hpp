@@ -30,7 +30,7 @@ struct EventSamples {
 template <std::size_t M>
 class EventFinder {
 public:
-    static constexpr double kEarly = 0.161;  // stages of Tsit5 nearest to the ends
+    static constexpr double kEarly = 0.161;  // two of Tsit5's stages
     static constexpr double kLate = 0.9;
     // Of a step; on the dense output, whose own error is far larger.
     static constexpr double kResolution = 1e-12;
@@ -125,6 +125,8 @@ private:
         if (g.lowest[i] < 0.0) return true;
         const double falling = 1.25 * start_slope(g, i);
         const double rising = 1.25 * end_slope(g, i);
+        // The stages are not the solution, and the slope at the end may have the wrong sign.
+        if (falling < 0.0 && g.start[i] + falling < 0.0) return true;
         if (!(falling < 0.0 && rising > 0.0)) return false;
         const double meet = tangents_meet(g, i, falling, rising);
         return g.start[i] + falling * meet < 0.0 || g.end[i] - rising * (1.0 - meet) < 0.0;

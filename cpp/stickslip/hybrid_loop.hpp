@@ -139,8 +139,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
-      burst_span_(2.0 * std::numbers::pi /
-                  options(scenario, model_, program_, coils_, control).swing_rate) {
+      burst_span_(2.0 * std::numbers::pi / integrator_.options().swing_rate) {
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
 }
@@ -162,8 +161,11 @@ RunResult HybridLoop<Integrator>::run() {
             observer_.close(voltages.start, body_.x, sign_, result_.summary);
         }
         begin_segment(voltages);
-        if (!begun) settle(Touch::face, 0.0, 0, 0.0);  // it may not be able to lie still
-        begun = true;
+        if (!begun) {
+            settle(Touch::face, 0.0, 0, 0.0);  // it may not be able to lie still
+            if (recorder_.at_events()) record_events(0.0);
+            begun = true;
+        }
         run_segment();
         // The integrators look too; a body at rest needs none.
         if (control_ && control_->stop.load(std::memory_order_relaxed)) {

@@ -26,15 +26,16 @@ struct Impulse {
 // One or two corners at one height that share their tangential velocity.
 class ImpactProblem {
 public:
-    ImpactProblem(const Model& model, double height, const BodyState& before)
-        : model_(model), height_(height), before_(before) {}
+    // x: where friction is taken, m.
+    ImpactProblem(const Model& model, double height, double x, const BodyState& before)
+        : model_(model), height_(height), x_(x), before_(before) {}
 
     // stuck: the corner touched before and did not slip.
     void add(double lever, bool arriving, bool stuck) {
         const FrictionLaw& law = model_.friction;
-        const double x = before_.x + lever;
-        ImpactContact contact{lever, law.impulsive(-1, stuck, x),        law.impulsive(1, stuck, x),
-                              0.0,   before_.vz - before_.omega * lever, arriving};
+        ImpactContact contact{
+            lever, law.impulsive(-1, stuck, x_),       law.impulsive(1, stuck, x_),
+            0.0,   before_.vz - before_.omega * lever, arriving};
         if (arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
             contact.restitution = model_.restitution;
         }
@@ -144,7 +145,7 @@ private:
     }
 
     const Model& model_;
-    double height_;
+    double height_, x_;
     BodyState before_;
     std::array<ImpactContact, 2> contacts_ = {};
     std::size_t count_ = 0;
@@ -165,7 +166,7 @@ ImpactResult laid_down(const BodyState& before, double slip_velocity) {
 }  // namespace
 
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before) {
-    ImpactProblem problem(model, pose.height, before);
+    ImpactProblem problem(model, pose.height, before.x + pose.lever, before);
     problem.add(pose.lever, true, false);
     ImpactResult result{before, Touch::none, 0.0};
     // With one corner that approaches the problem always has a solution; one that does not approach
@@ -197,7 +198,7 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     const bool slides = old_slips || arrival == Arrival::both;
     if (fastest <= kCaptureSpeed) return laid_down(before, slides ? slip_before : 0.0);
 
-    ImpactProblem problem(model, rise, before);
+    ImpactProblem problem(model, rise, before.x, before);
     problem.add(base, new_ahead, !new_ahead && !old_slips);
     problem.add(-base, new_behind, !new_behind && !old_slips);
     if (!problem.solve()) return laid_down(before, 0.0);

@@ -1,7 +1,13 @@
 #include "stickslip/local_field.hpp"
 
+#include <algorithm>
+
 namespace stickslip {
 namespace {
+
+// Reach over the distance from the centre to a wire; the expansion's error is some fourth power of
+// it.
+constexpr double kReachPart = 1.3e-3;
 
 // Part of the way to a coil's plane that the robot may go.
 constexpr double kWorkspace = 0.9;
@@ -19,7 +25,12 @@ PlanarGradient gradient_at(const CoilSet& coils, Coil coil, double x, double z) 
 
 LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x,
                        double ambient_z)
-    : coils_(&coils), gain_(gain), ambient_x_(ambient_x), ambient_z_(ambient_z) {}
+    : coils_(&coils),
+      reach_(std::min(
+          kReach, kReachPart * std::hypot(coils.geometry().distance, 0.5 * coils.geometry().side))),
+      gain_(gain),
+      ambient_x_(ambient_x),
+      ambient_z_(ambient_z) {}
 
 void LocalField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
@@ -36,7 +47,7 @@ void LocalField::rebase(double tau, double x, double z) {
     const double limit = kWorkspace * coils_->geometry().distance;
     outside_ = !(std::abs(x) < limit && std::abs(z) < limit);
     if (outside_) return;
-    constexpr double half = 0.5 * kReach;
+    const double half = 0.5 * reach_;
     if (!expanded_ || std::abs(x - centre_x_) > half || std::abs(z - centre_z_) > half) {
         expand(x, z);
         combine();
@@ -44,9 +55,9 @@ void LocalField::rebase(double tau, double x, double z) {
 }
 
 void LocalField::expand(double x, double z) {
-    constexpr double d = kSpacing;
-    constexpr double per_d = 1.0 / (2.0 * d);
-    constexpr double per_dd = 1.0 / (d * d);
+    const double d = reach_ / 1.5;
+    const double per_d = 1.0 / (2.0 * d);
+    const double per_dd = 1.0 / (d * d);
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         if (gain_[k] == 0.0) continue;
         const auto coil = static_cast<Coil>(k);

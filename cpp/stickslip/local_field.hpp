@@ -32,12 +32,12 @@ struct Expansion {
 ///
 /// In the plane of motion the field derives from a potential, which is expanded to fourth order
 /// about a centre near the robot; its coefficients come from the analytic field and gradient at the
-/// centre and at four points `kSpacing` away. Inside `kReach` of the centre the field is then
-/// within 1e-9 of the full sum of Eqs. (4)-(6) (tests/field), at a twentieth of its cost.
+/// centre and at four points about it. Inside the reach of the centre the field is then
+/// within 1e-9 of the full sum of Eqs. (4)-(6) (cpp/tests/test_local_field.cpp), at a twentieth of
+/// its cost. Coils smaller than those of Table I have a smaller reach, in proportion.
 class LocalField {
 public:
-    static constexpr double kReach = 1.5e-4;    ///< m, the robot is never further from the centre
-    static constexpr double kSpacing = 1.0e-4;  ///< m
+    static constexpr double kReach = 1.5e-4;  ///< m, the most that the robot may be from the centre
 
     /// gain: factor on each coil's field; a coil that never has current gets zero and costs
     /// nothing. ambient_x, ambient_z: a uniform field, T.
@@ -48,6 +48,9 @@ public:
     /// Moves the centre to the robot where it has left half the reach, and takes `tau` as the time
     /// about which exponentials are expanded.
     void rebase(double tau, double x, double z);
+
+    /// How far from its centre an expansion holds, m.
+    double reach() const { return reach_; }
 
     /// The robot has come so near to a coil's plane that the model of the set-up ends.
     bool outside() const { return outside_; }
@@ -64,6 +67,7 @@ private:
     double decay(double tau, std::size_t j) const;
 
     const CoilSet* coils_;
+    double reach_;
     PerCoil gain_;
     double ambient_x_, ambient_z_;
     CurrentSegment segment_;

@@ -98,7 +98,7 @@ std::vector<Parameter> make_parameters() {
         {"effects.edge_time.time", "s", 0, 1, kClosed, kReal,
          "duration of the sawtooth's sudden edge beyond drive.edge_time",
          STICKSLIP_MEMBER(effects.edge_time_time)},
-        {"effects.mutual_inductance.coupling", "-", -0.2, 0.9, kClosed, kReal,
+        {"effects.mutual_inductance.coupling", "-", -0.9, 0.24, kClosed, kReal,
          "mutual over self inductance of each pair of coils",
          STICKSLIP_MEMBER(effects.mutual_inductance_coupling)},
         {"effects.gradient_scale.fraction", "-", -1, 10, kClosed, kReal,
@@ -152,7 +152,8 @@ std::vector<Parameter> make_parameters() {
          "tilt of the surface about y; positive: downhill towards +x of the world",
          STICKSLIP_MEMBER(effects.surface_tilt_angle)},
         {"effects.friction_patches.amplitude", "-", -1, 1, kClosed, kReal,
-         "a in: friction times (1 + a sin(2 pi x / period)), x of the contact in the world",
+         "a in: friction times (1 + a sin(2 pi x / period)), x in the world of the touching "
+         "corner, or of the middle of a face",
          STICKSLIP_MEMBER(effects.friction_patches_amplitude)},
         {"effects.friction_patches.period", "m", 1e-06, 1, kClosed, kReal, "period in the same",
          STICKSLIP_MEMBER(effects.friction_patches_period)},
@@ -170,9 +171,7 @@ std::vector<Parameter> make_parameters() {
 
 template <class Enum>
 std::string word(const char* key, Enum value) {
-    const auto& all = choices();
-    const auto found = std::find_if(
-        all.begin(), all.end(), [&](const Choice& c) { return std::string_view(c.key) == key; });
+    const Choice* found = find_choice(key);
     return found->allowed[static_cast<std::size_t>(value)];
 }
 
@@ -290,6 +289,13 @@ const Parameter* find_parameter(std::string_view key) {
     return found == index.end() ? nullptr : found->second;
 }
 
+const Choice* find_choice(std::string_view key) {
+    for (const Choice& choice : choices()) {
+        if (key == choice.key) return &choice;
+    }
+    return nullptr;
+}
+
 std::string allowed_range(const Parameter& parameter) {
     std::ostringstream text;
     const bool has_unit = std::string_view(parameter.unit) != "-";
@@ -315,20 +321,20 @@ void set_parameter(Scenario& scenario, std::string_view key, double value) {
 }
 
 void set_choice(Scenario& scenario, std::string_view key, std::string_view value) {
-    for (const Choice& choice : choices()) {
-        if (key != choice.key) continue;
-        std::string allowed;
-        for (std::size_t i = 0; i < choice.allowed.size(); ++i) {
-            if (choice.allowed[i] == value) {
-                choice.set(scenario, i);
-                return;
-            }
-            allowed += (i ? ", \"" : "\"") + choice.allowed[i] + "\"";
-        }
-        throw std::invalid_argument(std::string(key) + " = \"" + std::string(value) +
-                                    "\": allowed is one of " + allowed);
+    const Choice* choice = find_choice(key);
+    if (choice == nullptr) {
+        throw std::invalid_argument(std::string(key) + ": there is no such key");
     }
-    throw std::invalid_argument(std::string(key) + ": there is no such key");
+    std::string allowed;
+    for (std::size_t i = 0; i < choice->allowed.size(); ++i) {
+        if (choice->allowed[i] == value) {
+            choice->set(scenario, i);
+            return;
+        }
+        allowed += (i ? ", \"" : "\"") + choice->allowed[i] + "\"";
+    }
+    throw std::invalid_argument(std::string(key) + " = \"" + std::string(value) +
+                                "\": allowed is one of " + allowed);
 }
 
 }  // namespace stickslip

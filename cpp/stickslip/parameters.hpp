@@ -37,12 +37,14 @@ struct EffectDescription {
     const char* source;
 };
 
+/// All numeric keys, all keys that take words, all named extensions.
 const std::vector<Parameter>& parameters();
 const std::vector<Choice>& choices();
 const std::vector<EffectDescription>& effects();
 
-/// nullptr if there is no numeric key of that name.
+/// nullptr if there is no numeric key, or no key that takes words, of that name.
 const Parameter* find_parameter(std::string_view key);
+const Choice* find_choice(std::string_view key);
 
 /// The allowed range in words, with the unit.
 std::string allowed_range(const Parameter& parameter);

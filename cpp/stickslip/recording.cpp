@@ -31,10 +31,7 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode, const P
     r.slip_velocity.push_back(sign_ * s.slip_velocity);
     r.bx.push_back(sign_ * field.bx);
     r.bz.push_back(field.bz);
-    // The turned robot sees the coils of each pair exchanged and their in-plane fields reversed.
-    r.current.push_back(
-        sign_ > 0.0 ? current
-                    : PerCoil{-current[1], -current[0], -current[3], -current[2], current[4]});
+    r.current.push_back(sign_ > 0.0 ? current : turned(current));
     r.contact.push_back(contact_code(mode, sign_));
     ++count_;
 }

@@ -54,7 +54,7 @@ public:
             // The exponentials of a stretch die out from its start, so the search may widen with
             // it.
             const double usual = std::max(0.125 / fastest, 0.125 * tau);
-            const double width = std::min(memory.stalled ? kShortest : usual, tau_end - tau);
+            const double width = std::min(memory.stalled ? kShortestStep : usual, tau_end - tau);
             const auto value = [&](std::size_t i, double s) { return values(tau + s * width)[i]; };
             using Finder = EventFinder<kEvents>;
             EventSamples<kEvents> samples;
@@ -75,8 +75,6 @@ public:
     }
 
 private:
-    static constexpr double kShortest = 1e-9;  // s, see Tsit5
-
     FaceReaction solve(double tau) const {
         const Load load = dynamics_->load(dynamics_->field_at(tau), body_.x, body_.z,
                                           dynamics_->pose(0.0), 0.0, 0.0, 0.0);

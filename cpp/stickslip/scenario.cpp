@@ -1,9 +1,12 @@
 #include "stickslip/scenario.hpp"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace stickslip {
 namespace {
@@ -14,16 +17,26 @@ constexpr std::int64_t kSettlingPulses = 3;
 // Of a recording, at some 170 bytes each.
 constexpr double kMostSamples = 1e7;
 
-[[noreturn]] void refuse(const char* key, double value, const std::string& allowed) {
-    std::ostringstream text;
-    text << key << " = " << value << ": allowed is " << allowed;
-    throw std::invalid_argument(text.str());
+// Of solver.max_step, s.
+constexpr double kLeastMaxStep = 1e-9;
+
+// The shortest digits that read back as the same number.
+std::string digits(double value) {
+    std::array<char, 32> text;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+    return {text.data(), end};
 }
 
-std::string with_value(const char* text, double value) {
-    std::ostringstream result;
-    result << text << " (" << value << ")";
-    return result.str();
+[[noreturn]] void refuse(const char* key, double value, const std::string& allowed) {
+    throw std::invalid_argument(std::string(key) + " = " + digits(value) + ": allowed is " +
+                                allowed);
+}
+
+// Two values that exclude each other; which of them is wrong only the user knows.
+[[noreturn]] void refuse_pair(const char* key, double value, const char* other, double other_value,
+                              const char* allowed) {
+    throw std::invalid_argument(std::string(key) + " = " + digits(value) + " with " + other +
+                                " = " + digits(other_value) + ": allowed is " + allowed);
 }
 
 double pulsing_time(const Drive& drive) {
@@ -34,12 +47,21 @@ double pulsing_time(const Drive& drive) {
 
 void check(const Scenario& s) {
     if (s.contact.kinetic_friction > s.contact.static_friction) {
-        refuse("contact.kinetic_friction", s.contact.kinetic_friction,
-               with_value("at most contact.static_friction", s.contact.static_friction));
+        refuse_pair("contact.kinetic_friction", s.contact.kinetic_friction,
+                    "contact.static_friction", s.contact.static_friction,
+                    "a kinetic friction that is not above the static one");
     }
     if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
-        refuse("effects.restitution.coefficient", s.effects.restitution_coefficient,
-               "at most 1 together with contact.restitution");
+        refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
+                    "contact.restitution", s.contact.restitution, "a sum of at most 1");
+    }
+    const double side = std::min(s.robot.length, s.robot.height);
+    if (s.contact.adhesion_range > side) {
+        refuse("contact.adhesion_range", s.contact.adhesion_range,
+               "at most the robot's shorter side, " + digits(side) + " m");
+    }
+    if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
+        refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
     if (s.drive.mode == DriveMode::program) {
         if (s.program.blocks().empty()) {
@@ -48,17 +70,19 @@ void check(const Scenario& s) {
     } else {
         const double period = 1.0 / s.drive.frequency;
         if (s.drive.peak < s.drive.base) {
-            refuse("drive.peak", s.drive.peak, with_value("at least drive.base", s.drive.base));
+            refuse_pair("drive.peak", s.drive.peak, "drive.base", s.drive.base,
+                        "a peak that is not below the base");
         }
         if (s.drive.edge_time + s.effects.edge_time_time >= period) {
-            refuse("drive.edge_time", s.drive.edge_time + s.effects.edge_time_time,
-                   with_value("less than one period, 1/drive.frequency", period));
+            refuse_pair("drive.edge_time", s.drive.edge_time, "effects.edge_time.time",
+                        s.effects.edge_time_time,
+                        "together less than one period, 1/drive.frequency");
         }
     }
-    if (s.record.kind == RecordKind::uniform && s.record.rate * duration(s) > kMostSamples) {
+    const double longest = make_program(s).duration();  // refuses voltages that are not finite
+    if (s.record.kind == RecordKind::uniform && s.record.rate * longest > kMostSamples) {
         refuse("record.rate", s.record.rate,
-               with_value("at most 1e7 samples in all, here a rate up to",
-                          kMostSamples / duration(s)));
+               "at most 1e7 samples in all, here " + digits(kMostSamples / longest) + " Hz");
     }
 }
 

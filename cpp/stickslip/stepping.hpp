@@ -28,19 +28,14 @@ struct StepperOptions {
     const std::atomic<bool>* stop = nullptr;
 };
 
+/// Step (s) of a phase that the next event would undo without time going on: far above the
+/// resolution of time, far below anything that moves.
+inline constexpr double kShortestStep = 1e-9;
+
 struct StepCounts {
     std::int64_t accepted = 0;
     std::int64_t rejected = 0;
     std::int64_t evaluations = 0;
-};
-
-/// How a phase, or its part within a stretch of voltage, ended.
-template <class Phase>
-struct PhaseEnd {
-    Status status = Status::ok;
-    Event event = Event::none;  ///< none: the end of the stretch was reached
-    double tau = 0.0;           ///< s
-    typename Phase::State y = {};
 };
 
 /// Event functions that have been positive since the phase began; kept while a phase goes on from
@@ -50,6 +45,16 @@ struct PhaseMemory {
     std::array<bool, kMost> armed = {};
     bool fresh = true;
     bool stalled = false;  ///< the last events brought the time no further
+};
+
+/// How a phase, or its part within a stretch of voltage, ended.
+template <class Phase>
+struct PhaseEnd {
+    static_assert(Phase::kEvents <= PhaseMemory::kMost);
+    Status status = Status::ok;
+    Event event = Event::none;  ///< none: the end of the stretch was reached
+    double tau = 0.0;           ///< s
+    typename Phase::State y = {};
 };
 
 }  // namespace stickslip

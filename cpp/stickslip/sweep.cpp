@@ -1,6 +1,5 @@
 #include "stickslip/sweep.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -9,13 +8,6 @@
 
 namespace stickslip {
 namespace {
-
-const Choice* find_choice(const std::string& key) {
-    const auto& all = choices();
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Choice& c) { return key == c.key; });
-    return found == all.end() ? nullptr : &*found;
-}
 
 class PointSetter {
 public:
@@ -61,16 +53,14 @@ std::vector<SweepPoint> sweep(const Scenario& base, const std::vector<std::strin
                 for (std::size_t k = 0; k < keys.size(); ++k) {
                     setters[k](scenario, values[index * keys.size() + k]);
                 }
-                check(scenario);
-            } catch (const std::invalid_argument& refusal) {
+                const RunResult result = simulate(scenario, &control);
+                point.status = result.status;
+                point.summary = result.summary;
+                if (result.status != Status::ok) point.message = message(result);
+            } catch (const std::logic_error& refusal) {
                 point.refused = true;
                 point.message = refusal.what();
-                return;
             }
-            const RunResult result = simulate(scenario, &control);
-            point.status = result.status;
-            point.summary = result.summary;
-            if (result.status != Status::ok) point.message = message(result);
         },
         poll);
     return points;

@@ -75,6 +75,7 @@ public:
         : options_(options),
           first_width_(0.3 * std::pow(options.tolerance / 1e-6, 0.2) / options.swing_rate) {}
 
+    const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
 
     /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called for each
@@ -92,8 +93,6 @@ private:
                   EventSamples<Phase::kEvents>& samples);
 
     double next_width(double squared_error);
-
-    static constexpr double kShortest = 1e-9;  // s
 
     StepperOptions options_;
     StepCounts counts_;
@@ -191,7 +190,7 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         memory.fresh = false;
         // Each of two modes sends the body to the other without time going on: the mode is kept for
         // the shortest step that is far above the resolution of time.
-        if (memory.stalled) width_ = std::min(width_, kShortest);
+        if (memory.stalled) width_ = std::min(width_, kShortestStep);
     } else {
         // The same phase over a kink of the voltage, which excites the swing anew.
         width_ = std::min(width_, 2.0 * first_width_);
@@ -205,7 +204,7 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         double width = options_.max_step > 0.0 ? std::min(width_, options_.max_step) : width_;
         // The field's expansion must hold over the step.
         const double speed = phase.speed(step.first);
-        if (width * speed > 0.5 * LocalField::kReach) width = 0.5 * LocalField::kReach / speed;
+        if (width * speed > 0.5 * phase.reach()) width = 0.5 * phase.reach() / speed;
         const bool to_end = tau + 1.0001 * width >= tau_end;
         if (to_end) width = tau_end - tau;
         step.start = tau;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -121,7 +122,8 @@ bool SegmentStream::next_uncut(VoltageSegment& segment) {
     const double end = std::min(static_cast<double>(held_) * hold_period_, duration_);
     // A period that divides the pulse meets its jumps but for rounding, and then holds what
     // follows.
-    const double instant = start + 1e-9 * hold_period_;
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    const double instant = start + std::max(1e-9 * hold_period_, kRounding * start);
     while (programmed_.end <= instant && cursor_.next(programmed_)) {
     }
     const PerCoil volts = voltage_at(programmed_, std::max(start, programmed_.start));

@@ -106,7 +106,7 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
         // third derivatives carry the error (spacing/distance)^2 of their differences, of the same
         // order. A factor of four stands for the constants.
         const double rho = distance_to_wires(centre_x, centre_z);
-        const double reach = std::max(offset, LocalField::kSpacing) / rho;
+        const double reach = std::max(offset, field.reach() / 1.5) / rho;
         CHECK(error <= 4.0 * std::pow(reach, 4) + 8.0 * kRounding);
         CHECK(gradient_difference(found, full.field) <=
               16.0 * std::pow(reach, 3) * full.field_size / rho);

@@ -122,6 +122,12 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
         CHECK(draw.slip_velocity != 0.0);
         const double sign = draw.slip_velocity > 0.0 ? 1.0 : -1.0;
         CHECK(painleve_inertia(model, pose, sign * model.friction.kinetic_coefficient) <= 0.0);
+        // And flight is none: without a reaction the corner, which still adheres, would sink.
+        std::array<Corner, 2> adhering = {};
+        adhering[0] = {pose.lever, -adhesion, 0.0};
+        const Acceleration free = accelerations(model, load, pose.height, 0.0, adhering);
+        CHECK(gap_acceleration(free, body.omega, pose.lever, pose.height) <=
+              8.0 * tolerance * per_mass);
         return;
     }
     if (found.mode.touch == Touch::none) {
@@ -219,7 +225,7 @@ TEST_CASE("resolve: a corner, friction without Painleve: every condition holds")
 
 TEST_CASE("resolve: a corner at friction above 4/3: an impulse where sliding has no solution") {
     const Tally tally = resolve_many(12, Touch::corner, 3.0, Lift::any);
-    CHECK(tally.impulse > 100);
+    CHECK(tally.impulse > 60);
     CHECK(tally.stick > 300);
     CHECK(tally.slip > 300);
     CHECK(tally.flight > 300);
