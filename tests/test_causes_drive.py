@@ -49,8 +49,8 @@ def held_pieces(waveform, period):
     return [(*step, level, level) for *step, level in zip(starts, ends, levels, strict=True)]
 
 
-# Signs of the mutual inductances, and 1 with itself: the dipole field of one coil at another, 3 (m.r)
-# (n.r) for the coils on different axes, is along that coil's axis if one is on the positive side.
+# Signs of the mutual inductances, and 1 with itself: the dipole field of one coil at another, by
+# 3 (m.r)(n.r) for coils on different axes, is along its axis if just one is on a positive side.
 SIDE = np.array([1.0, -1.0, 1.0, -1.0, -1.0])
 AXIS = np.array([0, 0, 1, 1, 2])
 LINKED = np.where(AXIS[:, None] == AXIS, 1.0, -np.outer(SIDE, SIDE))

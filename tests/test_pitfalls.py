@@ -66,8 +66,8 @@ def test_phases_that_die_within_their_first_step_are_not_leapt_over(restitution)
         for solver in ({}, FINE, {"solver.max_step": 1e-6})
     ]
     assert min(counts) > 20
-    # The last hops of a train are lower than the tolerance of positions (1e-7 of 135 um is the height
-    # of a hop at 16 um/s, and rebounds end at 1 um/s): the last twelfth of a train from 50 mm/s.
+    # The last hops of a train are lower than the tolerance of positions: 1e-7 of 135 um is the
+    # height of a hop at 16 um/s, and rebounds end at 1 um/s. A twelfth of a train from 50 mm/s.
     assert max(counts) - min(counts) <= max(counts) / 12
 
 
@@ -202,8 +202,8 @@ def test_lowest_corners_change_as_the_body_turns_over(clamp):
 
 
 def test_a_dip_that_the_stages_do_not_show_is_found():
-    # The intermediate stages of a step are not the solution: here the slope that they give at its end
-    # has the wrong sign, and a search that trusts it misses an event and ends at -0.504 mm/s.
+    # The intermediate stages of a step are not the solution: here the slope that they give at its
+    # end has the wrong sign; a search that trusts it misses an event and ends at -0.504 mm/s.
     drive = {"mode": "OPP", "edge": "rise", "clamp": "up", "pulses": 8, "base": 1e-3}
     drive |= {"frequency": 133.96790208838377, "hold": 2.0286319607907863e-3}
     keys = friction(0.9281206662476631, 0.6728874830295557)

@@ -153,3 +153,20 @@ def test_bad_waveforms_are_refused(make, match):
 def test_a_program_needs_its_mode():
     with pytest.raises(ScenarioError, match='allowed is "program"'):
         Scenario(drive=Drive(mode="IPP", program=Waveform.ipp(pulses=1)))
+
+
+@pytest.mark.parametrize("frequency", [7.0, 30.0, 33.3, 100.0, 123.456, 250.0])
+@pytest.mark.parametrize("pulses", [1, 7, 30])
+def test_points_of_a_repeated_waveform_can_be_read_back(frequency, pulses, tmp_path):
+    # A sum of periods rounds: no time may fall below the one before it.
+    waveform = Waveform.ipp(frequency=frequency, pulses=pulses, base=0.5e-3, ramp_down=0.013)
+    t, voltages = waveform.points()
+    assert np.all(np.diff(t) >= 0.0)
+    once = Waveform.from_points(t, voltages)
+    assert once.duration == pytest.approx(waveform.duration, rel=1e-14)
+    waveform.to_csv(tmp_path / "v.csv")
+    assert Waveform.from_csv(tmp_path / "v.csv") == once
+    twice = waveform * 2
+    assert np.all(np.diff(twice.points()[0]) >= 0.0)
+    middle = ((t[1:] + t[:-1]) / 2)[np.diff(t) > 1e-9]  # not at jumps
+    assert once.voltages(middle) == pytest.approx(waveform.voltages(middle), abs=1e-9)

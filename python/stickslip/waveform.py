@@ -14,7 +14,7 @@ from stickslip import _core
 from stickslip.coils import COIL_NAMES
 
 if TYPE_CHECKING:
-    from stickslip.sections import Coil, Drive
+    from stickslip.sections import Coil
 
 _Array = NDArray[np.float64]
 _Block = tuple[_Array, _Array, int]
@@ -155,19 +155,8 @@ class Waveform:
         from stickslip.scenario import Scenario
         from stickslip.sections import Coil, Drive
 
-        coil = coil or Coil()
         drive = Drive(mode=mode, **fields)  # type: ignore[arg-type]
-        Scenario(drive=drive, coil=coil)  # refuses values that make no sense together
-        bottom = _pulse_voltages(drive, drive.base, coil)
-        top = _pulse_voltages(drive, drive.peak, coil)
-        tooth = cls.sawtooth(1.0 / drive.frequency, bottom, top, drive.edge, drive.edge_time)
-        program = tooth * drive.pulses
-        if drive.ramp > 0.0:
-            program = cls.ramp(drive.ramp, bottom) + program
-        if drive.ramp_down > 0.0:
-            down = {**bottom, "xp": 0.0}
-            program = program + cls.ramp(drive.ramp_down, down, start=bottom)
-        return program if drive.direction == "+x" else program.turned()
+        return cls(Scenario(drive=drive, coil=coil or Coil()).to_core().program())
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str]) -> Waveform:
@@ -283,10 +272,13 @@ class Waveform:
         times, voltages = [], []
         start = 0.0
         for t, v, repeats in self._blocks:
-            span = float(t[-1])
-            times.append((start + span * np.arange(repeats)[:, None] + t).ravel())
+            # Each repeat ends at the very number at which the next begins.
+            bounds = start + float(t[-1]) * np.arange(repeats + 1)
+            played = np.minimum(bounds[:-1, None] + t, bounds[1:, None])
+            played[:, t == t[-1]] = bounds[1:, None]
+            times.append(played.ravel())
             voltages.append(np.tile(v, (repeats, 1)))
-            start += span * repeats
+            start = float(bounds[-1])
         t, v = np.concatenate(times), np.concatenate(voltages)
         repeated = (t[1:] == t[:-1]) & (v[1:] == v[:-1]).all(axis=1)
         kept = np.concatenate([[True], ~repeated])
@@ -337,14 +329,6 @@ def _five(voltages: Voltages) -> list[float]:
     if len(values) != len(COIL_NAMES):
         raise ValueError(f"{len(values)} voltages: allowed are {len(COIL_NAMES)}, one a coil")
     return values
-
-
-def _pulse_voltages(drive: Drive, pulsing: float, coil: Coil) -> dict[str, float]:
-    """Voltages (V) of the two coils that drive a robot that faces +x, `pulsing` in T."""
-    in_plane, clamp = (pulsing, drive.hold) if drive.mode == "IPP" else (drive.hold, pulsing)
-    sign = -1.0 if drive.clamp == "down" else 1.0
-    scale = volts_per_tesla(coil)
-    return {"xp": scale * in_plane, "clamp": scale * sign * clamp}
 
 
 def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
