@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo bench bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -82,6 +82,20 @@ test-python: install ## Python tests
 demo: install ## a short tour
 	@$(RUN) -m stickslip.demo
 
+# What the extra `docs` names, as PRINT_BUILD_REQUIRES does for the build.
+PRINT_DOCS_REQUIRES := import importlib, sys; \
+	toml = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "pip._vendor.tomli"); \
+	print(*toml.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"])
+
+$(VENV)/.docs-tools: pyproject.toml $(VENV)/.created
+	@echo "Installing Sphinx"
+	@$(RUN) -m pip install --quiet $$($(RUN) -c '$(PRINT_DOCS_REQUIRES)')
+	@touch $@
+
+docs: install $(VENV)/.docs-tools ## the documentation, into docs/_build/html
+	@$(RUN) -m sphinx --quiet --fail-on-warning --keep-going -b html docs docs/_build/html
+	@echo "written: docs/_build/html/index.html"
+
 bench: install ## speed of both integrators at equal accuracy, into bench/results/
 	@$(RUN) bench/bench.py
 
@@ -134,5 +148,5 @@ wheel: $(VENV)/.created ## an isolated build of the wheel, into dist/
 	@ls dist/*.whl
 
 clean: ## remove everything that can be built again
-	rm -rf build dist $(VENV) $(BENCH_VENV) .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf build dist docs/_build docs/_pictures $(VENV) $(BENCH_VENV) .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -20,11 +20,13 @@ def check(done, *words):
         assert word in done.stderr, done.stderr
 
 
-def run(tmp_path, scenario, *options):
+def run(tmp_path, scenario, *options, **more):
     """The command with both kinds of output asked for; there must be none."""
     out = tmp_path / "out"
     out.mkdir()
-    done = stickslip("run", scenario, "--out", out / "a.nc", "--plot", out / "a.png", *options)
+    done = stickslip(
+        "run", scenario, "--out", out / "a.nc", "--plot", out / "a.png", *options, **more
+    )
     assert list(out.iterdir()) == []
     return done
 
@@ -78,6 +80,8 @@ SCENARIOS = {
     "too many samples": (HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e7"]),
     "program without file": (HEAD + 'mode = "program"\n', ["drive.mode", "drive.file"]),
     "file without program": (HEAD + 'file = "v.csv"\n', ['drive.mode = "IPP"', '"program"']),
+    "sawtooth beside a file": (PROGRAM + "pulses = 3\n", ["drive.pulses", "drive.file"]),
+    "program as key": (HEAD + 'program = "v.csv"\n', ["drive.program", "drive.file", '"program"']),
     "file as number": (HEAD + "file = 3\n", ["drive.file = 3", "path"]),
 }
 
@@ -164,6 +168,15 @@ OPTIONS = {
     "out of range": (["--set", "drive.frequency=-1"], ["--set", "drive.frequency = -1"]),
     "nan": (["--set", "drive.frequency=nan"], ["drive.frequency = nan"]),
     "together": (["--set", "drive.base=1"], ["drive.peak", "drive.base"]),
+    "unit": (["--set", "drive.peak=2.5 mT"], ["drive.peak", "2.5 mT is 2.5e-3"]),
+    "open quote": (["--set", 'drive.mode="IPP'], ["drive.mode", "quote"]),
+    "program as key": (["--set", "drive.program=v.csv"], ["drive.program", "drive.file"]),
+    "sawtooth beside a file": (
+        ["--set", "drive.file=v.csv", "--set", "drive.pulses=3"],
+        ["--set", "drive.pulses", "drive.file"],
+    ),
+    "late start": (["--start", "9"], ["--start = 9.0", "1.05 s"]),
+    "no stretch": (["--start", "0.1", "--stop", "0.1"], ["--start", "--stop"]),
     "missing voltages": (["--set", "drive.file=no.csv"], ["no.csv", "No such file"]),
     "unknown option": (["--frequency", "3"], ["--frequency"]),
     "two scenarios": (["other.toml"], ["other.toml"]),
@@ -175,7 +188,8 @@ OPTIONS = {
 def test_options(tmp_path, name):
     options, words = OPTIONS[name]
     (tmp_path / "s.toml").write_text(HEAD)
-    check(run(tmp_path, tmp_path / "s.toml", *options), *words)
+    (tmp_path / "v.csv").write_text(CSV)
+    check(run(tmp_path, tmp_path / "s.toml", *options, cwd=tmp_path), *words)
 
 
 @pytest.mark.parametrize(
@@ -187,12 +201,33 @@ def test_options(tmp_path, name):
         ("--plot", "missing/a.png", ["missing/a.png", "no folder"]),
         ("--plot", "a.docx", ["a.docx", ".png"]),
         ("--plot", "a", [".png"]),
+        ("--out", "a.txt", ["--out", "a.txt", ".nc, .nc4, .h5, .csv"]),
+        ("--out", "a", ["--out", ".csv"]),
+        ("--out", "s.toml", ["--out", "s.toml", "is the scenario", "overwrite"]),
+        ("--plot", "./s.toml", ["--plot", "s.toml", "is the scenario"]),
+        ("--start", "0.1", ["--start", "--plot"]),
     ],
 )
 def test_targets(tmp_path, option, name, words):
     (tmp_path / "s.toml").write_text(HEAD)
     check(stickslip("run", "s.toml", option, name, cwd=tmp_path), *words)
     assert [each.name for each in tmp_path.iterdir()] == ["s.toml"]
+
+
+@pytest.mark.parametrize("option", ["--out", "--plot"])
+@pytest.mark.parametrize("link", [False, True])
+def test_what_is_read_is_not_overwritten(tmp_path, option, link):
+    (tmp_path / "s.toml").write_text(PROGRAM)
+    (tmp_path / "v.csv").write_text(CSV)
+    name = "v.csv"
+    if link:
+        name = "w.csv"
+        (tmp_path / name).hardlink_to(tmp_path / "v.csv")
+    check(stickslip("run", "s.toml", option, name, cwd=tmp_path), option, name, "drive.file")
+    setting = f"--set=drive.file={name}"
+    (tmp_path / "s.toml").write_text(HEAD)
+    check(stickslip("run", "s.toml", setting, option, "v.csv", cwd=tmp_path), "--set drive.file")
+    assert (tmp_path / "v.csv").read_text() == CSV
 
 
 def test_a_device_is_not_replaced(tmp_path):
@@ -210,4 +245,6 @@ def test_one_file_for_both(tmp_path):
 def test_commands():
     check(stickslip("rum"), "rum")
     check(stickslip("run"), "SCENARIO")
-    check(stickslip("effects", "surface_tilt"), "surface_tilt")
+    check(stickslip("effects", "tilt_surface"), "tilt_surface", '"surface_tilt"')
+    check(stickslip("keys", "drives"), "drives", '"drive"')
+    check(stickslip("init", "missing/s.toml"), "missing/s.toml", "no folder")

@@ -2,17 +2,21 @@
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
 import sys
 import time
 
+import numpy as np
+import pandas
 import pytest
 import xarray
 
 from command_line import COMMAND, stickslip
-from stickslip import Scenario, effects, load, simulate
+from stickslip import COIL_NAMES, Scenario, effects, load, simulate
+from stickslip.run import COLUMNS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
 
@@ -62,6 +66,7 @@ def test_the_table_names_status_velocity_and_events(scenario):
     rows = dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
     velocity = simulate(load(scenario)).mean_velocity
     assert rows["status"] == "ok"
+    assert rows["measured"] == "over 0.08 to 0.17 s"
     assert rows["mean_velocity"].split()[:2] == [f"{velocity:.6g}", "m/s"]
     assert "lift_off" in rows["events"]
 
@@ -81,6 +86,95 @@ def test_a_given_rate_is_kept(scenario, tmp_path):
     stickslip("run", scenario, "--set", "record.rate=100", "--out", tmp_path / "a.nc")
     with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
         assert data.sizes["t"] == 18
+
+
+@pytest.mark.parametrize(("rate", "noted"), [(100, True), (1999, True), (2000, False)])
+def test_a_rate_that_is_too_low_for_the_pulses_is_noted(scenario, tmp_path, rate, noted):
+    done = stickslip("run", scenario, f"--set=record.rate={rate}", "--out", tmp_path / "a.nc")
+    assert done.returncode == 0
+    assert ("samples a pulse" in done.stderr) is noted
+    assert done.stderr.count("\n") == noted
+
+
+def test_a_rate_that_is_reduced_for_a_long_run_is_noted(scenario, tmp_path):
+    settings = ["--set=drive.peak=0", "--set=drive.base=0", "--set=drive.hold=0"]
+    done = stickslip(
+        "run", scenario, *settings, "--set=drive.pulses=19995", "--out", tmp_path / "a.nc"
+    )
+    # 200 s of at most a million samples.
+    assert done.stderr.startswith("stickslip: note: record.rate: 5000 Hz in place of 2e+04 Hz")
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
+        assert data.sizes["t"] == 1_000_001
+
+
+def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
+    done = stickslip(
+        "run", scenario, "--set=record.rate=2000", "--out", tmp_path / "a.csv", "--json"
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    table = pandas.read_csv(tmp_path / "a.csv")
+    run = simulate(load(scenario).replace({"record.rate": 2000.0}))
+    for name, column in COLUMNS.items():
+        if name == "current":
+            for k, coil in enumerate(COIL_NAMES):
+                values = table[f"current {coil} (A)"].to_numpy()
+                np.testing.assert_array_equal(values, run.current[:, k])
+        elif name == "contact":
+            assert table["contact"].tolist() == [run.contact_names[k] for k in run.contact]
+        elif name != "event":
+            values = table[f"{name} ({column.unit})"].to_numpy()
+            np.testing.assert_array_equal(values, getattr(run, name))
+    assert len(table.columns) == 12 + 1 + 5 + 1
+
+
+def test_notes_are_printed(scenario):
+    still = ["--set=drive.peak=0", "--set=drive.base=0", "--set=drive.hold=0"]
+    assert "the robot never moved" in stickslip("run", scenario, *still).stdout
+    assert "note" not in stickslip("run", scenario).stdout
+
+
+def test_a_stretch_of_the_picture_can_be_chosen(scenario, tmp_path):
+    plot = ["--plot", tmp_path / "a.svg", "--set=record.rate=2000"]
+    done = stickslip("run", scenario, *plot, "--start", "0.1", "--stop", "0.12")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "a.svg").exists()
+
+
+def test_keys_lists_all_or_those_of_a_section():
+    listed = json.loads(stickslip("keys", "--json").stdout, parse_constant=pytest.fail)["keys"]
+    assert [each["key"] for each in listed] == list(Scenario.keys())
+    for each in listed:
+        assert each["default"] == Scenario().get(each["key"])
+        assert each["meaning"]
+        assert each["unit"]
+    text = stickslip("keys", "drive").stdout
+    assert "frequency = 100.0 Hz" in text
+    assert "turns" not in text
+    effects_text = stickslip("keys", "effects").stdout
+    assert "[effects.surface_tilt]" in effects_text
+    assert "[drive]" not in effects_text
+
+
+def test_init_writes_the_defaults_once(tmp_path):
+    done = stickslip("init", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "wrote scenario.toml\n", "")
+    text = (tmp_path / "scenario.toml").read_text()
+    assert load(tmp_path / "scenario.toml") == Scenario()
+    assert max(map(len, text.splitlines())) <= 100
+    for key in Scenario.keys():  # noqa: SIM118
+        if not key.startswith("effects."):
+            assert f"\n{key.rpartition('.')[2]} = " in text, key
+    again = stickslip("init", "scenario.toml", cwd=tmp_path)
+    assert again.returncode == 2
+    assert again.stderr.startswith("stickslip: scenario.toml is already there")
+    assert (tmp_path / "scenario.toml").read_text() == text
+
+
+def test_one_effect_can_be_listed():
+    text = stickslip("effects", "surface_tilt").stdout
+    assert text.startswith("[effects.surface_tilt]\n")
+    assert text.count("[effects.") == 1
+    assert "default 0.0" in text
 
 
 def test_a_failed_simulation_exits_with_one(scenario):
@@ -106,7 +200,7 @@ def test_effects_lists_every_extension():
             assert {"key", "unit", "low", "high", "default", "meaning"} <= set(parameter)
 
 
-@pytest.mark.parametrize("command", [[], ["run"], ["effects"]])
+@pytest.mark.parametrize("command", [[], ["run"], ["effects"], ["keys"], ["init"]])
 def test_help_has_an_example(command):
     done = stickslip(*command, "--help")
     assert done.returncode == 0
@@ -155,6 +249,7 @@ def test_an_interrupt_stops_within_a_fifth_of_a_second(scenario, settings):
         assert process.returncode == 130
         assert output == b""
         assert b"Traceback" not in errors
+        assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", errors)
         if fastest < 0.2:
             break
     assert fastest < 0.2
@@ -187,15 +282,17 @@ def test_an_output_that_is_full_is_one_line(scenario):
     assert done.stderr == "stickslip: cannot write standard output: No space left on device\n"
 
 
-@pytest.mark.parametrize("option", ["--out", "--plot"])
-def test_a_full_disk_leaves_no_file(scenario, tmp_path, option):
+@pytest.mark.parametrize(
+    ("option", "name"), [("--out", "a.nc"), ("--out", "a.csv"), ("--plot", "a.png")]
+)
+def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
     folder = tmp_path / "out"
     folder.mkdir()
 
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
 
-    done = stickslip("run", scenario, option, folder / "a.png", preexec_fn=limit)
+    done = stickslip("run", scenario, option, folder / name, preexec_fn=limit)
     assert done.returncode == 1
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1

@@ -58,3 +58,22 @@ def test_version_is_that_of_the_installed_package():
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
         _ = stickslip.no_such_name
+
+
+def test_type_checkers_see_names_that_are_not_there(tmp_path):
+    api = pytest.importorskip("mypy.api")
+    file = tmp_path / "typos.py"
+    file.write_text(
+        "import stickslip\n"
+        "stickslip.foo\n"
+        "run = stickslip.simulate(stickslip.Scenario())\n"
+        "run.thetta\n"
+        "run.theta\n"
+    )
+    text, _, _ = api.run(["--strict", f"--cache-dir={tmp_path}", str(file)])
+    errors = [line for line in text.splitlines() if line.startswith(str(file))]
+    assert len(errors) == 2, text
+    assert ":2: " in errors[0]
+    assert '"foo"' in errors[0]
+    assert ":4: " in errors[1]
+    assert '"thetta"' in errors[1]

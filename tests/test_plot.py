@@ -28,7 +28,7 @@ def curve(figure, panel):
 def test_panels_share_time_and_show_the_run(run):
     figure = plot.run(run)
     labels = [axes.get_ylabel() for axes in figure.axes]
-    for label, unit in [("field", "mT"), ("contact velocity", "mm/s"), ("x", "µm")]:
+    for label, unit in [("field", "mT"), ("contact velocity", "mm/s"), ("x", "m)")]:
         assert any(each.startswith(label) and unit in each for each in labels)
     assert any("tilt" in each and "degrees" in each for each in labels)
     assert any("normal force" in each and "µN" in each for each in labels)
@@ -36,7 +36,10 @@ def test_panels_share_time_and_show_the_run(run):
 
     t, x = curve(figure, 2)
     chosen = np.isin(run.t, t)
-    np.testing.assert_allclose(x, run.x[chosen] * 1e6)
+    # Above 1000 µm, lengths are in mm.
+    unit, factor = ("mm", 1e3) if run.x[chosen].max() > 1e-3 else ("µm", 1e6)
+    assert figure.axes[2].get_ylabel() == f"x ({unit})"
+    np.testing.assert_allclose(x, run.x[chosen] * factor)
     sample = 1.5 / 20e3  # and half of one for rounding
     assert t[-1] == pytest.approx(run.scenario.window[1], abs=sample)
     # Forty pulses are too many to see: the last six of 10 ms.
@@ -54,7 +57,9 @@ def test_the_contact_band_has_the_time_of_each_mode(run):
     t, _ = curve(figure, 2)
     chosen = run.contact[np.isin(run.t, t)]
     present = sorted(set(chosen.tolist()))
-    names = [run.contact_names[code].replace("_", " ") for code in present]
+    # What is there for less than a dot's width is drawn, but not named.
+    visible = [code for code in present if np.mean(chosen[:-1] == code) >= 1e-3]
+    names = [run.contact_names[code].replace("_", " ") for code in visible]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == names
     for code, bars in zip(present, band.collections, strict=True):
         widths = [path.get_extents().width for path in bars.get_paths()]
@@ -94,4 +99,31 @@ def test_a_failed_run_is_drawn_and_says_so():
         "record.rate": 1000.0,
     }
     run = simulate(Scenario().replace(changes))
-    assert "left_workspace" in plot.run(run)._suptitle.get_text()
+    figure = plot.run(run)
+    assert "left_workspace" in figure._suptitle.get_text()
+    # Six pulses of 10 ms, up to where it ended.
+    t, _ = curve(figure, 2)
+    assert t[-1] == run.t[-1]
+    assert t[-1] - t[0] == pytest.approx(0.06, abs=1.5e-3)
+
+
+def test_a_robot_that_stands_still_has_axes_that_can_be_read():
+    drive = Drive(peak=0.0, hold=0.0, pulses=3)
+    run = simulate(Scenario(drive=drive, record=Record(rate=2e3)))
+    for draw in (plot.run, plot.trajectory, plot.phase_portrait):
+        figure = draw(run)
+        assert_legible(figure)
+        for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                low, high = sorted(axis.get_view_interval())
+                assert high - low >= 1e-3
+                assert axis.get_offset_text().get_text() == ""
+
+
+def test_the_measuring_window_is_shaded_where_it_is_a_part():
+    run = simulate(Scenario(drive=DRIVES["IPP 100"], record=Record(rate=20e3)))
+    start, end = run.scenario.window
+    for axes in plot.run(run).axes[:4]:
+        box = axes.patches[0].get_extents().transformed(axes.transData.inverted())
+        assert (box.x0, box.x1) == pytest.approx((start, end))
+    assert not plot.run(run, start + 0.01, end - 0.01).axes[0].patches

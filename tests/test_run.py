@@ -11,7 +11,19 @@ import numpy as np
 import pytest
 import xarray
 
-from stickslip import Coils, Drive, Record, Scenario, ScenarioError, load, simulate, simulate_batch
+from stickslip import (
+    Coils,
+    Drive,
+    Record,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    load,
+    open_run,
+    plot,
+    simulate,
+    simulate_batch,
+)
 from stickslip.run import COLUMNS
 
 SCENARIO = Scenario(drive=Drive(base=0.5e-3, pulses=12), record=Record(rate=2000.0))
@@ -90,6 +102,8 @@ def test_summary_has_the_words_of_the_format(run):
     assert {*names, "simulated_time"} <= set(summary)
     assert summary["status"] == "ok"
     assert summary["simulated_time"] == pytest.approx(0.17)
+    assert (summary["window_start"], summary["window_end"]) == SCENARIO.window
+    assert summary["notes"] == []
     assert summary["events"]["lift_off"] > 0
     assert "painleve" not in summary["events"]
     summary["events"]["lift_off"] = -1
@@ -156,11 +170,66 @@ def test_a_run_of_twelve_pulses_is_read_back(run, tmp_path):
         assert load(tmp_path / "again.toml") == SCENARIO
 
 
+def test_a_saved_run_is_opened_and_drawn(run, tmp_path):
+    run.save(tmp_path / "run.nc")
+    data = open_run(tmp_path / "run.nc")
+    assert data.identical(run.to_xarray())
+    (tmp_path / "run.nc").unlink()
+    assert plot.fields(data).axes
+    run.to_xarray().drop_attrs().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(ValueError, match="is no run"):
+        open_run(tmp_path / "other.nc")
+
+
+def test_a_record_of_events_as_csv_has_their_words(tmp_path):
+    run = simulate(SCENARIO.replace({"record.rate": "events"}))
+    run.save(tmp_path / "run.csv")
+    rows = [line.split(",") for line in (tmp_path / "run.csv").read_text().splitlines()]
+    assert rows[0][-2:] == ["contact", "event"]
+    assert [row[-1] for row in rows[1:]] == [run.event_names[k] for k in run.event]
+    slip = rows[0].index("slip_velocity (m/s)")
+    flying = [row[slip] for row in rows[1:] if row[-2] == "flight"]
+    assert set(flying) == {""}
+
+
+@pytest.mark.parametrize(
+    ("changes", "notes"),
+    [
+        ({}, []),
+        # 10 ohm over 0.96258 mT/A: 10389 V for 1 T, so 207.8 V for 20 mT, and 197.4 V for 19 mT.
+        ({"drive.peak": 20e-3}, ["asks for 207.8 V at coil xp, 20.78 A"]),
+        ({"drive.peak": 19e-3}, []),
+        ({"drive.hold": 20e-3, "drive.direction": "-x"}, ["207.8 V at coil clamp"]),
+        ({"drive.mode": "OPP", "drive.peak": 20e-3, "drive.edge": "fall"}, ["at coil clamp"]),
+        ({"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0}, ["never moved"]),
+        ({"drive.base": 0.0, "drive.peak": 0.0}, ["did not move in", "rolled over", "forth"]),
+    ],
+)
+def test_notes_are_facts_that_stand_out(changes, notes):
+    scenario = SCENARIO.replace({"record.rate": "none", "drive.pulses": 20, **changes})
+    found = simulate(scenario).notes
+    if not notes:
+        assert found == []
+    text = "\n".join(found)
+    for note in notes:
+        assert note in text
+
+
+def test_notes_of_a_program_name_its_coil():
+    waveform = Waveform.hold(0.02, {"ym": -300.0})
+    scenario = Scenario(drive=Drive(mode="program", program=waveform))
+    assert any("300 V at coil ym, 30 A" in note for note in simulate(scenario).notes)
+
+
 def test_a_file_that_cannot_be_written_leaves_nothing(run, tmp_path):
     with pytest.raises(OSError, match="there is no folder"):
         run.save(tmp_path / "missing" / "run.nc")
+    (tmp_path / "folder.nc").mkdir()
     with pytest.raises(OSError, match="is a folder"):
-        run.save(tmp_path)
+        run.save(tmp_path / "folder.nc")
+    (tmp_path / "folder.nc").rmdir()
+    with pytest.raises(ValueError, match=r"run\.txt: allowed are names that end in .*\.csv"):
+        run.save(tmp_path / "run.txt")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -126,7 +126,7 @@ def test_a_point_that_fails_is_a_status():
     data = sweep(BASE, {"contact.static_friction": [0.2, 0.1]})
     assert data["status"].values.tolist() == [0, -1]
     assert data["message"].values.tolist()[0] == ""
-    assert "contact.static_friction (0.1)" in str(data["message"][1].item())
+    assert "contact.static_friction = 0.1" in str(data["message"][1].item())
     assert json.loads(data.attrs["statuses"]) == {"refused": 1, "ok": 1}
     assert data.attrs["failed_points"] == 1
     assert np.isfinite(data["mean_velocity"].values).tolist() == [True, False]

@@ -39,7 +39,8 @@ def test_json_is_one_object_with_the_summaries_of_single_runs(scenario):
     for point, values in zip(found["results"], itertools.product(*GRID.values()), strict=True):
         changes = dict(zip(GRID, values, strict=True))
         summary = simulate(load(scenario).replace(changes)).summary()
-        del summary["steps"], summary["message"]
+        for name in ("steps", "message", "notes", "window_start", "window_end"):
+            del summary[name]
         assert point == {**changes, **summary}
     velocities = [point["mean_velocity"] for point in found["results"]]
     assert found["fastest"]["mean_velocity"] == max(velocities)
@@ -87,8 +88,9 @@ def test_a_failed_point_is_counted_and_no_failure(scenario):
     done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1,0.2", "--json")
     assert done.returncode == 0
     assert done.stderr == (
-        "stickslip: 1 of 2 points failed; the first: contact.kinetic_friction = 0.145: "
-        "allowed is at most contact.static_friction (0.1)\n"
+        "stickslip: 1 of 2 points failed; the first: contact.kinetic_friction = 0.145 with "
+        "contact.static_friction = 0.1: allowed is a kinetic friction that is not above the "
+        "static one\n"
     )
     found = json.loads(done.stdout, parse_constant=pytest.fail)
     assert found["status"] == {"refused": 1, "ok": 1}
@@ -126,6 +128,7 @@ def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
     assert output == b""
     assert b"Traceback" not in errors
     assert b"<" in seen  # the time left
+    assert b" %, --resume goes on with " in errors
     with h5netcdf.File(tmp_path / "a.nc", "r") as file:
         assert 0 < file.attrs["finished_points"] < 100
 
@@ -220,8 +223,11 @@ OPTIONS = {
     "missing folder to resume": (["--out=missing/a.nc", "--resume"], ["no folder"]),
     "folder": (["--out=."], ["is a folder"]),
     "device": (["--out=/dev/null"], ["not an ordinary file"]),
-    "existing": (["--out=scenario.toml"], ["already there", "--resume"]),
-    "another file": (["--out=scenario.toml", "--resume"], ["cannot be resumed"]),
+    "existing": (["--out=other.nc"], ["already there", "--resume"]),
+    "another file": (["--out=other.nc", "--resume"], ["cannot be resumed"]),
+    "the scenario": (["--out=scenario.toml"], ["--out", "is the scenario", "overwrite"]),
+    "the scenario to resume": (["--out=./scenario.toml", "--resume"], ["is the scenario"]),
+    "another format": (["--out=a.csv"], ["--out", "a.csv", ".nc, .nc4, .h5"]),
     "no address": (["--dask=nonsense"], ["--dask nonsense", "no cluster"]),
 }
 
@@ -231,8 +237,10 @@ def test_options_that_are_refused(scenario, tmp_path, name):
     options, words = OPTIONS[name]
     if any("nonsense" in option for option in options):
         pytest.importorskip("distributed")
+    (tmp_path / "other.nc").write_text("other")
     check(stickslip("sweep", "scenario.toml", *VARY, *options, cwd=tmp_path), *words)
-    assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["other.nc", "scenario.toml"]
+    assert (tmp_path / "other.nc").read_text() == "other"
     assert scenario.read_text() == TEXT
 
 

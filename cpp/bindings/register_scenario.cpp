@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "register.hpp"
+#include "stickslip/assembly.hpp"
 #include "stickslip/parameters.hpp"
 
 namespace py = pybind11;

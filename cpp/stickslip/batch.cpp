@@ -1,4 +1,5 @@
 #include "stickslip/batch.hpp"
+#include "stickslip/assembly.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -10,8 +10,8 @@ void Dynamics::extend(const Expansion& expansion, const PlanarField& field, doub
     const Model& m = *model_;
     const double cosine = turn_.cosine * pose.cosine - turn_.sine * pose.sine;
     const double sine = turn_.sine * pose.cosine + turn_.cosine * pose.sine;
-    const double drag = m.linear_drag * m.angle_drag * cosine * cosine +
-                        m.quadratic_linear_drag * std::hypot(vx, vz);
+    const double drag = m.translational_drag * m.angle_drag * cosine * cosine +
+                        m.translational_drag_quadratic * std::hypot(vx, vz);
     load.fx += m.gradient_excess * (mx * field.dbx_dx + mz * field.dbx_dz) - drag * vx;
     load.fz += m.gradient_excess * (mx * field.dbx_dz + mz * field.dbz_dz) - drag * vz;
     load.contact_adhesion = m.adhesion.of_contact(sine, age_ + expansion.tau);

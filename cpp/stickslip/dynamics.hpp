@@ -132,9 +132,12 @@ inline Load Dynamics::load(const Expansion& expansion, double x, double z, const
     const double mx = moment_cosine_ * pose.cosine - moment_sine_ * pose.sine;
     const double mz = -(moment_sine_ * pose.cosine + moment_cosine_ * pose.sine);
     Load load;
-    load.fx = mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - m.linear_drag * vx;
-    load.fz = mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - m.linear_drag * vz;
-    const double turning_drag = (m.rotational_drag + m.quadratic_drag * std::abs(omega)) * omega;
+    load.fx =
+        mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - m.translational_drag * vx;
+    load.fz =
+        mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - m.translational_drag * vz;
+    const double turning_drag =
+        (m.rotational_drag_linear + m.rotational_drag_quadratic * std::abs(omega)) * omega;
     load.torque = (mz * field.bx - turning_drag) - mx * field.bz;
     load.contact_adhesion = m.adhesion.strength;
     if (extended_) extend(expansion, field, mx, mz, pose, vx, vz, load);

@@ -17,19 +17,19 @@ struct Model {
     double misalignment = 0.0;  ///< rad, from the body's x axis to the moment, nose-down positive
     double gravity_x = 0.0;     ///< m/s^2, along the surface
     double gravity_z = 0.0;     ///< m/s^2, negative
-    double gradient_excess = 0.0;        ///< -, part by which the magnetic force is larger
-    double linear_drag = 0.0;            ///< N s/m, Eq. (18)
-    double angle_drag = 0.0;             ///< -, the drag grows by this factor times cos^2 theta
-    double quadratic_linear_drag = 0.0;  ///< N s^2/m^2
-    double rotational_drag = 0.0;        ///< N m s, linear
-    double quadratic_drag = 0.0;         ///< N m s^2, Eq. (19)
+    double gradient_excess = 0.0;     ///< -, part by which the magnetic force is larger
+    double translational_drag = 0.0;  ///< N s/m, Eq. (18)
+    double angle_drag = 0.0;          ///< -, the drag grows by this factor times cos^2 theta
+    double translational_drag_quadratic = 0.0;  ///< N s^2/m^2
+    double rotational_drag_linear = 0.0;        ///< N m s, linear
+    double rotational_drag_quadratic = 0.0;     ///< N m s^2, Eq. (19)
     FrictionLaw friction;
     Adhesion adhesion;
     double restitution = 0.0;
 
     /// Whether a named effect acts on the forces between events.
     bool has_force_effects() const {
-        return gradient_excess != 0.0 || angle_drag != 0.0 || quadratic_linear_drag != 0.0 ||
+        return gradient_excess != 0.0 || angle_drag != 0.0 || translational_drag_quadratic != 0.0 ||
                adhesion.angle_loss != 0.0 || adhesion.ageing_rate != 0.0;
     }
 

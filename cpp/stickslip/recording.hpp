@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stickslip/phases.hpp"
+#include "stickslip/phase_types.hpp"
 
 namespace stickslip {
 

@@ -1,10 +1,7 @@
 #pragma once
 
-#include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
 #include "stickslip/drive.hpp"
-#include "stickslip/measurement_chain.hpp"
-#include "stickslip/model.hpp"
 
 namespace stickslip {
 
@@ -105,36 +102,5 @@ struct Scenario {
     SolverSettings solver;
     RecordSettings record;
 };
-
-/// Throws std::invalid_argument, naming key, value and what is allowed, for values that are each in
-/// their range but make no sense together.
-void check(const Scenario& scenario);
-
-/// +1, or -1 for a robot that is turned to face -x: world x = frame sign times the robot's x.
-double frame_sign(const Scenario& scenario);
-
-/// Constants of motion in the robot's own frame.
-Model make_model(const Scenario& scenario);
-
-/// The coils' circuits for `program` (which heats them, if they do).
-Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
-
-MeasurementChain make_measurement_chain(const Scenario& scenario);
-
-/// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
-PerCoil field_gain(const Scenario& scenario);
-
-/// Voltages in the robot's own frame.
-VoltageProgram make_program(const Scenario& scenario);
-
-/// Simulated time from start to end, s.
-double duration(const Scenario& scenario);
-
-/// Times (s) between which the mean velocity is taken: from the end of the third pulse (of the
-/// ramp, with three pulses or fewer) to the end of the last (section VII); all of a free program.
-struct Window {
-    double start = 0.0, end = 0.0;
-};
-Window measuring_window(const Scenario& scenario);
 
 }  // namespace stickslip

@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 
+#include "stickslip/assembly.hpp"
 #include "stickslip/hybrid_loop.hpp"
 #include "stickslip/tsit5.hpp"
 #ifdef STICKSLIP_WITH_ARKODE

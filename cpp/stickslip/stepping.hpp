@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "stickslip/phases.hpp"
+#include "stickslip/phase_types.hpp"
 
 /// What the two integrators share.
 namespace stickslip {

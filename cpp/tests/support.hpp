@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
+#include "stickslip/assembly.hpp"
 #include "stickslip/dynamics.hpp"
-#include "stickslip/scenario.hpp"
 
 /// What several test files share.
 namespace stickslip::test {

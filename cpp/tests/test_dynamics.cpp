@@ -23,7 +23,7 @@ namespace {
 Model magnet() {
     Model model = paper_model();
     model.gravity_x = model.gravity_z = 0.0;
-    model.linear_drag = model.rotational_drag = model.quadratic_drag = 0.0;
+    model.translational_drag = model.rotational_drag_linear = model.rotational_drag_quadratic = 0.0;
     model.adhesion = {};
     return model;
 }
@@ -143,9 +143,9 @@ TEST_CASE("load: weight, and its part along a tilted surface") {
 
 TEST_CASE("drag: Eqs. (18) and (19), and it takes energy whatever the direction") {
     Model model = magnet();
-    model.linear_drag = 1e-5;
-    model.quadratic_drag = 9e-17;
-    model.rotational_drag = 2e-15;
+    model.translational_drag = 1e-5;
+    model.rotational_drag_quadratic = 9e-17;
+    model.rotational_drag_linear = 2e-15;
     Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
     Random random(3);
     for (int n = 0; n < 200; ++n) {
@@ -162,7 +162,7 @@ TEST_CASE("drag: Eqs. (18) and (19), and it takes energy whatever the direction"
 
 TEST_CASE("angle drag: larger by the factor 1 + k cos^2 theta, in every quadrant") {
     Model model = magnet();
-    model.linear_drag = 1e-5;
+    model.translational_drag = 1e-5;
     model.angle_drag = 0.7;
     Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
     Random random(4);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "stickslip/phases.hpp"
 #include "stickslip/tsit5.hpp"
 #include "support.hpp"
 
@@ -40,8 +41,8 @@ public:
         model_.friction = {1e3, 1e3};     // nothing slips
         model_.adhesion.strength = 1e-3;  // and nothing leaves
         // Omega |omega| has no second derivative where the swing turns: no order would be seen.
-        model_.quadratic_drag = 0.0;
-        model_.rotational_drag = 1e-14;
+        model_.rotational_drag_quadratic = 0.0;
+        model_.rotational_drag_linear = 1e-14;
     }
     Dynamics& dynamics() { return dynamics_; }
 
@@ -173,7 +174,7 @@ TEST_CASE("tsit5: the global error falls with the tolerance") {
 TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
     // Kinetic energy about the corner, potential energy of weight and magnet; no drag.
     Model model = paper_model();
-    model.linear_drag = model.quadratic_drag = 0.0;
+    model.translational_drag = model.rotational_drag_quadratic = 0.0;
     model.friction = {1e3, 1e3};
     model.adhesion.strength = 1e-3;
     const double bx = 2e-3, bz = -1e-3;

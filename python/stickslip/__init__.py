@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip import plot
     from stickslip._core import __version__
-    from stickslip.coils import Coils
+    from stickslip.coils import COIL_NAMES, Coils
+    from stickslip.dataset import open_run
     from stickslip.errors import ScenarioError
     from stickslip.extensions import effects
     from stickslip.reproduction.study import reproduce
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {
+    "COIL_NAMES": "coils",
     "__version__": "_core",
     "Coil": "sections",
     "Coils": "coils",
@@ -50,6 +52,7 @@ _HOME = {
     "Waveform": "waveform",
     "effects": "extensions",
     "load": "scenario",
+    "open_run": "dataset",
     "plot": "plot",
     "reproduce": "reproduction.study",
     "show_versions": "versions",
@@ -60,6 +63,7 @@ _HOME = {
 }
 
 __all__ = [
+    "COIL_NAMES",
     "Coil",
     "Coils",
     "Contact",
@@ -76,6 +80,7 @@ __all__ = [
     "__version__",
     "effects",
     "load",
+    "open_run",
     "plot",
     "reproduce",
     "show_versions",
@@ -86,13 +91,16 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-    module = importlib.import_module(f"stickslip.{_HOME[name]}")
-    value = module if name == _HOME[name] else getattr(module, name)
-    globals()[name] = value
-    return value
+# Hidden from type checkers, which would else take any name for an attribute.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
+        module = importlib.import_module(f"stickslip.{_HOME[name]}")
+        value = module if name == _HOME[name] else getattr(module, name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

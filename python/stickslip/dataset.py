@@ -45,7 +45,7 @@ def dataset(run: Run) -> xarray.Dataset:
 
 def _attributes(run: Run) -> dict[str, Any]:
     summary = run.summary()
-    numbers = {name: value for name, value in summary.items() if not isinstance(value, dict)}
+    numbers = {name: value for name, value in summary.items() if not isinstance(value, dict | list)}
     attributes = {
         "title": "stick-slip motion of a magnetic micro-robot",
         "source": f"stickslip {_core.__version__}",
@@ -54,6 +54,7 @@ def _attributes(run: Run) -> dict[str, Any]:
         "numpy_version": np.__version__,
         "scenario": run.scenario.to_toml(),
         **numbers,
+        "notes": json.dumps(summary["notes"]),
         "events": json.dumps(summary["events"]),
     }
     program = run.scenario.drive.program
@@ -62,6 +63,28 @@ def _attributes(run: Run) -> dict[str, Any]:
             [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
         )
     return attributes
+
+
+def open_run(path: str | PathLike[str]) -> xarray.Dataset:
+    """Read a run that `Run.to_netcdf` wrote; the pictures of one motion take it as they take a Run.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `Run.to_xarray` gave, in memory: the file is closed.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no run.
+    OSError
+        If it cannot be read, or is no netCDF file.
+    """
+    with xarray.open_dataset(path, engine="h5netcdf") as file:
+        data = file.load()
+    if SAMPLES not in data.coords or "scenario" not in data.attrs:
+        raise ValueError(f"{path}: is no run; allowed is a file that Run.save or --out wrote")
+    return data
 
 
 def write_netcdf(data: xarray.Dataset, path: str | PathLike[str]) -> None:

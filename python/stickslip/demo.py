@@ -18,11 +18,11 @@ from stickslip.simulation import simulate_batch
 
 OUTPUT = Path("demo_output")
 
-# The paper gives neither base, hold nor edge. With an in-plane base of zero the ramp would stand
-# the body on end; these edges make both modes walk forwards at both frequencies.
+# The paper gives neither base, hold, edge nor clamp. With an in-plane base of zero the ramp would
+# stand the body on end; these edges make both modes walk forwards at both frequencies.
 _SETTINGS = {
-    "IPP": {"base": 0.5e-3, "hold": 1.0e-3, "edge": "rise"},
-    "OPP": {"base": 0.0, "hold": 2.5e-3, "edge": "fall"},
+    "IPP": {"base": 0.5e-3, "hold": 1.0e-3, "edge": "rise", "clamp": "down"},
+    "OPP": {"base": 0.0, "hold": 2.5e-3, "edge": "fall", "clamp": "down"},
 }
 _FREQUENCIES = (30.0, 100.0)
 
@@ -42,16 +42,19 @@ def scenarios() -> list[Scenario]:
 def table(runs: list[Run]) -> str:
     """The summaries of the runs, one a row."""
     lines = [
-        "mode  frequency  mean velocity  theta from  to         slip up  slip down  airborne",
-        "             Hz           mm/s     degrees  degrees       mm/s       mm/s         %",
+        "mode  frequency  base  hold  edge  clamp  velocity  theta from       to  slip up  "
+        "slip down  airborne",
+        "             Hz    mT    mT                    mm/s     degrees  degrees     mm/s  "
+        "     mm/s         %",
     ]
     for run in runs:
         drive, s = run.scenario.drive, run.summary()
         lines.append(
-            f"{drive.mode:<4}  {drive.frequency:9g}  {s['mean_velocity'] * 1e3:13.4f}  "
-            f"{math.degrees(s['theta_min']):10.2f}  {math.degrees(s['theta_max']):7.2f}  "
-            f"{s['slip_up'] * 1e3:9.4f}  {s['slip_down'] * 1e3:9.4f}  "
-            f"{s['airborne_fraction'] * 100:8.2f}"
+            f"{drive.mode:<4}  {drive.frequency:9g}  {drive.base * 1e3:4.1f}  "
+            f"{drive.hold * 1e3:4.1f}  {drive.edge:<4}  {drive.clamp:<5}  "
+            f"{s['mean_velocity'] * 1e3:8.4f}  {math.degrees(s['theta_min']):10.2f}  "
+            f"{math.degrees(s['theta_max']):7.2f}  {s['slip_up'] * 1e3:7.4f}  "
+            f"{s['slip_down'] * 1e3:9.4f}  {s['airborne_fraction'] * 100:8.2f}"
         )
     return "\n".join(lines)
 

@@ -47,7 +47,8 @@ def effects() -> tuple[Effect, ...]:
 
     Examples
     --------
-    >>> [p.name for p in effects()[0].parameters]
+    >>> tilt = next(effect for effect in effects() if effect.name == "surface_tilt")
+    >>> [key.name for key in tilt.parameters]
     ['effects.surface_tilt.angle']
     """
     return tuple(

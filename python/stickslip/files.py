@@ -9,6 +9,20 @@ from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 
+NETCDF_SUFFIXES = (".nc", ".nc4", ".h5")
+
+
+def check_suffix(path: str | PathLike[str], allowed: tuple[str, ...]) -> None:
+    """Refuse a name that does not end as its format does.
+
+    Raises
+    ------
+    ValueError
+        Naming the suffixes that are allowed.
+    """
+    if Path(path).suffix.lower() not in allowed:
+        raise ValueError(f"{path}: allowed are names that end in {', '.join(allowed)}")
+
 
 def check_writable(path: str | PathLike[str]) -> None:
     """Refuse a path to which `replacing` could not write.

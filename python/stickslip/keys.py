@@ -24,6 +24,15 @@ Value = float | int | str
 RECORD_RATE = "record.rate"
 RECORD_WORDS = ("none", "events")
 
+PROGRAM = "drive.program"
+"""The waveform of a drive: in Python only, as a file has `FILE`."""
+
+FILE = "drive.file"
+"""The CSV file of voltages, which only a scenario's file and --set know."""
+
+PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
+_FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
+
 _LONGEST_SHOWN = 60
 
 
@@ -132,17 +141,27 @@ def refuse(key: str, value: object, allowed: str) -> NoReturn:
     raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
 
 
+def section_hint(section: str) -> str:
+    """The section that was probably meant, or all of them, with the extensions as one."""
+    sections = list(dict.fromkeys(key.section for key in known_keys().values()))
+    if difflib.get_close_matches(section, sections, n=1, cutoff=0.6):
+        return suggestion(section, sections)
+    return suggestion(section, dict.fromkeys(each.partition(".")[0] for each in sections))
+
+
 def find_key(name: str, value: object) -> Key:
     """The key of that name, or an error that names the nearest one."""
     keys = known_keys()
     if name in keys:
         return keys[name]
+    if name == FILE:
+        raise ScenarioError(f"{name} = {shown(value)}: there is no such key here; {_FILE_HINT}")
     section = name.rpartition(".")[0]
     siblings = [key.name for key in keys.values() if key.section == section]
     if siblings or difflib.get_close_matches(name, keys, n=1, cutoff=0.6):
         hint = suggestion(name, siblings or keys)
     else:
-        hint = suggestion(section, dict.fromkeys(key.section for key in keys.values()))
+        hint = section_hint(section)
     raise ScenarioError(f"{name} = {shown(value)}: there is no such key; {hint}")
 
 

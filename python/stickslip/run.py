@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
+from stickslip.files import NETCDF_SUFFIXES, check_suffix
+from stickslip.run_notes import run_notes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -45,6 +48,10 @@ COLUMNS = {
 """The recorded quantities by name; each is an attribute of a `Run`."""
 
 
+SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
+"""Of the files that a run can be saved as."""
+
+
 class Run:
     """One simulation's result. SI units and radians; x and velocities in the world's frame.
 
@@ -72,6 +79,15 @@ class Run:
         Mode of the contact, an index of `contact_names`.
     event : numpy.ndarray of int8, shape (n,)
         Kind of the event, an index of `event_names`; with ``record.rate = "events"`` only.
+
+    Notes
+    -----
+    Kinds of events: ``slip_start``, a sticking contact slips; ``stick``, a slipping contact sticks;
+    ``reversal``, a slip stops and goes on the other way; ``lift_off``, the last contact is lost;
+    ``touch_down``, a corner meets the surface out of flight; ``landing``, a body on one corner
+    comes to lie on a face; ``tip``, a body on a face goes to one corner; ``roll_over``, a body on
+    one corner goes to the next at once, as the face between lands; ``painleve``, a slip had no
+    solution and was stopped by an impulse.
     """
 
     contact_names = _core.contact_names
@@ -109,11 +125,14 @@ class Run:
                 del recording["event"]
             vars(self).update(recording)
 
-    def __getattr__(self, name: str) -> Any:
-        if name not in COLUMNS:
-            raise AttributeError(f"a Run has no attribute {name!r}")
-        needed = '"events"' if name == "event" else 'a number of Hz, or "events"'
-        raise AttributeError(f"this run did not record {name}: set record.rate to {needed}")
+    # Hidden from type checkers, which would else take any name for an attribute.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name not in COLUMNS:
+                raise AttributeError(f"a Run has no attribute {name!r}")
+            needed = '"events"' if name == "event" else 'a number of Hz, or "events"'
+            raise AttributeError(f"this run did not record {name}: set record.rate to {needed}")
 
     def __repr__(self) -> str:
         samples = f"{len(self.t)} samples" if self.recorded else "no record"
@@ -134,22 +153,37 @@ class Run:
         """dx/dt over the measuring window, m/s (section VII of the paper); NaN if not measured."""
         return self._summary["mean_velocity"]
 
+    @property
+    def notes(self) -> list[str]:
+        """What stands out, a line each: a robot that never moved, or high voltages; mostly none."""
+        return run_notes(self.scenario, {**self._summary})
+
     def summary(self) -> dict[str, Any]:
         """What the run comes to.
 
         Returns
         -------
         dict
-            `status`, `message`; over the measuring window `mean_velocity` (m/s), `theta_min`,
-            `theta_max` (rad), `slip_up`, `slip_down`, `slip_flat` (m/s, distance that the contact
-            slipped while theta rose, fell, or lay on a face, over the window's duration) and
-            `airborne_fraction`; over the whole run `events` (counts by kind), `painleve_events`,
-            `simulated_time` (s) and `steps` (of the integrator). What was never measured is NaN.
+            `status`, `message` and `notes` (list of str, see `Run.notes`); the measuring window
+            from `window_start` to `window_end` (s), and over it `mean_velocity` (m/s), `theta_min`,
+            `theta_max` (rad), the mean slip speeds `slip_up`, `slip_down`, `slip_flat` (m/s,
+            distance that the contact slipped along +x while theta rose, fell, or the body lay on a
+            face, over the window's duration) and `airborne_fraction`; over the whole run `events`
+            (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
+            integrator). What was never measured is NaN.
         """
         core: dict[str, Any] = {**self._summary}
         core["events"] = dict(core["events"])
         core["steps"] = dict(core["steps"])
-        return {"status": self.status, "message": self.message, **core}
+        start, end = self.scenario.window
+        return {
+            "status": self.status,
+            "message": self.message,
+            "notes": self.notes,
+            "window_start": start,
+            "window_end": end,
+            **core,
+        }
 
     def to_xarray(self) -> xarray.Dataset:
         """The recorded motion, with units, meanings, the summary and the scenario as attributes.
@@ -182,6 +216,42 @@ class Run:
 
         write_netcdf(self.to_xarray(), path)
 
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the recorded columns to a CSV file, whole or not at all.
+
+        The headings name the units, such as ``t (s)``; contact and event are words. A cell without
+        a value, such as the slip of a contact in flight, is empty.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        OSError
+            If the file cannot be written; an older file of that name is then untouched.
+        """
+        from stickslip.csv_run import write_csv
+
+        write_csv(self, path)
+
     def save(self, path: str | PathLike[str]) -> None:
-        """The same as `to_netcdf`."""
-        self.to_netcdf(path)
+        """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.
+
+        Parameters
+        ----------
+        path : path-like
+            Ends in ``.nc``, ``.nc4``, ``.h5`` (netCDF) or ``.csv``.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        ValueError
+            If the suffix is another.
+        OSError
+            If the file cannot be written; an older file of that name is then untouched.
+        """
+        check_suffix(path, SUFFIXES)
+        if Path(path).suffix.lower() == ".csv":
+            self.to_csv(path)
+        else:
+            self.to_netcdf(path)

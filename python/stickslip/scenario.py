@@ -16,9 +16,8 @@ from typing import Any
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.extensions import PREFIX, EffectSettings
-from stickslip.keys import RECORD_RATE, Value, find_key, known_keys, shown
+from stickslip.keys import PROGRAM, RECORD_RATE, Value, find_key, known_keys, shown
 from stickslip.sections import (
-    PROGRAM,
     SECTIONS,
     Coil,
     Contact,
@@ -38,7 +37,11 @@ class Scenario:
     Parameters
     ----------
     drive, coil, robot, contact, drag, environment, solver, record
-        Sections; each has the paper's values where nothing else is given.
+        Sections. Where nothing is given, `coil` and `robot` have the values of Tables I and II
+        (the coils' side and distance are effective ones), `contact` and `drag` those of section VI,
+        and `drive` a peak of 2.5 mT. What the paper leaves open has a default of this package:
+        base, hold, edge and clamp of the drive, the numbers and durations of its pulses and ramps,
+        and everything that is zero.
     effects : mapping
         Named extensions of the model: ``{name: {parameter: value}}``; see `stickslip.effects`.
 
@@ -50,7 +53,7 @@ class Scenario:
 
     Examples
     --------
-    >>> scenario = Scenario(drive=Drive(mode="OPP", hold=2.5e-3, pulses=20))
+    >>> scenario = Scenario(drive=Drive(mode="OPP", hold=2.5e-3, edge="fall", pulses=20))
     >>> scenario.replace({"drive.frequency": 30.0}).drive.frequency
     30.0
     """

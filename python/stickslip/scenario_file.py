@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 from stickslip.errors import ScenarioError
 from stickslip.extensions import EffectSettings
 from stickslip.files import replacing
-from stickslip.keys import Value, known_keys, shown, suggestion
+from stickslip.keys import PROGRAM, PROGRAM_HINT, Value, known_keys, shown, suggestion
 from stickslip.scenario import Scenario
-from stickslip.sections import SECTIONS
+from stickslip.sections import SAWTOOTH, SECTIONS, refuse_sawtooth
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -37,6 +37,15 @@ def read_scenario(path: str | PathLike[str]) -> Scenario:
         return _scenario(_document(path), path.parent)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
+
+
+def voltage_file(path: Path) -> Path | None:
+    """The CSV file that an ordinary scenario file takes its voltages from, if it does."""
+    try:
+        file = _document(path).get("drive", {}).get("file") if path.is_file() else None
+    except (ScenarioError, AttributeError):
+        return None
+    return path.parent / file if isinstance(file, str) else None
 
 
 def _document(path: Path) -> dict[str, Any]:
@@ -85,6 +94,8 @@ def _scenario(document: dict[str, Any], folder: Path) -> Scenario:
             if name == "drive" and field == "file":
                 continue
             _check_field(name, field, value)
+        if name == "drive":
+            refuse_sawtooth(values.get("mode"), [f"drive.{field}" for field in values])
         if name == "drive" and "file" in values:
             values["program"] = _program(values.pop("file"), folder)
         sections[name] = section(**values)
@@ -107,7 +118,7 @@ def _check_field(section: str, field: str, value: object) -> None:
         known.append("drive.file")
     key = f"{section}.{field}"
     if key not in known:
-        hint = suggestion(key, known)
+        hint = PROGRAM_HINT if key == PROGRAM else suggestion(key, known)
         raise ScenarioError(f"{key} = {shown(value)}: there is no such key; {hint}")
 
 
@@ -140,8 +151,9 @@ def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
     for section, kind in SECTIONS.items():
         lines += ["", f"[{section}]"]
         for field in dataclasses.fields(kind):
-            if field.name != "program":
-                key = f"{section}.{field.name}"
+            key = f"{section}.{field.name}"
+            idle = scenario.drive.mode == "program" and key in SAWTOOTH
+            if key != PROGRAM and not idle:
                 lines.append(_line(field.name, scenario.get(key), known_keys()[key].unit))
         if section == "drive" and scenario.drive.program is not None:
             lines.append(_line("file", voltages, "-"))

@@ -3,16 +3,51 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import checked, shown
+from stickslip.keys import FILE, PROGRAM_HINT, checked, shown
+from stickslip.keys import PROGRAM as PROGRAM
 
 if TYPE_CHECKING:
     from stickslip.waveform import Waveform
 
-PROGRAM = "drive.program"
+SAWTOOTH = tuple(
+    f"drive.{name}"
+    for name in (
+        "frequency",
+        "peak",
+        "base",
+        "hold",
+        "clamp",
+        "edge",
+        "edge_time",
+        "ramp",
+        "pulses",
+        "ramp_down",
+    )
+)
+"""Keys that say what a pulsed drive does; a program of voltages has no use for them."""
+
+
+def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
+    """Refuse keys of the sawtooth that are given together with a program of voltages.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the first of `given` that is one.
+    """
+    if mode != "program":
+        return
+    for key in given:
+        if key in SAWTOOTH:
+            raise ScenarioError(
+                f'{key}: not allowed with drive.mode = "program", whose voltages are those of '
+                f"{FILE} alone"
+            )
 
 
 def _check_fields(section: str, instance: Any) -> None:
@@ -28,6 +63,9 @@ class Drive:
     """What the coils are driven with, section V of the paper.
 
     A field given in tesla is the one at the centre, of one coil, if its voltage were held for ever.
+    The paper gives the default of `peak` (Figs. 4-13) and uses 100 Hz in Figs. 8-11. It states
+    neither `base`, `hold`, `edge` nor `clamp`: their defaults are this package's, as are those of
+    all other fields.
 
     Parameters
     ----------
@@ -46,7 +84,10 @@ class Drive:
     edge_time : float
         Duration of the sudden edge, s.
     direction : {"+x", "-x"}
-        Where the robot faces and is driven.
+        Where the robot faces. ``"-x"`` turns it by 180 degrees about z, and a pulsed drive with it:
+        the -x coil drives, with the opposite sign. The voltages of a program stay as they are
+        given, coil by coil in the world's frame: only the robot is turned, so that
+        ``program.turned()`` moves it as `program` moves one that faces +x.
     ramp : float
         Rise of both coils from zero before the first pulse, s.
     pulses : int
@@ -77,7 +118,10 @@ class Drive:
             from stickslip.waveform import Waveform
 
             if not isinstance(self.program, Waveform):
-                raise ScenarioError(f"{PROGRAM} = {shown(self.program)}: allowed is a Waveform")
+                raise ScenarioError(
+                    f"{PROGRAM} = {shown(self.program)}: allowed is a Waveform; in a file or with "
+                    f"--set, {PROGRAM_HINT}"
+                )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,8 @@ import click
 
 _HOME = {
     "effects": "effects_command",
+    "init": "init_command",
+    "keys": "keys_command",
     "reproduce": "reproduce_command",
     "run": "run_command",
     "sweep": "sweep_command",
@@ -39,7 +41,9 @@ def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool)
 @click.group(
     cls=LazyGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="\b\nExample:\n  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",
+    epilog="\b\nExample:\n"
+    "  stickslip init scenario.toml\n"
+    "  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",
 )
 @click.option(
     "--version",

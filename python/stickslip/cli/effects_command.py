@@ -7,21 +7,28 @@ import textwrap
 import click
 
 from stickslip.cli.json_text import json_text
+from stickslip.errors import ScenarioError
 from stickslip.extensions import PREFIX, Effect, effects
+from stickslip.keys import suggestion
 
 
-@click.command("effects", epilog="\b\nExample:\n  stickslip effects --json")
+@click.command("effects", epilog="\b\nExample:\n  stickslip effects surface_tilt")
+@click.argument("name", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def command(as_json: bool) -> None:
-    """List the named extensions of the model.
+def command(name: str | None, as_json: bool) -> None:
+    """List the named extensions of the model, or one of them by its NAME.
 
-    What each does, its parameters with unit and range, and its source. An extension is used by a
-    section [effects.NAME] in a scenario, or by --set effects.NAME.PARAMETER=VALUE.
+    What each does, its parameters with unit, range and default, and its source. An extension is
+    used by a section [effects.NAME] in a scenario, or by --set effects.NAME.PARAMETER=VALUE.
     """
+    chosen = [each for each in effects() if name is None or each.name == name]
+    if not chosen:
+        hint = suggestion(str(name), [each.name for each in effects()])
+        raise ScenarioError(f"{name}: there is no such extension; {hint}")
     if as_json:
-        click.echo(json_text({"effects": [_as_dict(effect) for effect in effects()]}))
+        click.echo(json_text({"effects": [_as_dict(effect) for effect in chosen]}))
         return
-    click.echo("\n\n".join(_as_text(effect) for effect in effects()))
+    click.echo("\n\n".join(_as_text(effect) for effect in chosen))
 
 
 def _as_dict(effect: Effect) -> dict[str, object]:
@@ -49,7 +56,7 @@ def _as_text(effect: Effect) -> str:
     lines = [f"[{PREFIX}{effect.name}]", *_indented(effect.meaning)]
     for key in effect.parameters:
         name = key.name.rpartition(".")[2]
-        lines += _indented(f"{name}: {key.meaning}; {key.allowed}")
+        lines += _indented(f"{name}: {key.meaning}; {key.allowed}; default {key.default}")
     return "\n".join([*lines, *_indented(f"source: {effect.source}")])
 
 

@@ -11,8 +11,9 @@ from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.settings import with_settings
 from stickslip.cli.summary_table import summary_table
+from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError
-from stickslip.files import check_writable
+from stickslip.run import SUFFIXES
 from stickslip.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -21,46 +22,82 @@ if TYPE_CHECKING:
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin.
 _RATE = 2e4
 _SAMPLES_PER_PULSE = 50
+# Fewer draw a sawtooth's edge in a wrong place and miss whole slips.
+_FEWEST_PER_PULSE = 20
 # Of a run longer than this allows, the picture and the file are coarser.
 _MOST_SAMPLES = 1_000_000
+
+_STRETCH = ("--start", "--stop")
 
 
 @click.command(
     "run",
-    epilog="\b\nExample:\n"
-    "  stickslip run scenario.toml --set drive.frequency=30 --out run.nc --plot run.png",
+    epilog="""\b
+Events that the summary counts:
+  slip_start  a sticking contact slips
+  stick       a slipping contact sticks
+  reversal    a slip stops and goes on the other way
+  lift_off    the last contact is lost
+  touch_down  a corner meets the surface out of flight
+  landing     a body on one corner comes to lie on a face
+  tip         a body on a face goes to one corner
+  roll_over   a body on one corner goes to the next at once, as the face between lands
+  painleve    a slip had no solution and was stopped by an impulse
+
+\b
+"stickslip init scenario.toml" writes a scenario with all keys; "stickslip keys" lists them.
+
+\b
+Example:
+  stickslip run scenario.toml --set drive.frequency=30 --out run.nc --plot run.png""",
 )
 @click.argument("scenario", type=click.Path(path_type=Path))
 @click.option(
-    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a key; repeatable."
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key, in SI units without their names; repeatable.",
 )
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="Write the recorded motion to a netCDF file."
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Write the recorded motion: .nc (netCDF; also .nc4, .h5) or .csv.",
 )
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Draw the run: .png, .pdf, .svg and others."
 )
+@click.option("--start", type=float, metavar="SECONDS", help="Begin of the time that --plot draws.")
+@click.option("--stop", type=float, metavar="SECONDS", help="End of the time that --plot draws.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
-    scenario: Path, settings: tuple[str, ...], out: Path | None, plot: Path | None, as_json: bool
+    scenario: Path,
+    settings: tuple[str, ...],
+    out: Path | None,
+    plot: Path | None,
+    start: float | None,
+    stop: float | None,
+    as_json: bool,
 ) -> int:
     """Simulate one SCENARIO (a TOML file) and print its summary.
+
+    Velocity, angles and slip are those of the measuring window, which is printed with them: from
+    the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
     --out and --plot record on a uniform grid if the scenario's record.rate is "none". The exit
     status is 1 if the simulation failed, with the reason on standard error.
     """
     loaded = with_settings(Scenario.from_toml(scenario), settings)
+    _check_stretch(loaded, plot, start, stop)
     if out is not None or plot is not None:
+        _check_targets(out, plot, scenario, settings)
         loaded = _with_record(loaded, for_plot=plot is not None)
-        _check_targets(out, plot)
     run = _simulated(loaded)
 
     if out is not None:
         run.save(out)
     if plot is not None:
-        from stickslip import plot as drawing
-
-        drawing.save(drawing.run(run), plot)
+        _draw(run, plot, start, stop)
     click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
     if not run.ok:
         click.echo(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
@@ -71,36 +108,94 @@ def command(
 def _simulated(scenario: Scenario) -> Run:
     from stickslip.simulation import simulate
 
-    with progress_bar("simulating") as show:
-        return simulate(scenario, progress=show)
+    done = 0.0
+    try:
+        with progress_bar("simulating") as show:
+
+            def report(fraction: float) -> None:
+                nonlocal done
+                done = fraction
+                show(fraction)
+
+            return simulate(scenario, progress=report)
+    except KeyboardInterrupt:
+        click.echo(f"stickslip: interrupted at {100.0 * done:.0f} %, nothing written", err=True)
+        raise
+
+
+def _draw(run: Run, path: Path, start: float | None, stop: float | None) -> None:
+    from stickslip import plot as drawing
+
+    try:
+        figure = drawing.run(run, start, stop)
+    except ValueError as error:  # a run that failed before `start`, say
+        click.echo(f"stickslip: --plot: nothing drawn: {error}", err=True)
+        return
+    drawing.save(figure, path)
 
 
 def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
-    if scenario.record.rate == "none":
-        rate = max(_RATE, _SAMPLES_PER_PULSE * scenario.drive.frequency)
-        return scenario.replace({"record.rate": min(rate, _MOST_SAMPLES / scenario.duration)})
-    if for_plot and scenario.record.rate == "events":
-        raise ScenarioError(
-            '--plot: record.rate = "events": allowed is a number of Hz or "none", '
-            "as a curve needs a uniform grid"
+    """The scenario with a uniform grid of its own or ours; notes on standard error."""
+    rate, pulsed = scenario.record.rate, scenario.drive.mode != "program"
+    frequency = scenario.drive.frequency if pulsed else 0.0
+    if rate == "none":
+        wanted = max(_RATE, _SAMPLES_PER_PULSE * frequency)
+        given = min(wanted, _MOST_SAMPLES / scenario.duration)
+        if given < wanted:
+            _note(
+                f"{given:.4g} Hz in place of {wanted:.4g} Hz, as the run is long; "
+                "set record.rate for another"
+            )
+        return scenario.replace({"record.rate": given})
+    if rate == "events":
+        if for_plot:
+            raise ScenarioError(
+                '--plot: record.rate = "events": allowed is a number of Hz or "none", '
+                "as a curve needs a uniform grid"
+            )
+    elif pulsed and rate < _FEWEST_PER_PULSE * frequency:
+        _note(
+            f"{rate:g} Hz gives {rate / frequency:.3g} samples a pulse, which shows the motion "
+            f'wrongly; {_FEWEST_PER_PULSE} or more are needed, or record.rate = "none"'
         )
     return scenario
 
 
-def _check_targets(out: Path | None, plot: Path | None) -> None:
+def _note(text: str) -> None:
+    click.echo(f"stickslip: note: record.rate: {text}", err=True)
+
+
+def _check_stretch(
+    scenario: Scenario, plot: Path | None, start: float | None, stop: float | None
+) -> None:
+    for option, time in zip(_STRETCH, (start, stop), strict=True):
+        if time is None:
+            continue
+        if plot is None:
+            raise ScenarioError(f"{option}: allowed with --plot only")
+        if not 0.0 <= time <= scenario.duration:
+            raise ScenarioError(
+                f"{option} = {time!r}: allowed is from 0 to {scenario.duration:g} s, "
+                "the duration of the run"
+            )
+    if start is not None and stop is not None and start >= stop:
+        raise ScenarioError(f"--start = {start!r}: allowed is less than --stop = {stop!r}")
+
+
+def _check_targets(
+    out: Path | None, plot: Path | None, scenario: Path, settings: tuple[str, ...]
+) -> None:
     """Say before a long simulation what could not be written after it."""
-    try:
-        for path in (out, plot):
-            if path is not None:
-                check_writable(path)
-    except OSError as error:
-        raise ScenarioError(str(error)) from None
+    inputs = input_files(scenario, settings)
+    if out is not None and plot is not None and same_file(out, plot):
+        raise ScenarioError(f"--out and --plot: {out} cannot be both")
+    if out is not None:
+        check_target("--out", out, inputs, SUFFIXES)
     if plot is not None:
+        check_target("--plot", plot, inputs)
         from stickslip.plot import check_format
 
         try:
             check_format(plot)
         except ValueError as error:
             raise ScenarioError(f"--plot: {error}") from None
-        if out is not None and out.resolve() == plot.resolve():
-            raise ScenarioError(f"--out and --plot: {out} cannot be both")

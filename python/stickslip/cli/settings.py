@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import Value
+from stickslip.keys import FILE, PROGRAM, PROGRAM_HINT, Value
 from stickslip.scenario import Scenario
-from stickslip.sections import PROGRAM
+from stickslip.sections import refuse_sawtooth
 
-FILE = "drive.file"
+QUOTES = ("'", '"')
+
+_WITH_UNIT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*[A-Za-zµμΩ%°][\w µμΩ%°/*^·-]*")
 
 
-def parse_setting(text: str) -> tuple[str, Any]:
-    """Key and value of ``key=value``; a value that reads as a number is one.
+def split_setting(text: str) -> tuple[str, str]:
+    """Key and text of ``key=value``.
 
     Raises
     ------
@@ -25,23 +28,62 @@ def parse_setting(text: str) -> tuple[str, Any]:
     key, value = key.strip(), value.strip()
     if not equals or not key:
         raise ScenarioError(f'--set "{text}": allowed is key=value, such as drive.frequency=30')
+    return key, unquoted(value) if key == FILE else value
+
+
+def parse_setting(text: str) -> tuple[str, Any]:
+    """Key and value of ``key=value``; a value that reads as a number is one.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no ``=`` or no key, or the value is a number with a unit or an open quote.
+    """
+    key, value = split_setting(text)
     if key == FILE:
         return PROGRAM, _waveform(value)
-    return key, parse_value(value)
+    if key == PROGRAM:
+        raise ScenarioError(f"--set {key}: there is no such key; {PROGRAM_HINT}")
+    try:
+        return key, parse_value(value)
+    except ScenarioError as error:
+        raise ScenarioError(f"--set {key}: {error}") from None
 
 
 def parse_value(text: str) -> Value:
-    """A number if it reads as one, else a word, whose quotes can be left out."""
+    """A number if it reads as one, else a word, whose quotes can be left out.
+
+    Raises
+    ------
+    ScenarioError
+        If it is a number with a unit, or has a quote at one end only.
+    """
     for number in (int, float):
         try:
             return number(text)
         except ValueError:
             continue
-    return text.strip("\"'")
+    with_unit = _WITH_UNIT.fullmatch(text)
+    if with_unit is not None:
+        raise ScenarioError(
+            f"{text}: allowed is a number without its unit, in SI units: 2.5 mT is 2.5e-3"
+        )
+    return unquoted(text)
+
+
+def unquoted(text: str) -> str:
+    """A word without the quotes around it, which have to be a pair."""
+    if text[:1] in QUOTES or text[-1:] in QUOTES:
+        if len(text) < 2 or text[0] != text[-1]:
+            raise ScenarioError(f"{text}: a quote has no partner")
+        return text[1:-1]
+    return text
 
 
 def with_settings(scenario: Scenario, settings: tuple[str, ...]) -> Scenario:
     """The scenario with all ``--set`` options, the last of each key.
+
+    Voltages that are set take the place of the whole drive, but its direction.
 
     Raises
     ------
@@ -56,6 +98,7 @@ def with_settings(scenario: Scenario, settings: tuple[str, ...]) -> Scenario:
     elif changes.get("drive.mode", "program") != "program":
         changes[PROGRAM] = None
     try:
+        refuse_sawtooth(changes.get("drive.mode", scenario.drive.mode), changes)
         return scenario.replace(changes)
     except ScenarioError as error:
         raise ScenarioError(f"--set: {error}") from None

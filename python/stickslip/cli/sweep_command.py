@@ -11,10 +11,12 @@ from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import count_bar
 from stickslip.cli.settings import parse_setting, with_settings
 from stickslip.cli.sweep_table import as_dict, failure, table
+from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.cli.vary import parse_vary
 from stickslip.errors import ScenarioError
-from stickslip.files import check_writable
+from stickslip.files import NETCDF_SUFFIXES
 from stickslip.scenario import Scenario
+from stickslip.sections import refuse_sawtooth
 from stickslip.sweeping.points import Points, grid
 from stickslip.sweeping.run_sweep import sweep_points
 
@@ -66,12 +68,24 @@ def command(
     if dask is not None and jobs is not None:
         raise ScenarioError("--jobs: not allowed with --dask, whose workers are all used")
     if out is not None:
-        _check_target(out, resume)
+        _check_out(out, resume, input_files(scenario, settings))
 
-    with cluster(dask) as executor, count_bar("sweeping", points.count, "points") as show:
-        data = sweep_points(
-            points, jobs=jobs, executor=executor, out=out, resume=resume, progress=show
-        )
+    done = 0.0
+    try:
+        with cluster(dask) as executor, count_bar("sweeping", points.count, "points") as show:
+
+            def report(fraction: float) -> None:
+                nonlocal done
+                done = fraction
+                show(fraction)
+
+            data = sweep_points(
+                points, jobs=jobs, executor=executor, out=out, resume=resume, progress=report
+            )
+    except KeyboardInterrupt:
+        kept = "nothing written" if out is None else f"--resume goes on with {out}"
+        click.echo(f"stickslip: interrupted at {100.0 * done:.0f} %, {kept}", err=True)
+        raise
     click.echo(json_text(as_dict(data)) if as_json else table(data))
     said = failure(data)
     if said:
@@ -84,22 +98,20 @@ def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) ->
     for key, _ in map(parse_setting, settings):
         if key in values:
             raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
+    base = with_settings(base, settings)
     try:
-        return grid(with_settings(base, settings), values)
+        if "drive.mode" not in values:
+            refuse_sawtooth(base.drive.mode, values)
+        return grid(base, values)
     except ScenarioError as error:
         raise ScenarioError(f"--vary: {error}") from None
 
 
-def _check_target(out: Path, resume: bool) -> None:
+def _check_out(out: Path, resume: bool, inputs: Inputs) -> None:
     """Say before a long sweep what could not be written after it."""
-    if out.is_file():
-        if not resume:
-            raise ScenarioError(
-                f"--out: {out} is already there; --resume goes on with it, "
-                "and another name begins anew"
-            )
-        return
-    try:
-        check_writable(out)
-    except OSError as error:
-        raise ScenarioError(str(error)) from None
+    if not out.is_file() or any(same_file(out, read) for read in inputs.values()):
+        check_target("--out", out, inputs, NETCDF_SUFFIXES)
+    elif not resume:
+        raise ScenarioError(
+            f"--out: {out} is already there; --resume goes on with it, and another name begins anew"
+        )

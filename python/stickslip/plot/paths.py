@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from stickslip.plot import style
 from stickslip.plot.canvas import own_axes, root_figure
 from stickslip.plot.motion import motion
+from stickslip.plot.scales import LEAST_RATE, LEAST_TILT, length, readable
 from stickslip.run import Run
 
 if TYPE_CHECKING:
@@ -52,9 +53,11 @@ def trajectory(
     shown = motion(data).between(start, stop)
     with matplotlib.rc_context(style.RC):
         axes = own_axes(ax, (5.8, 3.4))
-        _draw_path(axes, shown.x * 1e6, shown.z * 1e6, shown.contact)
-        axes.set_xlabel("x of the centre of mass (µm)")
-        axes.set_ylabel("height of the centre of mass (µm)")
+        along, up = length(shown.x), length(shown.z)
+        _draw_path(axes, shown.x * along.factor, shown.z * up.factor, shown.contact)
+        axes.set_xlabel(f"x of the centre of mass ({along.unit})")
+        axes.set_ylabel(f"height of the centre of mass ({up.unit})")
+        readable(axes, x=along.least, y=up.least)
     return root_figure(axes)
 
 
@@ -71,6 +74,7 @@ def phase_portrait(
         _draw_path(axes, np.degrees(shown.theta), shown.omega, shown.contact)
         axes.set_xlabel(r"tilt $\theta$ (degrees)")
         axes.set_ylabel(r"rate of the tilt $\omega$ (rad/s)")
+        readable(axes, x=LEAST_TILT, y=LEAST_RATE)
     return root_figure(axes)
 
 

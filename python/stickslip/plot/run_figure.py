@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from stickslip.plot import style
+from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.plot.time_axes import draw_fields, draw_tilt, legend_above
 from stickslip.run import Run
 
@@ -23,6 +25,11 @@ if TYPE_CHECKING:
 _MOST_PULSES = 12
 _SHOWN_PULSES = 6
 
+# Part of the picture's time that is as wide as a dot of a printed band.
+_VISIBLE = 1e-3
+
+_SHADE = "#F0F0F0"
+
 
 def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
     """Draw one run: what the paper's Figs. 4-7 show, with path, normal force and contact mode.
@@ -33,7 +40,8 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         A run with a record on a uniform grid (``record.rate`` in Hz).
     start, stop : float, optional
         Stretch of time to draw, s. Without them all of a run of up to twelve pulses, or the last
-        six pulses of a longer one.
+        six pulses of a longer one, also where it failed. Where the picture shows more than the
+        measuring window, the window is shaded.
 
     Returns
     -------
@@ -63,7 +71,8 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         draw_fields(fields, t, run.bx[chosen], run.bz[chosen])
         draw_tilt(tilt, t, run.theta[chosen], run.slip_velocity[chosen])
         _draw_path(path, t, run.x[chosen])
-        _draw_force(force, t, run.normal_force[chosen], run)
+        shaded = _shade_window([fields, tilt, path, force], t, run)
+        _draw_force(force, t, run.normal_force[chosen], run, shaded)
         _draw_contact(figure, contact, t, run.contact[chosen])
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
@@ -79,9 +88,10 @@ def _stretch(run: Run, start: float | None, stop: float | None) -> tuple[float, 
     if start is None and stop is None and drive.mode != "program" and drive.pulses > _MOST_PULSES:
         pulses_end = min(run.scenario.window[1], end)
         first = pulses_end - _SHOWN_PULSES / drive.frequency
-        # A run that failed in the ramp has no pulses to show.
-        if run.ok and first >= 0.0:
-            return first, pulses_end, f"last {_SHOWN_PULSES} of {drive.pulses} pulses"
+        # A run that failed in the ramp or soon after it has less to show.
+        if first >= drive.ramp:
+            what = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
+            return first, pulses_end, f"last {_SHOWN_PULSES} {what}"
     return (0.0 if start is None else start), (end if stop is None else stop), ""
 
 
@@ -100,11 +110,28 @@ def _title(run: Run, what: str) -> str:
 
 
 def _draw_path(axes: Axes, t: _Array, x: _Array) -> None:
-    axes.plot(t, x * 1e6, color=style.BLACK)
-    axes.set_ylabel("x (µm)")
+    shown = length(x)
+    axes.plot(t, x * shown.factor, color=style.BLACK)
+    axes.set_ylabel(f"x ({shown.unit})")
+    readable(axes, y=shown.least)
 
 
-def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run) -> None:
+def _shade_window(panels: list[Axes], t: _Array, run: Run) -> list[Artist]:
+    """Shade the measuring window where it is a part of the picture; a handle if there is one."""
+    start, end = max(run.scenario.window[0], t[0]), min(run.scenario.window[1], t[-1])
+    sample = 1.5 * (t[1] - t[0])
+    if (
+        not np.isfinite(run.mean_velocity)
+        or start >= end
+        or (start - t[0] <= sample and t[-1] - end <= sample)
+    ):
+        return []
+    for axes in panels:
+        axes.axvspan(start, end, facecolor=_SHADE, edgecolor="none", zorder=0)
+    return [Patch(facecolor=_SHADE, edgecolor=style.GREY, label="measuring window")]
+
+
+def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run, shaded: list[Artist]) -> None:
     scenario = run.scenario
     axes.plot(t, force * 1e6, color=style.GREEN, linewidth=0.9)
     at_rest = scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
@@ -112,7 +139,8 @@ def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run) -> None:
         at_rest * 1e6, color=style.GREY, linestyle=":", label="weight + adhesion"
     )
     axes.set_ylabel("normal force (µN)")
-    legend_above(axes, [resting])
+    readable(axes, y=LEAST_FORCE)
+    legend_above(axes, [resting, *shaded])
 
 
 def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int8]) -> None:
@@ -120,8 +148,8 @@ def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int
     changes = np.flatnonzero(np.diff(contact)) + 1
     begins = np.concatenate([[0], changes])
     ends = np.concatenate([changes, [len(t) - 1]])
-    present = sorted(set(contact.tolist()))
-    for code in present:
+    visible = []
+    for code in sorted(set(contact.tolist())):
         spans = [
             (t[begin], t[end] - t[begin])
             for begin, end in zip(begins, ends, strict=True)
@@ -129,6 +157,8 @@ def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int
         ]
         colour = style.CONTACT_COLOURS[Run.contact_names[code]]
         axes.broken_barh(spans, (0.0, 1.0), facecolor=colour, edgecolor="none")
+        if sum(width for _, width in spans) >= _VISIBLE * (t[-1] - t[0]):
+            visible.append(code)
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks([])
     axes.set_ylabel("contact", rotation=0, ha="right", va="center")
@@ -139,12 +169,12 @@ def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int
             edgecolor=style.GREY,
             label=style.CONTACT_LABELS[Run.contact_names[code]],
         )
-        for code in present
+        for code in visible
     ]
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=_legend_columns(len(present)),
+        ncols=_legend_columns(len(visible)),
         frameon=False,
     )
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stickslip.plot import style
+from stickslip.plot.scales import LEAST_FIELD, LEAST_TILT, LEAST_VELOCITY, readable
 
 _Array = NDArray[np.float64]
 
@@ -17,6 +20,7 @@ def draw_fields(axes: Axes, t: _Array, bx: _Array, bz: _Array) -> None:
     lines = axes.plot(t, bx * 1e3, color=style.BLUE, label="$B_x$")
     lines += axes.plot(t, bz * 1e3, color=style.VERMILION, linestyle="--", label="$B_z$")
     axes.set_ylabel("field (mT)")
+    readable(axes, y=LEAST_FIELD)
     legend_above(axes, lines)
 
 
@@ -34,13 +38,15 @@ def draw_tilt(axes: Axes, t: _Array, theta: _Array, slip: _Array) -> None:
     tilt.yaxis.set_label_position("left")
     tilt.yaxis.tick_left()
     tilt.grid(visible=False)
+    readable(velocity, y=LEAST_VELOCITY)
+    readable(tilt, y=LEAST_TILT)
     legend_above(axes, [*tilt.get_lines(), *velocity.get_lines()])
 
 
-def legend_above(axes: Axes, handles: list[Line2D]) -> None:
+def legend_above(axes: Axes, handles: Sequence[Artist]) -> None:
     """Above the axes, where it covers no curve."""
     axes.legend(
-        handles=handles,
+        handles=list(handles),
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
         ncols=len(handles),

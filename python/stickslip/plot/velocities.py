@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.plot import style
 from stickslip.plot.canvas import own_axes, root_figure
+from stickslip.plot.scales import readable
 from stickslip.plot.units import Quantity, quantity
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
                 f"the sweep varies {varied}: allowed are one number with words, or two numbers; "
                 "take a part of it with .sel"
             )
+        readable(axes)
     return root_figure(axes)
 
 

@@ -105,7 +105,7 @@ def sweep(
     >>> from stickslip import Drive, Scenario, sweep
     >>> base = Scenario(drive=Drive(base=0.5e-3, pulses=20))
     >>> data = sweep(base, {"drive.frequency": [30.0, 100.0], "drive.clamp": ["down", "up"]})
-    >>> print(f"{data.mean_velocity.sel(frequency=100, clamp='down').item() * 1e3:.2f} mm/s")
+    >>> print(f"{data.mean_velocity.sel(frequency=100, drive_clamp='down').item() * 1e3:.2f} mm/s")
     1.91 mm/s
     """
     return sweep_points(

@@ -1,4 +1,4 @@
-#include "stickslip/scenario.hpp"
+#include "stickslip/assembly.hpp"
 
 #include <algorithm>
 #include <array>
@@ -110,11 +110,11 @@ Model make_model(const Scenario& s) {
     const double tilt = frame_sign(s) * e.surface_tilt_angle;
     model.gravity_x = s.gravity * std::sin(tilt);
     model.gravity_z = -s.gravity * std::cos(tilt);
-    model.linear_drag = s.drag.linear;
+    model.translational_drag = s.drag.linear;
     model.angle_drag = e.angle_drag_strength;
-    model.quadratic_linear_drag = e.quadratic_drag_coefficient;
-    model.rotational_drag = e.rotational_drag_coefficient;
-    model.quadratic_drag = s.drag.rotational;
+    model.translational_drag_quadratic = e.quadratic_drag_coefficient;
+    model.rotational_drag_linear = e.rotational_drag_coefficient;
+    model.rotational_drag_quadratic = s.drag.rotational;
     model.friction = {s.contact.static_friction,
                       s.contact.kinetic_friction,
                       {.stribeck_velocity = e.stribeck_friction_velocity,

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <limits>
+
+#include "stickslip/contact.hpp"
+
+namespace stickslip {
+
+/// What ends a phase of smooth motion.
+enum class Event {
+    none,
+    lift_off,         ///< the reaction of a single corner reaches zero
+    breaks_forward,   ///< friction holds no more and the contact slips to +x
+    breaks_backward,  ///< the same to -x
+    slip_stops,
+    behind_lands,      ///< the corner behind the pivot reaches the surface
+    ahead_lands,       ///< the corner ahead of the pivot reaches the surface
+    ahead_lifts,       ///< the front end of a face leaves
+    behind_lifts,      ///< the rear end of a face leaves
+    sliding_jams,      ///< sliding loses its solution (Painleve)
+    pivot_touches,     ///< in flight, the lowest corner reaches the surface
+    opposite_touches,  ///< in flight, the corner opposite to it does
+};
+
+/// Sizes that make the tolerances relative: a length, and velocities of the free swing.
+struct Scales {
+    double length = 0.0;    ///< m
+    double velocity = 0.0;  ///< m/s
+    double rate = 0.0;      ///< rad/s
+};
+
+/// Everything at an instant that a recording may want.
+struct Snapshot {
+    BodyState body;
+    Reaction reaction;
+    double contact_x = std::numeric_limits<double>::quiet_NaN();      ///< m, of the pivot corner
+    double slip_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, of the pivot corner
+};
+
+}  // namespace stickslip

@@ -1,0 +1,78 @@
+"""``stickslip init``."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import click
+
+from stickslip.cli.json_text import json_text
+from stickslip.errors import ScenarioError
+from stickslip.files import check_writable, replacing
+from stickslip.keys import PROGRAM, Key, known_keys
+from stickslip.scenario_file import FORMAT_VERSION
+from stickslip.sections import SECTIONS
+
+_HEAD = f"""\
+# A scenario with all keys at their defaults. SI units and radians; leave out what stays as it is.
+stickslip = {FORMAT_VERSION}  # version of the format, required
+"""
+
+_REMARKS = {
+    "drive": """\
+# base, hold, edge and clamp are not stated in the paper: their defaults are this package's.
+# With mode = "program", the other keys but direction are left out, and
+# file = "voltages.csv"  # columns t (s), xp, xm, yp, ym, clamp (V); relative to this file""",
+}
+
+_TAIL = """\
+# Named extensions of the model; "stickslip effects" lists them.
+# [effects.surface_tilt]
+# angle = 0.02  # rad
+"""
+
+_WIDTH = 100
+
+
+@click.command("init", epilog="\b\nExample:\n  stickslip init scenario.toml")
+@click.argument("file", type=click.Path(path_type=Path), default=Path("scenario.toml"))
+def command(file: Path) -> None:
+    """Write a scenario with all keys, their defaults and what they mean to FILE.
+
+    FILE is scenario.toml where none is given; one that is there is not overwritten.
+    """
+    if file.is_file() or file.is_symlink():
+        raise ScenarioError(f"{file} is already there: choose another name, or remove it")
+    try:
+        check_writable(file)
+    except OSError as error:
+        raise ScenarioError(str(error)) from None
+    text = commented_defaults()
+    with replacing(file) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    click.echo(f"wrote {file}")
+
+
+def commented_defaults() -> str:
+    """The text of a scenario file with every key at its default."""
+    blocks = [_HEAD]
+    for section in SECTIONS:
+        lines = [f"[{section}]"]
+        if section in _REMARKS:
+            lines.append(_REMARKS[section])
+        for key in known_keys().values():
+            if key.section == section and key.name != PROGRAM:
+                lines += _lines(key)
+        blocks.append("\n".join(lines) + "\n")
+    return "\n".join([*blocks, _TAIL])
+
+
+def _lines(key: Key) -> list[str]:
+    """The setting with its meaning beside it, or above it where that is too long."""
+    setting = f"{key.name.rpartition('.')[2]} = {json_text(key.default)}"
+    comment = f"# {key.meaning}; {key.allowed}"
+    line = f"{setting}  {comment}"
+    if len(line) <= _WIDTH:
+        return [line]
+    return [*textwrap.wrap(comment, _WIDTH, subsequent_indent="# "), setting]

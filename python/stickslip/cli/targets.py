@@ -1,0 +1,59 @@
+"""Files that a command is to write: refused before a long simulation, not after it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from stickslip.cli.settings import split_setting
+from stickslip.errors import ScenarioError
+from stickslip.files import check_suffix, check_writable
+from stickslip.keys import FILE
+from stickslip.scenario_file import voltage_file
+
+Inputs = dict[str, Path]
+"""Files that the command reads, by what they are."""
+
+
+def input_files(scenario: Path, settings: Sequence[str]) -> Inputs:
+    """The scenario, and the voltages of its drive, by file or by --set."""
+    files = {"the scenario": scenario}
+    voltages = voltage_file(scenario)
+    if voltages is not None:
+        files[f"the scenario's {FILE}"] = voltages
+    for key, value in map(split_setting, settings):
+        if key == FILE:
+            files[f"--set {FILE}"] = Path(value)
+    return files
+
+
+def check_target(
+    option: str, path: Path, inputs: Inputs, suffixes: tuple[str, ...] | None = None
+) -> None:
+    """Refuse a path that cannot be written, has another suffix, or is a file that is read.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the option and the path.
+    """
+    for what, read in inputs.items():
+        if same_file(path, read):
+            raise ScenarioError(f"{option}: {path} is {what}, which it would overwrite")
+    try:
+        check_writable(path)
+    except OSError as error:
+        raise ScenarioError(str(error)) from None
+    if suffixes is not None:
+        try:
+            check_suffix(path, suffixes)
+        except ValueError as error:
+            raise ScenarioError(f"{option}: {error}") from None
+
+
+def same_file(one: Path, other: Path) -> bool:
+    """Whether two paths are one file, by whatever name or link."""
+    try:
+        return one.resolve() == other.resolve() or one.samefile(other)
+    except (OSError, RuntimeError):  # one of them is not there, or a link leads in a circle
+        return False
