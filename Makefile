@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench blind bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -98,6 +98,11 @@ docs: install $(VENV)/.docs-tools ## the documentation, into docs/_build/html
 
 bench: install ## speed of both integrators at equal accuracy, into bench/results/
 	@$(RUN) bench/bench.py
+
+BLIND_ARGS ?= --seeds 3
+
+blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--seeds 20")
+	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m blind $(BLIND_ARGS)
 
 # The peers have an environment of their own; bench/peers/README.md says what is measured.
 BENCH_VENV := .venv-bench

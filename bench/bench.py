@@ -1,13 +1,13 @@
 """Speed of the simulator: `make bench`.
 
-Protocol. One process on one core. The reference run is IPP at 100 Hz, peak 2.5 mT, base 0.5 mT, hold
-1 mT, sudden rise, 100 pulses, summaries only. CPU time is the median of repeated calls through the
-Python interface, the methods measured in turn.
+Protocol. One process on one core. The reference run is IPP at 100 Hz, peak 2.5 mT, base 0.5 mT,
+hold 1 mT, sudden rise, 100 pulses, summaries only. CPU time is the median of repeated calls through
+the Python interface, the methods measured in turn.
 
-Equal accuracy. The error of a method at a tolerance is the root mean square, over sixteen runs with peaks
-from 2.40 to 2.60 mT, of the relative difference of the mean velocity from that of `tsit5` at rtol
-1e-11; one run alone can be right by luck. CPU time against error is then interpolated in the logarithms to
-the same error for both methods.
+Equal accuracy. The error of a method at a tolerance is the root mean square, over sixteen runs with
+peaks from 2.40 to 2.60 mT, of the relative difference of the mean velocity from that of `tsit5` at
+rtol 1e-11; one run alone can be right by luck. CPU time against error is then interpolated in the
+logarithms to the same error for both methods.
 """
 
 from __future__ import annotations
@@ -93,7 +93,11 @@ def long_run(repeats: int) -> dict[str, float]:
         return cpu_seconds(lambda: stickslip.simulate(scenario), repeats)
 
     short, long = cost(100), cost(10_000)
-    return {"cpu_seconds_100_pulses": short, "cpu_seconds_10000_pulses": long, "ratio": long / short}
+    return {
+        "cpu_seconds_100_pulses": short,
+        "cpu_seconds_10000_pulses": long,
+        "ratio": long / short,
+    }
 
 
 def main() -> None:

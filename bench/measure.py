@@ -49,7 +49,9 @@ def machine() -> dict[str, str]:
     model = platform.processor()
     try:
         with open("/proc/cpuinfo") as info:
-            names = [line.split(":", 1)[1].strip() for line in info if line.startswith("model name")]
+            names = [
+                line.split(":", 1)[1].strip() for line in info if line.startswith("model name")
+            ]
         model = names[0] if names else model
     except OSError:
         pass

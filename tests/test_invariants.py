@@ -171,8 +171,8 @@ def test_energy_never_grows_in_constant_currents(drag, friction, restitution):
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @pytest.mark.parametrize("drag", [0.0, 1e-5])
 def test_a_body_that_tumbles_in_flight_lands_as_it_is(drag, friction, restitution):
-    # Thrown about by fields that step, it makes more than half a turn. The angle may not jump: at most
-    # 1e4 rad/s within a microsecond.
+    # Thrown about by fields that step, it makes more than half a turn. The angle may not jump: at
+    # most 1e4 rad/s within a microsecond.
     keys = {
         "contact.static_friction": friction,
         "contact.kinetic_friction": friction,

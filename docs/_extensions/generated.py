@@ -1,0 +1,191 @@
+"""Directives for what the package itself knows: keys, extensions, commands, benchmark results."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from stickslip import effects
+from stickslip.cli.commands import stickslip
+from stickslip.keys import Key, known_keys
+
+RESULTS = Path(__file__).parents[2] / "bench" / "results"
+
+
+def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+
+
+def _code(text: str) -> str:
+    return f"`{text}`"
+
+
+def _plain(text: str) -> str:
+    """Text that Markdown must not read as markup."""
+    return "".join(f"\\{c}" if c in "*_$<>|`[]" else c for c in text)
+
+
+def _default(key: Key) -> str:
+    return json.dumps(key.default) if isinstance(key.default, str) else f"{key.default:g}"
+
+
+class ScenarioKeys(SphinxDirective):
+    """A table of keys for each section of a scenario, but the extensions."""
+
+    def run(self) -> list[nodes.Node]:
+        keys = [key for key in known_keys().values() if not key.name.startswith("effects.")]
+        parts = []
+        for section in dict.fromkeys(key.section for key in keys):
+            rows = [
+                [
+                    _code(key.name.rpartition(".")[2]),
+                    _plain(key.meaning),
+                    _code(_default(key)),
+                    _plain(key.allowed),
+                ]
+                for key in keys
+                if key.section == section
+            ]
+            parts.append(f"**`[{section}]`**")
+            parts.append(_markdown_table(["key", "meaning", "default", "allowed"], rows))
+        return self.parse_text_to_nodes("\n\n".join(parts))
+
+
+class EffectsTable(SphinxDirective):
+    """A table of the named extensions."""
+
+    def run(self) -> list[nodes.Node]:
+        rows = []
+        for effect in effects():
+            parameters = "; ".join(
+                f"`{key.name.rpartition('.')[2]}`: {_plain(key.meaning)} ({_plain(key.allowed)})"
+                for key in effect.parameters
+            )
+            rows.append(
+                [_code(effect.name), _plain(effect.meaning), parameters, _plain(effect.source)]
+            )
+        header = ["section `[effects.…]`", "what it adds", "parameters", "source"]
+        return self.parse_text_to_nodes(_markdown_table(header, rows))
+
+
+class CommandHelp(SphinxDirective):
+    """What ``--help`` prints, of ``stickslip`` and of each of its commands."""
+
+    def run(self) -> list[nodes.Node]:
+        outer = click.Context(stickslip, info_name="stickslip", **stickslip.context_settings)
+        found: list[tuple[str, click.Command, click.Context]] = [("stickslip", stickslip, outer)]
+        for name in stickslip.list_commands(outer):
+            command = stickslip.get_command(outer, name)
+            assert command is not None
+            context = click.Context(command, info_name=name, parent=outer)
+            found.append((f"stickslip {name}", command, context))
+        result: list[nodes.Node] = []
+        for words, command, context in found:
+            context.terminal_width = context.max_content_width = 88
+            text = command.get_help(context)
+            block = nodes.literal_block(text, text, language="text", classes=["command-help"])
+            title = nodes.title(words, words)
+            result.append(nodes.section("", title, block, ids=[nodes.make_id(words)]))
+        return result
+
+
+class BenchResults(SphinxDirective):
+    """The table of a file in bench/results where it is, else a word that it is not."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        path = RESULTS / self.arguments[0]
+        self.env.note_dependency(str(path))
+        if not path.is_file():
+            return self.parse_text_to_nodes("*No results of this command lie beside these pages.*")
+        results = json.loads(path.read_text())
+        table = {"bench.json": _bench, "peers.json": _peers, "sweep.json": _sweep}[path.name]
+        machine = results["machine"]
+        where = (
+            f"stickslip {results['stickslip']} on {machine['processor']}, {machine['system']}, "
+            f"Python {machine['python']}, {machine['cores_allowed']} core(s)."
+        )
+        return self.parse_text_to_nodes(f"{table(results)}\n\n{_plain(where)}")
+
+
+def _bench(results: dict[str, Any]) -> str:
+    tolerances = _markdown_table(
+        ["method", "`rtol`", "simulated s a CPU s", "velocity error"],
+        [
+            [
+                _code(row["method"]),
+                f"{row['rtol']:.0e}",
+                f"{row['simulated_per_cpu_second']:.0f}",
+                f"{row['velocity_error']:.1e}",
+            ]
+            for row in results["tolerances"]
+        ],
+    )
+    equal = _markdown_table(
+        ["equal velocity error", "tsit5, s a CPU s", "arkode, s a CPU s", "ratio"],
+        [
+            [
+                f"{row['velocity_error']:.0e}",
+                f"{row['tsit5']:.0f}",
+                f"{row['arkode']:.0f}",
+                f"{row['ratio']:.1f}",
+            ]
+            for row in results["equal_accuracy"]
+        ],
+    )
+    ratio = results["long_run"]["ratio"]
+    return f"{tolerances}\n\n{equal}\n\n100 times as many pulses cost {ratio:.1f} times the time."
+
+
+def _peers(results: dict[str, Any]) -> str:
+    tables = []
+    for unit in dict.fromkeys(row["unit"] for row in results["rows"]):
+        rows = [
+            [
+                row["peer"],
+                _plain(row["settings"]),
+                f"{row['cost']:.3g}",
+                f"{row['error']:.1e}",
+                row["stickslip_settings"],
+                f"{row['stickslip_cost']:.3g}",
+                f"{row['stickslip_error']:.1e}",
+                f"{row['ratio']:.3g}",
+            ]
+            for row in results["rows"]
+            if row["unit"] == unit
+        ]
+        header = ["peer", "settings", "cost", "error", "stickslip", "cost", "error", "cost ratio"]
+        tables.append(f"Cost in {_plain(unit)}:\n\n{_markdown_table(header, rows)}")
+    return "\n\n".join(tables)
+
+
+def _sweep(results: dict[str, Any]) -> str:
+    single, threads, tiny = (
+        results["against_single_runs"],
+        results["threads"],
+        results["overhead"],
+    )
+    rows = [
+        ["simulated s a CPU s in a sweep", f"{single['sweep_simulated_per_cpu_second']:.0f}"],
+        ["CPU time of a sweep over that of single runs", f"{single['ratio']:.2f}"],
+        [f"speed-up with {threads['threads']} threads", f"{threads['speed_up_median']:.2f}"],
+        ["overhead of a point, CPU µs", f"{tiny['cpu_microseconds_a_point']:.0f}"],
+    ]
+    return _markdown_table(["what", "result"], rows)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register the directives."""
+    app.add_directive("scenario-keys", ScenarioKeys)
+    app.add_directive("effects-table", EffectsTable)
+    app.add_directive("command-help", CommandHelp)
+    app.add_directive("bench-results", BenchResults)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,184 @@
+"""The code blocks of the documentation's pages, and running them. The docs' build uses it too.
+
+What a block is called says what is done with it:
+
+python   run; the blocks of a page share one namespace and one folder
+console  lines with "$ stickslip" are run; the lines below each are what it prints
+text     right after a python block: what that prints; "..." stands for anything
+toml     written to the file that its first line names (# name.toml), else to scenario.toml
+csv      the same (# name.csv); the line of the name is left out
+sh       not run, but its stickslip commands must be ones that the command line takes
+cpp      not run
+"""
+
+from __future__ import annotations
+
+import contextlib
+import doctest
+import io
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
+
+_FENCE = re.compile(r"^( *)(`{3,})(.*)$")
+_FILE_NAME = re.compile(r"# ([\w.-]+\.(?:toml|csv))$")
+_COMMAND = (sys.executable, "-m", "stickslip")
+_SHOWN = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+@dataclass(frozen=True)
+class Block:
+    """One fenced block: its page, the line it begins on, its language and its text."""
+
+    page: Path
+    line: int
+    language: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.page.name}:{self.line}"
+
+
+def pages(folder: Path) -> list[Path]:
+    """All pages of a folder, but what is built."""
+    return sorted(path for path in folder.rglob("*.md") if "_build" not in path.parts)
+
+
+def blocks(page: Path) -> list[Block]:
+    """The code blocks of a page; directives, ```{name}, are none."""
+    found = []
+    lines = iter(enumerate(page.read_text(encoding="utf-8").splitlines(), start=1))
+    for number, line in lines:
+        fence = _FENCE.match(line)
+        if not fence:
+            continue
+        indent, ticks, language = fence.groups()
+        text = []
+        for _, inner in lines:
+            if inner.strip() == ticks:
+                break
+            text.append(inner.removeprefix(indent))
+        if language and not language.startswith("{"):
+            found.append(Block(page, number, language, "\n".join(text) + "\n"))
+    return found
+
+
+def prints(expected: str, got: str) -> bool:
+    """Whether `got` is what a page says; "..." stands for anything, spaces for any number."""
+    return doctest.OutputChecker().check_output(expected, got, _SHOWN)
+
+
+def _checked(block: Block, expected: str, got: str) -> None:
+    if not prints(expected, got):
+        raise AssertionError(f"{block} says\n{expected}\nbut what is printed is\n{got}")
+
+
+@contextlib.contextmanager
+def play(page: Path) -> Iterator[Path]:
+    """Run all blocks of a page in order, in a folder that lasts as long as the context.
+
+    Raises
+    ------
+    AssertionError
+        If a block prints something else than the page says.
+    Exception
+        What a block raised.
+    """
+    before = os.getcwd()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        os.chdir(folder)
+        try:
+            _run(blocks(page), folder)
+            yield folder
+        finally:
+            os.chdir(before)
+
+
+def _run(sequence: list[Block], folder: Path) -> None:
+    namespace = {"__name__": "__page__"}
+    printed: str | None = None  # by the python block just before
+    for block in sequence:
+        last, printed = printed, None
+        if block.language == "python":
+            printed = _python(block, namespace)
+        elif block.language == "console":
+            _console(block, folder)
+        elif block.language == "text":
+            if last is None:
+                raise AssertionError(f"{block} stands after no python block")
+            _checked(block, block.text, last)
+        elif block.language in ("toml", "csv"):
+            _write(block, folder)
+        elif block.language == "sh":
+            _parse(block)
+        elif block.language != "cpp":
+            raise AssertionError(f"{block}: {block.language}: known are {', '.join(LANGUAGES)}")
+
+
+def _python(block: Block, namespace: dict[str, object]) -> str:
+    # Empty lines before it, so that a traceback names the line of the page.
+    code = compile("\n" * block.line + block.text, str(block.page), "exec")
+    with contextlib.redirect_stdout(io.StringIO()) as output:
+        exec(code, namespace)
+    return output.getvalue()
+
+
+def _console(block: Block, folder: Path) -> None:
+    for part in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:
+        command = re.match(r"(?:.*\\\n)*.*\n", part)
+        assert command is not None
+        expected = part[command.end() :]
+        words = shlex.split(command.group().replace("\\\n", " "))
+        if words[0] != "stickslip":
+            raise AssertionError(f"{block}: {words[0]}: a console block runs stickslip only")
+        result = subprocess.run(
+            [*_COMMAND, *words[1:]],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=60,
+        )
+        refused = expected.startswith("stickslip: ")
+        if (result.returncode == 2) != refused or result.returncode not in (0, 2):
+            raise AssertionError(f"{block}: {words}: {result.returncode}: {result.stdout}")
+        if expected:
+            _checked(block, expected, result.stdout)
+
+
+def _write(block: Block, folder: Path) -> None:
+    first, _, rest = block.text.partition("\n")
+    name = _FILE_NAME.match(first)
+    if name is None and block.language == "csv":
+        raise AssertionError(f"{block}: the first line of a csv block names its file")
+    text = rest if block.language == "csv" else block.text
+    (folder / (name.group(1) if name else "scenario.toml")).write_text(text, encoding="utf-8")
+
+
+def _parse(block: Block) -> None:
+    """Refuse commands that the command line would not take."""
+    import click
+
+    from stickslip.cli.commands import stickslip
+
+    for line in block.text.replace("\\\n", " ").splitlines():
+        words = shlex.split(line, comments=True)
+        if not words or words[0] != "stickslip":
+            continue
+        context = click.Context(stickslip, info_name="stickslip")
+        command = stickslip.get_command(context, words[1])
+        if command is None:
+            raise AssertionError(f"{block}: {words[1]}: there is no such command")
+        try:
+            command.make_context(words[1], words[2:], parent=context)
+        except click.ClickException as error:
+            raise AssertionError(f"{block}: {line}: {error.format_message()}") from None

@@ -1,0 +1,117 @@
+"""The documentation: what its code does and prints, and whether what it names is there."""
+
+import doctest
+import importlib
+import pkgutil
+import re
+from pathlib import Path
+
+import pytest
+
+import stickslip
+from documentation_blocks import blocks, pages, play, prints
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = [*pages(DOCS), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+
+# `file.hpp: Name::of_something`, as the theory pages give the place of an equation.
+LOCATION = re.compile(r"`([a-z0-9_/]+\.(?:cpp|hpp|py)): ([\w:]+)`")
+FOLDERS = (ROOT / "cpp" / "stickslip", ROOT / "python" / "stickslip", ROOT / "tests", ROOT)
+
+by_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+def modules():
+    found = pkgutil.walk_packages(stickslip.__path__, "stickslip.")
+    return [each.name for each in found if not each.name.endswith(("__main__", "_core"))]
+
+
+@by_page
+def test_the_code_of_a_page_runs_and_prints_what_it_says(page):
+    with play(page):
+        pass
+
+
+@pytest.mark.parametrize("page", pages(DOCS), ids=lambda page: str(page.relative_to(ROOT)))
+def test_no_line_of_code_is_wider_than_a_page(page):
+    for block in blocks(page):
+        for line in block.text.splitlines():
+            assert len(line) <= 90 or block.language == "text", f"{block}: {line}"
+
+
+def test_the_pages_have_code_of_every_kind():
+    # Else the test above could pass for want of anything to run.
+    languages = [block.language for page in PAGES for block in blocks(page)]
+    for language in ("python", "console", "text", "toml", "csv", "sh"):
+        assert languages.count(language) >= 1
+
+
+def test_a_wrong_output_is_seen(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n")
+    with pytest.raises(AssertionError, match="what is printed is\n2"), play(page):
+        pass
+    assert prints("a ... c\n", "a b  c\n")
+    assert not prints("1.91\n", "1.92\n")
+
+
+def test_a_command_that_is_not_there_is_seen(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("```sh\nstickslip run a.toml --no-such-option\n```\n")
+    with pytest.raises(AssertionError, match="no-such-option"), play(page):
+        pass
+    page.write_text("```console\n$ stickslip run no-such-file.toml\n```\n")
+    with pytest.raises(AssertionError, match="no-such-file"), play(page):
+        pass
+
+
+@pytest.mark.parametrize("name", modules())
+def test_examples_in_docstrings(name):
+    module = importlib.import_module(name)
+    names = {each: getattr(stickslip, each) for each in stickslip.__all__}
+    failed, _ = doctest.testmod(module, extraglobs=names, optionflags=doctest.ELLIPSIS)
+    assert failed == 0
+
+
+@by_page
+def test_named_places_in_the_code_are_there(page):
+    for file, name in LOCATION.findall(page.read_text(encoding="utf-8")):
+        paths = [folder / file for folder in FOLDERS if (folder / file).is_file()]
+        assert paths, f"{page.name}: there is no {file}"
+        word = re.compile(rf"\b{re.escape(name.split('::')[-1])}\b")
+        text = paths[0].read_text(encoding="utf-8")
+        assert word.search(text), f"{page.name}: there is no {name} in {file}"
+
+
+def test_the_theory_names_places():
+    text = "".join(page.read_text(encoding="utf-8") for page in pages(DOCS / "theory"))
+    assert len(LOCATION.findall(text)) > 40
+
+
+@by_page
+def test_named_make_targets_are_there(page):
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    for target in re.findall(r"(?:`|^|&& )make ([a-z-]+)", page.read_text(), re.MULTILINE):
+        assert target in targets, f"{page.name}: make {target}"
+
+
+def test_every_public_name_is_on_the_page_of_the_interface():
+    text = (DOCS / "reference" / "api.md").read_text()
+    listed = set(re.findall(r"^\.\. auto\w+:: ([\w.]+)$", text, re.MULTILINE))
+    names = set(stickslip.__all__) - {"__version__", "plot"}
+    names |= {f"stickslip.plot.{name}" for name in stickslip.plot.__all__}
+    assert names <= listed, names - listed
+
+
+def test_every_header_of_the_core_is_on_its_page():
+    text = (DOCS / "reference" / "cpp.md").read_text()
+    for header in (ROOT / "cpp" / "stickslip").glob("*.hpp"):
+        assert f"`{header.name}`" in text, header.name
+
+
+def test_the_citation_is_of_this_version():
+    text = (ROOT / "CITATION.cff").read_text()
+    assert f"\nversion: {stickslip.__version__}\n" in text
+    for word in ("cff-version: 1.2.0", "Pawashe", "Floyd", "Sitti", "2008"):
+        assert word in text
