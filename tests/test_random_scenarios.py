@@ -69,8 +69,11 @@ def scenarios(draw, restitution):
     return Scenario().replace(keys)
 
 
-def simulated(scenario, **more):
-    """A run of the scenario that has ended in time and is finite."""
+def simulated(scenario, endless=False, **more):
+    """A run of the scenario that has ended in time and is finite.
+
+    endless: bounces that lose nothing may go on until the run is given up.
+    """
     begin = time.process_time()
     run = simulate(scenario.replace({f"{key}": value for key, value in more.items()}))
     taken = time.process_time() - begin
@@ -78,7 +81,9 @@ def simulated(scenario, **more):
     assert taken < SECONDS, f"took {taken:.1f} s:\n{text}"
     # On a tilt without friction the block slides out of the set-up: that is no failure.
     leaves = scenario.get("effects.surface_tilt.angle") != 0.0 or run.status == "left_workspace"
-    assert run.ok or (run.status == "left_workspace" and leaves), f"{run.message}:\n{text}"
+    given_up = endless and run.status == "too_many_events"
+    fine = run.ok or given_up or (run.status == "left_workspace" and leaves)
+    assert fine, f"{run.message}:\n{text}"
     for name, value in run.summary().items():
         if isinstance(value, float) and run.ok:
             assert math.isfinite(value), f"{name} = {value}:\n{text}"
@@ -120,7 +125,7 @@ def test_invariants_hold_at_the_default_tolerance(scenario):
 @settings(max_examples=100, **SETTINGS)
 @given(scenario=scenarios(restitution=number(0.9, 1.0)))
 def test_elastic_bounces_end(scenario):
-    simulated(scenario)
+    simulated(scenario, endless=True)
 
 
 @settings(max_examples=60, **SETTINGS)

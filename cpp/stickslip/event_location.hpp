@@ -123,10 +123,11 @@ private:
     // steeper by a part for what the stages miss.
     static bool may_dip(const EventSamples<M>& g, std::size_t i) {
         if (g.lowest[i] < 0.0) return true;
-        const double falling = 1.25 * start_slope(g, i);
-        const double rising = 1.25 * end_slope(g, i);
+        const double start = start_slope(g, i);
         // The stages are not the solution, and the slope at the end may have the wrong sign.
-        if (falling < 0.0 && g.start[i] + falling < 0.0) return true;
+        if (start < 0.0 && g.start[i] + start < 0.0) return true;
+        const double falling = 1.25 * start;
+        const double rising = 1.25 * end_slope(g, i);
         if (!(falling < 0.0 && rising > 0.0)) return false;
         const double meet = tangents_meet(g, i, falling, rising);
         return g.start[i] + falling * meet < 0.0 || g.end[i] - rising * (1.0 - meet) < 0.0;

@@ -213,7 +213,7 @@ void HybridLoop<Integrator>::record_events(double tau) {
 // the bounces of a restitution of 0.999.
 template <class Integrator>
 void HybridLoop<Integrator>::watch_progress(double tau) {
-    constexpr int kMostInBurst = 20000;
+    constexpr int kMostInBurst = 200000;
     const double now = absolute(tau);
     stalls_ = now == last_event_ ? stalls_ + 1 : 0;
     last_event_ = now;

@@ -83,7 +83,7 @@ private:
     static constexpr int kMostStalls = 4;
     double last_event_ = -1.0;   // s
     double burst_start_ = -1.0;  // s
-    double burst_span_;          // s, of one free swing
+    double burst_span_;          // s, of fifty free swings
     int stalls_ = 0;
     int burst_ = 0;
 };
@@ -140,7 +140,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
-      burst_span_(2.0 * std::numbers::pi / integrator_.options().swing_rate) {
+      burst_span_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
 }

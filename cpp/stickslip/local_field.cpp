@@ -34,6 +34,7 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
 
 void LocalField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
+    fading_time_ = 0.5 / *std::max_element(segment.rate.begin(), segment.rate.end());
     base_tau_ = 0.0;
     base_decay_.fill(1.0);
     if (expanded_) combine();

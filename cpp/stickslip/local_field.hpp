@@ -52,6 +52,9 @@ public:
     /// How far from its centre an expansion holds, m.
     double reach() const { return reach_; }
 
+    /// Half the time constant of the fastest exponential of the stretch, s.
+    double fading_time() const { return fading_time_; }
+
     /// The robot has come so near to a coil's plane that the model of the set-up ends.
     bool outside() const { return outside_; }
 
@@ -68,6 +71,7 @@ private:
 
     const CoilSet* coils_;
     double reach_;
+    double fading_time_ = 0.0;
     PerCoil gain_;
     double ambient_x_, ambient_z_;
     CurrentSegment segment_;

@@ -30,6 +30,7 @@ public:
     Expansion field_at(double tau) const { return dynamics_->field_at(tau); }
     bool outside() const { return dynamics_->field().outside(); }
     double reach() const { return dynamics_->field().reach(); }
+    double fading_time() const { return dynamics_->field().fading_time(); }
 
     /// The bases and the field's expansion, to look elsewhere and come back.
     Dynamics state() const { return *dynamics_; }

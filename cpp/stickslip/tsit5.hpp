@@ -73,7 +73,7 @@ class Tsit5 {
 public:
     explicit Tsit5(const StepperOptions& options)
         : options_(options),
-          first_width_(0.3 * std::pow(options.tolerance / 1e-6, 0.2) / options.swing_rate) {}
+          first_width_(0.4 * std::pow(options.tolerance / 1e-6, 0.2) / options.swing_rate) {}
 
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
@@ -202,6 +202,9 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
             return {Status::interrupted, Event::none, tau, step.first};
         }
         double width = options_.max_step > 0.0 ? std::min(width_, options_.max_step) : width_;
+        // The exponentials of a stretch fade from its start; a step that leaps over a fast one sees
+        // its first value alone, and the error estimate hardly notices.
+        width = std::min(width, std::max(phase.fading_time(), tau));
         // The field's expansion must hold over the step.
         const double speed = phase.speed(step.first);
         if (width * speed > 0.5 * phase.reach()) width = 0.5 * phase.reach() / speed;
