@@ -7,6 +7,7 @@ import importlib
 import click
 
 _HOME = {
+    "diagnose": "diagnose_command",
     "effects": "effects_command",
     "init": "init_command",
     "keys": "keys_command",

@@ -1,0 +1,1 @@
+"""Blind study of the diagnosis: data from the independent simulator of the tests, answers apart."""

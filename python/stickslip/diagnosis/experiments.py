@@ -1,0 +1,144 @@
+"""Which experiment would tell the rivals apart best."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.simulator import Simulator
+from stickslip.keys import Value
+
+Array = NDArray[np.float64]
+
+_KEPT = 3
+_STEP = 0.1
+_TRIALS = 3
+_CHOICES: dict[str, tuple[Value, ...]] = {
+    "drive.mode": ("IPP", "OPP"),
+    "drive.direction": ("+x", "-x"),
+    "drive.frequency": (0.5, 1.0, 1.5),
+    "drive.peak": (0.7, 1.0, 1.2),
+}
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A condition that was not measured yet.
+
+    Attributes
+    ----------
+    drive : dict
+        Settings of ``[drive]`` by bare name.
+    why : str
+    separation : float
+        Expected chi-square between the two rivals that it separates best, three trials.
+    predictions : dict
+        For each rival its velocity and standard deviation, m/s.
+    """
+
+    drive: Mapping[str, Value]
+    why: str
+    separation: float
+    predictions: Mapping[str, Mapping[str, float]]
+
+
+def propose(
+    found: Diagnosis, simulator: Simulator, conditions: Sequence[Mapping[str, Value]]
+) -> list[Experiment]:
+    """The three conditions that separate the leading rivals best, each of another kind.
+
+    Each rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
+    found, there is nothing to separate.
+    """
+    rivals = _rivals(found)
+    if len(rivals) < 2:
+        return []
+    candidates = _candidates(conditions)
+    if not candidates:
+        return []
+    centre, spread = [], []
+    for fit in rivals:
+        free = fit.rival.free
+        width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
+        points = [fit.x]
+        for k, step in zip(free, width, strict=True):
+            for sign in (1.0, -1.0):
+                point = fit.x.copy()
+                point[k] += sign * step
+                points.append(point)
+        physical = found.problem.physical(np.stack(points))
+        predicted = np.nan_to_num(simulator(candidates, physical))
+        slope = (predicted[1::2] - predicted[2::2]) / (2.0 * width[:, None])
+        centre.append(predicted[0])
+        spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
+    level, variance = np.array(centre), np.array(spread)
+    noise = (found.noise.floor**2 + (found.noise.relative * np.mean(level, axis=0)) ** 2) / _TRIALS
+    noise += float(np.median(found.roughness)) ** 2
+    separation = np.zeros(len(candidates))
+    pair = np.zeros((len(candidates), 2), dtype=int)
+    for a, b in itertools.combinations(range(len(rivals)), 2):
+        gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
+        pair[gap > separation] = (a, b)
+        separation = np.maximum(separation, gap)
+    chosen: list[Experiment] = []
+    kinds: list[tuple[Value, ...]] = []
+    for index in np.argsort(-separation, kind="stable"):
+        drive = candidates[index]
+        kind = (drive["drive.mode"], drive["drive.direction"], drive["drive.frequency"])
+        if kind in kinds or separation[index] <= 0.0:
+            continue
+        kinds.append(kind)
+        first, second = (rivals[k].name for k in pair[index])
+        chosen.append(
+            Experiment(
+                {key.split(".")[1]: value for key, value in drive.items()},
+                f"separates {first} from {second}: expected chi-square {separation[index]:.1f} "
+                f"with {_TRIALS} trials",
+                float(separation[index]),
+                {
+                    fit.name: {
+                        "velocity": float(level[k, index]),
+                        "sd": float(np.sqrt(variance[k, index])),
+                    }
+                    for k, fit in enumerate(rivals)
+                },
+            )
+        )
+        if len(chosen) == _KEPT:
+            break
+    return chosen
+
+
+def _rivals(found: Diagnosis) -> list[Fit]:
+    if not found.detection.found:
+        return []
+    fits = sorted([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence)
+    return fits[:_KEPT]
+
+
+def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:
+    """Variations of the measured conditions, none of which was measured."""
+    measured = {tuple(sorted(each.items())) for each in conditions}
+    by_mode: dict[Value, dict[str, Value]] = {}
+    for each in conditions:
+        by_mode.setdefault(each["drive.mode"], dict(each))
+    middle = dict(conditions[len(conditions) // 2])
+    frequency = float(np.median([float(each["drive.frequency"]) for each in conditions]))
+    peak = float(np.median([float(each["drive.peak"]) for each in conditions]))
+    found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
+    for mode, direction, pace, field in itertools.product(*_CHOICES.values()):
+        drive = dict(by_mode.get(mode, middle))
+        drive["drive.mode"], drive["drive.direction"] = mode, direction
+        drive["drive.frequency"] = float(f"{frequency * float(pace):.3g}")
+        top = float(f"{peak * float(field):.3g}")
+        drive["drive.peak"] = max(top, float(drive["drive.base"]))
+        key = tuple(sorted(drive.items()))
+        if key not in measured:
+            found[key] = drive
+    return list(found.values())

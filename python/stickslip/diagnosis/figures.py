@@ -1,0 +1,88 @@
+"""Figures of the report, as PNG in base64."""
+
+from __future__ import annotations
+
+import base64
+import io
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.engine import Diagnosis
+
+Array = NDArray[np.float64]
+
+_BLUE, _ORANGE, _GREEN, _GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
+
+
+def _png(figure: Any) -> str:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=110, bbox_inches="tight", metadata={"Software": None})
+    return base64.b64encode(buffer.getvalue()).decode("ascii")
+
+
+def _axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    ratios = [3, 1][:rows]
+    return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+
+
+def velocities(found: Diagnosis) -> str:
+    """Data, recalibrated and extended model at every condition, with residuals below."""
+    problem = found.problem
+    m = len(problem.observed)
+    points = [found.null.x] if found.verdict.fit is None else [found.null.x, found.verdict.fit.x]
+    predicted = problem.predicted(np.stack(points)) * 1e3
+    observed = problem.observed * 1e3
+    sd = np.sqrt(np.diag(found.noise.covariance)) * 1e3
+    held = np.zeros(m, dtype=bool)
+    if found.gain is not None:
+        held[found.gain.held_out] = True
+    figure, (above, below) = _axes(2, 9.0, 5.2)
+    place = np.arange(m)
+    above.errorbar(place[~held], observed[~held], 2 * sd[~held], fmt="o", color="k", ms=4,
+                   label="measured (2 sd)")  # fmt: skip
+    if held.any():
+        above.errorbar(place[held], observed[held], 2 * sd[held], fmt="o", color="k", mfc="w",
+                       ms=5, label="measured, held out of the fit for the gain")  # fmt: skip
+    names = ["recalibrated", f"with {' + '.join(found.verdict.causes)}"[:60]]
+    for row, name, colour in zip(predicted, names, (_BLUE, _ORANGE), strict=False):
+        above.plot(place, row, "_", color=colour, ms=12, mew=2, label=name)
+        below.plot(place, (observed - row) / sd, ".", color=colour)
+    below.axhspan(-2, 2, color="#dddddd", zorder=0)
+    above.set_ylabel("mean velocity (mm/s)")
+    below.set_ylabel("residual / sd")
+    below.set_xlabel("condition, in the order of the table of conditions")
+    above.legend(fontsize=8, frameon=False)
+    return _png(figure)
+
+
+def ranking(found: Diagnosis) -> str | None:
+    """Log-evidence of the leading rivals above no cause."""
+    fits = sorted(
+        [*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence
+    )[:12]
+    if not fits:
+        return None
+    figure, (axes,) = _axes(1, 7.0, 0.4 + 0.3 * len(fits))
+    gains = [fit.log_evidence - found.null.log_evidence for fit in fits]
+    colours = [_GREEN if fit.name in found.verdict.causes else _GREY for fit in fits]
+    axes.barh([fit.name for fit in fits][::-1], gains[::-1], color=colours[::-1])
+    axes.set_xlabel("log-evidence above the recalibrated model")
+    return _png(figure)
+
+
+def isolability(found: Diagnosis) -> str:
+    """Map of the cosines between absorbed signatures."""
+    names = [cause.name for cause in found.problem.causes]
+    figure, (axes,) = _axes(1, 7.5, 7.0)
+    image = axes.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")
+    axes.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
+    axes.set_yticks(range(len(names)), names, fontsize=7)
+    figure.colorbar(image, ax=axes, shrink=0.7, label="|cosine| after recalibration")
+    return _png(figure)

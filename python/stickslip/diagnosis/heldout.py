@@ -1,0 +1,132 @@
+"""What the extended model gains on conditions that its fit never saw."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.fitting import Fit, fit_rivals
+from stickslip.diagnosis.model import Problem
+
+Array = NDArray[np.float64]
+
+SHARE = 0.27
+"""Share of the conditions that is held out."""
+
+_RESAMPLES = 2000
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Error on held-out conditions before (recalibrated) and after (extended).
+
+    Attributes
+    ----------
+    held_out : ndarray of int
+        Conditions that were held out.
+    chi2_before, chi2_after : float
+        Per held-out condition.
+    mae_before, mae_after : float
+        Mean absolute error in the observable's unit.
+    interval : tuple of float
+        95 % interval of the fall of chi-square per condition, by a paired bootstrap.
+    same_choice : bool
+        Whether the other conditions alone rank the same rival first.
+    predicted_before, predicted_after : ndarray
+        At the held-out conditions.
+    """
+
+    held_out: NDArray[np.int64]
+    chi2_before: float
+    chi2_after: float
+    mae_before: float
+    mae_after: float
+    interval: tuple[float, float]
+    same_choice: bool
+    predicted_before: Array
+    predicted_after: Array
+
+
+def split(count: int, seed: int) -> NDArray[np.int64]:
+    """Conditions to hold out: both ends of the table and a spread of interior points."""
+    if count < 8:
+        return np.zeros(0, dtype=np.int64)
+    wanted = max(3, round(SHARE * count))
+    random = np.random.default_rng([seed, 23])
+    edges = np.linspace(1, count - 1, wanted - 1).astype(int)
+    inner = [
+        int(random.integers(low, max(high, low + 1))) for low, high in itertools.pairwise(edges)
+    ]
+    return np.unique(np.array([0, count - 1, *inner], dtype=np.int64))
+
+
+def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> Problem:
+    """The problem with some of its conditions only."""
+    lower = np.linalg.cholesky(covariance[np.ix_(keep, keep)])
+
+    def predict(conditions: Any, parameters: Array) -> Array:
+        return np.asarray(problem.predict(conditions, parameters))[:, keep]
+
+    return replace(
+        problem,
+        predict=predict,
+        observed=problem.observed[keep],
+        whiten=np.linalg.inv(lower),
+    )
+
+
+def measure_gain(
+    problem: Problem,
+    covariance: Array,
+    held_out: NDArray[np.int64],
+    null: Fit,
+    chosen: Fit,
+    rivals: list[Fit],
+    seed: int,
+) -> Gain | None:
+    """Refit without the held-out conditions, then predict them.
+
+    Parameters
+    ----------
+    problem : Problem
+        With all conditions.
+    covariance : ndarray, shape (m, m)
+        Of the observed means.
+    held_out : ndarray of int
+        From `split`.
+    null, chosen : Fit
+        Of all conditions; only where their fits began is taken from them.
+    rivals : list of Fit
+        Others that could have been chosen.
+    seed : int
+    """
+    if not len(held_out):
+        return None
+    keep = np.setdiff1d(np.arange(len(problem.observed)), held_out)
+    inside = restricted(problem, keep, covariance)
+    others = [fit for fit in rivals if fit is not chosen][:4]
+    fits = [null, chosen, *others]
+    refits = fit_rivals(inside, [fit.rival for fit in fits], [[fit.x] for fit in fits], 6)
+    predicted = problem.predicted(np.stack([refits[0].x, refits[1].x]))[:, held_out]
+    error = problem.observed[held_out] - predicted
+    sd = np.sqrt(np.diag(covariance))[held_out]
+    before, after = (error / sd) ** 2
+    random = np.random.default_rng([seed, 29])
+    draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
+    fall = np.mean((before - after)[draws], axis=1)
+    best = max(refits[1:], key=lambda fit: fit.log_evidence)
+    return Gain(
+        held_out,
+        float(np.mean(before)),
+        float(np.mean(after)),
+        float(np.mean(np.abs(error[0]))),
+        float(np.mean(np.abs(error[1]))),
+        (float(np.quantile(fall, 0.025)), float(np.quantile(fall, 0.975))),
+        best is refits[1],
+        predicted[0],
+        predicted[1],
+    )

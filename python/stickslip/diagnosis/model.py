@@ -1,0 +1,187 @@
+"""What the engine knows of a forward model: parameters, causes, data, and whitened residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.measurement.priors import Prior
+
+Array = NDArray[np.float64]
+Predict = Callable[[Any, Array], Array]
+"""``predict(conditions, parameters)``: from shape (vectors, parameters) to (vectors, m)."""
+
+FREED = 10.0
+"""By how much a constant's prior is widened when it is itself the suspect."""
+
+_LOST = 1e3
+"""Whitened residual of a condition that the model cannot compute."""
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A parameter of the model that is known by its prior.
+
+    Attributes
+    ----------
+    name : str
+    prior : Prior
+    unit : str
+    """
+
+    name: str
+    prior: Prior
+    unit: str = "-"
+
+
+@dataclass(frozen=True)
+class CauseParameter:
+    """One parameter of a cause.
+
+    Attributes
+    ----------
+    name, unit : str
+    low, high : float
+        Physical range, in the unit.
+    scale : float
+        Size that would not surprise: standard deviation of the amplitude's prior, in the unit.
+    absent : float
+        Value at which the cause does nothing.
+    shape : bool
+        A parameter such as a period, which says how the cause looks and not how strong it is; it is
+        `absent` times exp of a normal coordinate of standard deviation 0.7.
+    downward : bool
+        The cause grows as the parameter falls from `high`, at which it begins to act; at `absent`
+        (a limit that is not there) it does nothing.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    scale: float
+    absent: float = 0.0
+    shape: bool = False
+    downward: bool = False
+
+    def value(self, u: Array) -> Array:
+        """Physical value at the coordinate `u`, whose prior is standard normal."""
+        if self.shape:
+            return np.clip(self.absent * np.exp(0.7 * u), self.low, self.high)
+        if self.downward:
+            return np.where(u <= 0.0, self.absent, np.maximum(self.high - self.scale * u, self.low))
+        return np.clip(self.absent + self.scale * u, self.low, self.high)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest coordinate."""
+        if self.shape:
+            return -3.0, 3.0
+        if self.downward:
+            return 0.0, (self.high - self.low) / self.scale
+        return (self.low - self.absent) / self.scale, (self.high - self.absent) / self.scale
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A named extension of a model, or a constant that may be other than stated.
+
+    Attributes
+    ----------
+    name, meaning : str
+    parameters : tuple of CauseParameter
+        Empty for a freed constant.
+    frees : str, optional
+        Name of the uncertain parameter whose prior is widened.
+    """
+
+    name: str
+    parameters: tuple[CauseParameter, ...] = ()
+    meaning: str = ""
+    frees: str | None = None
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Data of the fitted conditions, and the model that is to explain them.
+
+    Attributes
+    ----------
+    predict : callable
+        Columns of its parameters: the uncertain ones, then those of all causes, in their order.
+    conditions : Any
+        Handed to `predict` as it is.
+    observed : ndarray, shape (m,)
+        Mean of each condition's trials.
+    whiten : ndarray, shape (m, m)
+        Takes errors of `observed` to independent ones of variance one.
+    dof : float
+        Degrees of freedom of the noise estimate; infinity where the noise was stated.
+    uncertain : tuple of Uncertain
+    causes : tuple of Cause
+    """
+
+    predict: Predict
+    conditions: Any
+    observed: Array
+    whiten: Array
+    dof: float
+    uncertain: tuple[Uncertain, ...]
+    causes: tuple[Cause, ...] = ()
+    parameters: tuple[CauseParameter, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        found = tuple(each for cause in self.causes for each in cause.parameters)
+        object.__setattr__(self, "parameters", found)
+
+    @property
+    def base_count(self) -> int:
+        """Number of uncertain parameters."""
+        return len(self.uncertain)
+
+    @property
+    def size(self) -> int:
+        """Number of all coordinates."""
+        return len(self.uncertain) + len(self.parameters)
+
+    def columns(self, causes: Sequence[Cause]) -> list[int]:
+        """Coordinates of the parameters of some causes."""
+        chosen = {cause.name for cause in causes}
+        result, at = [], self.base_count
+        for cause in self.causes:
+            if cause.name in chosen:
+                result += list(range(at, at + len(cause.parameters)))
+            at += len(cause.parameters)
+        return result
+
+    def limits(self) -> tuple[Array, Array]:
+        """Lowest and highest value of every coordinate."""
+        low, high = [-np.inf] * self.base_count, [np.inf] * self.base_count
+        for k, each in enumerate(self.uncertain):
+            if each.prior.kind == "log-uniform":
+                low[k], high[k] = -3.5, 3.5
+        for parameter in self.parameters:
+            low.append(parameter.limits[0])
+            high.append(parameter.limits[1])
+        return np.array(low), np.array(high)
+
+    def physical(self, x: Array) -> Array:
+        """Parameters in their units from coordinates, shape (vectors, size)."""
+        columns = [each.prior.value(x[:, k]) for k, each in enumerate(self.uncertain)]
+        for k, parameter in enumerate(self.parameters, start=self.base_count):
+            columns.append(parameter.value(x[:, k]))
+        return np.stack(columns, axis=1) if columns else np.zeros((len(x), 0))
+
+    def predicted(self, x: Array) -> Array:
+        """Observables at coordinates, shape (vectors, m)."""
+        return np.asarray(self.predict(self.conditions, self.physical(x)), dtype=float)
+
+    def residuals(self, x: Array) -> Array:
+        """Whitened data minus prediction, shape (vectors, m); without the prior's rows."""
+        gap = self.observed - self.predicted(x)
+        whitened = np.where(np.isfinite(gap), gap, 0.0) @ self.whiten.T
+        return np.where(np.isfinite(gap), whitened, _LOST)

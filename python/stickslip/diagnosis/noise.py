@@ -1,0 +1,179 @@
+"""Noise of a trial and of a set-up, pooled over all conditions.
+
+Three trials have two degrees of freedom, so no condition has a variance of its own: one curve
+sd^2 = s0^2 + (rho v)^2 is fitted to all, and scaled to the pooled scatter.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+FEWEST_DOF = 4
+"""Degrees of freedom from which on the noise is taken from the trials and not from a statement."""
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Noise of the mean of each condition's trials.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (m,)
+        Mean of the trials, in the observable's unit.
+    sd : ndarray, shape (m,)
+        Standard deviation of one trial.
+    count : ndarray, shape (m,)
+        Number of trials.
+    floor, relative, between : float
+        s0 in the observable's unit, rho, and the scatter of set-ups in units of `sd`.
+    dof : float
+        Degrees of freedom; infinity where the noise was stated, 0 where nothing is known.
+    covariance : ndarray, shape (m, m)
+        Of `mean`.
+    notes : tuple of str
+    """
+
+    mean: Array
+    sd: Array
+    count: Index
+    floor: float
+    relative: float
+    between: float
+    dof: float
+    covariance: Array
+    notes: tuple[str, ...]
+
+
+def fit_noise(
+    value: Array, condition: Index, block: Index | None = None, stated: float = math.nan
+) -> NoiseModel:
+    """Noise from the scatter of trials, or from a stated relative error.
+
+    Parameters
+    ----------
+    value : ndarray, shape (n,)
+        Trials.
+    condition : ndarray, shape (n,)
+        Index of each trial's condition, 0 to m - 1, none missing.
+    block : ndarray, shape (n,), optional
+        Index of its set-up; -1 where it is not known.
+    stated : float
+        Relative standard deviation of one trial, if known.
+    """
+    m = int(condition.max()) + 1
+    count = np.bincount(condition, minlength=m)
+    mean = np.bincount(condition, value, minlength=m) / count
+    known = block is not None and bool(np.all(block >= 0)) and len(np.unique(block)) > 1
+    crossed = False
+    if known:
+        assert block is not None
+        pairs = np.unique(np.stack([condition, block]), axis=1)
+        crossed = pairs.shape[1] > m and pairs.shape[1] > len(np.unique(block)) + 1
+    notes = []
+    deviation, dof = value - mean[condition], len(value) - m
+    leverage = 1.0 - 1.0 / count[condition]
+    if known and crossed and dof > 0:
+        assert block is not None
+        deviation, dof, leverage = _without_blocks(value, condition, block, mean)
+    # Where nothing moved, any size will do: there is no relative error of zero.
+    size = float(np.sqrt(np.mean(mean**2))) or 1.0
+    if dof >= FEWEST_DOF and np.any(deviation != 0.0):
+        floor, relative = _curve(deviation, leverage, mean[condition], size)
+        sd = np.sqrt(floor**2 + (relative * mean) ** 2)
+        scale = math.sqrt(float(np.sum((deviation / sd[condition]) ** 2)) / dof)
+        floor, relative, sd = floor * scale, relative * scale, sd * scale
+        free = float(dof)
+    elif math.isfinite(stated):
+        floor, relative, free = 0.1 * stated * size, stated, math.inf
+        sd = np.sqrt(floor**2 + (relative * mean) ** 2)
+        notes.append(f"too few repeats to measure the noise; the stated {stated:.3g} is used")
+    else:
+        floor, relative, free, sd = 0.0, 0.0, 0.0, np.full(m, size)
+        notes.append("the noise is not known: no repeats that differ and no stated error")
+    covariance = np.diag(sd**2 / count)
+    between = 0.0
+    if known and crossed:
+        assert block is not None
+        between = _between(value, condition, block, mean, sd, count)
+        covariance = covariance + between**2 * _shared(condition, block, sd, count)
+    elif not known:
+        notes.append("no column block: scatter between set-ups cannot be separated from a cause")
+    else:
+        notes.append("no condition was repeated in another set-up: their scatter is not known")
+    return NoiseModel(
+        mean, sd, count, floor, relative, between, free, covariance, tuple(notes)
+    )  # fmt: skip
+
+
+def whitener(covariance: Array) -> Array:
+    """Matrix that takes errors of this covariance to independent ones of variance one."""
+    lower = np.linalg.cholesky(covariance)
+    return np.linalg.inv(lower)
+
+
+def _without_blocks(
+    value: Array, condition: Index, block: Index, mean: Array
+) -> tuple[Array, int, Array]:
+    """Residuals of a fit of one level a condition and one relative offset a block."""
+    m = len(mean)
+    levels = np.eye(m)[condition]
+    size = np.abs(mean) + 0.1 * np.median(np.abs(mean)) + 1e-300
+    offsets = np.eye(int(block.max()) + 1)[block] * size[condition, None]
+    design = np.hstack([levels, offsets]) / size[condition, None]
+    target = value / size[condition]
+    left, singular, _ = np.linalg.svd(design, full_matrices=False)
+    left = left[:, singular > 1e-9 * singular[0]]
+    residual = (target - left @ (left.T @ target)) * size[condition]
+    leverage = np.maximum(1.0 - np.sum(left**2, axis=1), 1e-6)
+    return residual, len(value) - left.shape[1], leverage
+
+
+def _curve(deviation: Array, leverage: Array, level: Array, size: float) -> tuple[float, float]:
+    """s0 and rho by maximum likelihood of the residuals."""
+
+    def loss(log: Array) -> float:
+        variance = (np.exp(2 * log[0]) * size**2 + np.exp(2 * log[1]) * level**2) * leverage
+        return float(np.sum(leverage * np.log(variance) + deviation**2 / variance * leverage))
+
+    spread = float(np.sqrt(np.mean(deviation**2))) / size
+    starts = [np.log([0.7 * spread, 0.7 * spread]), np.log([0.1 * spread, spread])]
+    bounds = [(math.log(spread) - 4.0, math.log(spread) + 2.0)] * 2
+    best = min(
+        (minimize(loss, start, method="L-BFGS-B", bounds=bounds) for start in starts),
+        key=lambda found: float(found.fun),
+    )
+    return float(np.exp(best.x[0])) * size, float(np.exp(best.x[1]))
+
+
+def _shared(condition: Index, block: Index, sd: Array, count: Index) -> Array:
+    share = np.zeros((len(sd), int(block.max()) + 1))
+    np.add.at(share, (condition, block), 1.0)
+    weight = share / count[:, None] * sd[:, None]
+    return np.asarray(weight @ weight.T)
+
+
+def _between(
+    value: Array, condition: Index, block: Index, mean: Array, sd: Array, count: Index
+) -> float:
+    """Scatter of set-ups in units of a trial's sd, by restricted maximum likelihood."""
+    n = len(value)
+    target = (value - mean[condition]) / sd[condition]
+    offsets = np.eye(int(block.max()) + 1)[block]
+    levels = np.eye(len(mean))[condition]
+    null = np.linalg.svd(levels, full_matrices=True)[0][:, levels.shape[1] :]
+    rotated, spread = null.T @ target, null.T @ offsets
+    best, found = -np.inf, 0.0
+    for tau in np.concatenate([[0.0], np.geomspace(0.05, 8.0, 40)]):
+        lower = np.linalg.cholesky(np.eye(n - len(mean)) + tau**2 * spread @ spread.T)
+        score = -np.sum(np.log(np.diag(lower))) - 0.5 * np.sum(np.linalg.solve(lower, rotated) ** 2)
+        if score > best:
+            best, found = float(score), float(tau)
+    return found

@@ -1,0 +1,226 @@
+"""What a diagnosis leaves behind: report.html, report.json and extended.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip import _core
+from stickslip.cli.json_text import json_text
+from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.experiments import Experiment
+from stickslip.diagnosis.verdict import describe, flat_directions, pulls
+from stickslip.errors import ScenarioError
+from stickslip.files import replacing
+from stickslip.keys import Value, known_keys
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario import Scenario
+from stickslip.scenario_file import write_scenario
+
+_NAMELESS = {
+    "none": "Nothing beyond the recalibrated model can be seen in this data.",
+    "unexplained": "Something is there that no cause of the library and no pair of them explains.",
+}
+
+
+def headline(found: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    verdict = found.verdict
+    if verdict.word in _NAMELESS:
+        text = _NAMELESS[verdict.word]
+    elif verdict.word == "data-problem":
+        text = f"The data does not allow a diagnosis: {verdict.reasons[0]}."
+    elif verdict.word == "named":
+        text = f"The data points to {verdict.causes[0]}."
+    elif verdict.word == "pair":
+        text = f"The data points to two causes together: {' and '.join(verdict.causes)}."
+    elif len(verdict.causes) == 1:
+        text = f"{verdict.causes[0]} is the best candidate, but {verdict.reasons[0]}."
+    else:
+        text = f"One of these, and this data cannot say which: {', '.join(verdict.causes)}."
+    if found.gain is not None and found.gain.interval[0] <= 0.0:
+        text += " Its gain on held-out conditions is not certain: the interval includes 0."
+    return text
+
+
+def summary(
+    found: Diagnosis, measurement: Measurement, experiments: Sequence[Experiment]
+) -> dict[str, Any]:
+    """Keys of ``stickslip diagnose --json``; SI units."""
+    verdict = found.verdict
+    cause: Any = None
+    if verdict.word == "named":
+        cause = verdict.causes[0]
+    elif verdict.word in ("ambiguous", "pair"):
+        cause = list(verdict.causes)
+    gain = found.gain
+    return {
+        "verdict": verdict.word,
+        "cause": cause,
+        "parameters": {
+            _short(name): entry
+            for name, entry in _parameters(found).items()
+        },
+        "probabilities": dict(verdict.probabilities),
+        "p_value": found.detection.p_value,
+        "bounds": {_short(name): value for name, value in found.bounds.items()},
+        "gain": None if gain is None else {
+            "n": len(gain.held_out),
+            "heldout_chi2_before": gain.chi2_before,
+            "heldout_chi2_after": gain.chi2_after,
+            "mae_before": gain.mae_before,
+            "mae_after": gain.mae_after,
+            "interval": list(gain.interval),
+        },
+        "next_experiments": [
+            {"drive": dict(each.drive), "why": each.why, "predictions": each.predictions}
+            for each in experiments
+        ],
+        "left_out": list(measurement.left_out),
+        "seed": found.seed,
+        "version": _core.__version__,
+    }  # fmt: skip
+
+
+def _parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
+    """Parameters of the extended model; of a set, what each of its members would need."""
+    if found.verdict.fit is None:
+        return {}
+    result = describe(found.problem, found.verdict.fit)
+    for fit in found.ranking.singles:
+        if found.verdict.word == "ambiguous" and fit.name in found.verdict.causes:
+            for name, entry in describe(found.problem, fit).items():
+                result.setdefault(name, entry)
+    return result
+
+
+def _short(name: str) -> str:
+    return name.removeprefix("effects.")
+
+
+def details(
+    found: Diagnosis, measurement: Measurement, conditions: Sequence[Mapping[str, Value]]
+) -> dict[str, Any]:
+    """Every number of the report beyond the summary."""
+    problem = found.problem
+    points = [found.null.x] if found.verdict.fit is None else [found.null.x, found.verdict.fit.x]
+    predicted = problem.predicted(np.stack(points))
+    rows = []
+    for k, each in enumerate(conditions):
+        row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
+        row["velocity"] = float(problem.observed[k])
+        row["sd"] = float(np.sqrt(found.noise.covariance[k, k]))
+        row["model_scatter"] = float(found.roughness[k])
+        row["trials"] = int(found.noise.count[k])
+        row["recalibrated"] = float(predicted[0, k])
+        row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
+        row["held_out"] = found.gain is not None and k in found.gain.held_out
+        rows.append(row)
+    fits = [found.null, *found.ranking.singles, *found.ranking.pairs]
+    return {
+        "name": measurement.name,
+        "headline": headline(found),
+        "reasons": list(found.verdict.reasons),
+        "notes": list(found.notes),
+        "tests": {
+            "lack_of_fit": found.detection.lack_of_fit,
+            "lack_of_fit_p": found.detection.lack_of_fit_p,
+            "score": found.detection.score,
+            "score_threshold": found.detection.threshold,
+            "score_p": found.detection.score_p,
+            "bootstrapped": found.detection.bootstrapped,
+        },
+        "noise": {
+            "floor": found.noise.floor,
+            "relative": found.noise.relative,
+            "between_setups": found.noise.between,
+            "dof": found.noise.dof,
+        },
+        "recalibrated": {
+            each.name: {
+                "value": float(each.prior.value(found.null.x[k])),
+                "unit": each.unit,
+                "pull": float(found.null.x[k]),
+            }
+            for k, each in enumerate(problem.uncertain)
+        },
+        "pulls_extended": pulls(problem, found.verdict.fit) if found.verdict.fit else {},
+        "flat_directions": flat_directions(problem, found.null),
+        "ranking": [
+            {
+                "causes": [cause.name for cause in fit.rival.causes],
+                "chi2": fit.chi2,
+                "data_chi2": fit.data_chi2,
+                "log_evidence": fit.log_evidence - found.null.log_evidence,
+                "certified": fit.certified,
+                "parameters": describe(problem, fit),
+            }
+            for fit in fits
+        ],
+        "isolability_classes": [list(each) for each in found.classes],
+        "same_choice_without_held_out": None if found.gain is None else found.gain.same_choice,
+        "conditions": rows,
+    }
+
+
+def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
+    """The scenario with recalibrated constants and, where there is one, the cause."""
+    fit = found.verdict.fit or found.null
+    values = found.problem.physical(fit.x[None, :])[0]
+    problem = found.problem
+    changes = {each.name: float(values[k]) for k, each in enumerate(problem.uncertain)}
+    for k in fit.rival.free[problem.base_count :]:
+        changes[problem.parameters[k - problem.base_count].name] = float(values[k])
+    try:
+        return scenario.replace(changes)
+    except ScenarioError as error:
+        raise ScenarioError(f"the extended model makes no scenario: {error}") from None
+
+
+def write_report(
+    out: Path,
+    found: Diagnosis,
+    measurement: Measurement,
+    conditions: Sequence[Mapping[str, Value]],
+    experiments: Sequence[Experiment],
+) -> None:
+    """Write report.html, report.json and extended.toml into the folder `out`, which is made.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    short = summary(found, measurement, experiments)
+    full = {**short, **details(found, measurement, conditions)}
+    write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
+    with replacing(out / "report.json") as temporary:
+        temporary.write_text(json_text(full) + "\n", encoding="utf-8")
+    with replacing(out / "report.html") as temporary:
+        temporary.write_text(page_text(found, full), encoding="utf-8")
+
+
+def page_text(found: Diagnosis, full: Mapping[str, Any]) -> str:
+    """The report as one page that needs no other file."""
+    import jinja2
+
+    from stickslip.diagnosis import figures
+
+    source = resources.files("stickslip.diagnosis").joinpath("page.html").read_text("utf-8")
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    keys = known_keys()
+    return environment.from_string(source).render(
+        report=full,
+        meanings={each.name: each.meaning for each in found.problem.causes},
+        units={name: keys[name].unit for name in keys},
+        curves=figures.velocities(found),
+        ranking=figures.ranking(found),
+        isolability=figures.isolability(found),
+    )

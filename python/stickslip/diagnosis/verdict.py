@@ -1,0 +1,238 @@
+"""From tests and fits to one of six verdicts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.detection import Detection
+from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
+
+Array = NDArray[np.float64]
+Word = Literal["none", "named", "ambiguous", "pair", "unexplained", "data-problem"]
+
+MARGIN = 3.0
+"""Log-evidence by which a named cause leads."""
+
+_NONE, _UNKNOWN = 0.5, 0.1
+_PULL = 2.5
+_PAIR_GAIN = 4.5
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is said.
+
+    Attributes
+    ----------
+    word : str
+        One of the six verdicts.
+    causes : tuple of str
+        The named cause, the set, or the pair.
+    fit : Fit, optional
+        The extended model, where there is one.
+    reasons : tuple of str
+        Why it is this verdict and no bolder one.
+    probabilities : dict
+        Over all causes, ``none`` and ``unknown``; they sum to 1.
+    """
+
+    word: Word
+    causes: tuple[str, ...]
+    fit: Fit | None
+    reasons: tuple[str, ...]
+    probabilities: Mapping[str, float]
+
+
+def decide(
+    problem: Problem,
+    detection: Detection,
+    ranking: Ranking,
+    cosines: Array,
+    helps: Callable[[Fit], bool],
+) -> Verdict:
+    """The verdict by the rules of the documentation.
+
+    Parameters
+    ----------
+    problem : Problem
+    detection : Detection
+    ranking : Ranking
+    cosines : ndarray, shape (causes, causes)
+        Isolability.
+    helps : callable
+        Whether a rival predicts held-out conditions better than the recalibrated model.
+    """
+    chance = probabilities(problem, ranking)
+    if not detection.found:
+        return Verdict("none", (), None, ("both tests pass",), chance)
+    singles, null = ranking.singles, ranking.null
+    adequate = [fit for fit in singles if adequacy(problem, fit) >= ADEQUATE]
+    better = [fit for fit in adequate if fit.log_evidence > null.log_evidence]
+    if not better:
+        return _without_single(problem, ranking, chance)
+    best = better[0]
+    if best is not singles[0] and singles[0].log_evidence > best.log_evidence + MARGIN:
+        return _without_single(problem, ranking, chance)
+    led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + _PAIR_GAIN]
+    if any(adequacy(problem, fit) >= ADEQUATE for fit in led):
+        return _without_single(problem, ranking, chance)
+    reasons: list[str] = []
+    index = {cause.name: k for k, cause in enumerate(problem.causes)}
+    close = [fit for fit in better if best.log_evidence - fit.log_evidence < MARGIN]
+    alike = [
+        fit
+        for fit in better
+        if cosines[index[best.name], index[fit.name]] > 0.9
+        and best.log_evidence - fit.log_evidence < 2 * MARGIN
+    ]
+    rivals = [fit for fit in better if fit in close or fit in alike]
+    if len(rivals) > 1:
+        names = tuple(fit.name for fit in rivals)
+        said = "the evidence does not separate them"
+        if all(fit in alike or fit is best for fit in rivals):
+            said = "their effects on this data are alike once the model is recalibrated"
+        return Verdict("ambiguous", names, best, (said,), chance)
+    if best.log_evidence - null.log_evidence < MARGIN:
+        reasons.append("its log-evidence is less than 3 above that of no cause")
+    if any(fit.log_evidence > best.log_evidence + MARGIN for fit in ranking.pairs):
+        reasons.append("a second cause beside it would explain more, but not clearly so")
+    if not best.certified:
+        reasons.append("its fits from different starts do not agree")
+    # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
+    if any(cause.frees is None for cause in best.rival.causes) and not helps(best):
+        reasons.append("it does not help on the conditions that are held out")
+    if _at_limit(problem, best):
+        reasons.append("its amplitude is at the end of the physical range")
+    if reasons:
+        return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
+    lead = best.log_evidence - max(
+        [null.log_evidence, *(fit.log_evidence for fit in singles if fit is not best)]
+    )
+    return Verdict("named", (best.name,), best, (f"log-evidence leads by {lead:.1f}",), chance)
+
+
+def _without_single(problem: Problem, ranking: Ranking, chance: Mapping[str, float]) -> Verdict:
+    best_single = ranking.singles[0] if ranking.singles else ranking.null
+    adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
+    adequate = [fit for fit in adequate if fit.log_evidence > best_single.log_evidence + _PAIR_GAIN]
+    if not adequate:
+        reason = "no single cause and no pair brings the misfit down to the noise"
+        return Verdict("unexplained", (), None, (reason,), chance)
+    best = adequate[0]
+    close = [fit for fit in adequate if best.log_evidence - fit.log_evidence < MARGIN]
+    names = tuple(sorted({cause.name for fit in close for cause in fit.rival.causes}))
+    if len(close) > 1:
+        said = f"{len(close)} pairs explain the data about as well: " + "; ".join(
+            fit.name for fit in close[:4]
+        )
+        return Verdict("ambiguous", names, best, (said,), chance)
+    if not best.certified:
+        said = "the fits of the best pair from different starts do not agree"
+        return Verdict("ambiguous", names, best, (said,), chance)
+    return Verdict("pair", names, best, ("no single cause explains the data as well",), chance)
+
+
+def _at_limit(problem: Problem, fit: Fit) -> bool:
+    low, high = problem.limits()
+    extra = fit.rival.free[problem.base_count :]
+    return bool(np.any((fit.x[extra] >= high[extra]) & np.isfinite(high[extra])) or
+                np.any((fit.x[extra] <= low[extra]) & (low[extra] < 0.0)))  # fmt: skip
+
+
+def probabilities(problem: Problem, ranking: Ranking) -> dict[str, float]:
+    """Posterior over all causes, ``none`` and ``unknown``, summing to 1.
+
+    Prior 0.5 for none, 0.1 for unknown, the rest shared. "Unknown" is a departure of any shape: its
+    evidence is that of independent extra variance, fitted, at the price of one parameter. A pair
+    counts half for each of its members.
+    """
+    share = (1.0 - _NONE - _UNKNOWN) / max(len(problem.causes), 1)
+    null = ranking.null
+    m = len(problem.observed)
+    excess = max(null.chi2 / m, 1.0)
+    generic = null.log_evidence + 0.5 * null.chi2 - 0.5 * m * (math.log(excess) + 1.0)
+    generic -= 0.5 * math.log(m)
+    if excess == 1.0:
+        generic = null.log_evidence - 1.0
+    weights: dict[str, float] = {
+        "none": math.log(_NONE) + null.log_evidence,
+        "unknown": math.log(_UNKNOWN) + generic,
+    }
+    fitted = {fit.name: fit.log_evidence for fit in ranking.singles}
+    for cause in problem.causes:
+        weights[cause.name] = math.log(share) + fitted.get(cause.name, null.log_evidence)
+    couples = [
+        (fit, math.log(share) + math.log(0.1 / max(len(problem.causes), 1)) + fit.log_evidence)
+        for fit in ranking.pairs
+    ]
+    top = max([*weights.values(), *(weight for _, weight in couples)])
+    result = {name: math.exp(weight - top) for name, weight in weights.items()}
+    for fit, weight in couples:
+        for cause in fit.rival.causes:
+            result[cause.name] += 0.5 * math.exp(weight - top)
+    total = sum(result.values())
+    ordered = sorted(result.items(), key=lambda item: (item[0] in ("none", "unknown"), -item[1]))
+    return {name: value / total for name, value in ordered}
+
+
+def pulls(problem: Problem, fit: Fit) -> dict[str, float]:
+    """How many prior standard deviations each uncertain parameter moved."""
+    return {each.name: float(fit.x[k]) for k, each in enumerate(problem.uncertain)}
+
+
+def strained(problem: Problem, fit: Fit) -> list[str]:
+    """Uncertain parameters that moved farther than their prior likes."""
+    return [name for name, pull in pulls(problem, fit).items() if abs(pull) > _PULL]
+
+
+def flat_directions(problem: Problem, fit: Fit) -> list[str]:
+    """Combinations of uncertain parameters that the data says nothing about, in words."""
+    m, p = len(problem.observed), problem.base_count
+    if p == 0:
+        return []
+    data = fit.jacobian[:m, :p]
+    _, singular, right = np.linalg.svd(data, full_matrices=False)
+    said = []
+    for size, direction in zip(singular, right, strict=True):
+        if size >= 1.0:
+            continue
+        strong = [
+            problem.uncertain[k].name for k in np.argsort(-np.abs(direction)) if
+            abs(direction[k]) > 0.4
+        ]  # fmt: skip
+        if len(strong) > 1:
+            said.append(" and ".join(strong[:3]) + " trade off")
+        elif strong:
+            said.append(f"the data says nothing about {strong[0]}")
+    return said
+
+
+def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
+    """Value, standard deviation and unit of the parameters of a fit's causes."""
+    spread = np.sqrt(np.diag(fit.covariance))
+    result: dict[str, dict[str, float | str]] = {}
+    chosen: Sequence[int] = list(fit.rival.free)
+    freed = {cause.frees for cause in fit.rival.causes}
+    convert: Callable[[Array], Array]
+    for position, k in enumerate(chosen):
+        if k < problem.base_count:
+            each = problem.uncertain[k]
+            if each.name not in freed:
+                continue
+            name, unit, convert = each.name, each.unit, each.prior.value
+        else:
+            parameter = problem.parameters[k - problem.base_count]
+            name, unit, convert = parameter.name, parameter.unit, parameter.value
+        x = np.array([fit.x[k] - 0.01, fit.x[k], fit.x[k] + 0.01])
+        value = np.asarray(convert(x))
+        sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[position])
+        result[name] = {"value": float(value[1]), "sd": sd, "unit": unit}
+    return result

@@ -1,0 +1,9 @@
+"""Measured data: its file, its tables, and what was left out of them and why."""
+
+from __future__ import annotations
+
+from stickslip.measurement.priors import Prior
+from stickslip.measurement.reading import Measurement, read_measurement
+from stickslip.measurement.velocity import VelocityData
+
+__all__ = ["Measurement", "Prior", "VelocityData", "read_measurement"]

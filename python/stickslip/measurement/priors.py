@@ -1,0 +1,93 @@
+"""What an experimenter knows of a parameter, in a coordinate that is standard normal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr, ndtri
+
+from stickslip.errors import ScenarioError
+from stickslip.keys import shown
+
+_FORMS = "{ mean, sd }, { median, factor } or { low, high }"
+_EDGE = 5.0
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A prior distribution of one parameter.
+
+    Attributes
+    ----------
+    kind : {"normal", "log-normal", "log-uniform"}
+    first, second : float
+        Mean and standard deviation; median and factor (one standard deviation is this factor); low
+        and high end. In the parameter's unit, except the factor.
+    """
+
+    kind: Literal["normal", "log-normal", "log-uniform"]
+    first: float
+    second: float
+
+    def value(self, z: ArrayLike) -> NDArray[np.float64]:
+        """Parameter at the coordinate `z`, which is standard normal under this prior."""
+        z = np.asarray(z, dtype=float)
+        if self.kind == "normal":
+            return np.asarray(self.first + self.second * z)
+        if self.kind == "log-normal":
+            return np.asarray(self.first * np.exp(math.log(self.second) * z))
+        share = ndtr(np.clip(z, -_EDGE, _EDGE))
+        return np.asarray(self.first * np.exp(math.log(self.second / self.first) * share))
+
+    def coordinate(self, value: float) -> float:
+        """Inverse of `value`."""
+        if self.kind == "normal":
+            return (value - self.first) / self.second
+        if self.kind == "log-normal":
+            return math.log(value / self.first) / math.log(self.second)
+        share = math.log(value / self.first) / math.log(self.second / self.first)
+        return float(np.clip(ndtri(min(max(share, 0.0), 1.0)), -_EDGE, _EDGE))
+
+
+def parse_prior(key: str, table: object) -> Prior:
+    """The prior of one entry of ``[uncertain]``.
+
+    Raises
+    ------
+    ScenarioError
+        If the table has none of the three forms, or a number that makes no distribution.
+    """
+    if not isinstance(table, Mapping):
+        raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')
+    forms: dict[frozenset[str], Literal["normal", "log-normal", "log-uniform"]] = {
+        frozenset({"mean", "sd"}): "normal",
+        frozenset({"median", "factor"}): "log-normal",
+        frozenset({"low", "high"}): "log-uniform",
+    }
+    kind = forms.get(frozenset(table))
+    if kind is None:
+        raise ScenarioError(f'[uncertain] "{key}" = {shown(dict(table))}: allowed is {_FORMS}')
+    names = {"normal": "mean sd", "log-normal": "median factor", "log-uniform": "low high"}
+    first, second = (_number(key, name, table[name]) for name in names[kind].split())
+    if kind == "normal" and second <= 0.0:
+        raise ScenarioError(f'[uncertain] "{key}" sd = {second}: allowed is a number above 0')
+    if kind == "log-normal" and not (first > 0.0 and second > 1.0):
+        raise ScenarioError(
+            f'[uncertain] "{key}" = {shown(dict(table))}: allowed is median > 0 and factor > 1'
+        )
+    if kind == "log-uniform" and not 0.0 < first < second:
+        raise ScenarioError(
+            f'[uncertain] "{key}" = {shown(dict(table))}: allowed is 0 < low < high'
+        )
+    return Prior(kind, first, second)
+
+
+def _number(key: str, name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ScenarioError(f'[uncertain] "{key}" {name} = {shown(value)}: allowed is a number')
+    return float(value)

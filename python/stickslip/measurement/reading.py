@@ -1,0 +1,195 @@
+"""The measurement file: TOML beside CSV tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ScenarioError
+from stickslip.keys import find_key, shown, suggestion
+from stickslip.measurement.priors import Prior, parse_prior
+from stickslip.measurement.tables import read_numbers
+from stickslip.measurement.velocity import VelocityData, read_velocity
+from stickslip.scenario import Scenario
+from stickslip.scenario_file import _document
+
+FORMAT_VERSION = 1
+
+_KNOWN = (
+    "stickslip_measurement", "name", "scenario", "uncertain", "velocity", "tracking", "angle",
+    "field",
+)  # fmt: skip
+_ENTRIES = {
+    "velocity": ("file", "velocity_sd"),
+    "tracking": ("file", "frame_rate", "exposure", "noise_x", "noise_theta", "drive"),
+    "angle": ("file",),
+    "field": ("file",),
+}
+_COLUMNS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "tracking": (("t", "x", "theta"), ("z", "current_x", "current_clamp")),
+    "angle": (("Bx", "Bz", "theta"), ()),
+    "field": (("xp", "xm", "yp", "ym", "clamp", "x", "y", "z", "Bx", "By", "Bz"), ()),
+}
+
+Table = Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """All that was measured, and what the experimenter believes.
+
+    Attributes
+    ----------
+    name : str
+    scenario : Scenario
+        The model as the experimenter believes it.
+    uncertain : dict of Prior
+        By dotted key.
+    velocity : tuple of VelocityData
+    tracking, angle, field : tuple of dict
+        Columns by name, sound rows only, SI units and radians.
+    left_out : tuple of str
+        What was not used and why, one line each.
+    path : Path
+    """
+
+    name: str
+    scenario: Scenario
+    uncertain: Mapping[str, Prior]
+    velocity: tuple[VelocityData, ...]
+    tracking: tuple[Table, ...]
+    angle: tuple[Table, ...]
+    field: tuple[Table, ...]
+    left_out: tuple[str, ...]
+    path: Path
+
+
+def read_measurement(path: str | PathLike[str]) -> Measurement:
+    """Read a measurement file and its tables.
+
+    Rows that are not sound are left out, and said to be in `Measurement.left_out`.
+
+    Raises
+    ------
+    ScenarioError
+        With one line, if the file or one of its tables cannot be used at all.
+    """
+    path = Path(path)
+    try:
+        document = _document(path)
+        return _measurement(document, path)
+    except ScenarioError as error:
+        text = str(error).replace("a scenario has", "a measurement has")
+        raise ScenarioError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+
+
+def _measurement(document: dict[str, Any], path: Path) -> Measurement:
+    version = document.get("stickslip_measurement")
+    if isinstance(version, bool) or version != FORMAT_VERSION:
+        raise ScenarioError(
+            f"stickslip_measurement = {shown(version)}: allowed is {FORMAT_VERSION}, the version "
+            "of the format"
+        )
+    for key, value in document.items():
+        if key not in _KNOWN:
+            raise ScenarioError(
+                f"{key} = {shown(value)}: there is no such entry; {suggestion(key, _KNOWN)}"
+            )
+    name = document.get("name", path.stem)
+    if not isinstance(name, str):
+        raise ScenarioError(f"name = {shown(name)}: allowed is a text")
+    nominal = document.get("scenario")
+    if not isinstance(nominal, str):
+        raise ScenarioError(f"scenario = {shown(nominal)}: allowed is the path of a scenario file")
+    scenario = Scenario.from_toml(path.parent / nominal)
+    uncertain = _uncertain(document.get("uncertain", {}), scenario)
+    left_out: list[str] = []
+    velocity, tables = [], {kind: [] for kind in _COLUMNS}  # type: ignore[var-annotated]
+    for kind in _ENTRIES:
+        for entry in _entries(document, kind):
+            file = path.parent / entry["file"]
+            if kind == "velocity":
+                data, said = read_velocity(file, scenario, _relative_sd(entry))
+                velocity.append(data)
+            else:
+                table, said = read_numbers(file, *_COLUMNS[kind])
+                if kind == "tracking":
+                    table = _in_order(file.name, table, said)
+                tables[kind].append(table)
+            left_out += said
+    if not velocity and not any(tables.values()):
+        raise ScenarioError("there is none of [[velocity]], [[tracking]], [[angle]], [[field]]")
+    return Measurement(
+        name=name,
+        scenario=scenario,
+        uncertain=uncertain,
+        velocity=tuple(velocity),
+        tracking=tuple(tables["tracking"]),
+        angle=tuple(tables["angle"]),
+        field=tuple(tables["field"]),
+        left_out=tuple(left_out),
+        path=path,
+    )
+
+
+def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
+    if not isinstance(table, dict):
+        raise ScenarioError(f"uncertain = {shown(table)}: allowed is a section [uncertain]")
+    priors = {}
+    for name, entry in table.items():
+        key = find_key(name, entry)
+        if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
+            raise ScenarioError(f'[uncertain] "{name}": allowed is a real number of the model')
+        prior = parse_prior(name, entry)
+        middle = float(prior.value(0.0))
+        scenario.replace({name: middle}) if name != "contact.kinetic_friction" else None
+        priors[name] = prior
+    return priors
+
+
+def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
+    entries = document.get(kind, [])
+    if not isinstance(entries, list) or not all(isinstance(each, dict) for each in entries):
+        raise ScenarioError(f"{kind}: allowed are sections [[{kind}]]")
+    for entry in entries:
+        for key, value in entry.items():
+            if key not in _ENTRIES[kind]:
+                raise ScenarioError(
+                    f"[[{kind}]] {key} = {shown(value)}: there is no such key; "
+                    f"{suggestion(key, _ENTRIES[kind])}"
+                )
+        if not isinstance(entry.get("file"), str):
+            raise ScenarioError(
+                f"[[{kind}]] file = {shown(entry.get('file'))}: allowed is the path of a CSV file"
+            )
+    return entries
+
+
+def _relative_sd(entry: Mapping[str, Any]) -> float:
+    value = entry.get("velocity_sd", math.nan)
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if "velocity_sd" in entry and not (number and 0.0 < value < 1.0):
+        raise ScenarioError(
+            f"[[velocity]] velocity_sd = {shown(value)}: allowed is a number above 0 and below 1"
+        )
+    return float(value)
+
+
+def _in_order(
+    name: str, table: dict[str, NDArray[np.float64]], left_out: list[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Frames sorted by time, each time once."""
+    order = np.argsort(table["t"], kind="stable")
+    if np.any(np.diff(order) < 0):
+        left_out.append(f"{name}: rows were not in the order of time; they were sorted")
+    times, first = np.unique(table["t"][order], return_index=True)
+    if len(times) < len(order):
+        left_out.append(f"{name}: {len(order) - len(times)} frames repeat a time; the first counts")
+    return {key: column[order][first] for key, column in table.items()}

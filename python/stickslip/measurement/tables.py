@@ -1,0 +1,119 @@
+"""CSV tables as they come from a laboratory: columns in any order, some cells unreadable."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ScenarioError
+from stickslip.keys import suggestion
+
+_MOST_ROWS = 2_000_000
+
+
+def read_rows(path: Path) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of text cells; empty lines and lines that begin with # are skipped.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read, is empty or has a column twice.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            lines = (line for line in file if line.strip() and not line.lstrip().startswith("#"))
+            rows = [[cell.strip() for cell in row] for row, _ in zip(
+                csv.reader(lines), range(_MOST_ROWS), strict=False)]  # fmt: skip
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ScenarioError(f"{path}: cannot be read: {reason}") from None
+    if len(rows) < 2:
+        raise ScenarioError(f"{path}: has no row of data below a line of column names")
+    header = rows[0]
+    twice = sorted({name for name in header if header.count(name) > 1})
+    if twice:
+        raise ScenarioError(f'{path}: column "{twice[0]}" is there twice')
+    return header, rows[1:]
+
+
+def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) -> None:
+    """Refuse a table without a column that it needs.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the column.
+    """
+    for name in required:
+        if name not in header:
+            raise ScenarioError(
+                f'{path}: column "{name}" is missing; there are ' + ", ".join(header)
+            )
+
+
+def refuse_unknown(path: Path, header: Sequence[str], known: Sequence[str]) -> None:
+    """Refuse a column that nobody knows, with the nearest known one.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the column.
+    """
+    for name in header:
+        if name not in known:
+            raise ScenarioError(f'{path}: column "{name}" is not known; {suggestion(name, known)}')
+
+
+def number(cell: str) -> float:
+    """A cell's number; NaN where it is none."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
+def read_numbers(
+    path: Path, required: Sequence[str], optional: Sequence[str] = ()
+) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
+    """Columns of numbers, without the rows that are not sound, and what was left out.
+
+    Parameters
+    ----------
+    path : Path
+    required, optional : sequence of str
+        Names of columns.
+
+    Returns
+    -------
+    columns : dict of ndarray, shape (n,)
+    left_out : list of str
+
+    Raises
+    ------
+    ScenarioError
+        If a column is missing or unknown, or no row is sound.
+    """
+    header, rows = read_rows(path)
+    check_columns(path, header, required)
+    refuse_unknown(path, header, [*required, *optional])
+    table = np.array(
+        [[number(row[k]) if k < len(row) else math.nan for k in range(len(header))] for row in rows]
+    )
+    sound = np.all(np.isfinite(table), axis=1)
+    left_out = []
+    if not sound.all():
+        lines = ", ".join(str(k + 2) for k in np.flatnonzero(~sound)[:5])
+        more = ", ..." if (~sound).sum() > 5 else ""
+        left_out.append(
+            f"{path.name}: {(~sound).sum()} of {len(table)} rows have a cell that is no number "
+            f"(line {lines}{more})"
+        )
+    if not sound.any():
+        raise ScenarioError(f"{path}: no row is sound; every one has a cell that is no number")
+    return {name: table[sound, k] for k, name in enumerate(header)}, left_out

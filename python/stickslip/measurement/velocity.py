@@ -1,0 +1,186 @@
+"""Tables of mean velocities: one row a trial, grouped into conditions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ScenarioError
+from stickslip.keys import Value, known_keys
+from stickslip.measurement.tables import check_columns, number, read_rows, refuse_unknown
+from stickslip.scenario import Scenario
+
+FASTEST = 1.0
+"""Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""
+
+_OUTLIER = 8.0
+_OTHER = ("velocity", "trial", "block", "order")
+
+
+@dataclass(frozen=True)
+class VelocityData:
+    """Trials of mean velocities, sound ones only.
+
+    Attributes
+    ----------
+    conditions : tuple of dict
+        Drive settings by dotted key, one for each condition.
+    velocity : ndarray, shape (n,)
+        m/s, one for each trial.
+    condition : ndarray, shape (n,)
+        Index of each trial's condition.
+    block : ndarray, shape (n,)
+        Index of the set-up; -1 where the table does not say.
+    order : ndarray, shape (n,)
+        Sequence number; NaN where the table does not say.
+    relative_sd : float
+        Stated relative error of one trial; NaN where it is not known.
+    """
+
+    conditions: tuple[Mapping[str, Value], ...]
+    velocity: NDArray[np.float64]
+    condition: NDArray[np.int64]
+    block: NDArray[np.int64]
+    order: NDArray[np.float64]
+    relative_sd: float = math.nan
+
+
+def read_velocity(
+    path: Path, scenario: Scenario, relative_sd: float
+) -> tuple[VelocityData, list[str]]:
+    """Read a table of velocities, and say what was left out of it.
+
+    Parameters
+    ----------
+    path : Path
+    scenario : Scenario
+        Gives the drive settings that have no column.
+    relative_sd : float
+        Relative error of one trial, NaN if not known.
+
+    Raises
+    ------
+    ScenarioError
+        If a column is missing or unknown, or no row is sound.
+    """
+    header, rows = read_rows(path)
+    drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
+    check_columns(path, header, ["velocity"])
+    refuse_unknown(path, header, [*_OTHER, *drive])
+    left_out: list[str] = []
+    groups: dict[tuple[tuple[str, Any], ...], int] = {}
+    blocks: dict[str, int] = {}
+    kept: list[tuple[float, int, int, float]] = []
+    seen: set[tuple[str, ...]] = set()
+    for line, row in enumerate(rows, start=2):
+        if len(row) != len(header):
+            left_out.append(f"{path.name} line {line}: {len(row)} cells, not {len(header)}")
+            continue
+        cells = dict(zip(header, row, strict=True))
+        velocity = number(cells["velocity"])
+        if not math.isfinite(velocity):
+            left_out.append(f'{path.name} line {line}: velocity "{cells["velocity"]}" is no number')
+            continue
+        if tuple(row) in seen and ("trial" in cells or "order" in cells):
+            left_out.append(f"{path.name} line {line}: repeats an earlier line")
+            continue
+        try:
+            setting = _setting(cells, drive, scenario)
+        except ScenarioError as error:
+            left_out.append(f"{path.name} line {line}: {error}")
+            continue
+        seen.add(tuple(row))
+        group = groups.setdefault(setting, len(groups))
+        block = blocks.setdefault(cells["block"], len(blocks)) if cells.get("block") else -1
+        kept.append((velocity, group, block, number(cells.get("order", ""))))
+    if not kept:
+        reason = left_out[0].split(": ", 1)[1] if left_out else "it has none"
+        raise ScenarioError(f"{path}: no row is sound; the first: {reason}")
+    velocity_all = np.array([each[0] for each in kept])
+    condition = np.array([each[1] for each in kept])
+    size = float(np.median(np.abs(velocity_all)))
+    if size > FASTEST:
+        raise ScenarioError(
+            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s. "
+            "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
+        )
+    sound = _without_outliers(path.name, velocity_all, condition, left_out)
+    numbers = {old: new for new, old in enumerate(dict.fromkeys(condition[sound].tolist()))}
+    settings = list(groups)
+    data = VelocityData(
+        tuple(dict(settings[old]) for old in numbers),
+        velocity_all[sound],
+        np.array([numbers[old] for old in condition[sound].tolist()], dtype=np.int64),
+        np.array([each[2] for each in kept], dtype=np.int64)[sound],
+        np.array([each[3] for each in kept])[sound],
+        relative_sd,
+    )
+    return data, left_out
+
+
+def _setting(
+    cells: Mapping[str, str], drive: list[str], scenario: Scenario
+) -> tuple[tuple[str, Any], ...]:
+    """The drive settings of a row, in the order of the keys; checked as a scenario."""
+    keys = known_keys()
+    changes: dict[str, Value] = {}
+    for name in drive:
+        if name not in cells:
+            continue
+        key = keys[f"drive.{name}"]
+        value: Value = cells[name]
+        if key.kind != "word":
+            value = number(cells[name])
+            if not math.isfinite(value):
+                raise ScenarioError(f'{name} "{cells[name]}" is no number')
+            if key.kind == "whole" and value == int(value):
+                value = int(value)
+        changes[key.name] = value
+    if changes.get("drive.mode") == "program":
+        raise ScenarioError('mode "program" has no place in a table of velocities')
+    full = scenario.replace(changes)
+    return tuple((f"drive.{name}", full.get(f"drive.{name}")) for name in drive)
+
+
+def _without_outliers(
+    name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[str]
+) -> NDArray[np.bool_]:
+    """Leave out a trial that lies absurdly far from the others of its condition.
+
+    The scale is the pooled median deviation over all conditions, as three trials have none of
+    their own.
+    """
+    deviation = np.full(velocity.shape, np.nan)
+    level = np.zeros(velocity.shape)
+    for each in np.unique(condition):
+        inside = condition == each
+        level[inside] = np.median(velocity[inside])
+        if inside.sum() >= 3:
+            deviation[inside] = np.abs(velocity[inside] - level[inside])
+    usable = np.isfinite(deviation)
+    sound = np.ones(velocity.shape, dtype=bool)
+    if not usable.any():
+        return sound
+    relative = np.maximum(np.abs(level), 0.1 * np.median(np.abs(level)))
+    positive = usable & (deviation > 0.0)
+    if not positive.any():
+        return sound
+    share = deviation / np.where(relative > 0.0, relative, 1.0)
+    # The median of three leaves one deviation at zero, so the rest are the scale.
+    scale = 1.48 * float(np.median(share[positive]))
+    far = usable & (share > _OUTLIER * scale)
+    for index in np.flatnonzero(far):
+        ratio = velocity[index] / level[index] if level[index] else math.inf
+        unit = " (a factor of 1000: a wrong unit?)" if 0.9e3 < abs(ratio) < 1.1e3 else ""
+        unit = " (a factor of 1/1000: a wrong unit?)" if 0.9e-3 < abs(ratio) < 1.1e-3 else unit
+        left_out.append(
+            f"{name}: trial of {velocity[index]:.4g} m/s where the others of its condition are "
+            f"near {level[index]:.4g} m/s{unit}"
+        )
+    return np.asarray(~far)

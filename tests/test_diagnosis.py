@@ -1,0 +1,239 @@
+"""The engine on a toy model: rates over many seeds, and each of the six verdicts."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+from stickslip.errors import ScenarioError
+from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
+
+
+def _count(seeds, wanted, **options):
+    return sum(bool(wanted(diagnosis(seed, **options))) for seed in seeds)
+
+
+def _named(*names):
+    return lambda found: found.verdict.word == "named" and found.verdict.causes == names
+
+
+def test_false_alarms_are_as_rare_as_promised():
+    # Of 160 tests at 5 %, more than 15 are seen once in 140.
+    assert _count(range(160), lambda found: found.detection.found) <= 15
+
+
+def test_false_alarms_stay_rare_with_heavy_tails():
+    def heavy(random, n):
+        return random.standard_t(4, n) / math.sqrt(2.0)
+
+    assert _count(range(60), lambda found: found.detection.found, law=heavy) <= 8
+
+
+def test_scatter_of_set_ups_is_no_cause_where_blocks_say_so():
+    # One set-up for each repeat; all of its velocities are off by the same share.
+    alarms = 0
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        values, index = trials(truth(constants=random.standard_normal(4)), random)
+        block = np.tile(np.arange(TRIALS), SIZE)
+        values *= 1 + 0.06 * random.standard_normal(TRIALS)[block]
+        found = diagnose_model(
+            predict, None, values, UNCERTAIN, CAUSES, condition=index, block=block, seed=seed
+        )
+        alarms += found.detection.found
+    assert alarms <= 8
+
+
+def test_a_cause_is_named_and_never_another_in_its_place():
+    found = [diagnosis(seed, {"ripple": 0.3}) for seed in range(40)]
+    named = [each.verdict.causes for each in found if each.verdict.word == "named"]
+    assert len(named) >= 36
+    assert set(named) == {("ripple",)}
+
+
+def test_the_amplitude_is_within_its_error():
+    pulls = []
+    for seed in range(40):
+        fit = diagnosis(seed, {"ripple": 0.3}).ranking.singles[0]
+        assert fit.name == "ripple"
+        sd = math.sqrt(fit.covariance[-1, -1])
+        pulls.append((fit.x[fit.rival.free[-1]] - 1.0) / sd)
+    assert np.mean(np.abs(pulls) < 2.0) >= 0.85
+    assert 0.5 < np.std(pulls) < 1.5
+
+
+def test_a_constant_far_off_is_named_itself():
+    assert _count(range(30), _named("k0"), shift={0: 5.0}) >= 25
+    blamed = {cause.name for cause in CAUSES}
+    structure = _count(
+        range(30),
+        lambda found: found.verdict.word == "named" and found.verdict.causes[0] in blamed,
+        shift={0: 3.0},
+    )
+    assert structure <= 4
+
+
+def test_twins_are_a_set_that_holds_the_truth():
+    for seed in range(20):
+        verdict = diagnosis(seed, {"split": 0.6}).verdict
+        if verdict.word == "none":
+            continue
+        assert verdict.word == "ambiguous"
+        assert {"split", "split_twin"} <= set(verdict.causes)
+
+
+def test_twins_are_one_isolability_class():
+    found = diagnosis(0, {"split": 0.6})
+    assert any({"split", "split_twin"} <= set(group) for group in found.classes)
+    assert not any({"wave", "swell"} <= set(group) for group in found.classes)
+
+
+def test_two_causes_are_a_pair():
+    right = _count(
+        range(20),
+        lambda found: (
+            found.verdict.word == "pair" and set(found.verdict.causes) == {"wave", "swell"}
+        ),
+        causes={"wave": 0.5, "swell": -0.5},
+    )
+    assert right >= 16
+
+
+def test_what_no_cause_explains_is_unexplained():
+    unknown = 0.25 * np.sin(31 * X + MODE)
+    found = [diagnosis(seed, extra=unknown).verdict for seed in range(20)]
+    assert sum(each.word == "unexplained" for each in found) >= 18
+    assert all(each.fit is None for each in found if each.word == "unexplained")
+
+
+def test_shuffled_labels_are_never_a_name():
+    for seed in range(30):
+        random = np.random.default_rng(seed)
+        values, index = trials(truth({"ripple": 0.3}), random)
+        values = random.permutation(values)
+        found = diagnose_model(predict, None, values, UNCERTAIN, CAUSES, condition=index)
+        assert found.verdict.word in ("data-problem", "none")
+
+
+def test_drift_with_order_is_a_problem_of_the_data():
+    random = np.random.default_rng(1)
+    values, index = trials(truth(), random)
+    order = random.permutation(len(values))
+    drifted = values * (1 + 0.1 * order / len(order))
+    options = {"condition": index, "order": order}
+    found = diagnose_model(predict, None, drifted, UNCERTAIN, CAUSES, **options)
+    assert found.verdict.word == "data-problem"
+    assert "drift" in found.verdict.reasons[0]
+    sound = diagnose_model(predict, None, values, UNCERTAIN, CAUSES, **options)
+    assert sound.verdict.word == "none"
+
+
+@pytest.mark.parametrize(
+    ("values", "options", "said"),
+    [
+        (np.zeros(SIZE), {"relative_sd": 0.01}, "zero"),
+        (truth(), {}, "no repeats"),
+    ],
+)
+def test_data_that_cannot_be_judged_is_a_problem_of_the_data(values, options, said):
+    found = diagnose_model(predict, None, values, UNCERTAIN, CAUSES, **options)
+    assert found.verdict.word == "data-problem"
+    assert said in found.verdict.reasons[0]
+
+
+def test_probabilities_sum_to_one_and_lean_to_the_truth():
+    for causes in (None, {"ripple": 0.3}):
+        chance = diagnosis(3, causes).verdict.probabilities
+        assert math.isclose(sum(chance.values()), 1.0, rel_tol=1e-12)
+        names = {"none", "unknown", *(cause.name for cause in CAUSES)}
+        assert set(chance) == names | {each.name for each in UNCERTAIN}
+        assert max(chance, key=chance.get) == ("ripple" if causes else "none")
+
+
+def test_bounds_hold_the_truth_where_nothing_was_found():
+    inside, total = 0, 0
+    for seed in range(40):
+        found = diagnosis(seed, {"step": 0.05})
+        if found.verdict.word == "none":
+            total += 1
+            inside += found.bounds["step.size"] >= 0.05
+    assert total >= 20
+    assert inside >= 0.9 * total
+
+
+def test_gain_is_measured_on_conditions_that_no_fit_saw():
+    found = diagnosis(2, {"ripple": 0.3})
+    gain = found.gain
+    assert {0, SIZE - 1} <= set(gain.held_out.tolist())
+    assert 0.2 * SIZE <= len(gain.held_out) <= 0.34 * SIZE
+    assert gain.chi2_after < 2.5 < gain.chi2_before
+    assert gain.interval[0] > 0.0
+    assert gain.same_choice
+    # Another value at a held-out condition changes its error but not what is predicted there.
+    error = found.problem.observed[gain.held_out] - gain.predicted_after
+    assert np.isclose(np.mean(np.abs(error)), gain.mae_after)
+
+
+def test_same_seed_same_result():
+    first, second = diagnosis(5, {"wave": 0.2}), diagnosis(5, {"wave": 0.2})
+    assert first.detection == second.detection
+    assert first.verdict.probabilities == second.verdict.probabilities
+
+
+def test_a_model_that_jumps_is_trusted_less_where_it_jumps():
+    def jumpy(_, parameters):
+        level = predict(None, parameters)
+        level[:, 7] += 0.5 * np.sign(np.sin(900 * parameters[:, 0]))
+        return level
+
+    values, index = trials(truth(), np.random.default_rng(0))
+    found = diagnose_model(jumpy, None, values, UNCERTAIN, CAUSES, condition=index)
+    assert found.roughness[7] > 0.2
+    assert np.max(np.delete(found.roughness, 7)) < 0.01
+    assert found.verdict.word == "none"
+
+
+def test_a_model_that_fails_somewhere_is_used_elsewhere():
+    def partial(_, parameters):
+        level = predict(None, parameters)
+        return np.where(parameters[:, :1] > 2.0, np.nan, level)
+
+    values, index = trials(truth({"ripple": 0.3}), np.random.default_rng(0))
+    found = diagnose_model(partial, None, values, UNCERTAIN, CAUSES, condition=index)
+    assert found.verdict.causes == ("ripple",)
+
+
+@pytest.mark.parametrize(
+    ("values", "options", "said"),
+    [
+        ([1.0, math.nan], {}, "observed"),
+        ([1.0, 2.0], {"condition": [0, 2]}, "condition"),
+        ([1.0, 2.0], {"block": [0]}, "block"),
+        ([1.0, 2.0], {"sd": [0.0, 1.0]}, "sd"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(values, options, said):
+    with pytest.raises(ScenarioError, match=said):
+        diagnose_model(lambda c, p: p, None, values, [], [], **options)
+
+
+def test_a_limit_acts_from_the_top_down():
+    limit = CauseParameter("volts", "V", 10.0, 30.0, 5.0, downward=True)
+    assert limit.value(np.array([0.0, 1.0, 9.0])).tolist() == [0.0, 25.0, 10.0]
+    assert limit.limits == (0.0, 4.0)
+
+
+def test_a_cause_of_one_sign_cannot_be_fitted_with_the_other():
+    only_up = Cause("up", (CauseParameter("up.size", "-", 0.0, 3.0, 0.3),))
+    slope = Uncertain("slope", Prior("normal", 1.0, 0.05))
+
+    def line(x, p):
+        return p[:, :1] * x + p[:, 1:2] * np.sin(6 * x)
+
+    x = np.linspace(1.0, 3.0, 15)
+    sd = np.full(15, 0.05)
+    up = diagnose_model(line, x, x + 0.3 * np.sin(6 * x), [slope], [only_up], sd=sd)
+    down = diagnose_model(line, x, x - 0.3 * np.sin(6 * x), [slope], [only_up], sd=sd)
+    assert up.verdict.causes == ("up",)
+    assert down.verdict.word == "unexplained"

@@ -1,0 +1,193 @@
+"""``stickslip diagnose`` on data that the simulator made, from file to report."""
+
+import json
+
+import numpy as np
+import pytest
+
+from command_line import stickslip
+from stickslip import Scenario, simulate_batch
+from stickslip.cli.commands import stickslip as commands
+from stickslip.diagnosis.library import library
+from stickslip.diagnosis.simulator import Simulator
+from stickslip.extensions import effects
+
+NOMINAL = """stickslip = 1
+
+[drive]
+base = 0.5e-3
+pulses = 6
+
+[solver]
+rtol = 1e-6
+"""
+
+MEASUREMENT = """stickslip_measurement = 1
+name = "test bench"
+scenario = "nominal.toml"
+
+[uncertain]
+"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }
+"drag.linear" = { low = 3e-6, high = 3e-5 }
+
+[[velocity]]
+file = "velocity.csv"
+"""
+
+KEYS = {
+    "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain",
+    "next_experiments", "left_out", "seed", "version",
+}  # fmt: skip
+
+
+def write(folder, changes, seed=0):
+    """A measurement of a robot with `changes`: IPP, both directions, three trials."""
+    (folder / "nominal.toml").write_text(NOMINAL)
+    (folder / "m.toml").write_text(MEASUREMENT)
+    base = Scenario.from_toml(folder / "nominal.toml").replace(
+        {"contact.kinetic_friction": 0.151, "drag.linear": 1.3e-5, **changes}
+    )
+    drives = [(way, f) for way in ("+x", "-x") for f in (25.0, 40.0, 60.0, 90.0)]
+    runs = simulate_batch(
+        [base.replace({"drive.direction": way, "drive.frequency": f}) for way, f in drives]
+    )
+    random = np.random.default_rng(seed)
+    lines = ["direction,frequency,trial,velocity"]
+    for (way, f), run in zip(drives, runs, strict=True):
+        for trial in range(3):
+            velocity = run.mean_velocity * (1 + 0.02 * random.standard_normal())
+            lines.append(f"{way},{f},{trial},{velocity!r}")
+    (folder / "velocity.csv").write_text("\n".join(lines) + "\n")
+    return folder / "m.toml"
+
+
+@pytest.fixture(scope="module")
+def tilted(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tilted")
+    path = write(folder, {"effects.surface_tilt.angle": 0.04})
+    done = stickslip("diagnose", path, "--out", folder / "found", "--json")
+    assert done.returncode == 0, done.stderr
+    return folder, json.loads(done.stdout)
+
+
+def test_the_tilt_is_found(tilted):
+    _, said = tilted
+    assert set(said) == KEYS
+    assert said["verdict"] in ("named", "ambiguous")
+    assert "surface_tilt" in said["cause"]
+    assert said["p_value"] < 1e-3
+    angle = said["parameters"]["surface_tilt.angle"]
+    assert angle["unit"] == "rad"
+    assert abs(angle["value"] - 0.04) < max(4 * angle["sd"], 0.008)
+
+
+def test_the_gain_is_in_si_units(tilted):
+    gain = tilted[1]["gain"]
+    assert set(gain) == {
+        "n", "heldout_chi2_before", "heldout_chi2_after", "mae_before", "mae_after", "interval",
+    }  # fmt: skip
+    assert gain["heldout_chi2_after"] < gain["heldout_chi2_before"]
+    assert gain["mae_after"] < gain["mae_before"] < 1e-3
+
+
+def test_probabilities_are_over_all_causes(tilted):
+    chance = tilted[1]["probabilities"]
+    assert {each.name for each in effects()} <= set(chance)
+    assert {"none", "unknown", "contact.kinetic_friction"} <= set(chance)
+    assert sum(chance.values()) == pytest.approx(1.0)
+
+
+def test_the_next_experiment_is_a_drive_that_simulates(tilted):
+    folder, said = tilted
+    assert said["next_experiments"]
+    for each in said["next_experiments"]:
+        keys = {f"drive.{name}": value for name, value in each["drive"].items()}
+        Scenario.from_toml(folder / "nominal.toml").replace(keys)
+        assert len(each["predictions"]) >= 2
+
+
+def test_the_extended_model_is_an_ordinary_scenario(tilted):
+    folder, said = tilted
+    extended = folder / "found" / "extended.toml"
+    scenario = Scenario.from_toml(extended)
+    assert scenario.effects
+    for name, parameters in scenario.effects.items():
+        for parameter, value in parameters.items():
+            said_value = said["parameters"][f"{name}.{parameter}"]["value"]
+            assert value == pytest.approx(said_value, rel=1e-9)
+    assert stickslip("run", extended, "--json").returncode == 0
+
+
+def test_the_report_needs_no_other_file(tilted):
+    folder, said = tilted
+    page = (folder / "found" / "report.html").read_text()
+    assert "surface_tilt" in page
+    assert "data:image/png;base64," in page
+    assert "http" not in page
+    full = json.loads((folder / "found" / "report.json").read_text())
+    assert set(full) >= KEYS
+    assert full["verdict"] == said["verdict"]
+    assert len(full["conditions"]) == 8
+
+
+def test_predictions_do_not_depend_on_threads():
+    drive = [{"drive.frequency": f, "drive.pulses": 5} for f in (30.0, 60.0)]
+    values = np.array([[0.14], [0.15], [0.16]])
+    one, three = (
+        Simulator(Scenario(), ["contact.kinetic_friction"], threads)(drive, values)
+        for threads in (1, 3)
+    )
+    assert np.array_equal(one, three)
+
+
+def test_nothing_is_found_where_nothing_is(tmp_path):
+    done = stickslip("diagnose", write(tmp_path, {}), "--json", "--seed", 3)
+    said = json.loads(done.stdout)
+    assert said["seed"] == 3
+    assert said["verdict"] == "none"
+    assert said["cause"] is None
+    assert 0.0 < said["bounds"]["surface_tilt.angle"] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("velocity.csv", "absent.csv", "absent.csv"),
+        ("sd = 0.01", "sd = -1", "above 0"),
+        ('scenario = "nominal.toml"', "", "scenario"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_two(tmp_path, old, new, said):
+    path = write(tmp_path, {})
+    path.write_text(path.read_text().replace(old, new))
+    done = stickslip("diagnose", path, "--out", tmp_path / "found")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "found").exists()
+
+
+def test_a_measurement_without_velocities_is_refused(tmp_path):
+    path = write(tmp_path, {})
+    path.write_text(path.read_text().replace("velocity", "angle"))
+    (tmp_path / "angle.csv").write_text("Bx,Bz,theta\n0,0.01,0.1\n")
+    done = stickslip("diagnose", path)
+    assert done.returncode == 2
+    assert "needs mean velocities" in done.stderr
+
+
+def test_the_command_is_listed_with_an_example():
+    assert "diagnose" in commands.list_commands(None)
+    assert "Example:" in stickslip("diagnose", "--help").stdout
+
+
+def test_every_extension_is_a_cause_that_starts_absent():
+    causes = library(Scenario(), {}, 2.5e-3)
+    assert [each.name for each in causes] == [each.name for each in effects()]
+    parameters = [each for cause in causes for each in cause.parameters]
+    names = [each.name for each in parameters]
+    absent = np.array([[float(each.value(np.zeros(1))[0]) for each in parameters]])
+    drive = [{"drive.frequency": 50.0, "drive.pulses": 5, "drive.base": 0.5e-3}]
+    plain = Simulator(Scenario(), [])(drive, np.zeros((1, 0)))
+    assert Simulator(Scenario(), names)(drive, absent) == plain

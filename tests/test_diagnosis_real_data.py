@@ -1,0 +1,111 @@
+"""Real measurements, each with a model of its own: a roller in fluid and a tumbling robot."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def _columns(name):
+    path = DATA / name
+    if not path.is_file():
+        pytest.skip(f"{name} is not beside the checkout")
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+
+
+def roller(frequency, parameters):
+    """Speed k f until step-out, beyond which the mean rate falls; a coil's lag lowers that limit.
+
+    Columns: k (m), 1/step-out frequency (s), lag time (s). The mean rate of an over-driven rotor is
+    f - sqrt(f^2 - f_s^2) (Adler's equation).
+    """
+    k, inverse, lag = (column[:, None] for column in parameters.T)
+    with np.errstate(divide="ignore"):
+        limit = 1.0 / inverse / np.sqrt(1.0 + (2 * np.pi * frequency * lag) ** 2)
+        over = np.where(np.isinf(limit), 0.0, np.maximum(frequency**2 - limit**2, 0.0))
+    return k * (frequency - np.sqrt(over))
+
+
+def test_the_roller_steps_out():
+    data = _columns("roller_velocity.csv")
+    # Conditions are bins of 6 Hz; the runs are set-ups, each with its own speed.
+    bins = (data["frequency"] // 6).astype(int)
+    kept = data["frequency"] < 120
+    number = {old: new for new, old in enumerate(np.unique(bins[kept]))}
+    index = np.array([number[each] for each in bins[kept]])
+    count = np.bincount(index)
+    middle = np.bincount(index, data["frequency"][kept]) / count
+    found = diagnose_model(
+        roller,
+        middle,
+        data["velocity"][kept],
+        [Uncertain("k", Prior("log-uniform", 5e-7, 1e-5), "m")],
+        [
+            Cause("step_out", (CauseParameter("step_out.period", "s", 0.0, 0.1, 0.02),)),
+            Cause("coil_lag", (CauseParameter("coil_lag.time", "s", 0.0, 0.05, 5e-3),)),
+        ],
+        condition=index,
+        block=data["run"][kept].astype(int),
+    )
+    assert found.detection.p_value < 1e-3
+    step_out = next(fit for fit in found.ranking.singles if fit.name == "step_out")
+    assert found.ranking.singles[0] is step_out
+    frequency = 1.0 / (0.02 * step_out.x[1])
+    assert 35.0 < frequency < 80.0
+    null = np.sqrt(np.mean((found.problem.observed - _level(found, found.null)) ** 2))
+    after = np.sqrt(np.mean((found.problem.observed - _level(found, step_out)) ** 2))
+    assert after < 0.5 * null
+
+
+def _level(found, fit):
+    return found.problem.predicted(fit.x[None, :])[0]
+
+
+# The tumbler: two end caps and a bridge, nose-up about its rear edge.
+LENGTH, WIDTH, HEIGHT = 800e-6, 400e-6, 100e-6  # m
+MASS = WIDTH * HEIGHT * (0.5e-3 * 2750 + 0.3e-3 * 1200)  # kg
+CAPS = 0.5e-3 * WIDTH * HEIGHT  # m^3, the magnetic part
+
+
+def _tilt(bz, magnetization, angle):
+    """Static nose-up tilt, rad: magnetic torque against weight about the rear edge."""
+
+    def torque(tilt):
+        magnetic = magnetization * CAPS * bz * np.cos(tilt + angle)
+        return magnetic - MASS * 9.81 * 0.5 * (LENGTH * np.cos(tilt) - HEIGHT * np.sin(tilt))
+
+    if torque(0.0) <= 0.0:
+        return 0.0
+    return brentq(torque, 0.0, np.pi / 2 + 0.5) if torque(np.pi / 2 + 0.5) < 0.0 else np.pi / 2
+
+
+def tumbler(fields, parameters):
+    """Angles (nose-up negative) for columns magnetization (A/m) and misalignment (rad)."""
+    return np.array([[-_tilt(bz, *row) for bz in fields] for row in parameters])
+
+
+def test_the_tumbler_is_misaligned():
+    data = _columns("tumbler_angle.csv")
+    # No repeats: reading an angle to 0.03 rad is assumed.
+    found = diagnose_model(
+        tumbler,
+        data["Bz"],
+        data["theta"],
+        [Uncertain("magnetization", Prior("log-normal", 1.5e4, 1.5), "A/m")],
+        [Cause("misalignment", (CauseParameter("misalignment.angle", "rad", -1.5, 1.5, 0.2),))],
+        sd=np.full(len(data["Bz"]), 0.03),
+    )
+    assert found.ranking.singles[0].name == "misalignment"
+    error = found.problem.observed - _level(found, found.ranking.singles[0])
+    before = found.problem.observed - _level(found, found.null)
+    degrees = np.degrees(np.sqrt(np.mean(error**2)))
+    assert degrees < 3.0 < np.degrees(np.sqrt(np.mean(before**2)))
+    assert found.gain is None or found.gain.mae_after < found.gain.mae_before

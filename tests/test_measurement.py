@@ -1,0 +1,152 @@
+"""Measurement files: what is read, what is left out and why, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.errors import ScenarioError
+from stickslip.measurement import Prior, read_measurement
+
+TOML = """stickslip_measurement = 1
+name = "wafer"
+scenario = "nominal.toml"
+
+[uncertain]
+"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }
+"drag.linear" = { low = 1e-6, high = 1e-4 }
+"drag.rotational" = { median = 9e-17, factor = 2 }
+
+[[velocity]]
+file = "velocity.csv"
+"""
+
+ROWS = "velocity,trial,mode,frequency,block,order\n" + "".join(
+    f"{1e-3 * (f / 50) * (1 + 0.01 * (k - 1))!r},{k},IPP,{f},day{k},{3 * n + k}\n"
+    for n, f in enumerate((30, 50, 70, 90))
+    for k in range(3)
+)
+
+
+def _write(folder, rows=ROWS, toml=TOML, **files):
+    (folder / "nominal.toml").write_text("stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 8\n")
+    (folder / "velocity.csv").write_text(rows)
+    (folder / "m.toml").write_text(toml)
+    for name, text in files.items():
+        (folder / f"{name}.csv").write_text(text)
+    return folder / "m.toml"
+
+
+def test_trials_are_grouped_into_conditions(tmp_path):
+    found = read_measurement(_write(tmp_path))
+    (data,) = found.velocity
+    assert found.left_out == ()
+    assert [each["drive.frequency"] for each in data.conditions] == [30, 50, 70, 90]
+    assert {each["drive.base"] for each in data.conditions} == {0.5e-3}
+    assert data.condition.tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
+    assert data.block.tolist() == [0, 1, 2] * 4
+    assert data.order.tolist() == list(range(12))
+    assert found.uncertain["drag.linear"] == Prior("log-uniform", 1e-6, 1e-4)
+
+
+def test_what_is_not_sound_is_left_out_and_said(tmp_path):
+    lines = ROWS.splitlines()
+    lines[2] = lines[2].replace("0.0006", "nan")
+    lines.insert(4, lines[3])
+    lines.append("0.5,3,IPP,30,day3,40")
+    lines.append("0.001,3,IPP,fast,day3,41")
+    lines.append("0.001,3,IPP")
+    found = read_measurement(_write(tmp_path, "\n".join(lines)))
+    said = "\n".join(found.left_out)
+    for word in ("is no number", "repeats", "cells, not", "fast", "others of its condition"):
+        assert word in said, said
+    assert len(found.left_out) == 5
+    assert len(found.velocity[0].velocity) == 11
+
+
+def test_a_single_wrong_unit_is_named_as_such(tmp_path):
+    rows = ROWS + "0.6,3,IPP,30,day3,40\n"
+    found = read_measurement(_write(tmp_path, rows))
+    assert "factor of 1000" in found.left_out[0]
+
+
+def test_a_table_in_the_wrong_unit_is_refused_with_the_reason(tmp_path):
+    rows = "velocity,frequency\n" + "".join(f"{900 + f},{f}\n" for f in (10, 20, 30))
+    with pytest.raises(ScenarioError, match="mm/s or um/s"):
+        read_measurement(_write(tmp_path, rows))
+
+
+def test_columns_may_stand_in_another_order(tmp_path):
+    table = [line.split(",") for line in ROWS.splitlines()]
+    turned = "\n".join(",".join(reversed(row)) for row in table)
+    first = read_measurement(_write(tmp_path)).velocity[0]
+    second = read_measurement(_write(tmp_path, turned)).velocity[0]
+    assert np.array_equal(first.velocity, second.velocity)
+    assert first.conditions == second.conditions
+
+
+def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
+    toml = TOML.split("[[velocity]]")[0] + '[[tracking]]\nfile = "frames.csv"\n'
+    frames = "t,theta,x\n0.2,2,2\n0.0,0,0\n0.1,1,1\n0.1,9,9\n0.3,,3\n"
+    found = read_measurement(_write(tmp_path, toml=toml, frames=frames))
+    assert found.tracking[0]["t"].tolist() == [0.0, 0.1, 0.2]
+    assert found.tracking[0]["theta"].tolist() == [0.0, 1.0, 2.0]
+    assert len(found.left_out) == 3
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("stickslip_measurement = 1", "stickslip_measurement = 2"), "allowed is 1"),
+        (('name = "wafer"', 'nme = "wafer"'), 'did you mean "name"'),
+        (("sd = 0.01", "sd = 0.0"), "above 0"),
+        (("sd = 0.01", "spread = 0.01"), "allowed is { mean, sd }"),
+        (("low = 1e-6", "low = 1e-3"), "low < high"),
+        (('"contact.kinetic_friction"', '"contact.friction"'), "no such key"),
+        (('file = "velocity.csv"', 'file = "absent.csv"'), "cannot be read"),
+        (('file = "velocity.csv"', 'file = "velocity.csv"\nvelocity_sd = 2'), "velocity_sd"),
+        (('scenario = "nominal.toml"', "scenario = 3"), "scenario = 3"),
+        (("[[velocity]]", "[[speed]]"), "speed"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
+    path = _write(tmp_path, toml=TOML.replace(*change))
+    with pytest.raises(ScenarioError) as error:
+        read_measurement(path)
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("frequency\n30\n", '"velocity" is missing'),
+        ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
+        ("velocity\n", "no row of data"),
+        ("velocity,velocity\n1,1\n", "twice"),
+        ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
+    ],
+)
+def test_a_table_without_a_sound_row_is_refused(tmp_path, rows, said):
+    with pytest.raises(ScenarioError, match=said):
+        read_measurement(_write(tmp_path, rows))
+
+
+@pytest.mark.parametrize(
+    "prior",
+    [
+        Prior("normal", 0.2, 0.01),
+        Prior("log-normal", 9e-17, 2.0),
+        Prior("log-uniform", 1e-6, 1e-4),
+    ],
+)
+def test_a_prior_and_its_coordinate_are_inverse(prior):
+    for z in (-2.0, 0.0, 1.5):
+        assert math.isclose(prior.coordinate(float(prior.value(z))), z, abs_tol=1e-9)
+
+
+def test_a_range_bounds_its_parameter():
+    prior = Prior("log-uniform", 1e-6, 1e-4)
+    assert 1e-6 <= prior.value(-50.0) < 1.01e-6
+    assert 0.99e-4 < prior.value(50.0) <= 1e-4
+    assert math.isclose(float(prior.value(0.0)), 1e-5)
