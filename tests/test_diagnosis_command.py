@@ -168,15 +168,6 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path, old, new, said):
     assert not (tmp_path / "found").exists()
 
 
-def test_a_measurement_without_velocities_is_refused(tmp_path):
-    path = write(tmp_path, {})
-    path.write_text(path.read_text().replace("velocity", "angle"))
-    (tmp_path / "angle.csv").write_text("Bx,Bz,theta\n0,0.01,0.1\n")
-    done = stickslip("diagnose", path)
-    assert done.returncode == 2
-    assert "needs mean velocities" in done.stderr
-
-
 def test_the_command_is_listed_with_an_example():
     assert "diagnose" in commands.list_commands(None)
     assert "Example:" in stickslip("diagnose", "--help").stdout

@@ -27,7 +27,7 @@ def command(
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
     Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
-    ambiguous, pair, unexplained, data-problem. Uses the mean velocities of the measurement.
+    ambiguous, pair, unexplained, data-problem.
     """
     from stickslip.diagnosis.experiments import propose
     from stickslip.diagnosis.report import headline, summary, write_report
@@ -38,10 +38,11 @@ def command(
     if out is not None and out.exists() and not out.is_dir():
         raise ScenarioError(f"--out: {out} is there and is no folder")
     with progress_bar("diagnosing") as show:
-        found, simulator, conditions = diagnose(data, seed=seed, threads=jobs, progress=show)
-    experiments = propose(found, simulator, conditions)
+        examination = diagnose(data, seed=seed, threads=jobs, progress=show)
+    found = examination.found
+    experiments = propose(examination)
     if out is not None:
-        write_report(out, found, data, conditions, experiments)
+        write_report(out, examination, data, experiments)
     if as_json:
         click.echo(json_text(summary(found, data, experiments)))
         return

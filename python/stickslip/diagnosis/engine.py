@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import block_diag
 
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.detection import Detection, detect
@@ -42,6 +43,23 @@ _ROUGH_STEP = 0.02
 _ROUGH_DRAWS = 24
 
 Report = Callable[[float], object]
+
+
+@dataclass(frozen=True)
+class Known:
+    """Observables beside the trials, of another kind, whose errors are known.
+
+    Attributes
+    ----------
+    observed : ndarray, shape (k,)
+    covariance : ndarray, shape (k, k)
+    group : ndarray of int, shape (k,)
+        Observables that belong together, numbered from 0.
+    """
+
+    observed: Array
+    covariance: Array
+    group: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -99,6 +117,8 @@ def diagnose_model(
     order: ArrayLike | None = None,
     relative_sd: float = math.nan,
     sd: ArrayLike | None = None,
+    group: ArrayLike | None = None,
+    also: Known | None = None,
     seed: int = 0,
     progress: Report | None = None,
 ) -> Diagnosis:
@@ -123,9 +143,13 @@ def diagnose_model(
         Index of each trial's set-up (-1: not known), and its place in time.
     relative_sd : float
         Relative error of one trial, used where repeats are too few.
-    sd : array_like, shape (m,), optional
-        Standard deviation of the mean of each condition, if it is known otherwise; no noise is
-        estimated then.
+    sd : array_like, shape (m,) or (m, m), optional
+        Standard deviation of the mean of each condition, or their covariance, if it is known
+        otherwise; no noise is estimated then.
+    group : array_like of int, shape (m,), optional
+        Conditions that are held out together, numbered from 0; each by itself if not given.
+    also : Known, optional
+        Further observables, whose errors are known; `predict` returns them after the conditions.
     seed : int
         Of all random draws.
     progress : callable, optional
@@ -160,19 +184,24 @@ def diagnose_model(
     suspects = tuple(
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
         for each in uncertain
-        if each.prior.kind != "log-uniform"
+        if each.suspect and each.prior.kind != "log-uniform"
     )
-    covariance = noise.covariance
+    covariance, level, dof = noise.covariance, noise.mean, noise.dof if noise.dof > 0 else math.inf
+    if also is not None:
+        covariance = np.asarray(block_diag(covariance, also.covariance), dtype=float)
+        level = np.concatenate([level, also.observed])
+        # Only the trials' share of the misfit is judged by an estimated noise.
+        dof *= (len(level) / len(noise.mean)) ** 2
     problem = Problem(
         predict,
         conditions,
-        noise.mean,
+        level,
         whitener(covariance),
-        noise.dof if noise.dof > 0 else math.inf,
+        dof,
         tuple(uncertain),
         (*causes, *suspects),
     )
-    held_out = split(len(noise.mean), seed)
+    held_out = split(len(noise.mean), seed, group)
     scanned, null = recalibrate(problem, seed)
     say(0.15)
     roughness = model_roughness(problem, null, seed)
@@ -223,7 +252,7 @@ def diagnose_model(
         verdict = Verdict("data-problem", (), None, (trouble,), verdict.probabilities)
     gain = None if verdict.fit is None else gain_of(verdict.fit)
     bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
-    rough = int(np.sum(roughness > np.sqrt(np.diag(noise.covariance))))
+    rough = int(np.sum(roughness[: len(noise.mean)] > np.sqrt(np.diag(noise.covariance))))
     if rough:
         notes.append(
             f"at {rough} conditions the model itself jumps by more than the noise under tiny "
@@ -302,10 +331,15 @@ def _noise(
     if sd is None:
         return fit_noise(values, index, blocks, relative_sd)
     count = np.bincount(index)
-    known = np.broadcast_to(np.asarray(sd, dtype=float), count.shape).copy()
+    stated = np.asarray(sd, dtype=float)
+    if stated.ndim == 2:
+        if stated.shape != (len(count), len(count)) or not np.all(np.isfinite(stated)):
+            raise ScenarioError("sd: allowed is a covariance of one row a condition")
+        covariance = stated
+    else:
+        covariance = np.diag(np.broadcast_to(stated, count.shape) ** 2)
+    known = np.sqrt(np.diag(covariance))
     if not (np.all(np.isfinite(known)) and np.all(known > 0.0)):
         raise ScenarioError("sd: allowed are finite numbers above 0")
     mean = np.bincount(index, values) / count
-    return NoiseModel(
-        mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, math.inf, np.diag(known**2), ()
-    )
+    return NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, math.inf, covariance, ())

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fitting import Fit
-from stickslip.diagnosis.simulator import Simulator
+from stickslip.diagnosis.simulator import Examination
 from stickslip.keys import Value
 
 Array = NDArray[np.float64]
@@ -48,18 +48,17 @@ class Experiment:
     predictions: Mapping[str, Mapping[str, float]]
 
 
-def propose(
-    found: Diagnosis, simulator: Simulator, conditions: Sequence[Mapping[str, Value]]
-) -> list[Experiment]:
+def propose(examination: Examination) -> list[Experiment]:
     """The three conditions that separate the leading rivals best, each of another kind.
 
     Each rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
     found, there is nothing to separate.
     """
+    found = examination.found
     rivals = _rivals(found)
-    if len(rivals) < 2:
+    if len(rivals) < 2 or not examination.conditions:
         return []
-    candidates = _candidates(conditions)
+    candidates = _candidates(examination.conditions)
     if not candidates:
         return []
     centre, spread = [], []
@@ -73,13 +72,14 @@ def propose(
                 point[k] += sign * step
                 points.append(point)
         physical = found.problem.physical(np.stack(points))
-        predicted = np.nan_to_num(simulator(candidates, physical))
+        shared = examination.combined.shared(physical)
+        predicted = np.nan_to_num(examination.simulator(candidates, shared))
         slope = (predicted[1::2] - predicted[2::2]) / (2.0 * width[:, None])
         centre.append(predicted[0])
         spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
     level, variance = np.array(centre), np.array(spread)
     noise = (found.noise.floor**2 + (found.noise.relative * np.mean(level, axis=0)) ** 2) / _TRIALS
-    noise += float(np.median(found.roughness)) ** 2
+    noise += float(np.median(found.roughness[: len(examination.conditions)])) ** 2
     separation = np.zeros(len(candidates))
     pair = np.zeros((len(candidates), 2), dtype=int)
     for a, b in itertools.combinations(range(len(rivals)), 2):

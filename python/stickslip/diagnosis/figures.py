@@ -32,14 +32,18 @@ def _axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
 
 
-def velocities(found: Diagnosis) -> str:
-    """Data, recalibrated and extended model at every condition, with residuals below."""
+def velocities(found: Diagnosis, m: int) -> str:
+    """Data, recalibrated and extended model at each of m conditions, with residuals below.
+
+    Empty where no velocity was measured.
+    """
+    if m == 0:
+        return ""
     problem = found.problem
-    m = len(problem.observed)
     points = [found.null.x] if found.verdict.fit is None else [found.null.x, found.verdict.fit.x]
-    predicted = problem.predicted(np.stack(points)) * 1e3
-    observed = problem.observed * 1e3
-    sd = np.sqrt(np.diag(found.noise.covariance)) * 1e3
+    predicted = problem.predicted(np.stack(points))[:, :m] * 1e3
+    observed = problem.observed[:m] * 1e3
+    sd = np.sqrt(np.diag(found.noise.covariance))[:m] * 1e3
     held = np.zeros(m, dtype=bool)
     if found.gain is not None:
         held[found.gain.held_out] = True

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.diagnosis.fitting import Fit, fit_rivals
 from stickslip.diagnosis.model import Problem
@@ -51,17 +51,29 @@ class Gain:
     predicted_after: Array
 
 
-def split(count: int, seed: int) -> NDArray[np.int64]:
-    """Conditions to hold out: both ends of the table and a spread of interior points."""
-    if count < 8:
-        return np.zeros(0, dtype=np.int64)
-    wanted = max(3, round(SHARE * count))
+def split(count: int, seed: int, group: ArrayLike | None = None) -> NDArray[np.int64]:
+    """Conditions to hold out: both ends of the table and a spread of interior points.
+
+    Parameters
+    ----------
+    count : int
+        Number of conditions.
+    seed : int
+    group : array_like of int, shape (count,), optional
+        Conditions that are held out together; of two to seven groups the last is held out.
+    """
+    groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
+    number = int(groups.max()) + 1 if count else 0
+    if number < 8:
+        few = group is not None and number > 1
+        return np.flatnonzero(groups == number - 1) if few else np.zeros(0, dtype=np.int64)
+    wanted = max(3, round(SHARE * number))
     random = np.random.default_rng([seed, 23])
-    edges = np.linspace(1, count - 1, wanted - 1).astype(int)
+    edges = np.linspace(1, number - 1, wanted - 1).astype(int)
     inner = [
         int(random.integers(low, max(high, low + 1))) for low, high in itertools.pairwise(edges)
     ]
-    return np.unique(np.array([0, count - 1, *inner], dtype=np.int64))
+    return np.flatnonzero(np.isin(groups, [0, number - 1, *inner]))
 
 
 def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> Problem:

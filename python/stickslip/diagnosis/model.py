@@ -31,11 +31,14 @@ class Uncertain:
     name : str
     prior : Prior
     unit : str
+    suspect : bool
+        Whether it may be named itself, as other than stated.
     """
 
     name: str
     prior: Prior
     unit: str = "-"
+    suspect: bool = True
 
 
 @dataclass(frozen=True)

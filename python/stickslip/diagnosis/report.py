@@ -11,8 +11,10 @@ import numpy as np
 
 from stickslip import _core
 from stickslip.cli.json_text import json_text
+from stickslip.diagnosis.channels import Sketch
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.experiments import Experiment
+from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.verdict import describe, flat_directions, pulls
 from stickslip.errors import ScenarioError
 from stickslip.files import replacing
@@ -172,7 +174,10 @@ def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
     fit = found.verdict.fit or found.null
     values = found.problem.physical(fit.x[None, :])[0]
     problem = found.problem
-    changes = {each.name: float(values[k]) for k, each in enumerate(problem.uncertain)}
+    keys = known_keys()
+    changes = {
+        each.name: float(values[k]) for k, each in enumerate(problem.uncertain) if each.name in keys
+    }
     for k in fit.rival.free[problem.base_count :]:
         changes[problem.parameters[k - problem.base_count].name] = float(values[k])
     try:
@@ -183,9 +188,8 @@ def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
 
 def write_report(
     out: Path,
-    found: Diagnosis,
+    examination: Examination,
     measurement: Measurement,
-    conditions: Sequence[Mapping[str, Value]],
     experiments: Sequence[Experiment],
 ) -> None:
     """Write report.html, report.json and extended.toml into the folder `out`, which is made.
@@ -196,16 +200,19 @@ def write_report(
         If a file cannot be written.
     """
     out.mkdir(parents=True, exist_ok=True)
+    found, conditions = examination.found, examination.conditions
+    sketches = examination.sketches()
     short = summary(found, measurement, experiments)
     full = {**short, **details(found, measurement, conditions)}
+    full["channels"] = {each.title: each.numbers for each in sketches}
     write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
     with replacing(out / "report.json") as temporary:
         temporary.write_text(json_text(full) + "\n", encoding="utf-8")
     with replacing(out / "report.html") as temporary:
-        temporary.write_text(page_text(found, full), encoding="utf-8")
+        temporary.write_text(page_text(found, full, sketches), encoding="utf-8")
 
 
-def page_text(found: Diagnosis, full: Mapping[str, Any]) -> str:
+def page_text(found: Diagnosis, full: Mapping[str, Any], sketches: Sequence[Sketch]) -> str:
     """The report as one page that needs no other file."""
     import jinja2
 
@@ -220,7 +227,8 @@ def page_text(found: Diagnosis, full: Mapping[str, Any]) -> str:
         report=full,
         meanings={each.name: each.meaning for each in found.problem.causes},
         units={name: keys[name].unit for name in keys},
-        curves=figures.velocities(found),
+        curves=figures.velocities(found, len(full["conditions"])),
+        sketches=sketches,
         ranking=figures.ranking(found),
         isolability=figures.isolability(found),
     )

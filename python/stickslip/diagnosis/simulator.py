@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from stickslip import _core
-from stickslip.diagnosis.engine import Diagnosis, diagnose_model
+from stickslip.diagnosis.channels import Channel, Combined, Sketch, find_channels
+from stickslip.diagnosis.engine import Diagnosis, Known, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
 from stickslip.diagnosis.model import Uncertain
 from stickslip.errors import ScenarioError
@@ -66,14 +70,49 @@ class Simulator:
         return float(value)
 
 
+@dataclass(frozen=True)
+class Examination:
+    """A diagnosis and what it was made with.
+
+    Attributes
+    ----------
+    found : Diagnosis
+    simulator : Simulator
+        Of mean velocities.
+    conditions : list of dict
+        Drive settings by dotted key, of the first rows of `Diagnosis.problem.observed`.
+    combined : Combined
+        The forward model of all rows; its channels' rows follow those of the conditions.
+    """
+
+    found: Diagnosis
+    simulator: Simulator
+    conditions: list[dict[str, Value]]
+    combined: Combined
+
+    def sketches(self) -> list[Sketch]:
+        """Parts of the report that the channels draw."""
+        problem, fit = self.found.problem, self.found.verdict.fit
+        null = problem.physical(self.found.null.x[None, :])[0]
+        extended = None if fit is None else problem.physical(fit.x[None, :])[0]
+        drawn = []
+        for number, channel in enumerate(self.combined.channels):
+            names, before = self.combined.sketch_arguments(number, null)
+            after = None
+            if extended is not None:
+                after = self.combined.sketch_arguments(number, extended)[1]
+            drawn += channel.sketches(names, before, after)
+        return drawn
+
+
 def diagnose(
     measurement: Measurement,
     *,
     seed: int = 0,
     threads: int | None = None,
     progress: Callable[[float], object] | None = None,
-) -> tuple[Diagnosis, Simulator, list[dict[str, Value]]]:
-    """Diagnose measured mean velocities with the simulator and its library of causes.
+) -> Examination:
+    """Diagnose a measurement with the simulator and its library of causes.
 
     Parameters
     ----------
@@ -86,48 +125,63 @@ def diagnose(
 
     Returns
     -------
-    diagnosis : Diagnosis
-    simulator : Simulator
-        The forward model that was used.
-    conditions : list of dict
-        Drive settings by dotted key, in the order of `Diagnosis.problem.observed`.
+    Examination
 
     Raises
     ------
     ScenarioError
         If nothing was measured that the diagnosis can use.
     """
-    if not measurement.velocity:
-        raise ScenarioError(
-            f"{measurement.path}: there is no [[velocity]]; a diagnosis needs mean velocities"
-        )
+    threads = worker_count(threads, "threads")
     conditions, velocity, index, block, order = _merged(measurement)
-    top = max(
-        max(abs(float(each["drive.peak"])), abs(float(each["drive.hold"]))) for each in conditions
-    )
+    channels = find_channels(measurement, threads)
+    fields = [abs(float(each[key])) for each in conditions for key in ("drive.peak", "drive.hold")]
+    if not fields:
+        drive = measurement.scenario
+        fields = [abs(float(drive.get(key))) for key in ("drive.peak", "drive.hold")]
     uncertain = [
         Uncertain(name, prior, parameter_unit(name))
         for name, prior in measurement.uncertain.items()
     ]
-    causes = library(measurement.scenario, dict(measurement.uncertain), top)
-    names = [each.name for each in uncertain]
-    names += [parameter.name for cause in causes for parameter in cause.parameters]
-    simulator = Simulator(measurement.scenario, names, threads)
+    nuisance = [each for channel in channels for each in channel.nuisance]
+    causes = library(measurement.scenario, dict(measurement.uncertain), max(fields))
+    shared = [each.name for each in uncertain]
+    amplitudes = [parameter.name for cause in causes for parameter in cause.parameters]
+    keys = [*shared, *amplitudes]
+    names = [*shared, *(each.name for each in nuisance), *amplitudes]
+    simulator = Simulator(measurement.scenario, keys, threads)
+    combined = Combined(simulator, names, keys, channels)
     stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
+    known = _known(channels)
+    options: dict[str, Any] = {"seed": seed, "progress": progress}
+    if conditions:
+        options |= {"condition": index, "block": block, "order": order, "also": known}
+        options |= {"relative_sd": stated[0] if stated else math.nan}
+    elif known is not None:
+        velocity = known.observed
+        options |= {"sd": known.covariance, "group": known.group}
+    else:
+        raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
     found = diagnose_model(
-        simulator,
-        conditions,
-        velocity,
-        uncertain,
-        causes,
-        condition=index,
-        block=block,
-        order=order,
-        relative_sd=stated[0] if stated else math.nan,
-        seed=seed,
-        progress=progress,
+        combined, conditions, velocity, [*uncertain, *nuisance], causes, **options
     )
-    return found, simulator, conditions
+    said = tuple(line for channel in channels for line in channel.notes)
+    return Examination(replace(found, notes=(*found.notes, *said)), simulator, conditions, combined)
+
+
+def _known(channels: Sequence[Channel]) -> Known | None:
+    """Rows of all channels one after another."""
+    if not channels:
+        return None
+    groups, above = [], 0
+    for channel in channels:
+        groups.append(channel.group + above)
+        above += int(channel.group.max()) + 1
+    return Known(
+        np.concatenate([channel.observed for channel in channels]),
+        np.asarray(block_diag(*(channel.covariance for channel in channels)), dtype=float),
+        np.concatenate(groups),
+    )
 
 
 def _merged(
