@@ -87,11 +87,16 @@ def test_columns_may_stand_in_another_order(tmp_path):
 
 def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
     toml = TOML.split("[[velocity]]")[0] + '[[tracking]]\nfile = "frames.csv"\n'
-    frames = "t,theta,x\n0.2,2,2\n0.0,0,0\n0.1,1,1\n0.1,9,9\n0.3,,3\n"
+    # The scenario's pulses go from 50 to 130 ms.
+    rows = [f"{k}e-3,{k}e-3,{k}e-6" for k in range(120)]
+    rows[3], rows[4] = rows[4], rows[3]
+    frames = "\n".join(["t,theta,x", *rows, "50e-3,9,9", "0.125,,3", "0.2,0,0"])
     found = read_measurement(_write(tmp_path, toml=toml, frames=frames))
-    assert found.tracking[0]["t"].tolist() == [0.0, 0.1, 0.2]
-    assert found.tracking[0]["theta"].tolist() == [0.0, 1.0, 2.0]
-    assert len(found.left_out) == 3
+    (run,) = found.tracking
+    assert np.allclose(run.columns["t"], np.arange(120) * 1e-3)
+    assert np.array_equal(run.columns["theta"], run.columns["t"])
+    assert run.frame_rate == pytest.approx(1000.0)
+    assert len(found.left_out) == 4
 
 
 @pytest.mark.parametrize(

@@ -14,5 +14,7 @@ PYBIND11_MODULE(_core, module) {
     using namespace stickslip::bindings;
     register_field(module);
     register_scenario(module);
+    register_user_effect(module);
     register_simulation(module);
+    register_statics(module);
 }

@@ -16,20 +16,29 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+py::dict describe(const Parameter& p, double default_value) {
+    py::dict row;
+    row["key"] = p.key;
+    row["unit"] = p.unit;
+    row["low"] = p.low;
+    row["high"] = p.high;
+    row["allowed"] = allowed_range(p);
+    row["integer"] = p.integer;
+    row["default"] = default_value;
+    row["meaning"] = p.meaning;
+    return row;
+}
+
 py::list describe_parameters() {
     const Scenario defaults;
     py::list rows;
-    for (const Parameter& p : parameters()) {
-        py::dict row;
-        row["key"] = p.key;
-        row["unit"] = p.unit;
-        row["low"] = p.low;
-        row["high"] = p.high;
-        row["allowed"] = allowed_range(p);
-        row["integer"] = p.integer;
-        row["default"] = p.get(defaults);
-        row["meaning"] = p.meaning;
-        rows.append(row);
+    for (const Parameter& p : parameters()) rows.append(describe(p, p.get(defaults)));
+    for (const UserEffectHandle& effect : user_effects()) {
+        for (std::size_t i = 0; i < effect->parameters.size(); ++i) {
+            const std::string key = effect->key(i);
+            const UserParameter& p = effect->parameters[i];
+            rows.append(describe(row_of(key, p), p.absent));
+        }
     }
     return rows;
 }
@@ -48,15 +57,18 @@ py::list describe_choices() {
     return rows;
 }
 
+/// Those of the model, then those of the user.
 py::list describe_effects() {
     py::list rows;
-    for (const EffectDescription& e : effects()) {
+    const auto add = [&](const auto& name, const auto& meaning, const auto& source) {
         py::dict row;
-        row["name"] = e.name;
-        row["meaning"] = e.meaning;
-        row["source"] = e.source;
+        row["name"] = name;
+        row["meaning"] = meaning;
+        row["source"] = source;
         rows.append(row);
-    }
+    };
+    for (const EffectDescription& e : effects()) add(e.name, e.meaning, e.source);
+    for (const UserEffectHandle& e : user_effects()) add(e->name, e->meaning, e->source);
     return rows;
 }
 

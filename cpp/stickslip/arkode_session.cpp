@@ -8,22 +8,40 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <stdexcept>
 #include <string>
 
 namespace stickslip {
 namespace {
 
+struct Callback {
+    ArkodeProblem problem;
+    std::exception_ptr failure;
+
+    // An exception must not pass through the C code of SUNDIALS: it is kept, and thrown again on
+    // the near side.
+    int call(double t, const double* y, double* dydt, double* values) {
+        try {
+            problem.rates(t, y, dydt, values);
+            return 0;
+        } catch (...) {
+            failure = std::current_exception();
+            return -1;
+        }
+    }
+    void rethrow() const {
+        if (failure) std::rethrow_exception(failure);
+    }
+};
+
 int rates_callback(sunrealtype t, N_Vector y, N_Vector dydt, void* data) {
-    const auto* problem = static_cast<const ArkodeProblem*>(data);
-    problem->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dydt), nullptr);
-    return 0;
+    return static_cast<Callback*>(data)->call(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dydt),
+                                              nullptr);
 }
 
 int events_callback(sunrealtype t, N_Vector y, sunrealtype* values, void* data) {
-    const auto* problem = static_cast<const ArkodeProblem*>(data);
-    problem->rates(t, N_VGetArrayPointer(y), nullptr, values);
-    return 0;
+    return static_cast<Callback*>(data)->call(t, N_VGetArrayPointer(y), nullptr, values);
 }
 
 void require(int flag, const char* what) {
@@ -38,7 +56,7 @@ struct ArkodeSession::Handles {
     N_Vector tolerance = nullptr;
     N_Vector interpolated = nullptr;
     void* memory = nullptr;
-    ArkodeProblem problem;
+    Callback callback;
 
     ~Handles() {
         if (memory) ERKStepFree(&memory);
@@ -57,7 +75,7 @@ ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const doubl
       dimension_(problem.dimension),
       events_(problem.events) {
     Handles& h = *handles_;
-    h.problem = problem;
+    h.callback.problem = problem;
 #if SUNDIALS_VERSION_MAJOR >= 7
     require(SUNContext_Create(SUN_COMM_NULL, &h.context), "SUNContext_Create");
     SUNContext_ClearErrHandlers(h.context);
@@ -72,7 +90,7 @@ ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const doubl
     h.memory = ERKStepCreate(rates_callback, t, h.y, h.context);
     if (!h.memory) throw std::runtime_error("SUNDIALS ERKStep: ERKStepCreate failed");
     require(ERKStepSVtolerances(h.memory, 0.0, h.tolerance), "tolerances");
-    require(ERKStepSetUserData(h.memory, &h.problem), "user data");
+    require(ERKStepSetUserData(h.memory, &h.callback), "user data");
     require(ERKStepSetTableNum(h.memory, ARKODE_DORMAND_PRINCE_7_4_5), "table");
     require(ERKStepSetInterpolantDegree(h.memory, 5), "interpolant");
     require(ERKStepSetStopTime(h.memory, t_stop), "stop time");
@@ -96,6 +114,7 @@ ArkodeSession::Outcome ArkodeSession::step(double t, double* y) {
     Handles& h = *handles_;
     sunrealtype reached = t;
     const int flag = ERKStepEvolve(h.memory, t_stop_, h.y, &reached, ARK_ONE_STEP);
+    h.callback.rethrow();
     Outcome outcome;
     outcome.time = reached;
     outcome.failed = flag < 0;
@@ -112,7 +131,9 @@ ArkodeSession::Outcome ArkodeSession::step(double t, double* y) {
 
 void ArkodeSession::interpolate(double t, double* y) const {
     Handles& h = *handles_;
-    require(ERKStepGetDky(h.memory, t, 0, h.interpolated), "interpolation");
+    const int flag = ERKStepGetDky(h.memory, t, 0, h.interpolated);
+    h.callback.rethrow();
+    require(flag, "interpolation");
     std::copy_n(N_VGetArrayPointer(h.interpolated), dimension_, y);
 }
 

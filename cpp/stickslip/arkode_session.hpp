@@ -11,6 +11,7 @@ namespace stickslip {
 struct ArkodeProblem {
     int dimension = 0;
     int events = 0;
+    /// What it throws is thrown by ArkodeSession::step and interpolate.
     std::function<void(double t, const double* y, double* dydt, double* values)> rates;
 };
 

@@ -17,6 +17,30 @@ void Dynamics::extend(const Expansion& expansion, const PlanarField& field, doub
     load.contact_adhesion = m.adhesion.of_contact(sine, age_ + expansion.tau);
 }
 
+void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, double z,
+                                const Pose& pose, double vx, double vz, double omega,
+                                Load& load) const {
+    const double sign = model_->frame_sign;
+    // The pose has lost its whole turns, which a body in flight may have made within its quadrant.
+    constexpr double kTurn = 4.0 * kQuarterTurn;
+    double angle = std::atan2(pose.sine, pose.cosine);
+    const double off = base_angle_ - angle;
+    if (std::abs(off) > 0.5 * kTurn) angle += kTurn * std::round(off / kTurn);
+    const std::array<double, WrenchState::kSize> state = {
+        start_ + tau, sign * x,        z,       angle + quadrant_ * kQuarterTurn, sign * vx, vz,
+        omega,        sign * field.bx, field.bz};
+    for (const UserSetting& each : model_->user_effects) {
+        std::array<double, 3> wrench = {};
+        each.effect->function(state.data(), each.values.data(), wrench.data());
+        if (!std::isfinite(wrench[0]) || !std::isfinite(wrench[1]) || !std::isfinite(wrench[2])) {
+            throw WrenchNotFinite(each.effect->name, state[0]);
+        }
+        load.fx += sign * wrench[0];
+        load.fz += wrench[1];
+        load.torque += wrench[2];
+    }
+}
+
 void Dynamics::add_ranged_adhesion(const Pose& pose, double gap, Load& load) const {
     const Adhesion& adhesion = model_->adhesion;
     const double base = 2.0 * model_->shape.half_base(quadrant_);

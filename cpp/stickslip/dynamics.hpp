@@ -69,6 +69,9 @@ public:
     }
     void rebase_field(double tau, double x, double z) { field_.rebase(tau, x, z); }
 
+    /// Time (s) since the start of the run at which the stretch begins.
+    void set_start(double time) { start_ = time; }
+
     /// Age of the contact at the start of the stretch, s; negative for one that is made later.
     void set_contact_age(double age) { age_ = age; }
     double contact_age() const { return age_; }
@@ -94,6 +97,9 @@ private:
     /// What named effects add; apart, so that a model without them pays one test.
     void extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
                 const Pose& pose, double vx, double vz, Load& load) const;
+    /// The same of a user's effects; throws WrenchNotFinite.
+    void add_user_effects(double tau, const PlanarField& field, double x, double z,
+                          const Pose& pose, double vx, double vz, double omega, Load& load) const;
     void add_ranged_adhesion(const Pose& pose, double gap, Load& load) const;
 
     const Model* model_;
@@ -106,6 +112,7 @@ private:
     QuarterTurns turn_{0};
     double moment_cosine_ = 0.0, moment_sine_ = 0.0;
     double age_ = 0.0;
+    double start_ = 0.0;
     double base_angle_ = 0.0;
     int turns_ = kStale;
     Pose base_pose_;
@@ -140,7 +147,12 @@ inline Load Dynamics::load(const Expansion& expansion, double x, double z, const
         (m.rotational_drag_linear + m.rotational_drag_quadratic * std::abs(omega)) * omega;
     load.torque = (mz * field.bx - turning_drag) - mx * field.bz;
     load.contact_adhesion = m.adhesion.strength;
-    if (extended_) extend(expansion, field, mx, mz, pose, vx, vz, load);
+    if (extended_) {
+        extend(expansion, field, mx, mz, pose, vx, vz, load);
+        if (!m.user_effects.empty()) {
+            add_user_effects(expansion.tau, field, x, z, pose, vx, vz, omega, load);
+        }
+    }
     return load;
 }
 

@@ -23,6 +23,8 @@ public:
     RunResult run();
 
 private:
+    void play();
+
     // One stretch of voltage.
     void begin_segment(const VoltageSegment& voltages);
     void run_segment();
@@ -55,6 +57,7 @@ private:
                                   RunControl* control);
     static LocalField local_field(const Scenario& scenario, const VoltageProgram& program,
                                   const CoilSet& coils);
+    static double longest_look(const Model& model, const StepperOptions& options);
 
     const double sign_;
     const Window window_;
@@ -69,6 +72,7 @@ private:
     Recorder recorder_;
     SummaryObserver observer_;
     RunControl* control_;
+    const double longest_look_;  // s, at rest
 
     CurrentSegment segment_;
     double fastest_decay_ = 0.0;
@@ -125,6 +129,15 @@ StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const M
     return result;
 }
 
+// A user's force may change with time while the body rests, and nothing is known of how fast: it is
+// looked at as often as a phase's first step would.
+template <class Integrator>
+double HybridLoop<Integrator>::longest_look(const Model& model, const StepperOptions& options) {
+    if (model.user_effects.empty()) return std::numeric_limits<double>::infinity();
+    const double look = 0.25 / options.swing_rate;
+    return options.max_step > 0.0 ? std::min(look, options.max_step) : look;
+}
+
 template <class Integrator>
 HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control)
     : sign_(frame_sign(scenario)),
@@ -140,6 +153,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
+      longest_look_(longest_look(model_, integrator_.options())),
       burst_span_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
@@ -147,6 +161,22 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
 
 template <class Integrator>
 RunResult HybridLoop<Integrator>::run() {
+    try {
+        play();
+    } catch (const WrenchNotFinite& failure) {
+        result_.status = Status::not_finite;
+        result_.effect = failure.effect;
+        result_.summary.simulated_time = failure.time;
+    }
+    result_.steps = integrator_.counts();
+    result_.recording = recorder_.take();
+    chain_.apply(result_.summary, result_.recording);
+    result_.final_state = body_;
+    return std::move(result_);
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::play() {
     SegmentStream cursor(program_, hold_period_, {window_.start, window_.end});
     VoltageSegment voltages;
     bool settled = false;
@@ -177,17 +207,13 @@ RunResult HybridLoop<Integrator>::run() {
     if (observer_.is_open() && result_.status == Status::ok) {
         observer_.close(program_.duration(), body_.x, sign_, result_.summary);
     }
-    result_.steps = integrator_.counts();
-    result_.recording = recorder_.take();
-    chain_.apply(result_.summary, result_.recording);
-    result_.final_state = body_;
-    return std::move(result_);
 }
 
 template <class Integrator>
 void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
     dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
     segment_ = circuit_.advance(voltages);
+    dynamics_.set_start(segment_.start);
     dynamics_.field().set_segment(segment_);
     fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
 }
@@ -245,10 +271,15 @@ void HybridLoop<Integrator>::sample_until(double limit, double from, auto&& snap
 template <class Integrator>
 double HybridLoop<Integrator>::run_rest(double tau, double duration) {
     const FaceRest rest(dynamics_, body_);
-    const FaceRest::End end = rest.advance(memory_, tau, duration, fastest_decay_);
+    const FaceRest::End end = rest.advance(memory_, tau, duration, fastest_decay_, longest_look_,
+                                           integrator_.options().stop);
     observer_.rest(body_.theta());
     sample_until(absolute(end.tau), absolute(tau), [&](double at) { return rest.snapshot(at); });
-    if (end.event != Event::none) handle(end.event, end.tau);
+    if (end.event != Event::none) {
+        handle(end.event, end.tau);
+    } else if (end.tau < duration) {
+        result_.status = Status::interrupted;
+    }
     return end.tau;
 }
 

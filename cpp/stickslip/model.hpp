@@ -1,9 +1,12 @@
 #pragma once
 
+#include <vector>
+
 #include "stickslip/adhesion.hpp"
 #include "stickslip/coil_set.hpp"
 #include "stickslip/friction.hpp"
 #include "stickslip/rectangle.hpp"
+#include "stickslip/user_effect.hpp"
 
 namespace stickslip {
 
@@ -26,11 +29,13 @@ struct Model {
     FrictionLaw friction;
     Adhesion adhesion;
     double restitution = 0.0;
+    double frame_sign = 1.0;                ///< world x = frame sign times the robot's x
+    std::vector<UserSetting> user_effects;  ///< that are not absent
 
     /// Whether a named effect acts on the forces between events.
     bool has_force_effects() const {
         return gradient_excess != 0.0 || angle_drag != 0.0 || translational_drag_quadratic != 0.0 ||
-               adhesion.angle_loss != 0.0 || adhesion.ageing_rate != 0.0;
+               adhesion.angle_loss != 0.0 || adhesion.ageing_rate != 0.0 || !user_effects.empty();
     }
 
     /// Inertia about a corner, J + m r^2.

@@ -262,6 +262,13 @@ std::string out_of_range(const Parameter& parameter, double value) {
     return text.str();
 }
 
+void require_in_range(const Parameter& parameter, double value) {
+    const bool above = parameter.low_allowed ? value >= parameter.low : value > parameter.low;
+    const bool fits = std::isfinite(value) && above && value <= parameter.high &&
+                      (!parameter.integer || value == std::floor(value));
+    if (!fits) throw std::invalid_argument(out_of_range(parameter, value));
+}
+
 }  // namespace
 
 const std::vector<Parameter>& parameters() {
@@ -296,6 +303,11 @@ const Choice* find_choice(std::string_view key) {
     return nullptr;
 }
 
+Parameter row_of(const std::string& key, const UserParameter& parameter) {
+    return {key.c_str(), parameter.unit.c_str(),    parameter.low, parameter.high, true,
+            false,       parameter.meaning.c_str(), nullptr,       nullptr};
+}
+
 std::string allowed_range(const Parameter& parameter) {
     std::ostringstream text;
     const bool has_unit = std::string_view(parameter.unit) != "-";
@@ -309,15 +321,35 @@ std::string allowed_range(const Parameter& parameter) {
 }
 
 void set_parameter(Scenario& scenario, std::string_view key, double value) {
-    const Parameter* parameter = find_parameter(key);
-    if (parameter == nullptr) {
-        throw std::invalid_argument(std::string(key) + ": there is no such numeric key");
+    if (const Parameter* parameter = find_parameter(key)) {
+        require_in_range(*parameter, value);
+        parameter->set(scenario, value);
+        return;
     }
-    const bool above = parameter->low_allowed ? value >= parameter->low : value > parameter->low;
-    const bool fits = std::isfinite(value) && above && value <= parameter->high &&
-                      (!parameter->integer || value == std::floor(value));
-    if (!fits) throw std::invalid_argument(out_of_range(*parameter, value));
-    parameter->set(scenario, value);
+    const std::optional<UserKey> own = find_user_key(key);
+    if (!own) throw std::invalid_argument(std::string(key) + ": there is no such numeric key");
+    set_parameter(scenario, *own, value);
+}
+
+void set_parameter(Scenario& scenario, const UserKey& key, double value) {
+    const std::string name = key.effect->key(key.parameter);
+    require_in_range(row_of(name, key.effect->parameters[key.parameter]), value);
+    // In the order of the names: the sum of two forces must not depend on which was set first.
+    std::vector<UserSetting>& all = scenario.user_effects;
+    auto place = std::find_if(all.begin(), all.end(), [&](const UserSetting& each) {
+        return each.effect->name >= key.effect->name;
+    });
+    if (place == all.end() || place->effect->name != key.effect->name) {
+        place = all.insert(place, UserSetting{});
+    }
+    if (place->effect != key.effect) {
+        place->effect = key.effect;
+        place->values.clear();
+        for (const UserParameter& each : key.effect->parameters) {
+            place->values.push_back(each.absent);
+        }
+    }
+    place->values[key.parameter] = value;
 }
 
 void set_choice(Scenario& scenario, std::string_view key, std::string_view value) {

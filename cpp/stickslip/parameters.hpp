@@ -46,12 +46,17 @@ const std::vector<EffectDescription>& effects();
 const Parameter* find_parameter(std::string_view key);
 const Choice* find_choice(std::string_view key);
 
+/// A user's parameter as a row of the table, without accessors. `key` and `parameter` have to
+/// outlive it.
+Parameter row_of(const std::string& key, const UserParameter& parameter);
+
 /// The allowed range in words, with the unit.
 std::string allowed_range(const Parameter& parameter);
 
-/// Sets a key. Throws std::invalid_argument naming key, value and what is allowed for an unknown
-/// key or a value out of range.
+/// Sets a key, also of a user's effect. Throws std::invalid_argument naming key, value and what is
+/// allowed for an unknown key or a value out of range.
 void set_parameter(Scenario& scenario, std::string_view key, double value);
+void set_parameter(Scenario& scenario, const UserKey& key, double value);
 void set_choice(Scenario& scenario, std::string_view key, std::string_view value);
 
 }  // namespace stickslip

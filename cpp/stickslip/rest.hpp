@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "stickslip/event_location.hpp"
 #include "stickslip/stepping.hpp"
@@ -10,7 +12,8 @@
 namespace stickslip {
 
 /// A face that lies still. Nothing has to be integrated: the forces are linear in the currents,
-/// which are known in closed form, so only the end of rest is looked for.
+/// which are known in closed form (a user's may change with time as it likes), so only the end of
+/// rest is looked for.
 class FaceRest {
 public:
     static constexpr int kEvents = 4;
@@ -44,16 +47,21 @@ public:
     };
 
     /// The first event in [tau, tau_end]. `fastest`: the largest decay rate of the currents, 1/s.
-    End advance(PhaseMemory& memory, double tau, double tau_end, double fastest) const {
+    /// `longest`: the longest time between two looks, s. Ends early, without event, where `stop` is
+    /// set.
+    End advance(PhaseMemory& memory, double tau, double tau_end, double fastest,
+                double longest = std::numeric_limits<double>::infinity(),
+                const std::atomic<bool>* stop = nullptr) const {
         Values start = values(tau);
         if (memory.fresh) {
             for (std::size_t i = 0; i < kEvents; ++i) memory.armed[i] = start[i] > 0.0;
             memory.fresh = false;
         }
         while (tau < tau_end) {
+            if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
             // The exponentials of a stretch die out from its start, so the search may widen with
             // it.
-            const double usual = std::max(0.125 / fastest, 0.125 * tau);
+            const double usual = std::min(std::max(0.125 / fastest, 0.125 * tau), longest);
             const double width = std::min(memory.stalled ? kShortestStep : usual, tau_end - tau);
             const auto value = [&](std::size_t i, double s) { return values(tau + s * width)[i]; };
             using Finder = EventFinder<kEvents>;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include "stickslip/coil_set.hpp"
 #include "stickslip/drive.hpp"
+#include "stickslip/user_effect.hpp"
 
 namespace stickslip {
 
@@ -99,6 +102,7 @@ struct Scenario {
     DragParameters drag;
     double gravity = 9.81;  ///< m/s^2
     Effects effects;
+    std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
     SolverSettings solver;
     RecordSettings record;
 };

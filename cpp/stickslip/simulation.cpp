@@ -50,6 +50,11 @@ std::string message(const RunResult& result) {
                    "friction and restitution";
             break;
         case Status::not_finite:
+            if (!result.effect.empty()) {
+                text << "the function of effect " << result.effect
+                     << " gave a force or torque that is not a finite number";
+                break;
+            }
             text << "a force or a coordinate was not a number; look for extreme values in the "
                     "scenario";
             break;

@@ -16,6 +16,7 @@ struct RunResult {
     StepCounts steps;
     Recording recording;
     BodyState final_state;  ///< robot's own frame
+    std::string effect;     ///< of the user, that gave what is not finite and ended the run
 };
 
 /// "ok", "step_underflow", ...

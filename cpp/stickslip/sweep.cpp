@@ -12,12 +12,21 @@ namespace {
 class PointSetter {
 public:
     explicit PointSetter(const std::string& key) : key_(key), choice_(find_choice(key)) {
-        if (choice_ == nullptr && find_parameter(key) == nullptr) {
-            throw std::invalid_argument(key + ": there is no such key");
-        }
+        if (choice_ != nullptr || find_parameter(key) != nullptr) return;
+        // Once for all points: they must not meet different effects of one name.
+        own_ = find_user_key(key);
+        if (own_) return;
+        const bool effect = key.starts_with("effects.");
+        throw std::invalid_argument(
+            key + ": there is no such key" +
+            (effect ? "; an effect of your own has to be registered in this process too" : ""));
     }
 
     void operator()(Scenario& scenario, double value) const {
+        if (own_) {
+            set_parameter(scenario, *own_, value);
+            return;
+        }
         if (choice_ == nullptr) {
             set_parameter(scenario, key_, value);
             return;
@@ -31,6 +40,7 @@ public:
 private:
     std::string key_;
     const Choice* choice_;
+    std::optional<UserKey> own_;
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     )
     from stickslip.simulation import simulate, simulate_batch
     from stickslip.sweeping.run_sweep import sweep
+    from stickslip.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.versions import show_versions
     from stickslip.waveform import Waveform, volts_per_tesla
 
@@ -42,6 +43,7 @@ _HOME = {
     "Contact": "sections",
     "Drag": "sections",
     "Drive": "sections",
+    "EffectParameter": "user_effects",
     "Environment": "sections",
     "Record": "sections",
     "Robot": "sections",
@@ -54,11 +56,13 @@ _HOME = {
     "load": "scenario",
     "open_run": "dataset",
     "plot": "plot",
+    "register_effect": "user_effects",
     "reproduce": "reproduction.study",
     "show_versions": "versions",
     "simulate": "simulation",
     "simulate_batch": "simulation",
     "sweep": "sweeping.run_sweep",
+    "unregister_effect": "user_effects",
     "volts_per_tesla": "waveform",
 }
 
@@ -69,6 +73,7 @@ __all__ = [
     "Contact",
     "Drag",
     "Drive",
+    "EffectParameter",
     "Environment",
     "Record",
     "Robot",
@@ -82,11 +87,13 @@ __all__ = [
     "load",
     "open_run",
     "plot",
+    "register_effect",
     "reproduce",
     "show_versions",
     "simulate",
     "simulate_batch",
     "sweep",
+    "unregister_effect",
     "volts_per_tesla",
 ]
 

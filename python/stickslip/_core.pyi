@@ -75,6 +75,16 @@ _Block = tuple[NDArray[float64], NDArray[float64], int]
 def parameters() -> list[_Parameter]: ...
 def choices() -> list[_Choice]: ...
 def effects() -> list[_Effect]: ...
+def register_effect(
+    name: str,
+    meaning: str,
+    source: str,
+    parameters: Sequence[tuple[str, str, float, float, float, str]],
+    function: object,
+    address: int = 0,
+) -> None: ...
+def unregister_effect(name: str) -> None: ...
+def registered_effects() -> list[str]: ...
 def simulate_batch(
     scenarios: Sequence[Scenario],
     threads: int = 1,
@@ -87,6 +97,13 @@ def sweep(
     threads: int = 1,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[dict[str, NDArray[generic]], dict[int, str]]: ...
+
+def static_tilts(
+    base: Scenario,
+    keys: Sequence[str],
+    values: NDArray[float64],
+    fields: NDArray[float64],
+) -> NDArray[float64]: ...
 
 class CoilSet:
     def __init__(self, side: float = ..., distance: float = ..., turns: float = ...) -> None: ...

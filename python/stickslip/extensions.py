@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.keys import Key, checked, find_key, known_keys, refuse, shown, suggestion
+from stickslip.keys import (
+    Key,
+    checked,
+    find_key,
+    known_keys,
+    refuse,
+    shown,
+    suggestion,
+    until_registration,
+)
 
 PREFIX = "effects."
 
@@ -37,9 +45,9 @@ class Effect:
     parameters: tuple[Key, ...]
 
 
-@functools.cache
+@until_registration
 def effects() -> tuple[Effect, ...]:
-    """All named extensions of the model, as the core knows them.
+    """All named extensions of the model, and after them those of `register_effect`.
 
     Returns
     -------
@@ -80,7 +88,8 @@ class EffectSettings(Mapping[str, Mapping[str, float]]):
             if name not in names:
                 hint = suggestion(str(name), names)
                 raise ScenarioError(
-                    f"effects.{name} = {shown(parameters)}: there is no such extension; {hint}"
+                    f"effects.{name} = {shown(parameters)}: there is no such extension; {hint}; "
+                    "one of your own has to be registered first"
                 )
             if not isinstance(parameters, Mapping):
                 refuse(f"effects.{name}", parameters, f"a table [effects.{name}]")

@@ -11,9 +11,9 @@ import functools
 import json
 import math
 import numbers
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Literal, NoReturn
+from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
@@ -34,6 +34,23 @@ PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "progr
 _FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
 
 _LONGEST_SHOWN = 60
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+_forgetting: list[Callable[[], None]] = []
+
+
+def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Cache what is made of the keys until the user registers an effect, which brings new ones."""
+    cached = functools.cache(function)
+    _forgetting.append(cached.cache_clear)
+    return cast("Callable[_P, _R]", cached)
+
+
+def forget_keys() -> None:
+    """Clear all that `until_registration` keeps."""
+    for forget in _forgetting:
+        forget()
 
 
 @dataclass(frozen=True)
@@ -73,7 +90,7 @@ class Key:
         return self.name.rpartition(".")[0]
 
 
-@functools.cache
+@until_registration
 def known_keys() -> dict[str, Key]:
     """All scalar keys by name, section by section."""
     keys: dict[str, Key] = {}

@@ -47,5 +47,6 @@ def command(
         click.echo(json_text(summary(found, data, experiments)))
         return
     click.echo(f"{found.verdict.word}: {headline(found)}")
-    for line in (*found.verdict.reasons, *found.notes, *data.left_out):
+    reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
+    for line in (*reasons, *found.notes, *data.left_out):
         click.echo(f"  {line}")

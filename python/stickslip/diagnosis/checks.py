@@ -20,11 +20,13 @@ def data_problem(
 ) -> str | None:
     """What makes the data itself suspect, if anything does."""
     if np.all(values == 0.0):
-        return "every velocity is zero: nothing moved, so nothing can be told apart"
+        return "every reading is zero: nothing moved, so nothing can be told apart"
     if noise.dof == 0.0:
         return "no repeats that differ and no stated error, so no misfit can be judged"
     if len(noise.mean) < 4:
-        return f"{len(noise.mean)} conditions are too few to tell causes apart"
+        few = len(noise.mean)
+        said = "1 condition is" if few == 1 else f"{few} conditions are"
+        return f"{said} too few to tell causes apart"
     if noise.dof < math.inf:
         between = float(np.var(noise.mean))
         if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):

@@ -13,10 +13,12 @@ from scipy.linalg import block_diag
 
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.detection import Detection, detect
-from stickslip.diagnosis.fitting import Fit, fit_rivals, make_rival, scan
+from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
 from stickslip.diagnosis.heldout import Gain, measure_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
+from stickslip.diagnosis.profile import Profile, profile
+from stickslip.diagnosis.recalibration import model_roughness, recalibrate
 from stickslip.diagnosis.rivals import (
     COMFORTABLE,
     Ranking,
@@ -24,23 +26,23 @@ from stickslip.diagnosis.rivals import (
     fit_pairs,
     fit_singles,
     refine,
+    settle_null,
 )
 from stickslip.diagnosis.signatures import (
     Signatures,
     classes,
     find_signatures,
+    guesses,
     isolability,
     upper_bounds,
 )
-from stickslip.diagnosis.verdict import Verdict, decide
+from stickslip.diagnosis.verdict import Verdict, decide, prior_probabilities
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
 
-_SCAN = 256
-_STARTS = 4
-_ROUGH_STEP = 0.02
-_ROUGH_DRAWS = 24
+_CLOUDS = 3
+_SMOOTH = 1.0
 
 Report = Callable[[float], object]
 
@@ -85,6 +87,8 @@ class Diagnosis:
     bounds : dict
         95 % upper limits, filled for the verdict none.
     gain : Gain, optional
+    profiles : tuple of Profile
+        Of the parameters of the verdict's fit.
     notes : tuple of str
     seed : int
     """
@@ -101,6 +105,7 @@ class Diagnosis:
     verdict: Verdict
     bounds: dict[str, float]
     gain: Gain | None
+    profiles: tuple[Profile, ...]
     notes: tuple[str, ...]
     seed: int
 
@@ -119,6 +124,7 @@ def diagnose_model(
     sd: ArrayLike | None = None,
     group: ArrayLike | None = None,
     also: Known | None = None,
+    doubt: str | None = None,
     seed: int = 0,
     progress: Report | None = None,
 ) -> Diagnosis:
@@ -150,6 +156,8 @@ def diagnose_model(
         Conditions that are held out together, numbered from 0; each by itself if not given.
     also : Known, optional
         Further observables, whose errors are known; `predict` returns them after the conditions.
+    doubt : str, optional
+        What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
         Of all random draws.
     progress : callable, optional
@@ -180,13 +188,14 @@ def diagnose_model(
     """
     say = progress or (lambda fraction: None)
     values, index, blocks = _checked(observed, condition, block)
-    noise = _noise(values, index, blocks, relative_sd, sd)
+    noise, known = _noise(values, index, blocks, relative_sd, sd)
     suspects = tuple(
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
         for each in uncertain
         if each.suspect and each.prior.kind != "log-uniform"
     )
-    covariance, level, dof = noise.covariance, noise.mean, noise.dof if noise.dof > 0 else math.inf
+    covariance = noise.covariance if known is None else known
+    level, dof = noise.mean, noise.dof if noise.dof > 0 else math.inf
     if also is not None:
         covariance = np.asarray(block_diag(covariance, also.covariance), dtype=float)
         level = np.concatenate([level, also.observed])
@@ -202,37 +211,57 @@ def diagnose_model(
         (*causes, *suspects),
     )
     held_out = split(len(noise.mean), seed, group)
-    scanned, null = recalibrate(problem, seed)
-    say(0.15)
+    found_base = recalibrate(problem, seed)
+    null = found_base.null
+    if noise.between > 0.0:
+        m = len(noise.mean)
+        covariance[:m, :m] = noise.covariance_at(problem.predicted(null.x[None, :])[0, :m])
+        problem = replace(problem, whiten=whitener(covariance))
+        null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
+    say(0.1)
     roughness = model_roughness(problem, null, seed)
-    covariance = covariance + np.diag(roughness**2)
-    problem = replace(problem, whiten=whitener(covariance))
-    null = fit_rivals(problem, [null.rival], [[null.x, *scanned[:2]]], 6, clouds=3)[0]
-    say(0.25)
+    covariance, problem, clouds = roughened(problem, covariance, roughness)
+    if clouds:
+        null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
+    say(0.2)
     signatures = find_signatures(problem, null)
     detection = detect(problem, null, signatures, seed)
     say(0.35)
     notes = list(noise.notes)
-    trouble = data_problem(values, index, noise, order)
+    trouble = doubt or data_problem(values, index, noise, order)
     ranking = Ranking(null, (), ())
-    if trouble is None and (detection.found or detection.p_value < 0.3):
-        singles = fit_singles(problem, null, signatures)
-        if singles:
+    if trouble is None and detection.found:
+        views = [(null, signatures)]
+        if found_base.centre is not None:
+            # Far from all priors the recalibrated model is no place to look at causes from.
+            centre = found_base.centre
+            views.append((centre, find_signatures(problem, centre)))
+        singles = fit_singles(problem, views, found_base.basins, clouds)
+        null, singles = settle_null(problem, null, singles)
+        if singles and clouds:
             # The best rival may sit where the model jumps more than at the null; its scatter counts
-            # for all alike. The quick fits are only starts after this.
-            more = np.maximum(roughness, model_roughness(problem, singles[0], seed))
-            covariance = covariance + np.diag(more**2 - roughness**2)
-            roughness = more
-            problem = replace(problem, whiten=whitener(covariance))
-            known = [null, *singles]
-            again = fit_rivals(problem, [fit.rival for fit in known], [[fit.x] for fit in known], 1)
-            null, singles = again[0], refine(problem, again[1:], scanned[:8])
+            # for all alike.
+            more = model_roughness(problem, singles[0], seed)
+            if np.any(more > 1.2 * roughness):
+                more = np.maximum(roughness, more)
+                covariance, problem, clouds = roughened(
+                    problem, covariance - np.diag(roughness**2), more
+                )
+                roughness = more
+                null, *others = fit_rivals(
+                    problem,
+                    [null.rival, *(fit.rival for fit in singles)],
+                    [[Start.of(fit)] for fit in (null, *singles)],
+                    1,
+                )
+                singles = refine(problem, others, {}, clouds)
         ranking = Ranking(null, singles, ())
-        say(0.7)
+        say(0.6)
         # The best single of two effects is often neither, so adequacy decides and not the rank.
         sufficient = any(adequacy(problem, fit) >= COMFORTABLE for fit in singles[:3])
-        if detection.found and singles and not sufficient:
-            ranking = Ranking(null, singles, fit_pairs(problem, singles[:8], scanned))
+        if singles and not sufficient:
+            pairs = fit_pairs(problem, views, singles, found_base.basins, clouds)
+            ranking = Ranking(null, singles, pairs)
     say(0.9)
     cosines = isolability(problem, signatures, null.residual)
     gains: dict[str, Gain | None] = {}
@@ -245,14 +274,21 @@ def diagnose_model(
 
     def helps(fit: Fit) -> bool:
         gain = gain_of(fit)
-        return gain is None or gain.chi2_after < gain.chi2_before
+        return gain is None or gain.helps
 
-    verdict = decide(problem, detection, ranking, cosines, helps)
+    guessed = guesses(problem, signatures, null.residual)
+    verdict = decide(problem, detection, ranking, cosines, guessed, helps)
     if trouble is not None:
-        verdict = Verdict("data-problem", (), None, (trouble,), verdict.probabilities)
+        verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
     gain = None if verdict.fit is None else gain_of(verdict.fit)
+    profiles = () if verdict.fit is None else tuple(profile(problem, verdict.fit))
     bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
-    rough = int(np.sum(roughness[: len(noise.mean)] > np.sqrt(np.diag(noise.covariance))))
+    rough = int(
+        np.sum(
+            roughness[: len(noise.mean)]
+            > np.sqrt(np.diag(covariance)[: len(noise.mean)] - roughness[: len(noise.mean)] ** 2)
+        )
+    )
     if rough:
         notes.append(
             f"at {rough} conditions the model itself jumps by more than the noise under tiny "
@@ -261,49 +297,15 @@ def diagnose_model(
     say(1.0)
     return Diagnosis(
         problem, noise, roughness, null, detection, signatures, ranking, cosines,
-        classes(problem, cosines), verdict, bounds, gain, tuple(notes), seed,
+        classes(problem, cosines), verdict, bounds, gain, profiles, tuple(notes), seed,
     )  # fmt: skip
 
 
-def recalibrate(problem: Problem, seed: int) -> tuple[Array, Fit]:
-    """Scan of the prior and the fit of the model without any cause, from several starts."""
-    count = _SCAN if problem.base_count > 1 else 64
-    scanned, _ = scan(problem, count, seed)
-    starts = _apart(scanned, _STARTS)
-    null = fit_rivals(problem, [make_rival(problem)], [starts], 10, clouds=2)[0]
-    return scanned, null
-
-
-def _apart(points: Array, count: int) -> list[Array]:
-    """The best points that are not close to a better one."""
-    chosen: list[Array] = []
-    for point in points:
-        if all(np.linalg.norm(point - other) > 0.7 for other in chosen):
-            chosen.append(point)
-        if len(chosen) == count:
-            break
-    return chosen
-
-
-def model_roughness(problem: Problem, null: Fit, seed: int) -> Array:
-    """Scatter of the prediction about a plane under tiny changes of the uncertain parameters.
-
-    Where the motion is sensitive, a prediction is no better than this, whatever the tolerance of
-    the simulator.
-    """
-    p = problem.base_count
-    random = np.random.default_rng([seed, 5])
-    count = max(_ROUGH_DRAWS, 3 * p)
-    move = random.standard_normal((count, p)) * _ROUGH_STEP
-    x = np.tile(null.x, (count, 1))
-    x[:, :p] += move
-    predicted = problem.predicted(x)
-    predicted = np.where(np.isfinite(predicted), predicted, np.nan)
-    level = np.nanmean(np.where(np.isfinite(predicted).any(axis=0), predicted, 0.0), axis=0)
-    filled = np.where(np.isfinite(predicted), predicted, level)
-    design = np.hstack([np.ones((count, 1)), move / _ROUGH_STEP])
-    left = filled - design @ np.linalg.lstsq(design, filled, rcond=None)[0]
-    return np.asarray(np.sqrt(np.sum(left**2, axis=0) / max(count - p - 1, 1)))
+def roughened(problem: Problem, covariance: Array, roughness: Array) -> tuple[Array, Problem, int]:
+    """Covariance and problem with the model's own scatter, and how many clouds its fits need."""
+    full = covariance + np.diag(roughness**2)
+    share = float(np.sum(roughness**2 / np.diag(full)))
+    return full, replace(problem, whiten=whitener(full)), _CLOUDS if share > _SMOOTH else 0
 
 
 def _checked(
@@ -327,9 +329,10 @@ def _noise(
     blocks: NDArray[np.int64] | None,
     relative_sd: float,
     sd: ArrayLike | None,
-) -> NoiseModel:
+) -> tuple[NoiseModel, Array | None]:
+    """Noise, and the covariance of the means where it was given."""
     if sd is None:
-        return fit_noise(values, index, blocks, relative_sd)
+        return fit_noise(values, index, blocks, relative_sd), None
     count = np.bincount(index)
     stated = np.asarray(sd, dtype=float)
     if stated.ndim == 2:
@@ -342,4 +345,6 @@ def _noise(
     if not (np.all(np.isfinite(known)) and np.all(known > 0.0)):
         raise ScenarioError("sd: allowed are finite numbers above 0")
     mean = np.bincount(index, values) / count
-    return NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, math.inf, covariance, ())
+    none = np.zeros((len(count), 0))
+    noise = NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, math.inf, none, ())
+    return noise, covariance

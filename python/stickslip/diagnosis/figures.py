@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,15 @@ Array = NDArray[np.float64]
 _BLUE, _ORANGE, _GREEN, _GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
 
 
-def _png(figure: Any) -> str:
+def png(figure: Any) -> str:
+    """The figure in base64."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110, bbox_inches="tight", metadata={"Software": None})
     return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
-def _axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
+def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
+    """A figure (inches) and its axes, one above the other; the second is a strip."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -47,7 +50,7 @@ def velocities(found: Diagnosis, m: int) -> str:
     held = np.zeros(m, dtype=bool)
     if found.gain is not None:
         held[found.gain.held_out] = True
-    figure, (above, below) = _axes(2, 9.0, 5.2)
+    figure, (above, below) = axes(2, 9.0, 5.2)
     place = np.arange(m)
     above.errorbar(place[~held], observed[~held], 2 * sd[~held], fmt="o", color="k", ms=4,
                    label="measured (2 sd)")  # fmt: skip
@@ -63,7 +66,53 @@ def velocities(found: Diagnosis, m: int) -> str:
     below.set_ylabel("residual / sd")
     below.set_xlabel("condition, in the order of the table of conditions")
     above.legend(fontsize=8, frameon=False)
-    return _png(figure)
+    return png(figure)
+
+
+def against_model(
+    place: Array,
+    observed: Array,
+    sd: Array,
+    recalibrated: Array,
+    extended: Array | None,
+    words: tuple[str, str],
+    names: Sequence[str] = ("",),
+    joined: bool = True,
+) -> str:
+    """Data with 2 sd, recalibrated and extended model, and residuals below.
+
+    Parameters
+    ----------
+    place : ndarray, shape (m,)
+        Along the abscissa, ascending.
+    observed, sd, recalibrated, extended : ndarray, shape (m,) or (m, series)
+    words : tuple of str
+        Below and beside the axes, with units.
+    names : sequence of str
+        Of the series.
+    joined : bool
+        Whether the rows are points of one curve.
+    """
+    figure, (above, below) = axes(2, 9.0, 5.2)
+    rows = [(recalibrated, "recalibrated", _BLUE)]
+    if extended is not None:
+        rows.append((extended, "extended", _ORANGE))
+    width = len(names)
+    data, bars = observed.reshape(-1, width), sd.reshape(-1, width)
+    for k, (name, marker) in enumerate(zip(names, "osD^v", strict=False)):
+        title = f"measured {name} (2 sd)".replace("  ", " ")
+        above.errorbar(place, data[:, k], 2 * bars[:, k], fmt=marker, color="k", ms=4, label=title)
+        for values, model, colour in rows:
+            line = values.reshape(-1, width)[:, k]
+            label = None if k else model
+            above.plot(place, line, "-_" if joined else "_", color=colour, lw=1, ms=12, label=label)
+            below.plot(place, (data[:, k] - line) / bars[:, k], marker, color=colour, ms=3)
+    below.axhspan(-2, 2, color="#dddddd", zorder=0)
+    above.set_ylabel(words[1])
+    below.set_ylabel("residual / sd")
+    below.set_xlabel(words[0])
+    above.legend(fontsize=8, frameon=False)
+    return png(figure)
 
 
 def ranking(found: Diagnosis) -> str | None:
@@ -73,20 +122,20 @@ def ranking(found: Diagnosis) -> str | None:
     )[:12]
     if not fits:
         return None
-    figure, (axes,) = _axes(1, 7.0, 0.4 + 0.3 * len(fits))
+    figure, (frame,) = axes(1, 7.0, 0.4 + 0.3 * len(fits))
     gains = [fit.log_evidence - found.null.log_evidence for fit in fits]
     colours = [_GREEN if fit.name in found.verdict.causes else _GREY for fit in fits]
-    axes.barh([fit.name for fit in fits][::-1], gains[::-1], color=colours[::-1])
-    axes.set_xlabel("log-evidence above the recalibrated model")
-    return _png(figure)
+    frame.barh([fit.name for fit in fits][::-1], gains[::-1], color=colours[::-1])
+    frame.set_xlabel("log-evidence above the recalibrated model")
+    return png(figure)
 
 
 def isolability(found: Diagnosis) -> str:
     """Map of the cosines between absorbed signatures."""
     names = [cause.name for cause in found.problem.causes]
-    figure, (axes,) = _axes(1, 7.5, 7.0)
-    image = axes.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")
-    axes.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
-    axes.set_yticks(range(len(names)), names, fontsize=7)
-    figure.colorbar(image, ax=axes, shrink=0.7, label="|cosine| after recalibration")
-    return _png(figure)
+    figure, (frame,) = axes(1, 7.5, 7.0)
+    image = frame.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")
+    frame.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
+    frame.set_yticks(range(len(names)), names, fontsize=7)
+    figure.colorbar(image, ax=frame, shrink=0.7, label="|cosine| after recalibration")
+    return png(figure)

@@ -1,8 +1,9 @@
 """Fits of many rival models at once, in step, so that all predictions go through one batch call.
 
-Levenberg-Marquardt on whitened residuals with a prior row for every free coordinate. Derivatives
-are central differences, wide enough (0.1 of the prior's standard deviation at first) to see over
-the steps of a piecewise smooth model.
+Gauss-Newton steps inside a trust radius, on whitened residuals with a prior row for every free
+coordinate. Derivatives are differences about as wide as what the data leaves open, so that they see
+over the steps of a piecewise smooth model: one-sided on the way, central at the end, and Broyden's
+updates, which cost nothing, in between.
 """
 
 from __future__ import annotations
@@ -21,10 +22,14 @@ Array = NDArray[np.float64]
 AGREE = 1.0
 """Starts agree whose chi-squares differ by less."""
 
-_WIDE, _NARROW = 0.1, 0.01
+_WIDE, _NARROW = 0.03, 1e-3
+_SECANT = 1e-3
 _CLOUD = 16
-_FAR = 6.0
+_NEAR, _FAR = 1.0, 4.0
 _BEHIND = 40.0
+_SHARES = (1.0,)
+_SETTLED = 0.02
+_GOOD = 0.3
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ class Fit:
         Whitened, with prior rows.
     jacobian : ndarray, shape (m + free, free)
         Of the model's whitened prediction, with the prior's rows.
+    slope : ndarray, shape (m, free)
+        Of the model's prediction, in the observable's unit.
     log_evidence : float
         Laplace's, up to a constant that is common to all rivals.
     certified : bool
@@ -75,6 +82,7 @@ class Fit:
     data_chi2: float
     residual: Array
     jacobian: Array
+    slope: Array
     log_evidence: float
     certified: bool
     starts: tuple[float, ...]
@@ -88,6 +96,26 @@ class Fit:
     def name(self) -> str:
         """Names of the causes, or ``none``."""
         return " + ".join(each.name for each in self.rival.causes) or "none"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a fit begins.
+
+    Attributes
+    ----------
+    x : ndarray, shape (size,)
+    slope : ndarray, shape (m, free), optional
+        Derivatives that were found near by.
+    """
+
+    x: Array
+    slope: Array | None = None
+
+    @staticmethod
+    def of(fit: Fit, rows: NDArray[np.int64] | slice = slice(None)) -> Start:
+        """The end of another fit, of some of its conditions."""
+        return Start(fit.x, fit.slope[rows])
 
 
 def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
@@ -123,24 +151,30 @@ class _Walk:
 
     rival: Rival
     x: Array
+    predicted: Array
     residual: Array
-    damping: float = 1e-2
-    jacobian: Array | None = None
-    step: Array | None = None
+    slope: Array | None = None
+    fresh: bool = False
+    radius: float = _NEAR
     quiet: int = 0
 
     @property
     def chi2(self) -> float:
         return float(self.residual @ self.residual)
 
+    def jacobian(self, problem: Problem) -> Array:
+        assert self.slope is not None
+        return np.vstack([problem.whiten @ self.slope, np.diag(1.0 / self.rival.width)])
+
 
 def fit_rivals(
     problem: Problem,
     rivals: Sequence[Rival],
-    starts: Sequence[Sequence[Array]],
+    starts: Sequence[Sequence[Start]],
     iterations: int = 10,
     hopeless: float = np.inf,
     clouds: int = 0,
+    exact: bool = True,
 ) -> list[Fit]:
     """Fit rivals from their starts, all in step.
 
@@ -148,57 +182,62 @@ def fit_rivals(
     ----------
     problem : Problem
     rivals : sequence of Rival
-    starts : sequence of sequence of ndarray, shape (size,)
-        For each rival, coordinates to start from.
+    starts : sequence of sequence of Start
+        For each rival at least one.
     iterations : int
         Most steps of a start.
     hopeless : float
         Rivals farther than this behind the best after two steps are not refined.
     clouds : int
         Rounds of random points about every end, which get over steps that stop a slope.
+    exact : bool
+        Whether the derivatives at the end are taken anew; otherwise they are those of the last
+        steps.
 
     Returns
     -------
     list of Fit
         The best start of each rival.
     """
-    if not rivals:
-        return []
     low, high = problem.limits()
-    walks, owner = [], []
-    for index, (rival, points) in enumerate(zip(rivals, starts, strict=True)):
-        for point in points:
-            walks.append(_Walk(rival, np.clip(point, low, high), np.zeros(0)))
-            owner.append(index)
-    if walks:
-        data = problem.residuals(np.stack([walk.x for walk in walks]))
-        for walk, row in zip(walks, data, strict=True):
-            walk.residual = _augmented(walk.rival, walk.x, row)
-    active = list(walks)
+    groups = [
+        [_Walk(rival, np.clip(start.x, low, high), np.zeros(0), np.zeros(0), start.slope)
+         for start in points]
+        for rival, points in zip(rivals, starts, strict=True)
+    ]  # fmt: skip
+    walks = [walk for group in groups for walk in group]
+    if not walks:
+        return []
+    data = problem.predicted(np.stack([walk.x for walk in walks]))
+    for walk, row in zip(walks, data, strict=True):
+        walk.predicted, walk.residual = row, _residual(problem, walk.rival, walk.x, row)
+    active = walks
     for count in range(iterations):
-        if not active:
-            break
-        _derive(problem, active, low, high)
+        _derive(problem, [walk for walk in active if walk.slope is None], low, high)
         _advance(problem, active, low, high)
         active = [walk for walk in active if walk.quiet < 2]
         if count >= 1:
             best = min(walk.chi2 for walk in walks) + hopeless
             active = [walk for walk in active if walk.chi2 < best]
         if count >= 3:
-            own = [min(w.chi2 for w in walks if w.rival is each) for each in rivals]
-            leads = dict(zip(map(id, rivals), own, strict=True))
-            active = [walk for walk in active if walk.chi2 < leads[id(walk.rival)] + _BEHIND]
+            leads = {id(walk): min(each.chi2 for each in group)
+                     for group in groups for walk in group}  # fmt: skip
+            active = [walk for walk in active if walk.chi2 < leads[id(walk)] + _BEHIND]
+        if not active:
+            break
+    _derive(problem, [walk for walk in walks if walk.slope is None], low, high)
     for number in range(clouds):
         _scatter(problem, walks, low, high, number)
-    winners = {id(rival): _best(walks, rival) for rival in rivals}
-    _derive(problem, [winners[id(rival)] for rival in rivals if
-                      winners[id(rival)].chi2 < min(w.chi2 for w in walks) + hopeless
-                      or winners[id(rival)].jacobian is None], low, high)  # fmt: skip
-    fits = []
-    for index, rival in enumerate(rivals):
-        mine = [walk for walk, of in zip(walks, owner, strict=True) if of == index]
-        fits.append(_fit(problem, rival, mine))
-    return fits
+    winners = [min(group, key=lambda walk: walk.chi2) for group in groups]
+    if exact:
+        limit = min(walk.chi2 for walk in walks) + hopeless
+        _derive(problem, [each for each in winners if each.chi2 < limit], low, high, central=True)
+    return [_fit(problem, winner, group) for winner, group in zip(winners, groups, strict=True)]
+
+
+def _residual(problem: Problem, rival: Rival, x: Array, predicted: Array) -> Array:
+    data = problem.whitened(predicted[None, :])[0]
+    return np.concatenate([data, -x[rival.free] / rival.width])
 
 
 def _scatter(
@@ -208,107 +247,164 @@ def _scatter(
     random = np.random.default_rng([number, 3])
     rows = []
     for walk in walks:
-        assert walk.jacobian is not None
         free = walk.rival.free
         scale = (1.0, 0.4, 0.15)[number % 3]
-        lower = np.linalg.cholesky(np.linalg.inv(walk.jacobian.T @ walk.jacobian))
+        jacobian = walk.jacobian(problem)
+        lower = np.linalg.cholesky(np.linalg.inv(jacobian.T @ jacobian))
         draws = random.standard_normal((_CLOUD, len(free)))
         width = np.clip(np.sqrt(np.sum(lower**2, axis=1)), 0.03, 0.5)
         step = np.where(np.arange(_CLOUD)[:, None] % 2 == 0, draws @ lower.T, draws * width)
         points = np.tile(walk.x, (_CLOUD, 1))
         points[:, free] += scale * step
         rows.append(np.clip(points, low, high))
-    data = problem.residuals(np.vstack(rows)).reshape(len(walks), _CLOUD, -1)
-    for walk, points, residuals in zip(walks, rows, data, strict=True):
-        prior = points[:, walk.rival.free] / walk.rival.width
-        chi2 = np.sum(residuals**2, axis=1) + np.sum(prior**2, axis=1)
-        best = int(np.argmin(chi2))
-        if chi2[best] < walk.chi2:
-            walk.x = points[best]
-            walk.residual = _augmented(walk.rival, walk.x, residuals[best])
+    data = problem.predicted(np.vstack(rows)).reshape(len(walks), _CLOUD, -1)
+    for walk, points, predicted in zip(walks, rows, data, strict=True):
+        _move(problem, walk, points, predicted)
 
 
-def _best(walks: Sequence[_Walk], rival: Rival) -> _Walk:
-    return min((walk for walk in walks if walk.rival is rival), key=lambda walk: walk.chi2)
+def _move(problem: Problem, walk: _Walk, points: Array, predicted: Array) -> float:
+    """Go to the best of some points if it is better; the fall of chi-square, or less than 0."""
+    residuals = [
+        _residual(problem, walk.rival, x, row) for x, row in zip(points, predicted, strict=True)
+    ]
+    costs = [float(each @ each) for each in residuals]
+    best = int(np.argmin(costs))
+    fall = walk.chi2 - costs[best]
+    if fall > 0.0:
+        walk.x, walk.predicted, walk.residual = points[best], predicted[best], residuals[best]
+        walk.fresh = False
+    return fall
 
 
-def _augmented(rival: Rival, x: Array, data: Array) -> Array:
-    return np.concatenate([data, -x[rival.free] / rival.width])
-
-
-def _derive(problem: Problem, walks: Sequence[_Walk], low: Array, high: Array) -> None:
-    """Jacobians of all walks by one batch of central differences."""
-    rows, plan = [], []
+def _derive(
+    problem: Problem, walks: Sequence[_Walk], low: Array, high: Array, central: bool = False
+) -> None:
+    """Derivatives of all walks by one batch of differences, one-sided or central."""
+    rows, owner, widths = [], [], []
     for number, walk in enumerate(walks):
         width = np.full(len(walk.rival.free), _WIDE)
-        if walk.jacobian is not None:
-            spread = 1.0 / np.sqrt(np.sum(walk.jacobian**2, axis=0))
-            width = np.clip(0.5 * spread, _NARROW, _WIDE)
+        if walk.slope is not None:
+            spread = 1.0 / np.sqrt(np.sum(walk.jacobian(problem) ** 2, axis=0))
+            width = np.clip(spread, _NARROW, _WIDE)
         for column, k in enumerate(walk.rival.free):
             above, below = walk.x.copy(), walk.x.copy()
             above[k] = min(walk.x[k] + width[column], high[k])
             below[k] = max(walk.x[k] - width[column], low[k])
-            rows += [above, below]
-            plan.append((number, column, above[k] - below[k]))
-    predicted = problem.predicted(np.stack(rows)) if rows else np.zeros((0, 0))
-    m = len(problem.observed)
-    fresh = [np.zeros((m, len(walk.rival.free))) for walk in walks]
-    for index, (number, column, width_all) in enumerate(plan):
-        slope = (predicted[2 * index] - predicted[2 * index + 1]) / max(width_all, 1e-12)
-        fresh[number][:, column] = np.where(np.isfinite(slope), slope, 0.0)
-    for walk, data in zip(walks, fresh, strict=True):
-        prior = np.diag(1.0 / walk.rival.width)
-        walk.jacobian = np.vstack([problem.whiten @ data, prior])
+            if central:
+                rows += [above, below]
+                widths.append(max(above[k] - below[k], 1e-12))
+                continue
+            # To the side with room.
+            up = above[k] - walk.x[k] >= 0.5 * width[column]
+            rows.append(above if up else below)
+            owner.append(number)
+            widths.append((above if up else below)[k] - walk.x[k])
+    predicted = np.zeros((0, len(problem.observed)))
+    if rows:
+        predicted = problem.predicted(np.stack(rows))
+    if central:
+        gaps = predicted[::2] - predicted[1::2]
+    else:
+        level = np.array([walks[number].predicted for number in owner])
+        gaps = predicted - level.reshape(predicted.shape)
+    slopes = gaps / np.array(widths)[:, None]
+    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
+    at = 0
+    for walk in walks:
+        count = len(walk.rival.free)
+        walk.slope, walk.fresh = slopes[at : at + count].T.copy(), True
+        at += count
 
 
 def _advance(problem: Problem, walks: Sequence[_Walk], low: Array, high: Array) -> None:
-    """One step of each walk, the best of three dampings."""
-    rows = []
+    """One step of each walk inside its trust radius, the better of a long and a short one."""
+    rows, hoped = [], []
     for walk in walks:
-        assert walk.jacobian is not None
-        normal = walk.jacobian.T @ walk.jacobian
-        slope = walk.jacobian.T @ walk.residual
-        for factor in (0.1, 1.0, 30.0):
-            damped = normal + walk.damping * factor * np.diag(np.diag(normal))
-            step = np.clip(np.linalg.solve(damped, slope), -_FAR, _FAR)
+        jacobian = walk.jacobian(problem)
+        normal = jacobian.T @ jacobian
+        slope = jacobian.T @ walk.residual
+        for share in _SHARES:
+            step = _within(normal, slope, share * walk.radius)
             point = walk.x.copy()
             point[walk.rival.free] += step
             rows.append(np.clip(point, low, high))
-    data = problem.residuals(np.stack(rows))
+            taken = (rows[-1] - walk.x)[walk.rival.free]
+            hoped.append(float(2.0 * slope @ taken - taken @ normal @ taken))
+    points = np.stack(rows)
+    count = len(_SHARES)
+    predicted = problem.predicted(points)
     for number, walk in enumerate(walks):
-        before = walk.chi2
-        tried = [
-            (
-                rows[3 * number + k],
-                _augmented(walk.rival, rows[3 * number + k], data[3 * number + k]),
-            )
-            for k in range(3)
-        ]
-        costs = [float(residual @ residual) for _, residual in tried]
-        best = int(np.argmin(costs))
-        if costs[best] < before:
-            walk.x, walk.residual = tried[best]
-            walk.damping = float(np.clip(walk.damping * (0.1, 1.0, 30.0)[best], 1e-6, 1e4))
-            walk.quiet = walk.quiet + 1 if before - costs[best] < 0.02 else 0
-        else:
-            walk.damping = min(walk.damping * 30.0, 1e4)
-            walk.quiet += 1
+        mine = slice(count * number, count * (number + 1))
+        exact, before = walk.fresh, walk.x
+        slope_now = _broyden(walk, points[mine], predicted[mine])
+        fall = _move(problem, walk, points[mine], predicted[mine])
+        walk.slope = slope_now
+        took = [np.array_equal(walk.x, point) for point in points[mine]]
+        promised = hoped[mine][took.index(True)] if fall > 0.0 else max(hoped[mine])
+        good = fall > _GOOD * promised
+        length = float(np.linalg.norm(walk.x - before))
+        if fall <= 0.0:
+            # Updates that went astray are replaced before the radius is blamed.
+            if exact:
+                walk.radius *= 0.2
+            else:
+                walk.slope = None
+        elif not good:
+            walk.radius = max(0.5 * length, 1e-3)
+            walk.slope = None if not exact else walk.slope
+        elif took[0]:
+            walk.radius = min(2.0 * walk.radius, _FAR)
+        small = fall < _SETTLED and (exact or promised < _SETTLED)
+        walk.quiet = walk.quiet + 1 if small else 0
 
 
-def _fit(problem: Problem, rival: Rival, walks: Sequence[_Walk]) -> Fit:
+def _within(normal: Array, slope: Array, radius: float) -> Array:
+    """Step of least predicted chi-square that is no longer than the radius."""
+    values, vectors = np.linalg.eigh(normal)
+    along = vectors.T @ slope
+    values = np.maximum(values, 1e-12)
+
+    def length(damping: float) -> float:
+        return float(np.linalg.norm(along / (values + damping)))
+
+    damping = 0.0
+    if length(0.0) > radius:
+        low, high = 0.0, float(np.linalg.norm(along)) / radius
+        for _ in range(40):
+            damping = 0.5 * (low + high)
+            low, high = (damping, high) if length(damping) > radius else (low, damping)
+    return np.asarray(vectors @ (along / (values + damping)))
+
+
+def _broyden(walk: _Walk, points: Array, predicted: Array) -> Array:
+    """Derivatives that agree with what the steps from here have shown."""
+    assert walk.slope is not None
+    slope = walk.slope
+    for point, row in zip(points, predicted, strict=True):
+        step = (point - walk.x)[walk.rival.free]
+        length = float(step @ step)
+        gap = row - walk.predicted - slope @ step
+        # A short step says more of the jumps of the model than of its slope.
+        if length > _SECANT**2 and np.all(np.isfinite(gap)):
+            slope = slope + np.outer(gap, step) / length
+    return slope
+
+
+def _fit(problem: Problem, best: _Walk, walks: Sequence[_Walk]) -> Fit:
     ends = sorted(walk.chi2 for walk in walks)
-    best = min(walks, key=lambda walk: walk.chi2)
-    assert best.jacobian is not None
-    scaled = best.jacobian * rival.width
+    assert best.slope is not None
+    jacobian = best.jacobian(problem)
+    scaled = jacobian * best.rival.width
     determinant = np.linalg.slogdet(scaled.T @ scaled)[1]
     m = len(problem.observed)
     return Fit(
-        rival,
+        best.rival,
         best.x,
         best.chi2,
         float(np.sum(best.residual[:m] ** 2)),
         best.residual,
-        best.jacobian,
+        jacobian,
+        best.slope,
         float(-0.5 * best.chi2 - 0.5 * determinant),
         len(ends) > 1 and ends[1] - ends[0] < AGREE,
         tuple(ends),

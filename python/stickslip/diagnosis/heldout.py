@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import chi2 as chi2_law
 
-from stickslip.diagnosis.fitting import Fit, fit_rivals
+from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
 from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]
@@ -34,6 +35,11 @@ class Gain:
         Mean absolute error in the observable's unit.
     interval : tuple of float
         95 % interval of the fall of chi-square per condition, by a paired bootstrap.
+    helps : bool
+        Whether the error falls when it is weighed by the predictions' own covariance too, which
+        counts for what no other condition can tell, such as a film's own camera.
+    p_value : float
+        Of the extended model's error under that covariance.
     same_choice : bool
         Whether the other conditions alone rank the same rival first.
     predicted_before, predicted_after : ndarray
@@ -46,6 +52,8 @@ class Gain:
     mae_before: float
     mae_after: float
     interval: tuple[float, float]
+    helps: bool
+    p_value: float
     same_choice: bool
     predicted_before: Array
     predicted_after: Array
@@ -122,7 +130,8 @@ def measure_gain(
     inside = restricted(problem, keep, covariance)
     others = [fit for fit in rivals if fit is not chosen][:4]
     fits = [null, chosen, *others]
-    refits = fit_rivals(inside, [fit.rival for fit in fits], [[fit.x] for fit in fits], 6)
+    begins = [[Start.of(fit, keep)] for fit in fits]
+    refits = fit_rivals(inside, [fit.rival for fit in fits], begins, 6, exact=False)
     predicted = problem.predicted(np.stack([refits[0].x, refits[1].x]))[:, held_out]
     error = problem.observed[held_out] - predicted
     sd = np.sqrt(np.diag(covariance))[held_out]
@@ -131,6 +140,10 @@ def measure_gain(
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
     best = max(refits[1:], key=lambda fit: fit.log_evidence)
+    weighed = [
+        _weighed(row, covariance, held_out, full, refit)
+        for row, full, refit in zip(error, (null, chosen), refits, strict=False)
+    ]
     return Gain(
         held_out,
         float(np.mean(before)),
@@ -138,7 +151,18 @@ def measure_gain(
         float(np.mean(np.abs(error[0]))),
         float(np.mean(np.abs(error[1]))),
         (float(np.quantile(fall, 0.025)), float(np.quantile(fall, 0.975))),
+        weighed[1] < weighed[0],
+        float(chi2_law.sf(weighed[1], len(held_out))),
         best is refits[1],
         predicted[0],
         predicted[1],
     )
+
+
+def _weighed(
+    error: Array, covariance: Array, held_out: NDArray[np.int64], full: Fit, refit: Fit
+) -> float:
+    """Chi-square of held-out errors by the data's covariance and the prediction's."""
+    slope = full.slope[held_out]
+    total = covariance[np.ix_(held_out, held_out)] + slope @ refit.covariance @ slope.T
+    return float(error @ np.linalg.solve(total, error))

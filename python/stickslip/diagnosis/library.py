@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from stickslip.diagnosis.model import Cause, CauseParameter
 from stickslip.extensions import effects
-from stickslip.keys import known_keys
+from stickslip.keys import Key, known_keys
 from stickslip.measurement.priors import Prior
 from stickslip.scenario import Scenario
 from stickslip.waveform import volts_per_tesla
@@ -34,7 +34,7 @@ _SIZES = {
     "gradient_scale.fraction": _Size(0.3, -0.9, 3.0),
     "field_gain.in_plane": _Size(0.05, -0.5, 0.6),
     "field_gain.clamp": _Size(0.05, -0.5, 0.6),
-    "misalignment.angle": _Size(0.08, -0.6, 0.6),
+    "misalignment.angle": _Size(0.08, -1.5, 1.5),
     "magnetization_scale.fraction": _Size(0.1, -0.6, 1.0),
     "ambient_field.Bx": _Size(5e-5, -5e-4, 5e-4),
     "ambient_field.Bz": _Size(5e-5, -5e-4, 5e-4),
@@ -43,7 +43,7 @@ _SIZES = {
     "friction_anisotropy.fraction": _Size(0.12, -0.8, 0.8),
     "angle_adhesion.strength": _Size(0.5, -4.0, 1.0),
     "adhesion_ageing.rate": _Size(0.2, 0.0, 5.0),
-    "restitution.coefficient": _Size(0.15, 0.0, 0.9),
+    "restitution.coefficient": _Size(0.15, 0.0, 0.8),
     "angle_drag.strength": _Size(1.0, -0.9, 20.0),
     "quadratic_drag.coefficient": _Size(1e-3, 0.0, 0.05),
     "rotational_drag.coefficient": _Size(2e-14, 0.0, 1e-12),
@@ -54,8 +54,11 @@ _SIZES = {
     "angle_offset.angle": _Size(0.03, -0.3, 0.3),
 }
 _SHAPES = {"adhesion_ageing.time": 0.01, "friction_patches.period": 5e-4}
+# A controller that is this fast cannot be told from one without steps, but takes long to simulate.
+_NEGLIGIBLE = {"sample_hold.period": 1e-4}
 _CLIP_SHARE = 0.15
 _SHORT = len("effects.")
+_RANGE_SHARE = 5.0
 
 
 def library(scenario: Scenario, uncertain: dict[str, Prior], top: float) -> tuple[Cause, ...]:
@@ -95,12 +98,27 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], top: float) -> tupl
                 size = _SIZES[name]
                 parameters.append(
                     CauseParameter(
-                        key.name, key.unit, size.low, size.high, size.scale, float(key.default)
+                        key.name,
+                        key.unit,
+                        size.low,
+                        size.high,
+                        size.scale,
+                        float(key.default),
+                        negligible=_NEGLIGIBLE.get(name, 0.0),
                     )
                 )
+            else:
+                parameters.append(_unsized(key))
         if parameters:
             causes.append(Cause(effect.name, tuple(parameters), effect.meaning))
     return tuple(causes)
+
+
+def _unsized(key: Key) -> CauseParameter:
+    """A parameter of a user's own effect, of which only the range is known."""
+    absent = float(key.default)
+    scale = max(key.high - absent, absent - key.low) / _RANGE_SHARE
+    return CauseParameter(key.name, key.unit, key.low, key.high, scale, absent)
 
 
 def parameter_unit(name: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -51,12 +51,16 @@ class CauseParameter:
     low, high : float
         Physical range, in the unit.
     scale : float
-        Size that would not surprise: standard deviation of the amplitude's prior, in the unit.
+        Size that would not surprise, in the unit: that at a coordinate of 1, where the coordinate's
+        prior is standard normal. Beyond it, sizes grow exponentially with the coordinate.
     absent : float
         Value at which the cause does nothing.
     shape : bool
         A parameter such as a period, which says how the cause looks and not how strong it is; it is
         `absent` times exp of a normal coordinate of standard deviation 0.7.
+    negligible : float
+        Distance from `absent` below which the cause does nothing, in the unit; for one that is
+        costly to simulate when it is tiny.
     downward : bool
         The cause grows as the parameter falls from `high`, at which it begins to act; at `absent`
         (a limit that is not there) it does nothing.
@@ -70,6 +74,7 @@ class CauseParameter:
     absent: float = 0.0
     shape: bool = False
     downward: bool = False
+    negligible: float = 0.0
 
     def value(self, u: Array) -> Array:
         """Physical value at the coordinate `u`, whose prior is standard normal."""
@@ -77,7 +82,10 @@ class CauseParameter:
             return np.clip(self.absent * np.exp(0.7 * u), self.low, self.high)
         if self.downward:
             return np.where(u <= 0.0, self.absent, np.maximum(self.high - self.scale * u, self.low))
-        return np.clip(self.absent + self.scale * u, self.low, self.high)
+        # Linear near zero and exponential far out, where a size would surprise in any case.
+        size = self.scale * np.sinh(u) / np.sinh(1.0)
+        value = np.clip(self.absent + size, self.low, self.high)
+        return np.where(np.abs(value - self.absent) < self.negligible, self.absent, value)
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -86,7 +94,8 @@ class CauseParameter:
             return -3.0, 3.0
         if self.downward:
             return 0.0, (self.high - self.low) / self.scale
-        return (self.low - self.absent) / self.scale, (self.high - self.absent) / self.scale
+        low, high = (self.low - self.absent) / self.scale, (self.high - self.absent) / self.scale
+        return float(np.arcsinh(low * np.sinh(1.0))), float(np.arcsinh(high * np.sinh(1.0)))
 
 
 @dataclass(frozen=True)
@@ -183,8 +192,16 @@ class Problem:
         """Observables at coordinates, shape (vectors, m)."""
         return np.asarray(self.predict(self.conditions, self.physical(x)), dtype=float)
 
-    def residuals(self, x: Array) -> Array:
-        """Whitened data minus prediction, shape (vectors, m); without the prior's rows."""
-        gap = self.observed - self.predicted(x)
+    def tempered(self, factor: float) -> Problem:
+        """The same with errors larger by a factor, so that the priors weigh more."""
+        return replace(self, whiten=self.whiten / factor)
+
+    def whitened(self, predicted: Array) -> Array:
+        """Whitened data minus a prediction, shape (vectors, m); without the prior's rows."""
+        gap = self.observed - predicted
         whitened = np.where(np.isfinite(gap), gap, 0.0) @ self.whiten.T
         return np.where(np.isfinite(gap), whitened, _LOST)
+
+    def residuals(self, x: Array) -> Array:
+        """Whitened residuals at coordinates, shape (vectors, m)."""
+        return self.whitened(self.predicted(x))

@@ -36,8 +36,8 @@ class NoiseModel:
         s0 in the observable's unit, rho, and the scatter of set-ups in units of `sd`.
     dof : float
         Degrees of freedom; infinity where the noise was stated, 0 where nothing is known.
-    covariance : ndarray, shape (m, m)
-        Of `mean`.
+    setups : ndarray, shape (m, set-ups)
+        Share of each condition's trials in each set-up; no columns where that is not known.
     notes : tuple of str
     """
 
@@ -48,8 +48,23 @@ class NoiseModel:
     relative: float
     between: float
     dof: float
-    covariance: Array
+    setups: Array
     notes: tuple[str, ...]
+
+    @property
+    def covariance(self) -> Array:
+        """Of `mean`, shape (m, m), from the trials alone."""
+        return self.covariance_at(self.mean)
+
+    def covariance_at(self, level: Array) -> Array:
+        """Of `mean`, with the set-ups' common errors in proportion to some level, shape (m,).
+
+        An error that many conditions share must not follow what was measured: conditions that came
+        out low would then weigh more, and a fit would end below them all.
+        """
+        shared = self.setups * np.sqrt(self.floor**2 + (self.relative * level) ** 2)[:, None]
+        own = np.diag(self.sd**2 / self.count)
+        return np.asarray(own + self.between**2 * shared @ shared.T)
 
 
 def fit_noise(
@@ -98,18 +113,19 @@ def fit_noise(
     else:
         floor, relative, free, sd = 0.0, 0.0, 0.0, np.full(m, size)
         notes.append("the noise is not known: no repeats that differ and no stated error")
-    covariance = np.diag(sd**2 / count)
-    between = 0.0
+    between, setups = 0.0, np.zeros((m, 0))
     if known and crossed:
         assert block is not None
         between = _between(value, condition, block, mean, sd, count)
-        covariance = covariance + between**2 * _shared(condition, block, sd, count)
+        setups = np.zeros((m, int(block.max()) + 1))
+        np.add.at(setups, (condition, block), 1.0)
+        setups /= count[:, None]
     elif not known:
         notes.append("no column block: scatter between set-ups cannot be separated from a cause")
     else:
         notes.append("no condition was repeated in another set-up: their scatter is not known")
     return NoiseModel(
-        mean, sd, count, floor, relative, between, free, covariance, tuple(notes)
+        mean, sd, count, floor, relative, between, free, setups, tuple(notes)
     )  # fmt: skip
 
 
@@ -139,6 +155,9 @@ def _without_blocks(
 def _curve(deviation: Array, leverage: Array, level: Array, size: float) -> tuple[float, float]:
     """s0 and rho by maximum likelihood of the residuals."""
 
+    seen = leverage > 1e-6
+    deviation, leverage, level = deviation[seen], leverage[seen], level[seen]
+
     def loss(log: Array) -> float:
         variance = (np.exp(2 * log[0]) * size**2 + np.exp(2 * log[1]) * level**2) * leverage
         return float(np.sum(leverage * np.log(variance) + deviation**2 / variance * leverage))
@@ -151,13 +170,6 @@ def _curve(deviation: Array, leverage: Array, level: Array, size: float) -> tupl
         key=lambda found: float(found.fun),
     )
     return float(np.exp(best.x[0])) * size, float(np.exp(best.x[1]))
-
-
-def _shared(condition: Index, block: Index, sd: Array, count: Index) -> Array:
-    share = np.zeros((len(sd), int(block.max()) + 1))
-    np.add.at(share, (condition, block), 1.0)
-    weight = share / count[:, None] * sd[:, None]
-    return np.asarray(weight @ weight.T)
 
 
 def _between(

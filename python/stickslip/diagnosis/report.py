@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -29,6 +30,17 @@ _NAMELESS = {
 }
 
 
+_LISTED = 6
+
+
+def _sizes(found: Diagnosis) -> str:
+    """The fitted parameters with their errors."""
+    return ", ".join(
+        f"{_short(name)} = {each['value']:.3g} +- {each['sd']:.1g} {each['unit']}"
+        for name, each in _parameters(found).items()
+    )
+
+
 def headline(found: Diagnosis) -> str:
     """The verdict in one sentence."""
     verdict = found.verdict
@@ -37,13 +49,15 @@ def headline(found: Diagnosis) -> str:
     elif verdict.word == "data-problem":
         text = f"The data does not allow a diagnosis: {verdict.reasons[0]}."
     elif verdict.word == "named":
-        text = f"The data points to {verdict.causes[0]}."
+        text = f"The data points to {verdict.causes[0]}: {_sizes(found)}."
     elif verdict.word == "pair":
         text = f"The data points to two causes together: {' and '.join(verdict.causes)}."
     elif len(verdict.causes) == 1:
         text = f"{verdict.causes[0]} is the best candidate, but {verdict.reasons[0]}."
     else:
-        text = f"One of these, and this data cannot say which: {', '.join(verdict.causes)}."
+        first, more = verdict.causes[:_LISTED], len(verdict.causes) - _LISTED
+        text = f"One of these, and this data cannot say which: {', '.join(first)}"
+        text += f" and {more} more." if more > 0 else "."
     if found.gain is not None and found.gain.interval[0] <= 0.0:
         text += " Its gain on held-out conditions is not certain: the interval includes 0."
     return text
@@ -93,6 +107,8 @@ def _parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
     if found.verdict.fit is None:
         return {}
     result = describe(found.problem, found.verdict.fit)
+    for each in found.profiles:
+        result[each.name]["sd"] = max(float(result[each.name]["sd"]), each.sd)
     for fit in found.ranking.singles:
         if found.verdict.word == "ambiguous" and fit.name in found.verdict.causes:
             for name, entry in describe(found.problem, fit).items():
@@ -163,6 +179,10 @@ def details(
             }
             for fit in fits
         ],
+        "profiles": {
+            each.name: {"value": each.value.tolist(), "chi2": each.chi2.tolist(), "unit": each.unit}
+            for each in found.profiles
+        },
         "isolability_classes": [list(each) for each in found.classes],
         "same_choice_without_held_out": None if found.gain is None else found.gain.same_choice,
         "conditions": rows,
@@ -205,11 +225,20 @@ def write_report(
     short = summary(found, measurement, experiments)
     full = {**short, **details(found, measurement, conditions)}
     full["channels"] = {each.title: each.numbers for each in sketches}
+    full["gain_unit"] = _gain_unit(examination)
     write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
     with replacing(out / "report.json") as temporary:
         temporary.write_text(json_text(full) + "\n", encoding="utf-8")
     with replacing(out / "report.html") as temporary:
         temporary.write_text(page_text(found, full, sketches), encoding="utf-8")
+
+
+def _gain_unit(examination: Examination) -> str:
+    """Unit of what is held out: velocities, where there are any, else the channels' observables."""
+    if examination.conditions:
+        return "m/s"
+    kinds = {channel.name for channel in examination.combined.channels}
+    return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
 
 
 def page_text(found: Diagnosis, full: Mapping[str, Any], sketches: Sequence[Sketch]) -> str:
@@ -227,6 +256,9 @@ def page_text(found: Diagnosis, full: Mapping[str, Any], sketches: Sequence[Sket
         report=full,
         meanings={each.name: each.meaning for each in found.problem.causes},
         units={name: keys[name].unit for name in keys},
+        shown={"m/s": ("mm/s", 1e3), "rad": ("degrees", math.degrees(1.0)), "T": ("mT", 1e3)}.get(
+            full["gain_unit"], ("SI units", 1.0)
+        ),
         curves=figures.velocities(found, len(full["conditions"])),
         sketches=sketches,
         ranking=figures.ranking(found),

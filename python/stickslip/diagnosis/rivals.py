@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
-from stickslip.diagnosis.fitting import Fit, fit_rivals, make_rival
+from stickslip.diagnosis.fitting import Fit, Rival, Start, fit_rivals, make_rival
 from stickslip.diagnosis.model import Cause, Problem
-from stickslip.diagnosis.signatures import AMPLITUDES, Signatures, best_row
+from stickslip.diagnosis.signatures import (
+    UNSEEN,
+    Signatures,
+    price,
+    screen,
+    seen_from,
+    settle,
+    starts,
+)
 
 Array = NDArray[np.float64]
 
@@ -21,12 +29,15 @@ ADEQUATE = 0.01
 COMFORTABLE = 0.3
 """With a single cause of at least this p-value, no pair is looked for."""
 
-_QUICK, _CAREFUL = 3, 8
+_QUICK, _CAREFUL = 4, 10
+_SOFT, _SOFTEST = 3.0, 10.0
+_STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
 _SURVIVORS = 6
 _WITHIN = 14.0
 _HOPELESS = 60.0
-_CLOUDS = 3
-_LEADING = 2
+_LEADING, _ROUNDS = 2, 3
+_PAIRS = 16
+_CENTRES = 3
 
 
 @dataclass(frozen=True)
@@ -46,161 +57,382 @@ class Ranking:
 
 
 def adequacy(problem: Problem, fit: Fit) -> float:
-    """p-value of the lack of fit of a rival."""
-    extra = len(fit.rival.free) - problem.base_count
-    return lack_of_fit_p(fit.chi2, len(problem.observed) - extra, problem.dof)
+    """p-value of the lack of fit of a rival.
+
+    How large an effect is says nothing of whether it explains: the prior row of an amplitude is the
+    evidence's, not the misfit's.
+    """
+    base = problem.base_count
+    extra = len(fit.rival.free) - base
+    constants = fit.x[fit.rival.free[:base]] / fit.rival.width[:base]
+    chi2 = fit.data_chi2 + float(constants @ constants)
+    return lack_of_fit_p(chi2, len(problem.observed) - extra, problem.dof)
 
 
-def fit_singles(problem: Problem, null: Fit, signatures: Signatures) -> tuple[Fit, ...]:
-    """Fit every cause quickly.
+Views = Sequence[tuple[Fit, Signatures]]
+"""Points at which the responses of all causes are known, the recalibrated model first."""
+
+
+def fit_singles(
+    problem: Problem, views: Views, basins: Sequence[Fit] = (), clouds: int = 0
+) -> tuple[Fit, ...]:
+    """Fit every cause quickly from its signatures, and those that survive with care.
 
     Parameters
     ----------
     problem : Problem
-    null : Fit
-    signatures : Signatures
+    views : sequence of tuple of Fit and Signatures
         Their rows are the starts.
+    basins : sequence of Fit
+        Other minima of the model without a cause, to begin from too.
+    clouds : int
+        As for `fit_rivals`; for the careful fits.
     """
-    causes, starts = [], []
-    for index, cause in enumerate(problem.causes):
-        row = best_row(signatures, null.residual, index)
-        if row is None:
-            continue
-        causes.append(cause)
-        starts.append([signatures.point[row]])
-    rivals = [make_rival(problem, [cause]) for cause in causes]
-    quick = fit_rivals(problem, rivals, starts, _QUICK, _HOPELESS)
-    return tuple(sorted(quick, key=lambda fit: -fit.log_evidence))
+    bases = [*(fit for fit, _ in views), *basins]
+    found: dict[int, list[tuple[float, Start]]] = {k: [] for k in range(len(problem.causes))}
+    for base in bases:
+        for _, signatures in views:
+            softer, seen_there = seen_from(problem, signatures, base, _SOFTEST)
+            screened = screen(seen_there, softer.residual)
+            for index, points in found.items():
+                points += starts(problem, softer, seen_there, screened, index, _STARTS)
+    begins = {
+        index: _promising(points)
+        + [start for fit in bases for start in _far_off(problem, fit, index)]
+        for index, points in found.items()
+    }
+    seen = [index for index in begins if begins[index]]
+    rivals = [make_rival(problem, [problem.causes[index]]) for index in seen]
+    ordered = _best_first(problem, rivals, [begins[index] for index in seen])
+    quick = _quick(problem, rivals, [points[:1] for points in ordered])
+    others = {fit.name: points[1:4] for fit, points in zip(quick, ordered, strict=True)}
+    return refine(problem, quick, others, clouds)
 
 
-def refine(problem: Problem, quick: Sequence[Fit], scanned: Array) -> tuple[Fit, ...]:
-    """Refit the survivors with care and from several starts; the rest keep their quick fits."""
+def _quick(
+    problem: Problem, rivals: Sequence[Rival], begins: Sequence[Sequence[Start]]
+) -> list[Fit]:
+    """A few steps with errors taken as too large, then a few more."""
+    fits: list[Fit] = []
+    for factor in (_SOFTEST, _SOFT, 1.0):
+        softer = problem.tempered(factor)
+        limit = _HOPELESS if factor == 1.0 else np.inf
+        fits = fit_rivals(softer, rivals, begins, _QUICK, limit, exact=False)
+        begins = [[Start.of(fit)] for fit in fits]
+    return fits
+
+
+def _promising(points: list[tuple[float, Start]]) -> list[Start]:
+    """The best starts that do not lie close together."""
+    chosen: list[Start] = []
+    for _, start in sorted(points, key=lambda each: each[0]):
+        if all(np.linalg.norm(start.x - other.x) > _CLOSE for other in chosen):
+            chosen.append(start)
+        if len(chosen) == _BEGINS:
+            break
+    return chosen
+
+
+def _far_off(problem: Problem, fit: Fit, cause: int) -> list[Start]:
+    """Where a freed constant could be that no scan of the priors has looked at."""
+    freed = problem.causes[cause].frees
+    if freed is None:
+        return []
+    column = [each.name for each in problem.uncertain].index(freed)
+    found = []
+    for place in (-6.0, -3.0, 3.0, 6.0):
+        x = fit.x.copy()
+        x[column] = place
+        found.append(Start(x, fit.slope))
+    return found
+
+
+def _moved(problem: Problem, start: Start, basin: Fit) -> Start:
+    """The same amplitude with the constants, and their derivatives, of another minimum."""
+    p = problem.base_count
+    x = start.x.copy()
+    x[:p] = basin.x[:p]
+    assert start.slope is not None
+    return Start(x, np.hstack([basin.slope[:, :p], start.slope[:, p:]]))
+
+
+def settle_null(
+    problem: Problem, null: Fit, singles: tuple[Fit, ...]
+) -> tuple[Fit, tuple[Fit, ...]]:
+    """The null again from the constants of the leading rivals, and these from one another's.
+
+    A rival that found a better valley must not win for that alone.
+    """
+    p = problem.base_count
+    leading = list(singles[:_SURVIVORS])
+    if not leading:
+        return null, singles
+    begins = [Start.of(null)]
+    for fit in leading:
+        x = null.x.copy()
+        x[:p] = fit.x[:p]
+        begins.append(Start(x, fit.slope[:, :p]))
+    rivals = [null.rival, *(fit.rival for fit in leading)]
+    starts_of = [begins]
+    for fit in leading:
+        own = Start.of(fit)
+        starts_of.append(
+            [own, *(_moved(problem, own, other) for other in leading[:3] if other is not fit)]
+        )
+    ordered = _best_first(problem, rivals, starts_of)
+    again = fit_rivals(problem, rivals, [points[:2] for points in ordered], _CAREFUL)
+    kept = [
+        new if new.chi2 < old.chi2 - 0.5 else old
+        for old, new in zip([null, *leading], again, strict=True)
+    ]
+    rest = singles[_SURVIVORS:]
+    return kept[0], tuple(sorted([*kept[1:], *rest], key=lambda fit: -fit.log_evidence))
+
+
+def _best_first(
+    problem: Problem, rivals: Sequence[Rival], begins: Sequence[Sequence[Start]]
+) -> list[list[Start]]:
+    """Starts of each rival by their chi-square with large errors."""
+    flat = [(k, start) for k, points in enumerate(begins) for start in points]
+    if not flat:
+        return []
+    low, high = problem.limits()
+    x = np.clip(np.stack([start.x for _, start in flat]), low, high)
+    # Of narrow valleys a start is seldom at the bottom.
+    chi2 = np.sum(problem.tempered(_SOFTEST).residuals(x) ** 2, axis=1)
+    for row, (k, _) in enumerate(flat):
+        chi2[row] += np.sum((x[row, rivals[k].free] / rivals[k].width) ** 2)
+    result: list[list[Start]] = [[] for _ in begins]
+    for row in np.argsort(chi2, kind="stable"):
+        result[flat[row][0]].append(flat[row][1])
+    return result
+
+
+def refine(
+    problem: Problem,
+    quick: Sequence[Fit],
+    others: Mapping[str, Sequence[Start]],
+    clouds: int = 0,
+) -> tuple[Fit, ...]:
+    """Refit the survivors with care and from further starts; the rest keep their quick fits."""
     order = sorted(range(len(quick)), key=lambda k: -quick[k].log_evidence)
     if not order:
         return ()
     best = quick[order[0]].log_evidence
     chosen = [k for k in order[:_SURVIVORS] if quick[k].log_evidence > best - _WITHIN]
-    starts = []
-    for k in chosen:
-        other = _other_starts(problem, quick[k], scanned)
-        starts.append([quick[k].x, *other])
-    careful = fit_rivals(
-        problem, [quick[k].rival for k in chosen], starts, _CAREFUL, clouds=_CLOUDS
-    )
+    begins = [
+        [Start.of(quick[k]), *others.get(quick[k].name, ()), _nearby(problem, quick[k])]
+        for k in chosen
+    ]
+    careful = fit_rivals(problem, [quick[k].rival for k in chosen], begins, _CAREFUL, clouds=clouds)
     result = list(quick)
     for k, fit in zip(chosen, careful, strict=True):
         result[k] = fit
-    _agree(problem, result)
+    _agree(problem, result, clouds)
     return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
 
 
-def _agree(problem: Problem, fits: list[Fit]) -> None:
-    """Two more starts, a posterior's width away, for leading rivals whose starts do not agree."""
+def _nearby(problem: Problem, fit: Fit) -> Start:
+    """A start a posterior's width away, with derivatives to be taken there."""
+    low, high = problem.limits()
+    free = fit.rival.free
+    x = fit.x.copy()
+    signs = np.where(np.arange(len(free)) % 2 == 0, 1.0, -1.0)
+    step = signs * np.minimum(np.sqrt(np.diag(fit.covariance)), 0.5)
+    x[free] = np.clip(x[free] + step, low[free], high[free])
+    return Start(x)
+
+
+def _agree(problem: Problem, fits: list[Fit], clouds: int) -> None:
+    """More starts a posterior's width away for leaders whose starts do not agree."""
     order = sorted(range(len(fits)), key=lambda k: -fits[k].log_evidence)[:_LEADING]
-    doubtful = [k for k in order if not fits[k].certified]
     low, high = problem.limits()
     random = np.random.default_rng(7)
-    starts = []
-    for k in doubtful:
-        free = fits[k].rival.free
-        spread = np.clip(np.sqrt(np.diag(fits[k].covariance)), 0.05, 0.5)
-        points = [fits[k].x]
-        for _ in range(2):
-            point = fits[k].x.copy()
-            point[free] += spread * random.standard_normal(len(free))
-            points.append(np.clip(point, low, high))
-        starts.append(points)
-    rivals = [fits[k].rival for k in doubtful]
-    for k, fit in zip(
-        doubtful, fit_rivals(problem, rivals, starts, _CAREFUL, clouds=2 * _CLOUDS), strict=True
-    ):
-        fits[k] = fit
+    for _ in range(_ROUNDS):
+        doubtful = [k for k in order if not fits[k].certified]
+        begins = []
+        for k in doubtful:
+            free = fits[k].rival.free
+            spread = np.minimum(2.0 * np.sqrt(np.diag(fits[k].covariance)), 0.5)
+            points = [Start.of(fits[k])]
+            for _ in range(2):
+                x = fits[k].x.copy()
+                x[free] += spread * random.standard_normal(len(free))
+                points.append(Start(np.clip(x, low, high)))
+            begins.append(points)
+        rivals = [fits[k].rival for k in doubtful]
+        again = fit_rivals(problem, rivals, begins, _CAREFUL, clouds=max(clouds, 1))
+        for k, fit in zip(doubtful, again, strict=True):
+            fits[k] = fit
 
 
-def _other_starts(problem: Problem, fit: Fit, scanned: Array) -> list[Array]:
-    """Two starts far from the quick fit: the best of a scan of amplitudes, and one nearby."""
-    low, high = problem.limits()
-    extra = [k for k in fit.rival.free if k >= problem.base_count]
-    grid = []
-    for base in scanned:
-        amplitudes = [0.0] if not extra else [s * a for a in AMPLITUDES for s in (1.0, -1.0)]
-        for amplitude in amplitudes:
-            point = base.copy()
-            point[extra] = 0.0
-            for k in extra:
-                shape = problem.parameters[k - problem.base_count].shape
-                point[k] = 0.0 if shape else np.clip(amplitude, low[k], high[k])
-            grid.append(point)
-    points = np.array(grid)
-    chi2 = np.sum(problem.residuals(points) ** 2, axis=1)
-    chi2 += np.sum((points[:, fit.rival.free] / fit.rival.width) ** 2, axis=1)
-    nearby = fit.x.copy()
-    free = fit.rival.free
-    spread = np.sqrt(np.diag(fit.covariance))
-    signs = np.where(np.arange(len(free)) % 2 == 0, 1.0, -1.0)
-    nearby[free] = np.clip(nearby[free] + signs * np.minimum(spread, 0.5), low[free], high[free])
-    return [points[int(np.argmin(chi2))], nearby]
-
-
-def fit_pairs(problem: Problem, singles: Sequence[Fit], scanned: Array) -> tuple[Fit, ...]:
+def fit_pairs(
+    problem: Problem,
+    views: Views,
+    singles: Sequence[Fit],
+    basins: Sequence[Fit] = (),
+    clouds: int = 0,
+) -> tuple[Fit, ...]:
     """Screen all pairs with finite amplitudes, and fit the most promising.
 
-    A pair is screened about the fit of each of its members: what is left of the residual once the
-    other has its best amplitude and everything is recalibrated.
+    Two screens: the sum of two responses of the recalibrated model, for every pair and pair of
+    amplitudes; and, about the leading single fits, responses simulated anew, as causes bend each
+    other's effect.
     """
-    m = len(problem.observed)
-    screened: dict[tuple[str, str], tuple[float, Array]] = {}
-    bends = [fit for fit in singles if fit.rival.causes]
-    plan: list[tuple[Fit, Cause, Array]] = []
-    for fit in bends:
-        first = fit.rival.causes[0]
-        for cause in problem.causes:
-            if cause.name == first.name:
-                continue
-            for point in _amplitude_points(problem, fit.x, cause):
-                plan.append((fit, cause, point))
-    if not plan:
+    found: Pairs = {}
+    for base in (*(fit for fit, _ in views), *basins):
+        for _, signatures in views:
+            softer, seen_there = seen_from(problem, signatures, base, _SOFT)
+            for key, (left, start) in _added(problem, softer, seen_there).items():
+                if key not in found or left < found[key][0]:
+                    found[key] = (left, start)
+    beside = _beside(problem, singles[:_CENTRES])
+    added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
+    near = sorted(beside, key=lambda key: beside[key][0])[: _PAIRS // 2]
+    order = list(dict.fromkeys([*added, *near]))
+    if not order:
         return ()
-    predicted = problem.predicted(np.stack([point for _, _, point in plan]))
-    at_fit = {fit.name: problem.predicted(fit.x[None, :])[0] for fit in bends}
-    projectors = {fit.name: np.linalg.qr(fit.jacobian)[0] for fit in bends}
-    for (fit, cause, point), row in zip(plan, predicted, strict=True):
-        gap = row - at_fit[fit.name]
+    by_name = {cause.name: cause for cause in problem.causes}
+    rivals = [make_rival(problem, [by_name[a], by_name[b]]) for a, b in order]
+    begins = [[each[key][1] for each in (found, beside) if key in each] for key in order]
+    ordered = _best_first(problem, rivals, begins)
+    quick = _quick(problem, rivals, [points[:1] for points in ordered])
+    others = {fit.name: points[1:] for fit, points in zip(quick, ordered, strict=True)}
+    return refine(problem, quick, others, clouds)
+
+
+Pairs = dict[tuple[str, str], tuple[float, Start]]
+"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
+
+
+def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
+    """What the sum of two causes' responses would leave, each at its best multiple."""
+    rows = np.flatnonzero(signatures.size > UNSEEN)
+    absorbed, cause = signatures.absorbed[rows], signatures.cause[rows]
+    gram = absorbed @ absorbed.T
+    along = absorbed @ null.residual
+    power = np.diag(gram) + price(signatures)[rows]
+    # Two multiples by least squares; those below zero or far above one are not trusted.
+    determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
+    first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
+    farthest = np.where(signatures.at[rows] < 0, 8.0, 1.8)
+    first = np.clip(first, 0.0, farthest[:, None])
+    second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, farthest[None, :])
+    fall = (
+        2.0 * (first * along[:, None] + second * along[None, :])
+        - first**2 * power[:, None]
+        - second**2 * power[None, :]
+        - 2.0 * first * second * gram
+    )
+    moved = null.jacobian @ np.linalg.lstsq(null.jacobian, null.residual, rcond=None)[0]
+    left = null.chi2 - moved @ moved - fall
+    left[cause[:, None] >= cause[None, :]] = np.inf
+    result: Pairs = {}
+    number = len(problem.causes)
+    code = cause[:, None] * number + cause[None, :]
+    order = np.argsort(left, axis=None, kind="stable")
+    seen: set[int] = set()
+    for flat in order:
+        i, j = np.unravel_index(flat, left.shape)
+        if not np.isfinite(left[i, j]) or len(seen) >= 2 * _PAIRS:
+            break
+        if int(code[i, j]) in seen:
+            continue
+        seen.add(int(code[i, j]))
+        key, start = _joined(
+            problem,
+            null,
+            signatures,
+            (int(rows[i]), int(rows[j])),
+            (float(first[i, j]), float(second[i, j])),
+        )
+        result[key] = (float(left[i, j]), start)
+    return result
+
+
+def _joined(
+    problem: Problem,
+    null: Fit,
+    signatures: Signatures,
+    rows: tuple[int, int],
+    scales: tuple[float, float],
+) -> tuple[tuple[str, str], Start]:
+    """Start of a pair from two rows of the signatures."""
+    p, m = problem.base_count, len(problem.observed)
+    causes = [problem.causes[signatures.cause[row]] for row in rows]
+    columns = problem.columns(causes)
+    x, slope = null.x.copy(), np.zeros((m, len(columns)))
+    x[:p] += settle(null)
+    for row, scale in zip(rows, scales, strict=True):
+        at = int(signatures.at[row])
+        amount = max(float(scale), 0.2)
+        x[:p] += amount * (signatures.point[row, :p] - null.x[:p])
+        if at < 0:
+            continue
+        extra = [k for k in range(p, problem.size) if signatures.point[row, k] != 0.0]
+        x[extra] = signatures.point[row, extra]
+        x[at] = amount * signatures.amplitude[row]
+        slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+    names = sorted(cause.name for cause in causes)
+    return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
+
+
+def _beside(problem: Problem, singles: Sequence[Fit]) -> Pairs:
+    """What a second cause would leave beside each of the leading single causes."""
+    m, p = len(problem.observed), problem.base_count
+    plan: list[tuple[Fit, Cause, int, Array]] = []
+    for fit in singles:
+        for cause in problem.causes:
+            if cause.name != fit.rival.causes[0].name:
+                plan += [(fit, cause, *each) for each in _amplitude_points(problem, fit.x, cause)]
+    if not plan:
+        return {}
+    predicted = problem.predicted(
+        np.vstack([np.stack([point for *_, point in plan]), [fit.x for fit in singles]])
+    )
+    level = dict(zip([fit.name for fit in singles], predicted[len(plan) :], strict=True))
+    bases = {fit.name: np.linalg.qr(fit.jacobian)[0] for fit in singles}
+    result: Pairs = {}
+    for (fit, cause, at, point), row in zip(plan, predicted[: len(plan)], strict=True):
+        gap = row - level[fit.name]
+        gap = np.where(np.isfinite(gap), gap, 0.0)
         raw = np.zeros(len(fit.residual))
-        raw[:m] = problem.whiten @ np.where(np.isfinite(gap), gap, 0.0)
-        basis = projectors[fit.name]
+        raw[:m] = problem.whiten @ gap
+        basis = bases[fit.name]
         absorbed = raw - basis @ (basis.T @ raw)
         left = float(np.sum((fit.residual - absorbed) ** 2))
         names = sorted([fit.rival.causes[0].name, cause.name])
         key = (names[0], names[1])
-        if key not in screened or left < screened[key][0]:
+        if key not in result or left < result[key][0]:
             start = point.copy()
             start[fit.rival.free] -= np.linalg.lstsq(fit.jacobian, raw, rcond=None)[0]
-            screened[key] = (left, start)
-    order = sorted(screened, key=lambda key: screened[key][0])[: 3 * _SURVIVORS]
-    by_name = {cause.name: cause for cause in problem.causes}
-    rivals = [make_rival(problem, [by_name[a], by_name[b]]) for a, b in order]
-    quick = fit_rivals(problem, rivals, [[screened[key][1]] for key in order], _QUICK, _HOPELESS)
-    return refine(problem, quick, scanned[:2])
+            columns = problem.columns([*fit.rival.causes, cause])
+            slope = np.zeros((m, len(columns)))
+            for k, column in enumerate(fit.rival.free[p:]):
+                slope[:, columns.index(column)] = fit.slope[:, p + k]
+            if at >= 0:
+                slope[:, columns.index(at)] = gap / point[at]
+            result[key] = (left, Start(start, np.hstack([fit.slope[:, :p], slope])))
+    return result
 
 
-def _amplitude_points(problem: Problem, x: Array, cause: Cause) -> list[Array]:
+def _amplitude_points(problem: Problem, x: Array, cause: Cause) -> list[tuple[int, Array]]:
+    """Column and coordinates of a second cause's amplitudes."""
     low, high = problem.limits()
     points = []
-    columns = problem.columns([cause])
     if cause.frees is not None:
         index = [each.name for each in problem.uncertain].index(cause.frees)
         for amplitude in (-3.0, 3.0):
             point = x.copy()
             point[index] += amplitude
-            points.append(point)
-    for at in columns:
+            points.append((-1, point))
+    for at in problem.columns([cause]):
         if problem.parameters[at - problem.base_count].shape:
             continue
-        for amplitude in (-1.5, -0.5, 0.5, 1.5):
+        for amplitude in (-1.0, 1.0):
             u = float(np.clip(amplitude, low[at], high[at]))
             if u != 0.0:
                 point = x.copy()
                 point[at] = u
-                points.append(point)
+                points.append((at, point))
     return points

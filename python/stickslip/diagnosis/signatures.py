@@ -7,23 +7,24 @@ projected out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit
-from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.fitting import Fit, Start
+from stickslip.diagnosis.model import FREED, Problem
 
 Array = NDArray[np.float64]
 
-AMPLITUDES = (0.1, 0.4, 1.0, 2.5)
+AMPLITUDES = (0.15, 0.6, 2.0)
 """Of the response, in units of the parameter's scale."""
 
 SAME = 0.9
 """Causes whose absorbed signatures have a larger cosine are one isolability class."""
 
-_UNSEEN = 1e-3
+UNSEEN = 1e-3
+"""Signal to noise after absorption below which a response counts as none."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,12 @@ class Signatures:
         Index of the cause.
     point : ndarray, shape (rows, size)
         Coordinates at which the cause has this response and the rest is recalibrated.
+    at : ndarray of int, shape (rows,)
+        Column of the parameter that has the amplitude; -1 for a freed constant.
     amplitude : ndarray, shape (rows,)
-        Coordinate of the cause's first parameter.
+        Its coordinate; 1 for a freed constant.
+    gap : ndarray, shape (rows, m)
+        Response in the observable's unit.
     raw, absorbed : ndarray, shape (rows, m + p)
         Whitened response with prior rows, before and after recalibration.
     basis : ndarray, shape (m + p, p)
@@ -46,7 +51,9 @@ class Signatures:
 
     cause: NDArray[np.int64]
     point: Array
+    at: NDArray[np.int64]
     amplitude: Array
+    gap: Array
     raw: Array
     absorbed: Array
     basis: Array
@@ -58,7 +65,7 @@ class Signatures:
 
     def directions(self) -> Array:
         """Unit vectors of the rows that can be seen."""
-        seen = self.size > _UNSEEN
+        seen = self.size > UNSEEN
         return np.asarray(self.absorbed[seen] / self.size[seen, None])
 
 
@@ -66,52 +73,184 @@ def find_signatures(problem: Problem, null: Fit) -> Signatures:
     """Responses of all causes at the recalibrated model."""
     basis = np.linalg.qr(null.jacobian)[0]
     p, m = problem.base_count, len(problem.observed)
-    low, high = problem.limits()
-    owner, points = [], []
-    for index, cause in enumerate(problem.causes):
-        if cause.frees is not None:
-            continue
-        columns = problem.columns([cause])
-        strengths = [k for k, at in enumerate(columns) if not problem.parameters[at - p].shape]
-        shapes = [at for k, at in enumerate(columns) if k not in strengths]
-        for k in strengths:
-            for amplitude in [sign * size for size in AMPLITUDES for sign in (1.0, -1.0)]:
-                u = float(np.clip(amplitude, low[columns[k]], high[columns[k]]))
-                if u == 0.0:
-                    continue
-                for bend in (-1.5, 0.0, 1.5) if shapes else (0.0,):
-                    point = null.x.copy()
-                    point[columns[k]] = u
-                    point[shapes] = bend
-                    owner.append(index)
-                    points.append((point, u))
-    stack = np.array([point for point, _ in points]).reshape(len(points), problem.size)
-    response = np.zeros((len(points), m + p))
-    if len(points):
-        predicted = problem.predicted(np.vstack([null.x, stack]))
-        gap = predicted[1:] - predicted[0]
-        response[:, :m] = np.where(np.isfinite(gap), gap, 0.0) @ problem.whiten.T
+    owner, at, amplitude, points = _plan(problem, null)
     names = [each.name for each in problem.uncertain]
-    extra_owner, extra = [], []
-    for index, cause in enumerate(problem.causes):
-        if cause.frees is None:
-            continue
-        for sign in (1.0, -1.0):
-            row = np.zeros(m + p)
-            row[m + names.index(cause.frees)] = -sign
-            extra_owner.append(index)
-            extra.append(row)
-    raw = np.vstack([response, np.array(extra).reshape(len(extra), m + p)])
-    shift = raw @ basis
-    absorbed = raw - shift @ basis.T
+    freed = [
+        (index, names.index(cause.frees), sign)
+        for index, cause in enumerate(problem.causes)
+        if cause.frees is not None
+        for sign in (1.0, -1.0)
+    ]
+    gap = np.zeros((len(points) + len(freed), m))
+    if len(points):
+        predicted = problem.predicted(np.vstack([null.x, points]))
+        response = predicted[1:] - predicted[0]
+        gap[: len(points)] = np.where(np.isfinite(response), response, 0.0)
+    raw = np.hstack([gap @ problem.whiten.T, np.zeros((len(gap), p))])
+    for row, (_, column, sign) in enumerate(freed, start=len(points)):
+        raw[row, m + column] = -sign
+    absorbed = raw - (raw @ basis) @ basis.T
     # The point of each row: the baseline moves to undo what it can of the response.
     move = np.linalg.lstsq(null.jacobian, raw.T, rcond=None)[0].T
-    full = np.vstack([stack, np.tile(null.x, (len(extra), 1))])
+    full = np.vstack([points, np.tile(null.x, (len(freed), 1))])
     full[:, :p] = np.clip(full[:, :p] - move, -6.0, 6.0)
-    amplitudes = np.array([u for _, u in points] + [1.0] * len(extra))
     return Signatures(
-        np.array(owner + extra_owner, dtype=np.int64), full, amplitudes, raw, absorbed, basis
+        np.array(owner + [index for index, _, _ in freed], dtype=np.int64),
+        full,
+        np.array(at + [-1] * len(freed), dtype=np.int64),
+        np.array(amplitude + [1.0] * len(freed)),
+        gap,
+        raw,
+        absorbed,
+        basis,
     )
+
+
+def _plan(problem: Problem, null: Fit) -> tuple[list[int], list[int], list[float], Array]:
+    """Cause, column, amplitude and coordinates of every response that is to be simulated."""
+    p = problem.base_count
+    low, high = problem.limits()
+    owner, where, size, points = [], [], [], [np.zeros((0, problem.size))]
+    for index, cause in enumerate(problem.causes):
+        columns = [] if cause.frees is not None else problem.columns([cause])
+        shapes = [at for at in columns if problem.parameters[at - p].shape]
+        for at in (at for at in columns if at not in shapes):
+            reached = {
+                float(np.clip(sign * amplitude, low[at], high[at]))
+                for amplitude in AMPLITUDES
+                for sign in (1.0, -1.0)
+            }
+            for u in sorted(reached - {0.0}, key=lambda u: (abs(u), -u)):
+                for bend in (-1.5, 0.0, 1.5) if shapes else (0.0,):
+                    point = null.x.copy()
+                    point[at], point[shapes] = u, bend
+                    owner.append(index)
+                    where.append(at)
+                    size.append(u)
+                    points.append(point[None, :])
+    return owner, where, size, np.vstack(points)
+
+
+def seen_from(
+    problem: Problem, signatures: Signatures, fit: Fit, factor: float
+) -> tuple[Fit, Signatures]:
+    """The same responses about another fit, with errors larger by a factor.
+
+    The responses are not simulated anew, but what the constants can absorb of them, and what is
+    left to be explained, are those of the other fit.
+
+    Returns
+    -------
+    fit : Fit
+        With residual and Jacobian of the larger errors.
+    signatures : Signatures
+    """
+    m, p = len(problem.observed), problem.base_count
+    weight = np.concatenate([np.full(m, 1.0 / factor), np.ones(p)])
+    residual, jacobian = fit.residual * weight, fit.jacobian * weight[:, None]
+    softer = replace(fit, residual=residual, jacobian=jacobian, chi2=float(residual @ residual))
+    raw = signatures.raw * weight
+    basis = np.linalg.qr(jacobian)[0]
+    absorbed = raw - (raw @ basis) @ basis.T
+    move = np.linalg.lstsq(jacobian, raw.T, rcond=None)[0].T
+    point = signatures.point.copy()
+    point[:, :p] = np.clip(fit.x[:p] - move, -6.0, 6.0)
+    return softer, replace(signatures, point=point, raw=raw, absorbed=absorbed, basis=basis)
+
+
+@dataclass(frozen=True)
+class Screened:
+    """Each row at the multiple of its response that fits a residual best.
+
+    Attributes
+    ----------
+    scale : ndarray, shape (rows,)
+        At least 0, and not much above 1, as a response says little of amplitudes far beyond it.
+    left : ndarray, shape (rows,)
+        Chi-square with it, with the prior's share of the amplitude.
+    log_evidence : ndarray, shape (rows,)
+        Above no cause.
+    """
+
+    scale: Array
+    left: Array
+    log_evidence: Array
+
+
+def screen(signatures: Signatures, residual: Array) -> Screened:
+    """Linear estimate of what every row would explain of a residual of recalibration."""
+    power, cost = signatures.size**2, price(signatures)
+    along = signatures.absorbed @ residual
+    farthest = np.where(signatures.at < 0, 8.0, 1.8)
+    scale = np.clip(along / (power + cost), 0.0, farthest)
+    fall = 2.0 * scale * along - scale**2 * (power + cost)
+    return Screened(scale, residual @ residual - fall, 0.5 * fall - 0.5 * np.log1p(power / cost))
+
+
+def guesses(problem: Problem, signatures: Signatures, residual: Array) -> dict[str, float]:
+    """Log-evidence of every cause that can be seen, above no cause, by linear screening."""
+    above = screen(signatures, residual).log_evidence
+    result: dict[str, float] = {}
+    for row in np.flatnonzero(signatures.size > UNSEEN):
+        name = problem.causes[signatures.cause[row]].name
+        result[name] = max(result.get(name, -np.inf), float(above[row]))
+    return result
+
+
+def price(signatures: Signatures) -> Array:
+    """Chi-square of the amplitude's prior at each row, shape (rows,).
+
+    A freed constant is a shift of the prior's mean, of which each row is one standard deviation.
+    """
+    return np.where(signatures.at < 0, 1.0 / (FREED**2 - 1.0), signatures.amplitude**2)
+
+
+def starts(
+    problem: Problem, null: Fit, signatures: Signatures, screened: Screened, cause: int, count: int
+) -> list[tuple[float, Start]]:
+    """Where fits of a cause should begin: its most promising amplitudes, of both signs first.
+
+    Each with what is left of chi-square there by linear estimate.
+    """
+    rows = np.flatnonzero((signatures.cause == cause) & (signatures.size > UNSEEN))
+    rows = rows[np.argsort(screened.left[rows], kind="stable")]
+    chosen: list[int] = []
+    signs: set[tuple[int, float]] = set()
+    for row in rows:
+        kind = (int(signatures.at[row]), float(np.sign(signatures.amplitude[row])))
+        if kind not in signs:
+            signs.add(kind)
+            chosen.append(int(row))
+    chosen += [int(row) for row in rows if row not in chosen]
+    # What the constants would gain by themselves is common to all rows.
+    basis = signatures.basis
+    own = float(np.sum((basis.T @ null.residual) ** 2))
+    return [
+        (float(screened.left[row]) - own, _start(problem, null, signatures, screened, row))
+        for row in chosen[:count]
+    ]
+
+
+def settle(null: Fit) -> Array:
+    """How the constants want to move from a fit; zero at the best one, shape (p,)."""
+    return np.clip(np.linalg.lstsq(null.jacobian, null.residual, rcond=None)[0], -2.0, 2.0)
+
+
+def _start(
+    problem: Problem, null: Fit, signatures: Signatures, screened: Screened, row: int
+) -> Start:
+    scale = max(float(screened.scale[row]), 0.3)
+    at = int(signatures.at[row])
+    x = signatures.point[row].copy()
+    p = problem.base_count
+    x[:p] = null.x[:p] + scale * (x[:p] - null.x[:p]) + settle(null)
+    if at < 0:
+        return Start(x, null.slope)
+    x[at] *= scale
+    columns = problem.columns([problem.causes[signatures.cause[row]]])
+    slope = np.zeros((len(problem.observed), len(columns)))
+    slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+    return Start(x, np.hstack([null.slope, slope]))
 
 
 def isolability(problem: Problem, signatures: Signatures, residual: Array) -> Array:
@@ -129,11 +268,10 @@ def isolability(problem: Problem, signatures: Signatures, residual: Array) -> Ar
 
 def best_row(signatures: Signatures, residual: Array, cause: int) -> int | None:
     """Row of a cause that takes most from the residual, None if none can be seen."""
-    rows = np.flatnonzero((signatures.cause == cause) & (signatures.size > _UNSEEN))
+    rows = np.flatnonzero((signatures.cause == cause) & (signatures.size > UNSEEN))
     if not len(rows):
         return None
-    left = np.sum((residual - signatures.absorbed[rows]) ** 2, axis=1)
-    return int(rows[np.argmin(left)])
+    return int(rows[np.argmin(screen(signatures, residual).left[rows])])
 
 
 def classes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
@@ -186,7 +324,7 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
 
 def _reach(signatures: Signatures, residual: Array, row: int, far: float) -> float:
     size = float(signatures.size[row])
-    if size < _UNSEEN:
+    if size < UNSEEN:
         return far
     estimate = float(signatures.absorbed[row] @ residual) / size**2
     limit = max(estimate, 0.0) + 1.96 / size

@@ -15,7 +15,8 @@ from stickslip import _core
 from stickslip.diagnosis.channels import Channel, Combined, Sketch, find_channels
 from stickslip.diagnosis.engine import Diagnosis, Known, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
-from stickslip.diagnosis.model import Uncertain
+from stickslip.diagnosis.model import Cause, Uncertain
+from stickslip.diagnosis.noise import NoiseModel, fit_noise
 from stickslip.errors import ScenarioError
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement
@@ -24,6 +25,11 @@ from stickslip.scenario import Scenario
 
 Array = NDArray[np.float64]
 Conditions = Sequence[Mapping[str, Value]]
+
+_TOLERANCES = (1e-4, 1e-5, 1e-6)
+_TOLERANCE_DRAWS = 5
+_SMALLEST = 0.02
+_OPPOSITE = -0.8
 
 
 class Simulator:
@@ -136,9 +142,10 @@ def diagnose(
     conditions, velocity, index, block, order = _merged(measurement)
     channels = find_channels(measurement, threads)
     fields = [abs(float(each[key])) for each in conditions for key in ("drive.peak", "drive.hold")]
-    if not fields:
-        drive = measurement.scenario
-        fields = [abs(float(drive.get(key))) for key in ("drive.peak", "drive.hold")]
+    filmed = [run.scenario for run in measurement.tracking]
+    for drive in filmed if fields or filmed else [measurement.scenario]:
+        fields += [abs(float(drive.get(key))) for key in ("drive.peak", "drive.hold")]
+    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
     uncertain = [
         Uncertain(name, prior, parameter_unit(name))
         for name, prior in measurement.uncertain.items()
@@ -150,13 +157,17 @@ def diagnose(
     keys = [*shared, *amplitudes]
     names = [*shared, *(each.name for each in nuisance), *amplitudes]
     simulator = Simulator(measurement.scenario, keys, threads)
+    if conditions:
+        noise = fit_noise(velocity, index, block, stated[0] if stated else math.nan)
+        rtol = loosest_tolerance(simulator, conditions, uncertain, causes, noise, seed)
+        simulator = Simulator(measurement.scenario.replace({"solver.rtol": rtol}), keys, threads)
     combined = Combined(simulator, names, keys, channels)
-    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
     known = _known(channels)
     options: dict[str, Any] = {"seed": seed, "progress": progress}
     if conditions:
         options |= {"condition": index, "block": block, "order": order, "also": known}
         options |= {"relative_sd": stated[0] if stated else math.nan}
+        options["doubt"] = _wrong_size(simulator, conditions, uncertain, causes, noise.mean)
     elif known is not None:
         velocity = known.observed
         options |= {"sd": known.covariance, "group": known.group}
@@ -167,6 +178,80 @@ def diagnose(
     )
     said = tuple(line for channel in channels for line in channel.notes)
     return Examination(replace(found, notes=(*found.notes, *said)), simulator, conditions, combined)
+
+
+def loosest_tolerance(
+    simulator: Simulator,
+    conditions: Conditions,
+    uncertain: Sequence[Uncertain],
+    causes: Sequence[Cause],
+    noise: NoiseModel,
+    seed: int,
+) -> float:
+    """The largest of some tolerances whose error is far below the noise, where it can be.
+
+    A twentieth, not only a fifth, of the noise: derivatives are taken over steps whose effect is
+    about the noise.
+
+    Judged at draws of the uncertain parameters against a tolerance a hundred times finer than the
+    finest tried. Where the motion is so sensitive that no tolerance will do, none is asked to.
+    """
+    random = np.random.default_rng([seed, 31])
+    absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
+    draws = [
+        [*(each.prior.value(random.standard_normal()) for each in uncertain), *absent]
+        for _ in range(_TOLERANCE_DRAWS)
+    ]
+    base, threads = simulator.scenario, simulator.threads
+    finest = min(float(base.get("solver.rtol")), _TOLERANCES[-1])
+
+    def velocities(rtol: float) -> Array:
+        scenario = base.replace({"solver.rtol": rtol})
+        return Simulator(scenario, simulator.parameters, threads)(conditions, np.array(draws))
+
+    truth = velocities(max(0.01 * finest, 1e-11))
+    allowed = np.sqrt(np.diag(noise.covariance)) / 20.0
+    wrong = {
+        rtol: int(np.sum(~(np.median(np.abs(velocities(rtol) - truth), axis=0) <= allowed)))
+        for rtol in (*_TOLERANCES, finest)
+    }
+    return max(rtol for rtol, count in wrong.items() if count <= wrong[finest])
+
+
+def _wrong_size(
+    simulator: Simulator,
+    conditions: Conditions,
+    uncertain: Sequence[Uncertain],
+    causes: Sequence[Cause],
+    velocity: Array,
+) -> str | None:
+    """Whether the velocities can be what the model speaks of, by their size and sign."""
+    absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
+    middle = [float(each.prior.value(0.0)) for each in uncertain]
+    predicted = simulator(conditions, np.array([[*middle, *absent]]))[0]
+    sound = np.isfinite(predicted)
+    if not sound.any():
+        return "no condition can be simulated with the stated scenario; look at its settings"
+    usual, measured = (float(np.median(np.abs(each[sound]))) for each in (predicted, velocity))
+    if usual == 0.0 or measured == 0.0:
+        return None
+    ratio = measured / usual
+    if not _SMALLEST < ratio < 1.0 / _SMALLEST:
+        unit = ""
+        if 0.1 < ratio / 1e3 < 10.0 or 0.1 < ratio * 1e3 < 10.0:
+            unit = ", so a column may be in a unit that is wrong by 1000"
+        return (
+            f"the velocities are about {ratio:.3g} times what the stated model gives "
+            f"({measured:.3g} against {usual:.3g} m/s){unit}"
+        )
+    likeness = float(predicted[sound] @ velocity[sound])
+    likeness /= float(np.linalg.norm(predicted[sound]) * np.linalg.norm(velocity[sound]))
+    if likeness < _OPPOSITE:
+        return (
+            "the velocities have the opposite sign of the stated model's; "
+            "x, a direction or a clamp may be reversed"
+        )
+    return None
 
 
 def _known(channels: Sequence[Channel]) -> Known | None:

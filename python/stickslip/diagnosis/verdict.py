@@ -23,7 +23,9 @@ MARGIN = 3.0
 
 _NONE, _UNKNOWN = 0.5, 0.1
 _PULL = 2.5
-_PAIR_GAIN = 4.5
+_PAIR_GAIN = 5.0
+"""Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 28
+chi-squares of one degree of freedom, 6.4, less what the price of an amplitude takes of it."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ def decide(
     detection: Detection,
     ranking: Ranking,
     cosines: Array,
+    guessed: Mapping[str, float],
     helps: Callable[[Fit], bool],
 ) -> Verdict:
     """The verdict by the rules of the documentation.
@@ -67,10 +70,12 @@ def decide(
     ranking : Ranking
     cosines : ndarray, shape (causes, causes)
         Isolability.
+    guessed : dict
+        Log-evidence of each cause above no cause by linear screening, for those without a fit.
     helps : callable
         Whether a rival predicts held-out conditions better than the recalibrated model.
     """
-    chance = probabilities(problem, ranking)
+    chance = probabilities(problem, ranking, guessed)
     if not detection.found:
         return Verdict("none", (), None, ("both tests pass",), chance)
     singles, null = ranking.singles, ranking.null
@@ -86,14 +91,15 @@ def decide(
         return _without_single(problem, ranking, chance)
     reasons: list[str] = []
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
-    close = [fit for fit in better if best.log_evidence - fit.log_evidence < MARGIN]
+    # A rival that is not quite adequate itself may still be too near to be dismissed.
+    close = [fit for fit in singles if best.log_evidence - fit.log_evidence < MARGIN]
     alike = [
         fit
-        for fit in better
+        for fit in singles
         if cosines[index[best.name], index[fit.name]] > 0.9
         and best.log_evidence - fit.log_evidence < 2 * MARGIN
     ]
-    rivals = [fit for fit in better if fit in close or fit in alike]
+    rivals = [fit for fit in singles if fit in close or fit in alike]
     if len(rivals) > 1:
         names = tuple(fit.name for fit in rivals)
         said = "the evidence does not separate them"
@@ -102,8 +108,6 @@ def decide(
         return Verdict("ambiguous", names, best, (said,), chance)
     if best.log_evidence - null.log_evidence < MARGIN:
         reasons.append("its log-evidence is less than 3 above that of no cause")
-    if any(fit.log_evidence > best.log_evidence + MARGIN for fit in ranking.pairs):
-        reasons.append("a second cause beside it would explain more, but not clearly so")
     if not best.certified:
         reasons.append("its fits from different starts do not agree")
     # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
@@ -116,14 +120,14 @@ def decide(
     lead = best.log_evidence - max(
         [null.log_evidence, *(fit.log_evidence for fit in singles if fit is not best)]
     )
-    return Verdict("named", (best.name,), best, (f"log-evidence leads by {lead:.1f}",), chance)
+    said = f"the runner-up is behind by {lead:.1f} in log-evidence"
+    return Verdict("named", (best.name,), best, (said,), chance)
 
 
 def _without_single(problem: Problem, ranking: Ranking, chance: Mapping[str, float]) -> Verdict:
     best_single = ranking.singles[0] if ranking.singles else ranking.null
     adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
-    adequate = [fit for fit in adequate if fit.log_evidence > best_single.log_evidence + _PAIR_GAIN]
-    if not adequate:
+    if not adequate or adequate[0].log_evidence < best_single.log_evidence + _PAIR_GAIN:
         reason = "no single cause and no pair brings the misfit down to the noise"
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
@@ -147,7 +151,16 @@ def _at_limit(problem: Problem, fit: Fit) -> bool:
                 np.any((fit.x[extra] <= low[extra]) & (low[extra] < 0.0)))  # fmt: skip
 
 
-def probabilities(problem: Problem, ranking: Ranking) -> dict[str, float]:
+def prior_probabilities(problem: Problem) -> dict[str, float]:
+    """What is thought before any data."""
+    share = (1.0 - _NONE - _UNKNOWN) / max(len(problem.causes), 1)
+    result = {cause.name: share for cause in problem.causes}
+    return {**result, "none": _NONE if result else 1.0 - _UNKNOWN, "unknown": _UNKNOWN}
+
+
+def probabilities(
+    problem: Problem, ranking: Ranking, guessed: Mapping[str, float]
+) -> dict[str, float]:
     """Posterior over all causes, ``none`` and ``unknown``, summing to 1.
 
     Prior 0.5 for none, 0.1 for unknown, the rest shared. "Unknown" is a departure of any shape: its
@@ -163,15 +176,17 @@ def probabilities(problem: Problem, ranking: Ranking) -> dict[str, float]:
     if excess == 1.0:
         generic = null.log_evidence - 1.0
     weights: dict[str, float] = {
-        "none": math.log(_NONE) + null.log_evidence,
+        "none": math.log(_NONE) + _worth(problem, null),
         "unknown": math.log(_UNKNOWN) + generic,
     }
-    fitted = {fit.name: fit.log_evidence for fit in ranking.singles}
+    evidence = {name: null.log_evidence + above for name, above in guessed.items()}
+    evidence |= {fit.name: _worth(problem, fit) for fit in ranking.singles}
     for cause in problem.causes:
-        weights[cause.name] = math.log(share) + fitted.get(cause.name, null.log_evidence)
+        weights[cause.name] = math.log(share) + evidence.get(cause.name, null.log_evidence)
     couples = [
-        (fit, math.log(share) + math.log(0.1 / max(len(problem.causes), 1)) + fit.log_evidence)
+        (fit, math.log(share) + math.log(0.1 / max(len(problem.causes), 1)) + _worth(problem, fit))
         for fit in ranking.pairs
+        if fit.log_evidence > max(evidence.get(each.name, -math.inf) for each in fit.rival.causes)
     ]
     top = max([*weights.values(), *(weight for _, weight in couples)])
     result = {name: math.exp(weight - top) for name, weight in weights.items()}
@@ -181,6 +196,11 @@ def probabilities(problem: Problem, ranking: Ranking) -> dict[str, float]:
     total = sum(result.values())
     ordered = sorted(result.items(), key=lambda item: (item[0] in ("none", "unknown"), -item[1]))
     return {name: value / total for name, value in ordered}
+
+
+def _worth(problem: Problem, fit: Fit) -> float:
+    """Log-evidence, less where the model does not bring the misfit down to the noise."""
+    return fit.log_evidence + math.log(min(adequacy(problem, fit) / ADEQUATE, 1.0) + 1e-300)
 
 
 def pulls(problem: Problem, fit: Fit) -> dict[str, float]:

@@ -16,6 +16,7 @@ from stickslip.errors import ScenarioError
 from stickslip.keys import find_key, shown, suggestion
 from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import read_numbers
+from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario import Scenario
 from stickslip.scenario_file import _document
@@ -33,7 +34,6 @@ _ENTRIES = {
     "field": ("file",),
 }
 _COLUMNS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "tracking": (("t", "x", "theta"), ("z", "current_x", "current_clamp")),
     "angle": (("Bx", "Bz", "theta"), ()),
     "field": (("xp", "xm", "yp", "ym", "clamp", "x", "y", "z", "Bx", "By", "Bz"), ()),
 }
@@ -53,7 +53,8 @@ class Measurement:
     uncertain : dict of Prior
         By dotted key.
     velocity : tuple of VelocityData
-    tracking, angle, field : tuple of dict
+    tracking : tuple of TrackingRun
+    angle, field : tuple of dict
         Columns by name, sound rows only, SI units and radians.
     left_out : tuple of str
         What was not used and why, one line each.
@@ -64,7 +65,7 @@ class Measurement:
     scenario: Scenario
     uncertain: Mapping[str, Prior]
     velocity: tuple[VelocityData, ...]
-    tracking: tuple[Table, ...]
+    tracking: tuple[TrackingRun, ...]
     angle: tuple[Table, ...]
     field: tuple[Table, ...]
     left_out: tuple[str, ...]
@@ -111,27 +112,30 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     scenario = Scenario.from_toml(path.parent / nominal)
     uncertain = _uncertain(document.get("uncertain", {}), scenario)
     left_out: list[str] = []
-    velocity, tables = [], {kind: [] for kind in _COLUMNS}  # type: ignore[var-annotated]
+    velocity, tracking, tables = [], [], {kind: [] for kind in _COLUMNS}  # type: ignore[var-annotated]
     for kind in _ENTRIES:
         for entry in _entries(document, kind):
             file = path.parent / entry["file"]
             if kind == "velocity":
                 data, said = read_velocity(file, scenario, _relative_sd(entry))
                 velocity.append(data)
+            elif kind == "tracking":
+                run, said = read_tracking(file, entry, scenario)
+                tracking += [] if run is None else [run]
             else:
                 table, said = read_numbers(file, *_COLUMNS[kind])
-                if kind == "tracking":
-                    table = _in_order(file.name, table, said)
                 tables[kind].append(table)
             left_out += said
-    if not velocity and not any(tables.values()):
+    if not velocity and not tracking and not any(tables.values()):
+        if left_out:
+            raise ScenarioError(f"nothing sound is left: {left_out[-1]}")
         raise ScenarioError("there is none of [[velocity]], [[tracking]], [[angle]], [[field]]")
     return Measurement(
         name=name,
         scenario=scenario,
         uncertain=uncertain,
         velocity=tuple(velocity),
-        tracking=tuple(tables["tracking"]),
+        tracking=tuple(tracking),
         angle=tuple(tables["angle"]),
         field=tuple(tables["field"]),
         left_out=tuple(left_out),
@@ -180,16 +184,3 @@ def _relative_sd(entry: Mapping[str, Any]) -> float:
             f"[[velocity]] velocity_sd = {shown(value)}: allowed is a number above 0 and below 1"
         )
     return float(value)
-
-
-def _in_order(
-    name: str, table: dict[str, NDArray[np.float64]], left_out: list[str]
-) -> dict[str, NDArray[np.float64]]:
-    """Frames sorted by time, each time once."""
-    order = np.argsort(table["t"], kind="stable")
-    if np.any(np.diff(order) < 0):
-        left_out.append(f"{name}: rows were not in the order of time; they were sorted")
-    times, first = np.unique(table["t"][order], return_index=True)
-    if len(times) < len(order):
-        left_out.append(f"{name}: {len(order) - len(times)} frames repeat a time; the first counts")
-    return {key: column[order][first] for key, column in table.items()}

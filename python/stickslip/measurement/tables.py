@@ -16,6 +16,10 @@ from stickslip.keys import suggestion
 _MOST_ROWS = 2_000_000
 
 
+class NothingSound(ScenarioError):
+    """A table without a sound row."""
+
+
 def read_rows(path: Path) -> tuple[list[str], list[list[str]]]:
     """Header and rows of text cells; empty lines and lines that begin with # are skipped.
 
@@ -87,7 +91,8 @@ def read_numbers(
     ----------
     path : Path
     required, optional : sequence of str
-        Names of columns.
+        Names of columns. A row is sound if its required cells are; a gap in an optional column is
+        NaN.
 
     Returns
     -------
@@ -97,7 +102,9 @@ def read_numbers(
     Raises
     ------
     ScenarioError
-        If a column is missing or unknown, or no row is sound.
+        If a column is missing or unknown.
+    NothingSound
+        If no row is sound.
     """
     header, rows = read_rows(path)
     check_columns(path, header, required)
@@ -105,7 +112,8 @@ def read_numbers(
     table = np.array(
         [[number(row[k]) if k < len(row) else math.nan for k in range(len(header))] for row in rows]
     )
-    sound = np.all(np.isfinite(table), axis=1)
+    needed = [k for k, name in enumerate(header) if name in required]
+    sound = np.all(np.isfinite(table[:, needed]), axis=1)
     left_out = []
     if not sound.all():
         lines = ", ".join(str(k + 2) for k in np.flatnonzero(~sound)[:5])
@@ -115,5 +123,9 @@ def read_numbers(
             f"(line {lines}{more})"
         )
     if not sound.any():
-        raise ScenarioError(f"{path}: no row is sound; every one has a cell that is no number")
+        raise NothingSound(f"{path}: no row is sound; every one has a cell that is no number")
+    for name in optional:
+        gaps = int(np.sum(~np.isfinite(table[sound, header.index(name)]))) if name in header else 0
+        if gaps:
+            left_out.append(f"{path.name}: {gaps} cells of column {name} are no number")
     return {name: table[sound, k] for k, name in enumerate(header)}, left_out

@@ -18,14 +18,17 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.extensions import PREFIX
-from stickslip.keys import RECORD_RATE, Value, checked, known_keys, shown
+from stickslip.keys import RECORD_RATE, Value, checked, known_keys, shown, until_registration
 from stickslip.scenario import Scenario
 from stickslip.sections import PROGRAM, SECTIONS
+from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000
 """Points of the largest sweep; their results take some 1.5 GB of memory."""
 
 LIST_DIMENSION = "point"
+
+_RESULTS = (*NUMBERS, "events", "painleve_events", "status", "message", "event", LIST_DIMENSION)
 
 _Array = NDArray[np.float64]
 
@@ -169,13 +172,22 @@ def from_scenarios(scenarios: Sequence[Scenario]) -> Points:
     return from_changes(base, rows)
 
 
-@functools.cache
+@until_registration
 def _short_names() -> dict[str, str]:
-    last = [key.rpartition(".")[2] for key in known_keys()]
+    registered = tuple(f"{PREFIX}{name}." for name in _core.registered_effects())
+    own = [key for key in known_keys() if key.startswith(registered)]
+    keys = [key for key in known_keys() if key not in own]
+    last = [key.rpartition(".")[2] for key in keys]
     names = {}
-    for key in known_keys():
+    for key in keys:
         section, _, name = key.removeprefix(PREFIX).rpartition(".")
         names[key] = name if last.count(name) == 1 else f"{section}_{name}"
+    # What the user registers must neither change those names nor take the place of a result.
+    taken = {*names.values(), *_RESULTS}
+    for key in own:
+        name = key.removeprefix(PREFIX).replace(".", "_")
+        names[key] = key if name in taken else name
+        taken.add(name)
     return names
 
 
@@ -196,7 +208,7 @@ def _differences(base: Scenario, scenario: Scenario) -> dict[str, Value]:
     return changed
 
 
-@functools.cache
+@until_registration
 def _keys_of(section: str) -> tuple[str, ...]:
     return tuple(key for key in known_keys() if key.startswith(f"{section}."))
 

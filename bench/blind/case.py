@@ -1,0 +1,31 @@
+"""One data set of the study, from its making to what is said of it."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from blind.generator import write_case
+from stickslip.diagnosis.experiments import propose
+from stickslip.diagnosis.report import summary
+from stickslip.diagnosis.simulator import diagnose
+from stickslip.measurement import read_measurement
+
+
+def study(folder: Path, kind: str, seed: int) -> dict[str, Any]:
+    """Make one data set, diagnose it from its files alone, and return what was said."""
+    answer = write_case(folder, kind, seed)
+    start = time.process_time()
+    measurement = read_measurement(folder / "measurement.toml")
+    examination = diagnose(measurement, threads=1)
+    said = summary(examination.found, measurement, propose(examination))
+    gain = examination.found.gain
+    return {
+        "folder": folder.name,
+        "answer": answer,
+        "said": said,
+        "gain": None if gain is None else {"helps": gain.helps, "p_value": gain.p_value},
+        "cpu_seconds": time.process_time() - start,
+        "simulations": examination.simulator.simulated,
+    }

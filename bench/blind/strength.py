@@ -1,0 +1,63 @@
+"""Signal to noise of what is hidden, after all that recalibration could absorb of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blind.apparatus import FLOOR, PULSES, SCATTER, TRIALS
+from blind.truth import Drive, Truth
+from stickslip import Scenario
+from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival
+from stickslip.diagnosis.model import Problem, Uncertain
+from stickslip.diagnosis.simulator import Simulator
+from stickslip.measurement import Prior
+
+Array = NDArray[np.float64]
+
+PRIORS = {
+    "contact.kinetic_friction": Prior("normal", 0.145, 0.01),
+    "contact.adhesion": Prior("normal", 0.22e-6, 0.03e-6),
+    "drag.linear": Prior("log-uniform", 1e-6, 1e-4),
+    "drag.rotational": Prior("log-normal", 9e-17, 2.0),
+}
+
+
+class Absorber:
+    """What the constants can undo about a truth.
+
+    The core is used only to say how strong a hidden effect is; no datum comes from it.
+    """
+
+    def __init__(self, truth: Truth, drives: Sequence[Drive], level: Array) -> None:
+        values = [truth.constants[name.split(".")[1]] for name in PRIORS]
+        self._centre = np.array(
+            [prior.coordinate(value) for prior, value in zip(PRIORS.values(), values, strict=True)]
+        )
+        scenario = Scenario().replace({"solver.rtol": 1e-6})
+        settings = [
+            {**{f"drive.{key}": value for key, value in drive.items()}, "drive.pulses": PULSES}
+            for drive in drives
+        ]
+        sd = np.hypot(SCATTER * level, FLOOR) / np.sqrt(TRIALS)
+        self._problem = Problem(
+            Simulator(scenario, list(PRIORS), 1),
+            settings,
+            level,
+            np.diag(1.0 / sd),
+            np.inf,
+            tuple(Uncertain(name, prior) for name, prior in PRIORS.items()),
+        )
+        self._plain = self._chi2(level)
+
+    def strength(self, level: Array) -> float:
+        """S of velocities without noise, m/s: what is left of them after recalibration."""
+        return float(np.sqrt(max(self._chi2(level) - self._plain, 0.0)))
+
+    def _chi2(self, level: Array) -> float:
+        problem = replace(self._problem, observed=level)
+        start = [[Start(self._centre)]]
+        return fit_rivals(problem, [make_rival(problem)], start, 12, exact=False)[0].chi2

@@ -1,0 +1,200 @@
+"""Side-view tracking of one run: its frames, its camera, and the scenario of that run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ScenarioError
+from stickslip.keys import FILE, shown
+from stickslip.measurement.tables import NothingSound, read_numbers
+from stickslip.scenario import Scenario
+
+REQUIRED = ("t", "x", "theta")
+OPTIONAL = ("z", "current_x", "current_clamp")
+
+FEWEST = 20
+"""Frames after the third pulse; with fewer a run says too little to be worth a simulation."""
+
+_LONGEST = 0.1
+"""Way that no walking magnet of this size goes while it is filmed, m."""
+
+_TURNS = 2.0 * math.pi
+_LIMIT = 20_000
+
+
+@dataclass(frozen=True)
+class TrackingRun:
+    """Tracked frames of one run, sound ones only, in the order of time.
+
+    Attributes
+    ----------
+    file : str
+        Name of the table.
+    columns : dict of ndarray, shape (n,)
+        ``t`` (s, 0 at the start of the drive), ``x`` (m), ``theta`` (rad); ``z`` (m), ``current_x``
+        and ``current_clamp`` (A) where they were measured, NaN in frames that lack them.
+    scenario : Scenario
+        Of this run: the measurement's with this run's drive.
+    frame_rate : float
+        Hz; from the times, where it was not stated.
+    exposure : float
+        s; 0 where it was not stated.
+    noise : dict of float
+        Stated standard deviation of a frame, of ``x`` (m) and ``theta`` (rad); only what is known.
+    """
+
+    file: str
+    columns: Mapping[str, NDArray[np.float64]]
+    scenario: Scenario
+    frame_rate: float
+    exposure: float = 0.0
+    noise: Mapping[str, float] = field(default_factory=dict)
+
+
+def read_tracking(
+    path: Path, entry: Mapping[str, Any], scenario: Scenario
+) -> tuple[TrackingRun | None, list[str]]:
+    """Read one ``[[tracking]]`` entry, and say what was left out of it.
+
+    Parameters
+    ----------
+    path : Path
+        Of its table.
+    entry : mapping
+        Keys of the entry.
+    scenario : Scenario
+        The measurement's, which the entry's drive changes.
+
+    Returns
+    -------
+    run : TrackingRun or None
+        None where too little is sound; the last line left out says why.
+    left_out : list of str
+
+    Raises
+    ------
+    ScenarioError
+        If a key has a value that is not allowed, or the table lacks a column.
+    """
+    own = _own_scenario(path.name, entry.get("drive", {}), scenario)
+    noise = {
+        name: _positive(path.name, f"noise_{name}", entry[f"noise_{name}"])
+        for name in ("x", "theta")
+        if f"noise_{name}" in entry
+    }
+    rate = math.nan
+    if "frame_rate" in entry:
+        rate = _positive(path.name, "frame_rate", entry["frame_rate"])
+    exposure = _exposure(path.name, entry.get("exposure", 0.0), rate)
+    left_out: list[str] = []
+    try:
+        columns, left_out = read_numbers(path, REQUIRED, OPTIONAL)
+    except NothingSound as error:
+        return None, [str(error)]
+    columns = _in_order(path.name, columns, left_out)
+    columns = _within(path.name, columns, own, left_out)
+    why = _too_little(columns, own)
+    if why is not None:
+        return None, [*left_out, f"{path.name}: the run is left out: {why}"]
+    spacing = float(np.median(np.diff(columns["t"])))
+    if not math.isfinite(rate):
+        rate = 1.0 / spacing
+        _exposure(path.name, exposure, rate * (1 - 1e-6))
+    elif abs(rate * spacing - 1.0) > 0.02:
+        left_out.append(
+            f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are {spacing:g} s "
+            "apart"
+        )
+    return TrackingRun(path.name, columns, own, rate, exposure, noise), left_out
+
+
+def _own_scenario(name: str, drive: object, scenario: Scenario) -> Scenario:
+    if not isinstance(drive, dict):
+        raise ScenarioError(
+            f"[[tracking]] {name}: drive = {shown(drive)}: allowed is a table of keys of [drive]"
+        )
+    changes = {f"drive.{key}": value for key, value in drive.items()}
+    if FILE in changes:
+        raise ScenarioError(
+            f"[[tracking]] {name}: {FILE} = {shown(changes[FILE])}: the voltages of a program stand"
+            " in the scenario file, not in an override"
+        )
+    try:
+        return scenario.replace(changes)
+    except ScenarioError as error:
+        raise ScenarioError(f"[[tracking]] {name}: {error}") from None
+
+
+def _positive(name: str, key: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
+        raise ScenarioError(
+            f"[[tracking]] {name}: {key} = {shown(value)}: allowed is a number above 0"
+        )
+    return float(value)
+
+
+def _exposure(name: str, value: object, rate: float) -> float:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if number and value == 0:
+        return 0.0
+    top = 1.0 / rate if math.isfinite(rate) else math.inf
+    if not number or not 0.0 <= float(value) <= top * (1 + 1e-9):  # type: ignore[arg-type]
+        raise ScenarioError(
+            f"[[tracking]] {name}: exposure = {shown(value)}: allowed is from 0 to the time between"
+            f" two frames{f', {top:g} s' if math.isfinite(top) else ''}"
+        )
+    return float(value)  # type: ignore[arg-type]
+
+
+def _in_order(
+    name: str, table: dict[str, NDArray[np.float64]], left_out: list[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Frames sorted by time, each time once."""
+    order = np.argsort(table["t"], kind="stable")
+    if np.any(np.diff(order) < 0):
+        left_out.append(f"{name}: rows were not in the order of time; they were sorted")
+    times, first = np.unique(table["t"][order], return_index=True)
+    if len(times) < len(order):
+        left_out.append(f"{name}: {len(order) - len(times)} frames repeat a time; the first counts")
+    return {key: column[order][first] for key, column in table.items()}
+
+
+def _within(
+    name: str, table: dict[str, NDArray[np.float64]], scenario: Scenario, left_out: list[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Frames before the end of the last pulse: what the coils do after it is not known."""
+    inside = table["t"] < scenario.window[1]
+    if not inside.all():
+        left_out.append(
+            f"{name}: {(~inside).sum()} frames after the last pulse, at {scenario.window[1]:g} s"
+        )
+    if inside.sum() > _LIMIT:
+        left_out.append(f"{name}: the first {_LIMIT} of {inside.sum()} frames are enough")
+        inside &= np.cumsum(inside) <= _LIMIT
+    return {key: column[inside] for key, column in table.items()}
+
+
+def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> str | None:
+    start, end = scenario.window
+    count = int(np.sum(table["t"] > start - 1e-9))
+    if count < FEWEST:
+        return (
+            f"{count} sound frames from {start:g} s to {end:g} s, where the robot walks steadily; "
+            f"{FEWEST} are needed (times are in s, from the start of the drive)"
+        )
+    turn = float(np.median(np.abs(table["theta"])))
+    if turn > _TURNS:
+        return f"theta is near {turn:.3g}: degrees where rad are wanted?"
+    way = float(np.ptp(table["x"]))
+    if way > _LONGEST:
+        return f"x spans {way:.3g}: um or mm where m are wanted?"
+    if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
+        return "neither x nor theta ever changes"
+    return None

@@ -1,0 +1,77 @@
+"""Films of a simulated robot, and measurement files of them, for the tests of tracking."""
+
+import numpy as np
+
+from stickslip import Scenario
+from stickslip.diagnosis.channels.camera import Camera, noisy, record
+from stickslip.measurement.tracking import TrackingRun
+
+NOISE = {"x": 5e-7, "theta": 5e-3, "current_x": 2e-3, "current_clamp": 2e-3}
+
+NOMINAL = """stickslip = 1
+
+[drive]
+base = 0.5e-3
+frequency = 30.0
+pulses = 12
+"""
+
+HEAD = """stickslip_measurement = 1
+name = "film"
+scenario = "nominal.toml"
+
+[uncertain]
+"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }
+"drag.linear" = { low = 3e-6, high = 3e-5 }
+"""
+
+TRUE = {"contact.kinetic_friction": 0.15, "drag.linear": 1.3e-5}
+"""Of the filmed robot."""
+
+ROBOT = Scenario().replace({"drive.base": 0.5e-3, "drive.frequency": 30.0, "drive.pulses": 12})
+
+
+def film(changes, camera, rate, seed, names=("x", "theta"), noise=NOISE):
+    """Columns of noisy frames of the nominal robot with `changes`, from the start of its drive."""
+    scenario = ROBOT.replace(changes)
+    times = np.arange(0.0, scenario.window[1], 1.0 / rate)
+    # A rate that no fit uses, and much finer.
+    motion = next(record(scenario, [], np.zeros((1, 0)), 9e4, 1))
+    frames = noisy(camera.frames(motion, times, names), noise, np.random.default_rng(seed))
+    frames["x"] = frames["x"] + 1e-4  # the origin of the pixels is nobody's
+    return {"t": times, **frames}
+
+
+def tracking_run(changes, rate, seed, exposure=3e-4, stated=True, drive=None, **more):
+    """A run of the true robot with `changes` as the diagnosis takes it."""
+    drive = drive or {}
+    columns = film({**TRUE, **drive, **changes}, Camera(exposure), rate, seed, **more)
+    noise = {"x": NOISE["x"], "theta": NOISE["theta"]} if stated else {}
+    return TrackingRun("film.csv", columns, ROBOT.replace(drive), rate, exposure, noise)
+
+
+def write_table(path, columns):
+    rows = zip(*columns.values(), strict=True)
+    lines = [",".join(columns), *(",".join(repr(float(v)) for v in row) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def write_films(folder, changes, rate, seed, exposure=3e-4):
+    """A measurement of the true robot with `changes`, both ways, each with a camera of its own."""
+    (folder / "nominal.toml").write_text(NOMINAL)
+    random = np.random.default_rng([seed, 1])
+    text = HEAD
+    for number, way in enumerate(("+x", "-x")):
+        draw = random.standard_normal(3)
+        camera = Camera(exposure, 2e-4 * draw[0], 0.01 * draw[1], 1.0 + 0.005 * draw[2])
+        drive = {"drive.direction": way}
+        columns = film({**TRUE, **drive, **changes}, camera, rate, [seed, 2, number])
+        write_table(folder / f"run{number}.csv", columns)
+        text += (
+            f'\n[[tracking]]\nfile = "run{number}.csv"\nframe_rate = {rate}\n'
+            f"exposure = {exposure}\n"
+            f"noise_x = {NOISE['x']}\nnoise_theta = {NOISE['theta']}\n"
+            f'drive = {{ direction = "{way}" }}\n'
+        )
+    (folder / "m.toml").write_text(text)
+    return folder / "m.toml"

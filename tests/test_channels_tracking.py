@@ -1,0 +1,370 @@
+"""Tracking: observables and their errors, the force view, and what `diagnose` makes of films."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from command_line import stickslip
+from films import NOISE, ROBOT, TRUE, film, tracking_run, write_films, write_table
+from reference import simulate_reference
+from stickslip import Scenario, Waveform
+from stickslip.diagnosis.channels.camera import Camera, noisy, record
+from stickslip.diagnosis.channels.contact_balance import Balance, Kinematics
+from stickslip.diagnosis.channels.folding import fold
+from stickslip.diagnosis.channels.force_view import force_view
+from stickslip.diagnosis.channels.tracking import TrackingChannel, find_tracking
+from stickslip.diagnosis.channels.tracking_words import field_chain_clean, view_lines
+from stickslip.diagnosis.simulator import diagnose
+from stickslip.errors import ScenarioError
+from stickslip.measurement import read_measurement
+from stickslip.measurement.tracking import TrackingRun
+
+NAMES = list(TRUE)
+VALUES = np.array([list(TRUE.values())])
+
+
+def whitened(channel, names=NAMES, values=VALUES):
+    left = channel.observed - channel.predict(names, values)[0]
+    return np.linalg.solve(np.linalg.cholesky(channel.covariance), left)
+
+
+@pytest.mark.parametrize(
+    ("rate", "exposure", "drive"),
+    [
+        (1000.0, 3e-4, {}),  # 100 phases, each seen three times
+        (937.0, 3e-4, {"drive.direction": "-x"}),  # no phase seen twice
+        (200.0, 1e-3, {}),  # 20 phases; the rocking is aliased
+    ],
+)
+def test_residuals_of_the_true_model_are_standard_normal(rate, exposure, drive):
+    scores = []
+    for seed in range(40):
+        run = tracking_run({}, rate, seed, exposure, drive=drive)
+        scores.append(np.mean(whitened(channel := TrackingChannel(run)) ** 2))
+    # A chi-square per row has variance 2 / rows; its mean over 40 films is all but normal.
+    band = norm.ppf(0.995) * np.sqrt(2.0 / len(channel.observed) / 40)
+    assert abs(np.mean(scores) - 1.0) < band
+
+
+def test_unstated_noise_is_found_and_rather_too_large():
+    scores, sizes = [], []
+    for seed in range(40):
+        channel = TrackingChannel(tracking_run({}, 500.0, seed, stated=False))
+        scores.append(np.mean(whitened(channel) ** 2))
+        sizes += [each.sd / NOISE[each.name] for each in channel.quantities]
+    # One standard deviation of the estimate is added: 1 / sqrt(2 * 99) of it, 99 repeats being
+    # 150 frames at 50 phases less the advance. The mean over films errs far less.
+    expected = 1.0 + 1.0 / np.sqrt(2 * 99)
+    assert np.mean(sizes) == pytest.approx(expected, abs=0.02)
+    assert np.mean(scores) == pytest.approx(expected**-2, abs=0.05)
+
+
+def test_the_camera_is_a_nuisance_and_not_a_suspect():
+    channel = TrackingChannel(tracking_run({}, 500.0, 0), 2)
+    assert channel.name == "tracking.2"
+    assert [each.name for each in channel.nuisance] == [
+        "tracking.2.angle_offset", "tracking.2.angle_scale", "tracking.2.trigger",
+    ]  # fmt: skip
+    assert not any(each.suspect for each in channel.nuisance)
+    own = [each.name for each in channel.nuisance]
+    camera = Camera(3e-4, trigger=3e-4, angle_offset=0.02, angle_scale=1.02)
+    run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 500.0, 3e-4, NOISE)
+    told = np.hstack([VALUES, [[0.02, 1.02, 3e-4]]])
+    free = TrackingChannel(run, 2)
+    assert np.mean(whitened(free, [*NAMES, *own], told) ** 2) < 1.6
+    assert np.mean(whitened(free) ** 2) > 5.0
+
+
+def test_predictions_come_row_by_row_for_any_number_of_threads():
+    run = tracking_run({}, 500.0, 0)
+    names = [*NAMES, "tracking.1.trigger"]
+    rows = np.array([[0.15, 1e-5, 0.0], [0.15, 1e-5, 2e-4], [0.3, 1e-5, 0.0], [0.14, 2e-5, 0.0]])
+    one, three = (TrackingChannel(run, 1, threads).predict(names, rows) for threads in (1, 3))
+    assert np.array_equal(one, three, equal_nan=True)
+    assert np.all(np.isnan(one[2]))  # kinetic above static friction
+    assert not np.array_equal(one[0], one[1])
+    assert np.array_equal(one[3], TrackingChannel(run).predict(names, rows[3:])[0])
+
+
+def test_currents_see_the_drive_alone():
+    names = ("x", "theta", "current_x", "current_clamp")
+    run = tracking_run({}, 500.0, 0, names=names)
+    channel = TrackingChannel(run)
+    plain, heated, rough = channel.predict(
+        ["effects.coil_heating.coefficient", "contact.kinetic_friction"],
+        np.array([[0.0, 0.15], [2e-3, 0.15], [0.0, 0.16]]),
+    )
+    sizes = [len(each.observed) for each in channel.quantities]
+    places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
+    names = [each.name for each in channel.quantities]
+    current = places[names.index("current_x")]
+    assert np.array_equal(plain[current], rough[current])
+    assert np.all(heated[current] < plain[current] + 1e-12)
+    assert not np.array_equal(plain[places[0]], rough[places[0]])
+
+
+def test_frames_far_from_their_phase_are_left_out():
+    run = tracking_run({}, 1000.0, 3)
+    wild = dict(run.columns)
+    wild["theta"] = wild["theta"].copy()
+    wild["theta"][[200, 331]] += 1.5
+    channel = TrackingChannel(
+        TrackingRun(run.file, wild, run.scenario, run.frame_rate, run.exposure, run.noise)
+    )
+    assert any("2 frames lie far" in line for line in channel.notes)
+    assert np.mean(whitened(channel) ** 2) < 1.4
+
+
+def test_a_film_of_the_independent_simulator_fits_the_true_model():
+    contact = {"kinetic_friction": TRUE["contact.kinetic_friction"]}
+    drive = {"mode": "IPP", "frequency": 30.0, "base": 0.5e-3, "hold": 1e-3, "pulses": 12}
+    other = simulate_reference(
+        drive, contact=contact, drag={"linear": TRUE["drag.linear"]}, dt=2e-7, rate=2e4
+    )
+    motion = {name: getattr(other, name) for name in ("t", "x", "theta", "vx", "omega")}
+    times = np.arange(0.0, 0.449, 1e-3)
+    frames = noisy(Camera(3e-4).frames(motion, times), NOISE, np.random.default_rng(5))
+    run = TrackingRun("a.csv", {"t": times, **frames}, ROBOT, 1000.0, 3e-4, NOISE)
+    left = whitened(TrackingChannel(run))
+    # 99.9 % of chi-squares per row lie below this; the two simulators differ by far less.
+    assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
+
+
+def test_the_drive_is_folded_from_the_end_of_the_third_pulse():
+    folded = fold(np.arange(0.0, 0.2, 1e-3), ROBOT)
+    assert folded.steady.tolist() == [False] * 150 + [True] * 50
+    assert folded.distinct() == 50
+    assert folded.first_steady == len(np.unique(folded.bin[~folded.steady]))
+
+
+def test_a_program_of_voltages_is_binned_in_time():
+    program = Waveform.ipp(base=0.5e-3, frequency=30.0, pulses=5)
+    scenario = Scenario().replace({"drive.mode": "program", "drive.program": program})
+    times = np.arange(0.0, scenario.window[1], 1e-3)
+    values = dict(zip(NAMES, VALUES[0], strict=True))
+    motion = next(record(scenario.replace(values), [], np.zeros((1, 0)), 9e4, 1))
+    frames = noisy(Camera(3e-4).frames(motion, times), NOISE, np.random.default_rng(2))
+    channel = TrackingChannel(
+        TrackingRun("a.csv", {"t": times, **frames}, scenario, 1000.0, 3e-4, NOISE)
+    )
+    left = whitened(channel)
+    assert len(left) == 24 + 23  # levels of theta; of x all but the origin
+    assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
+    assert force_view(channel, NAMES, VALUES[0]) is None
+
+
+# The force view.
+
+
+@pytest.mark.parametrize("drive", [{}, {"drive.direction": "-x"}, {"drive.clamp": "up"}])
+def test_balances_close_on_a_simulated_motion(drive):
+    scenario = ROBOT.replace({"drive.pulses": 5, "effects.surface_tilt.angle": 0.05, **drive})
+    motion = next(record(scenario, [], np.zeros((1, 0)), 1e5, 1))
+    late = slice(15000, -5)
+    t, sign = motion["t"], -1.0 if "drive.direction" in drive else 1.0
+    omega, vx = motion["omega"], sign * motion["vx"]
+    moving = Kinematics(
+        motion["theta"][late], omega[late], np.gradient(omega, t)[late],
+        sign * motion["x"][late], vx[late], np.gradient(vx, t)[late],
+    )  # fmt: skip
+    balance = Balance(scenario, motion, t[late])
+    codes = motion["contact"][late]
+
+    def inside(code):
+        """Nine samples that do the same, so that no derivative reaches over an event."""
+        return np.convolve((codes == code).astype(float), np.ones(9), "same") > 8.5
+
+    # Derivatives by differences err by the third derivative times h^2 / 6: rocking at 2.6e3 rad/s
+    # makes that 1e-4 of the inertial torque, which itself is of the order of the field's.
+    stick = inside(1)
+    assert np.max(np.abs(balance.torque(moving)[stick])) < 1e-2 * balance.torque_scale
+    assert np.max(np.abs(balance.contact_velocity(moving)[stick])) < 1e-12
+    for code, direction in ((2, sign), (3, -sign)):
+        slip = inside(code)
+        if slip.any():
+            left = balance.force(moving, np.full(len(codes), direction))[slip]
+            assert np.max(np.abs(left)) < 1e-4 * balance.weight
+
+
+def view_of(changes, rate=1000.0, seed=0, drive=None):
+    channel = TrackingChannel(tracking_run(changes, rate, seed, drive=drive))
+    return force_view(channel, NAMES, VALUES[0])
+
+
+def test_nothing_is_left_where_the_model_is_true():
+    means = []
+    for seed in range(6):
+        view = view_of({}, seed=seed)
+        assert field_chain_clean(view)
+        means += [view.sticking.slopes[0].t, view.slipping.slopes[0].t]
+    # Twelve numbers of variance one: the mean square is within 1 +- 3.3 sqrt(2 / 12).
+    assert np.mean(np.square(means)) < 1.0 + 3.3 * np.sqrt(2 / 12)
+
+
+def test_a_turned_moment_shows_while_sticking():
+    view = view_of({"effects.misalignment.angle": 0.06})
+    constant = view.sticking.slopes[0]
+    assert abs(constant.t) > 20.0
+    assert not field_chain_clean(view)
+    assert any("moment" in line for line in view_lines(view, None))
+
+
+def test_a_tilt_shows_while_slipping_and_is_fixed_to_the_world():
+    tilt = {"effects.surface_tilt.angle": 0.06}
+    forward, back = (
+        view_of(tilt, rate=2000.0, drive={"drive.direction": way}) for way in ("+x", "-x")
+    )
+    assert field_chain_clean(forward)
+    # Downhill is +x of the world: along the robot's own +x once, against it the other time. The
+    # smoothing spreads the slip's force over its neighbourhood, so it comes out too small.
+    weight = 25.6e-9 * 9.81 * np.sin(0.06)
+    for view, sign in ((forward, 1.0), (back, -1.0)):
+        force = view.slipping.slopes[0]
+        assert sign * force.t > 3.0
+        assert 0.2 * weight < sign * force.value < 1.5 * weight
+
+
+def test_too_few_phases_are_said_and_not_drawn():
+    view = view_of({}, rate=200.0)
+    assert view.distinct == 20
+    assert view.sticking is None
+    assert view.slipping is None
+    assert "rates and forces need" in view_lines(view, None)[0]
+
+
+# Tables as they come.
+
+TOML = """stickslip_measurement = 1
+scenario = "nominal.toml"
+
+[[tracking]]
+file = "a.csv"
+frame_rate = 1000.0
+exposure = 3e-4
+drive = { frequency = 30.0 }
+"""
+
+
+def write(folder, toml=TOML, **tables):
+    (folder / "nominal.toml").write_text(
+        "stickslip = 1\n[drive]\nbase = 0.5e-3\nfrequency = 30.0\npulses = 12\n"
+    )
+    (folder / "m.toml").write_text(toml)
+    for name, columns in tables.items():
+        write_table(folder / f"{name}.csv", columns)
+    return folder / "m.toml"
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return film(TRUE, Camera(3e-4), 1000.0, 0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("frequency = 30.0", "frequency = -3", "a.csv: drive.frequency = -3"),
+        ("frequency = 30.0", "frequenzy = 3", 'did you mean "drive.frequency"'),
+        ("drive = { frequency = 30.0 }", "drive = 3", "a.csv: drive = 3"),
+        ("drive = { frequency = 30.0 }", 'drive = { file = "v.csv" }', "drive.file"),
+        ("frame_rate = 1000.0", "frame_rate = 0", "a.csv: frame_rate = 0"),
+        ("frame_rate = 1000.0", 'frame_rate = "fast"', "frame_rate"),
+        ("exposure = 3e-4", "exposure = 2e-3", "0.001 s"),
+        ("exposure = 3e-4", "exposure = -1", "exposure = -1"),
+        ("exposure = 3e-4", "noise_x = 0.0", "noise_x = 0.0"),
+        ("exposure = 3e-4", "noise_theta = nan", "noise_theta"),
+        ("exposure", "exposures", 'did you mean "exposure"'),
+        ("a.csv", "absent.csv", "absent.csv"),
+    ],
+)
+def test_a_bad_entry_is_one_line(tmp_path, frames, old, new, said):
+    path = write(tmp_path, TOML.replace(old, new), a=frames)
+    with pytest.raises(ScenarioError) as error:
+        read_measurement(path)
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
+    random = np.random.default_rng(1)
+    kept = np.flatnonzero(random.random(len(frames["t"])) > 0.15)
+    dirty = {key: column[np.append(kept, kept[7])].copy() for key, column in frames.items()}
+    dirty["theta"][11] = np.nan
+    order = random.permutation(len(dirty["t"]))
+    dirty = {key: column[order] for key, column in dirty.items()}
+    dirty["current_x"] = np.full(len(order), np.nan)
+    dirty["z"] = np.where(random.random(len(order)) < 0.05, np.nan, 5e-5)
+    found = read_measurement(write(tmp_path, a=dirty))
+    (run,) = found.tracking
+    assert len(run.columns["t"]) == len(kept) - 1
+    assert np.all(np.diff(run.columns["t"]) > 0.0)
+    said = "\n".join(found.left_out)
+    for word in ("no number", "order of time", "repeat a time", "column z", "column current_x"):
+        assert word in said, said
+    (channel,) = find_tracking(found.tracking, 1)
+    assert "current_x is not used" in "\n".join(channel.notes)
+    assert np.all(np.isfinite(channel.predict(NAMES, VALUES)))
+
+
+def test_a_run_that_says_too_little_is_left_out_and_the_others_go_on(tmp_path, frames):
+    few = {key: column[:160] for key, column in frames.items()}
+    degrees = {**frames, "theta": np.degrees(frames["theta"])}
+    tables = "".join(TOML.split("\n\n")[1].replace("a.csv", f"{name}.csv") for name in "bcd")
+    lost = {key: np.full(30, np.nan) for key in frames}
+    found = read_measurement(write(tmp_path, TOML + tables, a=frames, b=few, c=degrees, d=lost))
+    assert [run.file for run in found.tracking] == ["a.csv"]
+    said = "\n".join(found.left_out)
+    assert "10 sound frames" in said
+    assert "degrees where rad" in said
+    assert "no row is sound" in said
+
+
+@pytest.mark.parametrize(("rate", "frames"), [(1000.0, slice(150, 175)), (70.0, slice(None))])
+def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
+    run = tracking_run({}, rate, 1)
+    columns = {name: column[frames] for name, column in run.columns.items()}
+    channel = TrackingChannel(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
+    left = whitened(channel)
+    assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
+    assert (channel.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
+    assert channel.sketches(NAMES, VALUES[0], None)[0].lines
+
+
+def test_where_nothing_sound_is_left_there_is_one_line(tmp_path, frames):
+    few = {key: column[:160] for key, column in frames.items()}
+    done = stickslip("diagnose", write(tmp_path, a=few), "--out", tmp_path / "found")
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "20 are needed" in done.stderr
+    assert not (tmp_path / "found").exists()
+
+
+# From films to a verdict.
+
+
+def test_a_tilt_is_found_in_films_of_both_directions(tmp_path):
+    path = write_films(tmp_path, {"effects.surface_tilt.angle": 0.03}, 500.0, seed=4)
+    done = stickslip("diagnose", path, "--out", tmp_path / "found", "--json")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["verdict"] in ("named", "ambiguous")
+    assert "surface_tilt" in said["cause"]
+    angle = said["parameters"]["surface_tilt.angle"]
+    assert abs(angle["value"] - 0.03) < max(3 * angle["sd"], 0.0015)
+    full = json.loads((tmp_path / "found" / "report.json").read_text())
+    titles = list(full["channels"])
+    assert titles[:2] == ["Tracking of run0.csv", "Tracking of run1.csv"]
+    both = full["channels"]["run0.csv and run1.csv: forward and reversed"]
+    assert both["advance_sum"] > 10 * both["advance_sum_sd"]
+    page = (tmp_path / "found" / "report.html").read_text()
+    assert "do not cancel" in page
+    assert "http" not in page
+
+
+def test_aliased_films_of_the_plain_robot_name_nothing(tmp_path):
+    measurement = read_measurement(write_films(tmp_path, {}, 200.0, seed=1, exposure=1e-3))
+    found = diagnose(measurement).found
+    assert found.verdict.word == "none"
+    assert found.detection.p_value > 0.05
