@@ -97,7 +97,6 @@ def sweep(
     threads: int = 1,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[dict[str, NDArray[generic]], dict[int, str]]: ...
-
 def static_tilts(
     base: Scenario,
     keys: Sequence[str],

@@ -27,6 +27,7 @@ from stickslip.diagnosis.rivals import (
     fit_singles,
     refine,
     settle_null,
+    singles_beside,
 )
 from stickslip.diagnosis.signatures import (
     Signatures,
@@ -261,7 +262,7 @@ def diagnose_model(
         sufficient = any(adequacy(problem, fit) >= COMFORTABLE for fit in singles[:3])
         if singles and not sufficient:
             pairs = fit_pairs(problem, views, singles, found_base.basins, clouds)
-            ranking = Ranking(null, singles, pairs)
+            ranking = Ranking(null, singles_beside(problem, singles, pairs), pairs)
     say(0.9)
     cosines = isolability(problem, signatures, null.residual)
     gains: dict[str, Gain | None] = {}

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.profile import Profile
+from stickslip.keys import Value
 
 Array = NDArray[np.float64]
 
@@ -35,11 +37,15 @@ def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
 
 
-def velocities(found: Diagnosis, m: int) -> str:
-    """Data, recalibrated and extended model at each of m conditions, with residuals below.
+def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]]) -> str:
+    """Data and both models against frequency, a column for each mode and direction.
 
-    Empty where no velocity was measured.
+    With residuals below. Empty where no velocity was measured.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    m = len(conditions)
     if m == 0:
         return ""
     problem = found.problem
@@ -50,22 +56,45 @@ def velocities(found: Diagnosis, m: int) -> str:
     held = np.zeros(m, dtype=bool)
     if found.gain is not None:
         held[found.gain.held_out] = True
-    figure, (above, below) = axes(2, 9.0, 5.2)
-    place = np.arange(m)
-    above.errorbar(place[~held], observed[~held], 2 * sd[~held], fmt="o", color="k", ms=4,
-                   label="measured (2 sd)")  # fmt: skip
-    if held.any():
-        above.errorbar(place[held], observed[held], 2 * sd[held], fmt="o", color="k", mfc="w",
-                       ms=5, label="measured, held out of the fit for the gain")  # fmt: skip
-    names = ["recalibrated", f"with {' + '.join(found.verdict.causes)}"[:60]]
-    for row, name, colour in zip(predicted, names, (_BLUE, _ORANGE), strict=False):
-        above.plot(place, row, "_", color=colour, ms=12, mew=2, label=name)
-        below.plot(place, (observed - row) / sd, ".", color=colour)
-    below.axhspan(-2, 2, color="#dddddd", zorder=0)
-    above.set_ylabel("mean velocity (mm/s)")
-    below.set_ylabel("residual / sd")
-    below.set_xlabel("condition, in the order of the table of conditions")
-    above.legend(fontsize=8, frameon=False)
+    words = [f"{each['drive.mode']} {each['drive.direction']}" for each in conditions]
+    frequency = np.array([float(each["drive.frequency"]) for each in conditions])
+    panels = list(dict.fromkeys(words))
+    figure = Figure(figsize=(max(4.5, min(3.2 * len(panels), 12.8)), 5.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    frames = figure.subplots(
+        2, len(panels), sharex="col", sharey="row", squeeze=False, height_ratios=[3, 1]
+    )
+    names = ["recalibrated", f"with {' + '.join(found.verdict.causes[:2])}"]
+    for column, panel in enumerate(panels):
+        above, below = frames[:, column]
+        mine = np.array([word == panel for word in words])
+        for chosen, face, label in ((mine & ~held, "k", "measured (2 sd)"),
+                                    (mine & held, "w", "held out for the gain")):  # fmt: skip
+            above.errorbar(frequency[chosen], observed[chosen], 2 * sd[chosen], fmt="o", color="k",
+                           mfc=face, ms=4, label=label)  # fmt: skip
+        for row, name, colour in zip(predicted, names, (_BLUE, _ORANGE), strict=False):
+            above.plot(frequency[mine], row[mine], "_", color=colour, ms=11, mew=2, label=name)
+            below.plot(frequency[mine], ((observed - row) / sd)[mine], ".", color=colour)
+        below.axhspan(-2, 2, color="#dddddd", zorder=0)
+        above.set_title(panel, fontsize=10)
+        below.set_xlabel("frequency (Hz)")
+    frames[0, 0].set_ylabel("mean velocity (mm/s)")
+    frames[1, 0].set_ylabel("residual / sd")
+    handles, labels = frames[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=8, frameon=False)
+    return png(figure)
+
+
+def profile(each: Profile) -> str:
+    """Chi-square along one parameter, everything else fitted anew."""
+    figure, (frame,) = axes(1, 5.0, 2.6)
+    order = np.argsort(each.value)
+    frame.plot(each.value[order], each.chi2[order], "o-", color=_ORANGE, ms=4)
+    for height in (1.0, 4.0):
+        frame.axhline(height, color=_GREY, lw=0.8, ls="--")
+    frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2), 5.0, 30.0)))
+    frame.set_xlabel(f"{each.name.removeprefix('effects.')} ({each.unit})")
+    frame.set_ylabel("chi-square above the least")
     return png(figure)
 
 

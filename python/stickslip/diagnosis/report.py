@@ -13,8 +13,10 @@ import numpy as np
 from stickslip import _core
 from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
+from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.experiments import Experiment
+from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.verdict import describe, flat_directions, pulls
 from stickslip.errors import ScenarioError
@@ -226,11 +228,58 @@ def write_report(
     full = {**short, **details(found, measurement, conditions)}
     full["channels"] = {each.title: each.numbers for each in sketches}
     full["gain_unit"] = _gain_unit(examination)
+    full |= _further(examination)
     write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
     with replacing(out / "report.json") as temporary:
         temporary.write_text(json_text(full) + "\n", encoding="utf-8")
     with replacing(out / "report.html") as temporary:
-        temporary.write_text(page_text(found, full, sketches), encoding="utf-8")
+        temporary.write_text(page_text(found, full, sketches, conditions), encoding="utf-8")
+
+
+_CARRIERS = 3
+
+
+def _further(examination: Examination) -> dict[str, Any]:
+    """What takes some more simulations: constancy, the ceiling, and where the verdict lives."""
+    found, problem = examination.found, examination.found.problem
+    parts = refit_parts(problem, found.null, examination.parts())
+    smallest = smallest_effects(problem, found.signatures, found.detection.threshold)
+    ceiling, fit = examination.ceiling(), found.verdict.fit
+    share = None
+    if ceiling is not None and fit is not None and found.detection.found and ceiling > 0.0:
+        share = (found.null.chi2 - fit.chi2) / ceiling
+    return {
+        "constancy": {
+            part.name: {
+                each.name: {
+                    "value": float(each.prior.value(part.x[k])),
+                    "low": float(each.prior.value(part.x[k] - part.sd[k])),
+                    "high": float(each.prior.value(part.x[k] + part.sd[k])),
+                }
+                for k, each in enumerate(problem.uncertain)
+            }
+            for part in parts
+        },
+        "changing": changing(problem, parts),
+        "smallest_effects": {_short(name): value for name, value in smallest.items()},
+        "smooth_ceiling": ceiling,
+        "share_of_ceiling": share,
+        "carried_by": _carriers(examination),
+    }
+
+
+def _carriers(examination: Examination) -> list[dict[str, Any]]:
+    """Conditions at which the extended model takes most from the misfit."""
+    found, m = examination.found, len(examination.conditions)
+    if found.verdict.fit is None or not m:
+        return []
+    fall = found.null.residual[:m] ** 2 - found.verdict.fit.residual[:m] ** 2
+    total = max(float(np.sum(np.maximum(fall, 0.0))), 1e-300)
+    return [
+        {"condition": int(k) + 1, "share": float(fall[k]) / total}
+        for k in np.argsort(-fall)[:_CARRIERS]
+        if fall[k] > 0.0
+    ]
 
 
 def _gain_unit(examination: Examination) -> str:
@@ -241,7 +290,42 @@ def _gain_unit(examination: Examination) -> str:
     return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
 
 
-def page_text(found: Diagnosis, full: Mapping[str, Any], sketches: Sequence[Sketch]) -> str:
+def _varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
+    """Bare names of the settings that are not the same in all conditions."""
+    if not conditions:
+        return []
+    return [
+        key.split(".")[1]
+        for key in conditions[0]
+        if len({each.get(key) for each in conditions}) > 1
+    ]
+
+
+def _changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:
+    """The settings of a proposed experiment that not all conditions have."""
+    first = conditions[0]
+    varied = _varied(conditions)
+    said = [
+        f"{key} = {value}"
+        for key, value in drive.items()
+        if key in varied or first.get(f"drive.{key}") != value
+    ]
+    return ", ".join(said)
+
+
+def _typical_error(found: Diagnosis) -> str:
+    """Noise of one trial at the median velocity."""
+    level = float(np.median(np.abs(found.noise.mean)))
+    sd = float(np.hypot(found.noise.floor, found.noise.relative * level))
+    return f"{sd * 1e3:.3g} mm/s at {level * 1e3:.3g} mm/s"
+
+
+def page_text(
+    found: Diagnosis,
+    full: Mapping[str, Any],
+    sketches: Sequence[Sketch],
+    conditions: Sequence[Mapping[str, Value]],
+) -> str:
     """The report as one page that needs no other file."""
     import jinja2
 
@@ -251,7 +335,7 @@ def page_text(found: Diagnosis, full: Mapping[str, Any], sketches: Sequence[Sket
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    keys = known_keys()
+    keys, varied = known_keys(), _varied(conditions)
     return environment.from_string(source).render(
         report=full,
         meanings={each.name: each.meaning for each in found.problem.causes},
@@ -259,7 +343,12 @@ def page_text(found: Diagnosis, full: Mapping[str, Any], sketches: Sequence[Sket
         shown={"m/s": ("mm/s", 1e3), "rad": ("degrees", math.degrees(1.0)), "T": ("mT", 1e3)}.get(
             full["gain_unit"], ("SI units", 1.0)
         ),
-        curves=figures.velocities(found, len(full["conditions"])),
+        curves=figures.velocities(found, conditions),
+        profiles=[figures.profile(each) for each in found.profiles],
+        varied=varied,
+        drive_keys=[key.split(".")[1] for key in conditions[0]] if conditions else [],
+        changes=[_changes(each["drive"], conditions) for each in full["next_experiments"]],
+        typical=_typical_error(found),
         sketches=sketches,
         ranking=figures.ranking(found),
         isolability=figures.isolability(found),

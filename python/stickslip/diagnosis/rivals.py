@@ -29,12 +29,12 @@ ADEQUATE = 0.01
 COMFORTABLE = 0.3
 """With a single cause of at least this p-value, no pair is looked for."""
 
-_QUICK, _CAREFUL = 4, 10
+_QUICK, _CAREFUL = 5, 10
 _SOFT, _SOFTEST = 3.0, 10.0
 _STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
 _SURVIVORS = 6
 _WITHIN = 14.0
-_HOPELESS = 60.0
+_HOPELESS, _SOFT_HOPELESS = 60.0, 12.0
 _LEADING, _ROUNDS = 2, 3
 _PAIRS = 16
 _CENTRES = 3
@@ -104,9 +104,38 @@ def fit_singles(
     seen = [index for index in begins if begins[index]]
     rivals = [make_rival(problem, [problem.causes[index]]) for index in seen]
     ordered = _best_first(problem, rivals, [begins[index] for index in seen])
-    quick = _quick(problem, rivals, [points[:1] for points in ordered])
-    others = {fit.name: points[1:4] for fit, points in zip(quick, ordered, strict=True)}
-    return refine(problem, quick, others, clouds)
+    # Near the null a walk may settle for a little of the cause; one comes from its far side.
+    bold = [_bold(problem, *views[-1], index) for index in seen]
+    pairs = [(k, start) for k, points in enumerate(ordered) for start in (points[0], bold[k])
+             if start is not None]  # fmt: skip
+    quick = _quick(problem, [rivals[k] for k, _ in pairs], [[start] for _, start in pairs])
+    ends: dict[int, list[Fit]] = {}
+    for (k, _), fit in zip(pairs, quick, strict=True):
+        ends.setdefault(k, []).append(fit)
+    best, others = [], {}
+    for k, fits in ends.items():
+        fits.sort(key=lambda fit: fit.chi2)
+        best.append(fits[0])
+        others[fits[0].name] = [*(Start.of(fit) for fit in fits[1:]), *ordered[k][1:3]]
+    return refine(problem, best, others, clouds)
+
+
+def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> Start | None:
+    """A start with an amplitude of one standard deviation, of the sign that promises more."""
+    rows = np.flatnonzero((signatures.cause == cause) & (np.abs(signatures.amplitude) > 1.0))
+    rows = rows[signatures.at[rows] >= 0]
+    if not len(rows):
+        return None
+    softer, seen_there = seen_from(problem, signatures, base, _SOFTEST)
+    row = int(rows[np.argmin(screen(seen_there, softer.residual).left[rows])])
+    at = int(signatures.at[row])
+    x = base.x.copy()
+    x[problem.base_count :] = signatures.point[row, problem.base_count :]
+    x[at] = np.sign(signatures.amplitude[row])
+    columns = problem.columns([problem.causes[cause]])
+    slope = np.zeros((len(problem.observed), len(columns)))
+    slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+    return Start(x, np.hstack([base.slope[:, : problem.base_count], slope]))
 
 
 def _quick(
@@ -114,9 +143,8 @@ def _quick(
 ) -> list[Fit]:
     """A few steps with errors taken as too large, then a few more."""
     fits: list[Fit] = []
-    for factor in (_SOFTEST, _SOFT, 1.0):
+    for factor, limit in ((_SOFTEST, np.inf), (_SOFT, _SOFT_HOPELESS), (1.0, _HOPELESS)):
         softer = problem.tempered(factor)
-        limit = _HOPELESS if factor == 1.0 else np.inf
         fits = fit_rivals(softer, rivals, begins, _QUICK, limit, exact=False)
         begins = [[Start.of(fit)] for fit in fits]
     return fits
@@ -299,6 +327,29 @@ def fit_pairs(
     quick = _quick(problem, rivals, [points[:1] for points in ordered])
     others = {fit.name: points[1:] for fit, points in zip(quick, ordered, strict=True)}
     return refine(problem, quick, others, clouds)
+
+
+def singles_beside(
+    problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]
+) -> tuple[Fit, ...]:
+    """Single causes again from where the leading pairs have led them, without their companion."""
+    place = {fit.name: k for k, fit in enumerate(singles)}
+    rivals, begins = [], []
+    for fit in pairs[:_CENTRES]:
+        for cause in fit.rival.causes:
+            rival = make_rival(problem, [cause])
+            x = fit.x.copy()
+            x[np.setdiff1d(np.arange(problem.base_count, problem.size), rival.free)] = 0.0
+            kept = [list(fit.rival.free).index(k) for k in rival.free]
+            rivals.append(rival)
+            begins.append([Start(x, fit.slope[:, kept])])
+    result = list(singles)
+    for fit in fit_rivals(problem, rivals, begins, _CAREFUL):
+        at = place.get(fit.name)
+        if at is not None and fit.chi2 < result[at].chi2 - 1.0:
+            result[at] = fit
+    _agree(problem, result, 0)
+    return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
 
 
 Pairs = dict[tuple[str, str], tuple[float, Start]]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from stickslip import _core
+from stickslip.diagnosis.ceiling import smooth_ceiling
 from stickslip.diagnosis.channels import Channel, Combined, Sketch, find_channels
 from stickslip.diagnosis.engine import Diagnosis, Known, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
@@ -28,6 +29,7 @@ Conditions = Sequence[Mapping[str, Value]]
 
 _TOLERANCES = (1e-4, 1e-5, 1e-6)
 _TOLERANCE_DRAWS = 5
+_FEW = 8
 _SMALLEST = 0.02
 _OPPOSITE = -0.8
 
@@ -95,6 +97,36 @@ class Examination:
     simulator: Simulator
     conditions: list[dict[str, Value]]
     combined: Combined
+
+    def parts(self) -> dict[str, NDArray[np.int64]]:
+        """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
+        result: dict[str, NDArray[np.int64]] = {}
+        for key in ("drive.mode", "drive.direction"):
+            words = np.array([str(each[key]) for each in self.conditions])
+            found = sorted(set(words.tolist()))
+            if len(found) == 2:
+                result |= {word: np.flatnonzero(words == word) for word in found}
+        for key in ("drive.frequency", "drive.peak"):
+            values = np.array([float(each[key]) for each in self.conditions])
+            middle = float(np.median(values)) if len(values) else 0.0
+            below, above = np.flatnonzero(values < middle), np.flatnonzero(values >= middle)
+            if len(below) and len(above):
+                name = key.split(".")[1]
+                result |= {f"low {name}": below, f"high {name}": above}
+        return result
+
+    def ceiling(self) -> float | None:
+        """Chi-square that a smooth function of the settings explains; None if there are few."""
+        if len(self.conditions) < _FEW:
+            return None
+        keys = ("drive.frequency", "drive.peak", "drive.hold", "drive.base")
+        numbers = [[float(each[key]) for key in keys] for each in self.conditions]
+        settings = np.array(numbers)
+        settings[:, 0] = np.log(settings[:, 0])
+        words = [(each["drive.mode"], each["drive.direction"]) for each in self.conditions]
+        number = {word: k for k, word in enumerate(dict.fromkeys(words))}
+        kinds = np.array([number[word] for word in words])
+        return smooth_ceiling(self.found.problem, self.found.null, settings, kinds)
 
     def sketches(self) -> list[Sketch]:
         """Parts of the report that the channels draw."""
