@@ -182,3 +182,31 @@ def test_every_extension_is_a_cause_that_starts_absent():
     drive = [{"drive.frequency": 50.0, "drive.pulses": 5, "drive.base": 0.5e-3}]
     plain = Simulator(Scenario(), [])(drive, np.zeros((1, 0)))
     assert Simulator(Scenario(), names)(drive, absent) == plain
+
+
+def test_the_answer_does_not_depend_on_the_number_of_jobs(tilted):
+    folder, said = tilted
+    done = stickslip("diagnose", folder / "m.toml", "--json", "--jobs", 1)
+    assert json.loads(done.stdout) == said
+
+
+def _scaled(folder, factor):
+    path = write(folder, {})
+    table = folder / "velocity.csv"
+    header, *rows = table.read_text().splitlines()
+    cells = [row.rsplit(",", 1) for row in rows]
+    table.write_text(
+        "\n".join([header, *(f"{rest},{float(value) * factor!r}" for rest, value in cells)]) + "\n"
+    )
+    return path
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"), [(1e-3, "wrong by 1000"), (300.0, "times what"), (-1.0, "opposite sign")]
+)
+def test_a_column_in_a_wrong_unit_or_of_a_wrong_sign_is_said_to_be(tmp_path, factor, words):
+    done = stickslip("diagnose", _scaled(tmp_path, factor), "--json", "--out", tmp_path / "found")
+    said = json.loads(done.stdout)
+    assert said["verdict"] == "data-problem"
+    assert said["cause"] is None
+    assert words in json.loads((tmp_path / "found" / "report.json").read_text())["headline"]

@@ -7,6 +7,8 @@ import pytest
 
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior, read_measurement
+from stickslip.measurement.velocity import read_velocity
+from stickslip.scenario import Scenario
 
 TOML = """stickslip_measurement = 1
 name = "wafer"
@@ -60,7 +62,8 @@ def test_what_is_not_sound_is_left_out_and_said(tmp_path):
     said = "\n".join(found.left_out)
     for word in ("is no number", "repeats", "cells, not", "fast", "others of its condition"):
         assert word in said, said
-    assert len(found.left_out) == 5
+    assert any("4 of 16 rows were left out" in line for line in found.left_out)
+    assert len(found.left_out) == 6
     assert len(found.velocity[0].velocity) == 11
 
 
@@ -155,3 +158,23 @@ def test_a_range_bounds_its_parameter():
     assert 1e-6 <= prior.value(-50.0) < 1.01e-6
     assert 0.99e-4 < prior.value(50.0) <= 1e-4
     assert math.isclose(float(prior.value(0.0)), 1e-5)
+
+
+def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
+    path = tmp_path / "velocity.csv"
+    path.write_text(
+        "# our robot\nmode,frequency,velocity\n\nIPP,30,1e-3\noop,30,1e-3\noop,40,1e-3\n"
+        "# again\nIPP,50,lost\n"
+    )
+    data, left_out = read_velocity(path, Scenario(), float("nan"))
+    assert len(data.velocity) == 1
+    assert any(line.startswith("velocity.csv lines 5, 6: ") for line in left_out)
+    assert any(line.startswith("velocity.csv line 8: ") for line in left_out)
+    assert "velocity.csv: 3 of 4 rows were left out" in left_out
+
+
+def test_other_separators_are_named(tmp_path):
+    path = tmp_path / "velocity.csv"
+    path.write_text("mode;velocity\nIPP;1e-3\n")
+    with pytest.raises(ScenarioError, match="semicolons; allowed are commas"):
+        read_velocity(path, Scenario(), float("nan"))

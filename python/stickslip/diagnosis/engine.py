@@ -292,8 +292,8 @@ def diagnose_model(
     )
     if rough:
         notes.append(
-            f"at {rough} conditions the model itself jumps by more than the noise under tiny "
-            "changes of its parameters; they count less"
+            f"conditions where the model itself jumps by more than the noise under tiny changes of "
+            f"its parameters: {rough}; they count less"
         )
     say(1.0)
     return Diagnosis(

@@ -92,6 +92,7 @@ def profile(each: Profile) -> str:
     frame.plot(each.value[order], each.chi2[order], "o-", color=_ORANGE, ms=4)
     for height in (1.0, 4.0):
         frame.axhline(height, color=_GREY, lw=0.8, ls="--")
+    frame.locator_params(axis="x", nbins=5)
     frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2), 5.0, 30.0)))
     frame.set_xlabel(f"{each.name.removeprefix('effects.')} ({each.unit})")
     frame.set_ylabel("chi-square above the least")

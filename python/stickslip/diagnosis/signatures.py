@@ -348,18 +348,17 @@ def smallest_effects(
     """
     wanted = threshold + 0.84
     found: dict[str, float] = {}
+    nearest: dict[str, float] = {}
     for row in np.flatnonzero(signatures.at >= 0):
         parameter = problem.parameters[signatures.at[row] - problem.base_count]
-        size = float(signatures.size[row])
-        u = float(signatures.amplitude[row])
+        found.setdefault(parameter.name, np.inf)
+        ratio = wanted / max(float(signatures.size[row]), UNSEEN)
         # A response says little of amplitudes far beyond its own.
-        if size < UNSEEN or wanted / size > 3.0:
-            found.setdefault(parameter.name, np.inf)
+        if ratio > 3.0 or abs(np.log(ratio)) >= nearest.get(parameter.name, np.inf):
             continue
-        value = float(parameter.value(np.array([u * min(wanted / size, 3.0)]))[0])
-        value = value if parameter.downward else abs(value - parameter.absent)
-        if parameter.downward:
-            found[parameter.name] = max(found.get(parameter.name, 0.0), value)
-        else:
-            found[parameter.name] = min(found.get(parameter.name, np.inf), value)
+        nearest[parameter.name] = abs(float(np.log(ratio)))
+        own = float(parameter.value(np.array([signatures.amplitude[row]]))[0])
+        start = parameter.high if parameter.downward else parameter.absent
+        size = abs(own - start) * ratio
+        found[parameter.name] = start - size if parameter.downward else size
     return found

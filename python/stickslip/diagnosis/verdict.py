@@ -117,10 +117,12 @@ def decide(
         reasons.append("its amplitude is at the end of the physical range")
     if reasons:
         return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
-    lead = best.log_evidence - max(
-        [null.log_evidence, *(fit.log_evidence for fit in singles if fit is not best)]
+    second = max(
+        [null, *(fit for fit in singles if fit is not best)], key=lambda fit: fit.log_evidence
     )
-    said = f"the runner-up is behind by {lead:.1f} in log-evidence"
+    name = "no cause at all" if second is null else second.name
+    lead = best.log_evidence - second.log_evidence
+    said = f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
     return Verdict("named", (best.name,), best, (said,), chance)
 
 

@@ -20,29 +20,53 @@ class NothingSound(ScenarioError):
     """A table without a sound row."""
 
 
-def read_rows(path: Path) -> tuple[list[str], list[list[str]]]:
-    """Header and rows of text cells; empty lines and lines that begin with # are skipped.
+def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Header, and rows of text cells with the number of their line in the file.
+
+    Empty lines and lines that begin with # are skipped.
 
     Raises
     ------
     ScenarioError
-        If the file cannot be read, is empty or has a column twice.
+        If the file cannot be read, is empty, has a column twice or other separators than commas.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = (line for line in file if line.strip() and not line.lstrip().startswith("#"))
-            rows = [[cell.strip() for cell in row] for row, _ in zip(
-                csv.reader(lines), range(_MOST_ROWS), strict=False)]  # fmt: skip
-    except (OSError, ValueError, csv.Error) as error:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise ScenarioError(f"{path}: cannot be read: {reason}") from None
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ][:_MOST_ROWS]
+    try:
+        cells = list(csv.reader(line for _, line in lines))
+    except csv.Error as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from None
+    if len(cells) != len(lines):
+        raise ScenarioError(f"{path}: a quoted cell goes over several lines; allowed is one line")
+    rows = [
+        (number, [cell.strip() for cell in row])
+        for (number, _), row in zip(lines, cells, strict=True)
+    ]
     if len(rows) < 2:
         raise ScenarioError(f"{path}: has no row of data below a line of column names")
-    header = rows[0]
+    header = rows[0][1]
+    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and separator in header[0]:
+            raise ScenarioError(f"{path}: columns are separated by {name}; allowed are commas")
     twice = sorted({name for name in header if header.count(name) > 1})
     if twice:
         raise ScenarioError(f'{path}: column "{twice[0]}" is there twice')
     return header, rows[1:]
+
+
+def listed(lines: Sequence[int]) -> str:
+    """Numbers of lines as a reader wants them: the first five."""
+    more = ", ..." if len(lines) > 5 else ""
+    word = "line" if len(lines) == 1 else "lines"
+    return f"{word} " + ", ".join(str(line) for line in lines[:5]) + more
 
 
 def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) -> None:
@@ -110,17 +134,18 @@ def read_numbers(
     check_columns(path, header, required)
     refuse_unknown(path, header, [*required, *optional])
     table = np.array(
-        [[number(row[k]) if k < len(row) else math.nan for k in range(len(header))] for row in rows]
+        [
+            [number(row[k]) if k < len(row) else math.nan for k in range(len(header))]
+            for _, row in rows
+        ]
     )
     needed = [k for k, name in enumerate(header) if name in required]
     sound = np.all(np.isfinite(table[:, needed]), axis=1)
     left_out = []
     if not sound.all():
-        lines = ", ".join(str(k + 2) for k in np.flatnonzero(~sound)[:5])
-        more = ", ..." if (~sound).sum() > 5 else ""
         left_out.append(
             f"{path.name}: {(~sound).sum()} of {len(table)} rows have a cell that is no number "
-            f"(line {lines}{more})"
+            f"({listed([rows[k][0] for k in np.flatnonzero(~sound)])})"
         )
     if not sound.any():
         raise NothingSound(f"{path}: no row is sound; every one has a cell that is no number")

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
 from stickslip.keys import Value, known_keys
-from stickslip.measurement.tables import check_columns, number, read_rows, refuse_unknown
+from stickslip.measurement.tables import check_columns, listed, number, read_rows, refuse_unknown
 from stickslip.scenario import Scenario
 
 FASTEST = 1.0
 """Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""
 
 _OUTLIER = 8.0
+_MANY = 0.1
 _OTHER = ("velocity", "trial", "block", "order")
 
 
@@ -73,34 +74,39 @@ def read_velocity(
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
-    left_out: list[str] = []
+    reasons: dict[str, list[int]] = {}
     groups: dict[tuple[tuple[str, Any], ...], int] = {}
     blocks: dict[str, int] = {}
     kept: list[tuple[float, int, int, float]] = []
     seen: set[tuple[str, ...]] = set()
-    for line, row in enumerate(rows, start=2):
+    for line, row in rows:
         if len(row) != len(header):
-            left_out.append(f"{path.name} line {line}: {len(row)} cells, not {len(header)}")
+            reasons.setdefault(f"{len(row)} cells, not {len(header)}", []).append(line)
             continue
         cells = dict(zip(header, row, strict=True))
         velocity = number(cells["velocity"])
         if not math.isfinite(velocity):
-            left_out.append(f'{path.name} line {line}: velocity "{cells["velocity"]}" is no number')
+            said = f'velocity "{cells["velocity"]}" is no number'
+            reasons.setdefault(said, []).append(line)
             continue
         if tuple(row) in seen and ("trial" in cells or "order" in cells):
-            left_out.append(f"{path.name} line {line}: repeats an earlier line")
+            reasons.setdefault("repeats an earlier line", []).append(line)
             continue
         try:
             setting = _setting(cells, drive, scenario)
         except ScenarioError as error:
-            left_out.append(f"{path.name} line {line}: {error}")
+            reasons.setdefault(str(error), []).append(line)
             continue
         seen.add(tuple(row))
         group = groups.setdefault(setting, len(groups))
         block = blocks.setdefault(cells["block"], len(blocks)) if cells.get("block") else -1
         kept.append((velocity, group, block, number(cells.get("order", ""))))
+    left_out = [f"{path.name} {listed(lines)}: {reason}" for reason, lines in reasons.items()]
+    lost = sum(len(lines) for lines in reasons.values())
+    if lost > _MANY * len(rows):
+        left_out.append(f"{path.name}: {lost} of {len(rows)} rows were left out")
     if not kept:
-        reason = left_out[0].split(": ", 1)[1] if left_out else "it has none"
+        reason = next(iter(reasons), "it has none")
         raise ScenarioError(f"{path}: no row is sound; the first: {reason}")
     velocity_all = np.array([each[0] for each in kept])
     condition = np.array([each[1] for each in kept])

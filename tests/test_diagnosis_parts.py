@@ -1,0 +1,141 @@
+"""The engine's smaller parts, each on a model whose answer is known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+from stickslip.diagnosis.ceiling import smooth_ceiling
+from stickslip.diagnosis.constancy import changing, refit_parts
+from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival
+from stickslip.diagnosis.heldout import split
+from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.profile import profile
+from stickslip.diagnosis.recalibration import recalibrate
+from stickslip.diagnosis.signatures import find_signatures, smallest_effects
+
+X = np.linspace(1.0, 3.0, 24)
+SD = 0.05
+SLOPE = Uncertain("slope", Prior("normal", 1.0, 0.5))
+WAVE = Cause("wave", (CauseParameter("wave.height", "-", -5.0, 5.0, 1.0),))
+
+
+def line(_, p):
+    """Slope times x and, where there is a second column, a wave."""
+    return p[:, :1] * X + (p[:, 1:2] * np.sin(4 * X) if p.shape[1] > 1 else 0.0)
+
+
+def problem(observed, causes=(WAVE,), predict=line):
+    return Problem(predict, None, observed, np.eye(len(X)) / SD, math.inf, (SLOPE,), causes)
+
+
+def fitted(given, causes=()):
+    rival = make_rival(given, causes)
+    return fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)[0]
+
+
+def test_the_fit_is_the_linear_answer():
+    # Of a linear model with a normal prior: (J'J + 1/s^2) dx = J'r, in units of the prior's sd.
+    observed = 1.2 * X + 0.03 * np.sin(9 * X)
+    fit = fitted(problem(observed, ()))
+    j = 0.5 * X / SD
+    expected = float(j @ ((observed - X) / SD) / (j @ j + 1.0))
+    assert fit.x[0] == pytest.approx(expected, abs=1e-6)
+    assert fit.covariance[0, 0] == pytest.approx(1.0 / (j @ j + 1.0), rel=1e-6)
+
+
+def test_the_profile_of_a_small_effect_has_the_curvature_of_the_fit():
+    given = problem(X + 0.1 * np.sin(4 * X))
+    fit = fitted(given, [WAVE])
+    (found,) = profile(given, fit)
+    # d value / d u at a small amplitude is the scale over sinh 1.
+    expected = math.sqrt(fit.covariance[1, 1]) / math.sinh(1.0)
+    # Straight lines between points half a standard deviation apart: within a tenth.
+    assert found.sd == pytest.approx(expected, rel=0.1)
+    assert found.chi2.min() == 0.0
+
+
+def test_the_profile_sees_steps_that_the_curvature_does_not():
+    def stepped(_, p):
+        return p[:, :1] * X + np.round(5.0 * p[:, 1:2]) / 5.0 * np.sin(4 * X) * 3.0
+
+    given = problem(X + 0.6 * np.sin(4 * X), predict=stepped)
+    fit = fitted(given, [WAVE])
+    (found,) = profile(given, fit)
+    # All heights within half a step of the best one are as good, so the interval is at least 0.1
+    # wide on each side of a step's middle.
+    assert found.sd > 0.05
+
+
+def test_a_constant_that_changes_is_found_and_one_that_does_not_is_not():
+    halves = {"left": np.arange(12), "right": np.arange(12, 24)}
+    for second, said in ((1.0, 0), (1.2, 1)):
+        given = problem(np.where(np.arange(24) < 12, 1.0, second) * X, ())
+        null = fitted(given)
+        parts = refit_parts(given, null, halves)
+        assert [part.count for part in parts] == [12, 12]
+        assert len(changing(given, parts)) == said
+
+
+def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
+    random = np.random.default_rng(4)
+    kinds = np.zeros(len(X), dtype=np.int64)
+    noise = SD * random.standard_normal(len(X))
+    smooth = problem(X + 0.5 * np.sin(4 * X) + noise, ())
+    null = fitted(smooth)
+    taken = smooth_ceiling(smooth, null, X[:, None], kinds)
+    assert 0.9 * null.chi2 < taken < null.chi2
+    rough = problem(X + noise, ())
+    null = fitted(rough)
+    # Of white noise a smooth curve follows a few degrees of freedom at most.
+    assert smooth_ceiling(rough, null, X[:, None], kinds) < 0.5 * null.chi2
+
+
+def test_the_smallest_effect_has_the_strength_that_is_asked_for():
+    given = problem(X.copy())
+    null = fitted(given)
+    threshold = 3.0
+    height = smallest_effects(given, find_signatures(given, null), threshold)["wave.height"]
+    j = np.concatenate([0.5 * X / SD, [1.0]])
+    wave = np.concatenate([np.sin(4 * X) / SD, [0.0]])
+    left = wave - j * (j @ wave) / (j @ j)
+    expected = (threshold + 0.84) / float(np.linalg.norm(left))
+    # The response is linear in the height; a row's amplitude is bent by sinh, by a fifth at most.
+    assert height == pytest.approx(expected, rel=0.2)
+
+
+def test_errors_that_set_ups_share_do_not_pull_a_fit_down():
+    # All velocities of a set-up are off by the same share. The mean of the fitted slopes over many
+    # data sets is the true one, within three standard errors.
+    random = np.random.default_rng(8)
+    slopes = []
+    for seed in range(24):
+        share = 1.0 + 0.1 * random.standard_normal(4)
+        block = np.tile(np.arange(4), len(X))
+        index = np.repeat(np.arange(len(X)), 4)
+        values = X[index] * share[block] * (1.0 + 0.03 * random.standard_normal(len(index)))
+        free = Uncertain("slope", Prior("log-uniform", 0.1, 10.0))
+        found = diagnose_model(line, None, values, [free], condition=index, block=block, seed=seed)
+        slopes.append(float(free.prior.value(found.null.x[0])))
+    error = np.std(slopes, ddof=1) / math.sqrt(len(slopes))
+    assert abs(np.mean(slopes) - 1.0) < 3.0 * error
+    assert error < 0.02
+
+
+def test_a_search_finds_the_deepest_of_many_valleys():
+    def wavy(_, p):
+        return p[:, :1] * X + 0.3 * np.sin(12.0 * p[:, :1] * X)
+
+    given = problem(wavy(None, np.array([[1.37]]))[0], (), wavy)
+    found = recalibrate(given, 0)
+    assert found.null.x[0] == pytest.approx(0.74, abs=0.01)
+    assert found.null.data_chi2 < 1.0
+
+
+def test_groups_are_held_out_together():
+    group = np.repeat(np.arange(3), 5)
+    assert split(15, 0, group).tolist() == [10, 11, 12, 13, 14]
+    many = split(40, 0, np.repeat(np.arange(10), 4))
+    assert set(np.bincount(many // 4, minlength=10).tolist()) <= {0, 4}
+    assert {0, 39} <= set(many.tolist())
