@@ -210,3 +210,61 @@ def test_a_column_in_a_wrong_unit_or_of_a_wrong_sign_is_said_to_be(tmp_path, fac
     assert said["verdict"] == "data-problem"
     assert said["cause"] is None
     assert words in json.loads((tmp_path / "found" / "report.json").read_text())["headline"]
+
+
+def _dirty(folder, change):
+    path = write(folder, {})
+    table = folder / "velocity.csv"
+    header, *rows = table.read_text().splitlines()
+    table.write_text("\n".join(change([header, *rows])) + "\n")
+    return path
+
+
+def _all_zero(lines):
+    return [lines[0], *(row.rsplit(",", 1)[0] + ",0.0" for row in lines[1:])]
+
+
+def _absurd(lines):
+    rest, value = lines[5].rsplit(",", 1)
+    return [*lines[:5], f"{rest},{40 * float(value)!r}", *lines[6:]]
+
+
+def _drifting(lines):
+    # Each of three rounds over all conditions is a fifth faster than the one before.
+    rows = []
+    for number, row in enumerate(lines[1:]):
+        rest, value = row.rsplit(",", 1)
+        place = int(rest.split(",")[2]) * 8 + number // 3
+        rows.append(f"{rest},{float(value) * (1 + 0.01 * place)!r},{place}")
+    return [lines[0] + ",order", *rows]
+
+
+@pytest.mark.parametrize(
+    ("change", "verdicts", "words"),
+    [
+        (lambda lines: [lines[0], *reversed(lines[1:])], ("none",), ""),
+        (lambda lines: [*lines[:4], lines[4].rsplit(",", 1)[0] + ",nan", *lines[5:]], ("none",),
+         "is no number"),
+        (_absurd, ("none",), "others of its condition"),
+        (lambda lines: [lines[0], *lines[1::3]], ("data-problem",), "repeats"),
+        (lambda lines: lines[:4], ("data-problem",), "too few"),
+        (_all_zero, ("data-problem",), "zero"),
+        (_drifting, ("data-problem",), "drift"),
+    ],
+    ids=["out of order", "nan", "outlier", "no repeats", "one condition", "all zero", "drift"],
+)  # fmt: skip
+def test_dirty_tables_end_in_a_sound_verdict(tmp_path, change, verdicts, words):
+    path = _dirty(tmp_path, change)
+    done = stickslip("diagnose", path, "--out", tmp_path / "found", "--seed", 3)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split(":")[0] in verdicts, done.stdout
+    assert words in done.stdout
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "found" / "report.html").is_file()
+
+
+def test_single_trials_are_judged_by_the_stated_error(tmp_path):
+    path = _dirty(tmp_path, lambda lines: [lines[0], *lines[1::3]])
+    path.write_text(path.read_text() + "velocity_sd = 0.02\n")
+    said = json.loads(stickslip("diagnose", path, "--json").stdout)
+    assert said["verdict"] == "none"

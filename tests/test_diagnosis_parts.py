@@ -1,6 +1,7 @@
 """The engine's smaller parts, each on a model whose answer is known."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.ceiling import smooth_ceiling
 from stickslip.diagnosis.constancy import changing, refit_parts
+from stickslip.diagnosis.experiments import advice
 from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival
 from stickslip.diagnosis.heldout import split
 from stickslip.diagnosis.model import Problem
@@ -139,3 +141,15 @@ def test_groups_are_held_out_together():
     many = split(40, 0, np.repeat(np.arange(10), 4))
     assert set(np.bincount(many // 4, minlength=10).tolist()) <= {0, 4}
     assert {0, 39} <= set(many.tolist())
+
+
+def test_another_instrument_is_named_where_it_would_split_a_set():
+    def advised(word, *causes):
+        return advice(SimpleNamespace(verdict=SimpleNamespace(word=word, causes=causes)))
+
+    (said,) = advised("ambiguous", "surface_tilt", "friction_anisotropy")
+    assert said.startswith("Tilt the stage")
+    assert "friction_anisotropy" in said
+    assert len(advised("ambiguous", "coil_heating", "misalignment")) == 2
+    assert advised("ambiguous", "length_scale", "clock_scale") == []
+    assert advised("named", "surface_tilt") == []

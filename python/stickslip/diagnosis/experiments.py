@@ -24,7 +24,33 @@ _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.direction": ("+x", "-x"),
     "drive.frequency": (0.5, 1.0, 1.5),
     "drive.peak": (0.7, 1.0, 1.2),
+    "drive.hold": (0.7, 1.0, 1.3),
 }
+# What one look beside the drive would settle, for the causes that it sees.
+_LOOKS = (
+    (
+        "Log the coil currents: they show {seen} directly, and nothing of {unseen}.",
+        ("coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"),
+    ),
+    (
+        "Measure the field at the robot for known currents: it shows {seen}, and nothing of "
+        "{unseen}.",
+        ("field_gain", "ambient_field", "eddy_lag", "gradient_scale"),
+    ),
+    (
+        "Tilt the stage by 2 degrees one way and the other: the velocities change alike about a "
+        "surface that was level, which tells {seen} from {unseen}.",
+        ("surface_tilt",),
+    ),
+    (
+        "Film a scale and a clock: that shows {seen}, and nothing of {unseen}.",
+        ("length_scale", "clock_scale", "angle_offset"),
+    ),
+    (
+        "Read the static tilt in held fields: it shows {seen}, and nothing of {unseen}.",
+        ("misalignment", "magnetization_scale"),
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -115,6 +141,22 @@ def propose(examination: Examination) -> list[Experiment]:
     return chosen
 
 
+def advice(found: Diagnosis) -> list[str]:
+    """What to look at beside the drive, to tell the causes of a set apart."""
+    names = set(found.verdict.causes) if found.verdict.word == "ambiguous" else set()
+    said = []
+    for sentence, seen in _LOOKS:
+        inside, outside = names & set(seen), names - set(seen)
+        if inside and outside:
+            said.append(sentence.format(seen=_listed(inside), unseen=_listed(outside)))
+    return said
+
+
+def _listed(names: set[str]) -> str:
+    first, more = sorted(names)[:4], len(names) - 4
+    return ", ".join(first) + (f" and {more} more" if more > 0 else "")
+
+
 def _rivals(found: Diagnosis) -> list[Fit]:
     if not found.detection.found:
         return []
@@ -132,12 +174,13 @@ def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Val
     frequency = float(np.median([float(each["drive.frequency"]) for each in conditions]))
     peak = float(np.median([float(each["drive.peak"]) for each in conditions]))
     found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
-    for mode, direction, pace, field in itertools.product(*_CHOICES.values()):
+    for mode, direction, pace, field, clamp in itertools.product(*_CHOICES.values()):
         drive = dict(by_mode.get(mode, middle))
         drive["drive.mode"], drive["drive.direction"] = mode, direction
         drive["drive.frequency"] = float(f"{frequency * float(pace):.3g}")
         top = float(f"{peak * float(field):.3g}")
         drive["drive.peak"] = max(top, float(drive["drive.base"]))
+        drive["drive.hold"] = float(f"{float(drive['drive.hold']) * float(clamp):.3g}")
         key = tuple(sorted(drive.items()))
         if key not in measured:
             found[key] = drive

@@ -15,7 +15,7 @@ from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.engine import Diagnosis
-from stickslip.diagnosis.experiments import Experiment
+from stickslip.diagnosis.experiments import Experiment, advice
 from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.verdict import describe, flat_directions, pulls
@@ -192,7 +192,12 @@ def details(
 
 
 def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
-    """The scenario with recalibrated constants and, where there is one, the cause."""
+    """The scenario with recalibrated constants and, where there is one, the cause.
+
+    Of data that allows no diagnosis nothing is learnt, so the scenario stays as it is.
+    """
+    if found.verdict.word == "data-problem":
+        return scenario
     fit = found.verdict.fit or found.null
     values = found.problem.physical(fit.x[None, :])[0]
     problem = found.problem
@@ -229,11 +234,11 @@ def write_report(
     full["channels"] = {each.title: each.numbers for each in sketches}
     full["gain_unit"] = _gain_unit(examination)
     full |= _further(examination)
-    write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
     with replacing(out / "report.json") as temporary:
         temporary.write_text(json_text(full) + "\n", encoding="utf-8")
     with replacing(out / "report.html") as temporary:
         temporary.write_text(page_text(found, full, sketches, conditions), encoding="utf-8")
+    write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
 
 
 _CARRIERS = 3
@@ -265,6 +270,7 @@ def _further(examination: Examination) -> dict[str, Any]:
         "smooth_ceiling": ceiling,
         "share_of_ceiling": share,
         "carried_by": _carriers(examination),
+        "advice": advice(found),
     }
 
 
