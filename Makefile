@@ -99,9 +99,9 @@ docs: install $(VENV)/.docs-tools ## the documentation, into docs/_build/html
 bench: install ## speed of both integrators at equal accuracy, into bench/results/
 	@$(RUN) bench/bench.py
 
-BLIND_ARGS ?= --seeds 3
+BLIND_ARGS ?= --seeds 4
 
-blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--seeds 20")
+blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--seeds 200 --minutes 600")
 	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m blind $(BLIND_ARGS)
 
 # The peers have an environment of their own; bench/peers/README.md says what is measured.

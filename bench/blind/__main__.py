@@ -51,7 +51,7 @@ def main() -> None:
     waiting = [each for each in plan(options.first, options.seeds, kinds) if each not in done]
     end = time.monotonic() + 60.0 * options.minutes
     running: dict[Future[dict[str, Any]], tuple[str, int]] = {}
-    number = len(rows)
+    number = 1 + max((int(row["folder"]) for row in rows), default=-1)
     with (
         ProcessPoolExecutor(options.jobs) as pool,
         record.open("a") as file,

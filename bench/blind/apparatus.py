@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 PULSES = 8
 COUNTED = 5  # those after the third
-STEP = 1e-6  # s, of the reference simulator; `python -m blind agree` shows that it suffices
+STEP = 1e-6  # s, of the reference simulator; tests/test_blind_study.py shows that it suffices
 RESOLUTION = 0.2e-6  # m, of a position between pixels
 SCATTER = 0.03  # of a trial, relative
 FLOOR = 1e-5  # m/s, of a trial: about 1 % of the usual velocity

@@ -16,7 +16,11 @@ _DRIFT = 0.002
 
 
 def data_problem(
-    values: Array, index: NDArray[np.int64], noise: NoiseModel, order: ArrayLike | None
+    values: Array,
+    index: NDArray[np.int64],
+    noise: NoiseModel,
+    order: ArrayLike | None,
+    block: NDArray[np.int64] | None = None,
 ) -> str | None:
     """What makes the data itself suspect, if anything does."""
     if np.all(values == 0.0):
@@ -37,28 +41,30 @@ def data_problem(
     usable = np.isfinite(place)
     if usable.sum() < 12:
         return None
-    residual = ((values - noise.mean[index]) / noise.sd[index])[usable]
-    time = place[usable]
-    centred = (
-        time
-        - np.bincount(index[usable], time, minlength=len(noise.mean))[index[usable]]
-        / (np.maximum(np.bincount(index[usable], minlength=len(noise.mean)), 1)[index[usable]])
-    )
-    power = float(centred @ centred)
-    if power <= 0.0:
+    design = np.eye(len(noise.mean))[index[usable]]
+    if block is not None and noise.setups.shape[1]:
+        # What differs from one set-up to the next is not drift.
+        design = np.hstack([design, np.eye(int(block.max()) + 1)[block[usable]]])
+    left, singular, _ = np.linalg.svd(design, full_matrices=False)
+    basis = left[:, singular > 1e-9 * singular[0]]
+    free = len(design) - basis.shape[1] - 1
+    centred = place[usable] - basis @ (basis.T @ place[usable])
+    if free < 1 or float(centred @ centred) <= 1e-9 * float(place[usable] @ place[usable]):
         return None
     # A drift shifts all velocities alike, or all in proportion, whatever their sign.
-    toward = np.sign(noise.mean[index])[usable]
-    chance = min(_drift(residual, centred, noise), _drift(residual * toward, centred, noise))
-    if 2.0 * chance < _DRIFT:
+    scatter = (values - noise.mean[index]) / noise.sd[index]
+    chances = []
+    for toward in (1.0, np.sign(noise.mean[index])):
+        residual = (scatter * toward)[usable]
+        chances.append(_drift(residual - basis @ (basis.T @ residual), centred, free))
+    if 2.0 * min(chances) < _DRIFT:
         return "velocities drift with the order in which they were measured"
     return None
 
 
-def _drift(residual: Array, centred: Array, noise: NoiseModel) -> float:
-    """p-value of a slope of the residuals against the time in the midst of each condition."""
+def _drift(residual: Array, centred: Array, free: int) -> float:
+    """p-value of a slope of the residuals against the time, both without conditions and set-ups."""
     power = float(centred @ centred)
-    free = max(len(residual) - len(noise.mean) - 1, 1)
     slope = float(centred @ residual) / power
     left = residual - slope * centred
     score = slope * math.sqrt(power) / math.sqrt(max(float(left @ left) / free, 1e-12))

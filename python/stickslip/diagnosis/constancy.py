@@ -47,13 +47,19 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, NDArray[np.int6
     null : Fit
         Of all conditions.
     parts : dict
-        Conditions of each part; those with fewer than four are left out.
+        Conditions of each part, complementary ones one after the other; where one of two has fewer
+        than four, both are left out.
     """
     covariance = np.asarray(np.linalg.inv(problem.whiten.T @ problem.whiten), dtype=float)
     found = []
-    for name, rows in parts.items():
-        if not _FEWEST <= len(rows) < len(problem.observed):
-            continue
+    names = list(parts)
+    kept = [
+        name
+        for pair in zip(names[::2], names[1::2], strict=True)
+        for name in pair
+        if min(len(parts[each]) for each in pair) >= _FEWEST
+    ]
+    for name, rows in ((name, parts[name]) for name in kept):
         inside = restricted(problem, rows, covariance)
         fit = fit_rivals(inside, [null.rival], [[Start.of(null, rows)]], _STEPS, exact=False)[0]
         sd = np.sqrt(np.diag(fit.covariance))
@@ -64,7 +70,7 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, NDArray[np.int6
 def changing(problem: Problem, parts: list[Part]) -> list[str]:
     """Sentences on the constants that two complementary parts do not agree about."""
     said = []
-    for first, second in zip(parts[::2], parts[1::2], strict=False):
+    for first, second in zip(parts[::2], parts[1::2], strict=True):
         gap = np.abs(first.x - second.x) / np.hypot(first.sd, second.sd)
         for k in np.flatnonzero(gap > _STRAINED):
             said.append(

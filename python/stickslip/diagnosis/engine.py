@@ -18,7 +18,7 @@ from stickslip.diagnosis.heldout import Gain, measure_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
 from stickslip.diagnosis.profile import Profile, profile
-from stickslip.diagnosis.recalibration import model_roughness, recalibrate
+from stickslip.diagnosis.recalibration import at_full_weight, model_roughness, recalibrate
 from stickslip.diagnosis.rivals import (
     COMFORTABLE,
     Ranking,
@@ -216,28 +216,31 @@ def diagnose_model(
     null = found_base.null
     if noise.between > 0.0:
         m = len(noise.mean)
-        covariance[:m, :m] = noise.covariance_at(problem.predicted(null.x[None, :])[0, :m])
+        predicted = problem.predicted(null.x[None, :])[0, :m]
+        covariance[:m, :m] = noise.covariance_at(
+            np.where(np.isfinite(predicted), predicted, noise.mean)
+        )
         problem = replace(problem, whiten=whitener(covariance))
         null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
     say(0.1)
     roughness = model_roughness(problem, null, seed)
     covariance, problem, clouds = roughened(problem, covariance, roughness)
-    if clouds:
-        null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
+    null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
+    basins = at_full_weight(problem, found_base.basins)
     say(0.2)
     signatures = find_signatures(problem, null)
     detection = detect(problem, null, signatures, seed)
     say(0.35)
     notes = list(noise.notes)
-    trouble = doubt or data_problem(values, index, noise, order)
+    trouble = doubt or data_problem(values, index, noise, order, blocks)
     ranking = Ranking(null, (), ())
     if trouble is None and detection.found:
         views = [(null, signatures)]
         if found_base.centre is not None:
             # Far from all priors the recalibrated model is no place to look at causes from.
-            centre = found_base.centre
+            centre = at_full_weight(problem, [found_base.centre])[0]
             views.append((centre, find_signatures(problem, centre)))
-        singles = fit_singles(problem, views, found_base.basins, clouds)
+        singles = fit_singles(problem, views, basins, clouds)
         null, singles = settle_null(problem, null, singles)
         if singles and clouds:
             # The best rival may sit where the model jumps more than at the null; its scatter counts
@@ -261,15 +264,16 @@ def diagnose_model(
         # The best single of two effects is often neither, so adequacy decides and not the rank.
         sufficient = any(adequacy(problem, fit) >= COMFORTABLE for fit in singles[:3])
         if singles and not sufficient:
-            pairs = fit_pairs(problem, views, singles, found_base.basins, clouds)
-            ranking = Ranking(null, singles_beside(problem, singles, pairs), pairs)
+            pairs = fit_pairs(problem, views, singles, basins, clouds)
+            null, singles = settle_null(problem, null, singles_beside(problem, singles, pairs))
+            ranking = Ranking(null, singles, pairs)
     say(0.9)
     cosines = isolability(problem, signatures, null.residual)
     gains: dict[str, Gain | None] = {}
 
     def gain_of(fit: Fit) -> Gain | None:
         if fit.name not in gains:
-            others = [*ranking.singles[:5], *ranking.pairs[:3]]
+            others = [*ranking.singles[:4], *ranking.pairs[:2]]
             gains[fit.name] = measure_gain(problem, covariance, held_out, null, fit, others, seed)
         return gains[fit.name]
 

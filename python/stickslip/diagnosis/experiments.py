@@ -99,11 +99,14 @@ def propose(examination: Examination) -> list[Experiment]:
                 points.append(point)
         physical = found.problem.physical(np.stack(points))
         shared = examination.combined.shared(physical)
-        predicted = np.nan_to_num(examination.simulator(candidates, shared))
+        predicted = examination.simulator(candidates, shared)
         slope = (predicted[1::2] - predicted[2::2]) / (2.0 * width[:, None])
         centre.append(predicted[0])
         spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
     level, variance = np.array(centre), np.array(spread)
+    # A condition that one of the rivals cannot compute is no proposal.
+    sound = np.all(np.isfinite(level) & np.isfinite(variance), axis=0)
+    level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
     noise = (found.noise.floor**2 + (found.noise.relative * np.mean(level, axis=0)) ** 2) / _TRIALS
     noise += float(np.median(found.roughness[: len(examination.conditions)])) ** 2
     separation = np.zeros(len(candidates))

@@ -128,7 +128,7 @@ def measure_gain(
         return None
     keep = np.setdiff1d(np.arange(len(problem.observed)), held_out)
     inside = restricted(problem, keep, covariance)
-    others = [fit for fit in rivals if fit is not chosen][:4]
+    others = [fit for fit in rivals if fit is not chosen]
     fits = [null, chosen, *others]
     begins = [[Start.of(fit, keep)] for fit in fits]
     refits = fit_rivals(inside, [fit.rival for fit in fits], begins, 6, exact=False)

@@ -87,6 +87,12 @@ class CauseParameter:
         value = np.clip(self.absent + size, self.low, self.high)
         return np.where(np.abs(value - self.absent) < self.negligible, self.absent, value)
 
+    def continuous(self, u: Array) -> Array:
+        """The value without its jump to `absent`, where a falling parameter begins to act."""
+        if self.downward:
+            return np.maximum(self.high - self.scale * np.maximum(u, 0.0), self.low)
+        return self.value(u)
+
     @property
     def limits(self) -> tuple[float, float]:
         """Lowest and highest coordinate."""

@@ -121,7 +121,9 @@ def fit_noise(
         np.add.at(setups, (condition, block), 1.0)
         setups /= count[:, None]
     elif not known:
-        notes.append("no column block: scatter between set-ups cannot be separated from a cause")
+        absent = block is None or bool(np.all(block < 0))
+        said = "no column block" if absent else "one block only, or cells of it are empty"
+        notes.append(f"{said}: scatter between set-ups cannot be separated from a cause")
     else:
         notes.append("no condition was repeated in another set-up: their scatter is not known")
     return NoiseModel(

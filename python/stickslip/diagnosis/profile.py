@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals, make_rival
+from stickslip.diagnosis.fitting import Fit, Rival, Start, fit_rivals
 from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ def profile(problem: Problem, fit: Fit) -> list[Profile]:
             parameter = problem.parameters[column - problem.base_count]
             if parameter.shape:
                 continue
-            name, unit, convert = parameter.name, parameter.unit, parameter.value
+            name, unit, convert = parameter.name, parameter.unit, parameter.continuous
         u, chi2 = _along(problem, fit, int(column), float(spread[position]))
         value = np.asarray(convert(u), dtype=float)
         found.append(Profile(name, unit, value, chi2, _half_width(value, chi2)))
@@ -80,9 +80,9 @@ def _along(problem: Problem, fit: Fit, column: int, spread: float) -> tuple[Arra
 
 def _fixed(problem: Problem, fit: Fit, column: int, u: Array) -> Array:
     """Chi-square with one coordinate held at each of some values."""
-    rival = make_rival(problem, fit.rival.causes)
+    rival = fit.rival
     keep = rival.free != column
-    held = type(rival)(rival.causes, rival.free[keep], rival.width[keep])
+    held = Rival(rival.causes, rival.free[keep], rival.width[keep])
     own = float(rival.width[~keep][0])
     direction = fit.covariance[:, ~keep][:, 0]
     begins = []

@@ -72,15 +72,15 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     certified = len(ends) > 1 and ends[1] - ends[0] < AGREE
     null = replace(stages[-1][0], starts=ends, certified=certified)
     distinct = tuple(_distinct([fit for stage in reversed(stages) for fit in stage])[1:_BASINS])
-    basins = _at_full_weight(problem, distinct)
+    basins = at_full_weight(problem, distinct)
     if null.chi2 < _FORGIVEN * m:
         return Recalibration(null, None, basins)
     softest = next((each[0] for each in reversed(stages) if each[0].chi2 < _FORGIVEN * m), None)
     softest = softest or stages[0][0]
-    return Recalibration(null, _at_full_weight(problem, [softest])[0], basins)
+    return Recalibration(null, at_full_weight(problem, [softest])[0], basins)
 
 
-def _at_full_weight(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
+def at_full_weight(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
     """Fits of softer problems as fits of this one, without moving them."""
     begins = [[Start.of(fit)] for fit in fits]
     again = fit_rivals(problem, [fit.rival for fit in fits], begins, 0, exact=False)

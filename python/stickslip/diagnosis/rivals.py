@@ -64,6 +64,8 @@ def adequacy(problem: Problem, fit: Fit) -> float:
     """
     base = problem.base_count
     extra = len(fit.rival.free) - base
+    # The prior row of a freed constant is nearly void.
+    extra += sum(cause.frees is not None for cause in fit.rival.causes)
     constants = fit.x[fit.rival.free[:base]] / fit.rival.width[:base]
     chi2 = fit.data_chi2 + float(constants @ constants)
     return lack_of_fit_p(chi2, len(problem.observed) - extra, problem.dof)
@@ -342,7 +344,7 @@ def singles_beside(
             x[np.setdiff1d(np.arange(problem.base_count, problem.size), rival.free)] = 0.0
             kept = [list(fit.rival.free).index(k) for k in rival.free]
             rivals.append(rival)
-            begins.append([Start(x, fit.slope[:, kept])])
+            begins.append([Start(x, fit.slope[:, kept]), Start(x)])
     result = list(singles)
     for fit in fit_rivals(problem, rivals, begins, _CAREFUL):
         at = place.get(fit.name)

@@ -294,8 +294,9 @@ def classes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
 def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> dict[str, float]:
     """95 % upper limit of the magnitude of every parameter of a cause, in its own unit.
 
-    From the smallest response that can be seen, as if the response grew with the amplitude. A
-    parameter that this data cannot see is bounded by its physical range.
+    From the responses that were simulated, each as if it grew with the amplitude, up to three times
+    and down to a third of its own. A parameter that this data cannot see is bounded by its physical
+    range.
     """
     bounds = {}
     for index, cause in enumerate(problem.causes):
@@ -328,8 +329,8 @@ def _reach(signatures: Signatures, residual: Array, row: int, far: float) -> flo
         return far
     estimate = float(signatures.absorbed[row] @ residual) / size**2
     limit = max(estimate, 0.0) + 1.96 / size
-    # A response at one amplitude says little of amplitudes far beyond it.
-    return abs(float(signatures.amplitude[row])) * limit if limit < 3.0 else far
+    # A response at one amplitude says little of amplitudes far from it, larger or smaller.
+    return abs(float(signatures.amplitude[row])) * max(limit, 1.0 / 3.0) if limit < 3.0 else far
 
 
 def smallest_effects(

@@ -189,6 +189,17 @@ def diagnose(
     keys = [*shared, *amplitudes]
     names = [*shared, *(each.name for each in nuisance), *amplitudes]
     simulator = Simulator(measurement.scenario, keys, threads)
+    middle = _nominal(simulator, conditions, uncertain, causes)
+    lost = np.flatnonzero(~np.isfinite(middle))
+    said: tuple[str, ...] = ()
+    if len(lost) and len(lost) < len(conditions):
+        kept = np.isfinite(middle)[index]
+        number = np.cumsum(np.isfinite(middle)) - 1
+        velocity, block, order = velocity[kept], block[kept], order[kept]
+        index = number[index[kept]]
+        conditions = [each for k, each in enumerate(conditions) if k not in set(lost.tolist())]
+        middle = middle[np.isfinite(middle)]
+        said = (f"conditions that the stated model cannot compute, left out: {len(lost)}",)
     if conditions:
         noise = fit_noise(velocity, index, block, stated[0] if stated else math.nan)
         rtol = loosest_tolerance(simulator, conditions, uncertain, causes, noise, seed)
@@ -199,7 +210,7 @@ def diagnose(
     if conditions:
         options |= {"condition": index, "block": block, "order": order, "also": known}
         options |= {"relative_sd": stated[0] if stated else math.nan}
-        options["doubt"] = _wrong_size(simulator, conditions, uncertain, causes, noise.mean)
+        options["doubt"] = _wrong_size(middle, noise.mean)
     elif known is not None:
         velocity = known.observed
         options |= {"sd": known.covariance, "group": known.group}
@@ -208,7 +219,7 @@ def diagnose(
     found = diagnose_model(
         combined, conditions, velocity, [*uncertain, *nuisance], causes, **options
     )
-    said = tuple(line for channel in channels for line in channel.notes)
+    said = (*said, *(line for channel in channels for line in channel.notes))
     return Examination(replace(found, notes=(*found.notes, *said)), simulator, conditions, combined)
 
 
@@ -250,17 +261,22 @@ def loosest_tolerance(
     return max(rtol for rtol, count in wrong.items() if count <= wrong[finest])
 
 
-def _wrong_size(
+def _nominal(
     simulator: Simulator,
     conditions: Conditions,
     uncertain: Sequence[Uncertain],
     causes: Sequence[Cause],
-    velocity: Array,
-) -> str | None:
-    """Whether the velocities can be what the model speaks of, by their size and sign."""
+) -> Array:
+    """Velocities at the middle of all priors, without any cause; NaN where there is none."""
+    if not conditions:
+        return np.zeros(0)
     absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
     middle = [float(each.prior.value(0.0)) for each in uncertain]
-    predicted = simulator(conditions, np.array([[*middle, *absent]]))[0]
+    return np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
+
+
+def _wrong_size(predicted: Array, velocity: Array) -> str | None:
+    """Whether the velocities can be what the model speaks of, by their size and sign."""
     sound = np.isfinite(predicted)
     if not sound.any():
         return "no condition can be simulated with the stated scenario; look at its settings"

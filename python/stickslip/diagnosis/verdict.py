@@ -22,7 +22,6 @@ MARGIN = 3.0
 """Log-evidence by which a named cause leads."""
 
 _NONE, _UNKNOWN = 0.5, 0.1
-_PULL = 2.5
 _PAIR_GAIN = 5.0
 """Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 28
 chi-squares of one degree of freedom, 6.4, less what the price of an amplitude takes of it."""
@@ -131,6 +130,8 @@ def _without_single(problem: Problem, ranking: Ranking, chance: Mapping[str, flo
     adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
     if not adequate or adequate[0].log_evidence < best_single.log_evidence + _PAIR_GAIN:
         reason = "no single cause and no pair brings the misfit down to the noise"
+        if adequate:
+            reason = "no single cause is adequate, and a pair leads by too little to be claimed"
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
     close = [fit for fit in adequate if best.log_evidence - fit.log_evidence < MARGIN]
@@ -173,10 +174,8 @@ def probabilities(
     null = ranking.null
     m = len(problem.observed)
     excess = max(null.chi2 / m, 1.0)
-    generic = null.log_evidence + 0.5 * null.chi2 - 0.5 * m * (math.log(excess) + 1.0)
-    generic -= 0.5 * math.log(m)
-    if excess == 1.0:
-        generic = null.log_evidence - 1.0
+    gain = 0.5 * m * (excess - 1.0 - math.log(excess))
+    generic = null.log_evidence + gain - 0.5 * math.log(m)
     weights: dict[str, float] = {
         "none": math.log(_NONE) + _worth(problem, null),
         "unknown": math.log(_UNKNOWN) + generic,
@@ -208,11 +207,6 @@ def _worth(problem: Problem, fit: Fit) -> float:
 def pulls(problem: Problem, fit: Fit) -> dict[str, float]:
     """How many prior standard deviations each uncertain parameter moved."""
     return {each.name: float(fit.x[k]) for k, each in enumerate(problem.uncertain)}
-
-
-def strained(problem: Problem, fit: Fit) -> list[str]:
-    """Uncertain parameters that moved farther than their prior likes."""
-    return [name for name, pull in pulls(problem, fit).items() if abs(pull) > _PULL]
 
 
 def flat_directions(problem: Problem, fit: Fit) -> list[str]:

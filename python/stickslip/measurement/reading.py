@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ScenarioError
 from stickslip.keys import find_key, shown, suggestion
 from stickslip.measurement.priors import Prior, parse_prior
-from stickslip.measurement.tables import read_numbers
+from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario import Scenario
@@ -116,15 +116,22 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     for kind in _ENTRIES:
         for entry in _entries(document, kind):
             file = path.parent / entry["file"]
+            said: list[str]
             if kind == "velocity":
-                data, said = read_velocity(file, scenario, _relative_sd(entry))
-                velocity.append(data)
+                try:
+                    data, said = read_velocity(file, scenario, _relative_sd(entry))
+                    velocity.append(data)
+                except NothingSound as error:
+                    said = [str(error)]
             elif kind == "tracking":
                 run, said = read_tracking(file, entry, scenario)
                 tracking += [] if run is None else [run]
             else:
-                table, said = read_numbers(file, *_COLUMNS[kind])
-                tables[kind].append(table)
+                try:
+                    table, said = read_numbers(file, *_COLUMNS[kind])
+                    tables[kind].append(table)
+                except NothingSound as error:
+                    said = [str(error)]
             left_out += said
     if not velocity and not tracking and not any(tables.values()):
         if left_out:

@@ -39,7 +39,9 @@ def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not line.lstrip().startswith("#")
-    ][:_MOST_ROWS]
+    ]
+    if len(lines) > _MOST_ROWS:
+        raise ScenarioError(f"{path}: {len(lines)} rows; allowed are {_MOST_ROWS}")
     try:
         cells = list(csv.reader(line for _, line in lines))
     except csv.Error as error:
@@ -135,7 +137,7 @@ def read_numbers(
     refuse_unknown(path, header, [*required, *optional])
     table = np.array(
         [
-            [number(row[k]) if k < len(row) else math.nan for k in range(len(header))]
+            [number(row[k]) if len(row) == len(header) else math.nan for k in range(len(header))]
             for _, row in rows
         ]
     )
@@ -144,7 +146,8 @@ def read_numbers(
     left_out = []
     if not sound.all():
         left_out.append(
-            f"{path.name}: {(~sound).sum()} of {len(table)} rows have a cell that is no number "
+            f"{path.name}: {(~sound).sum()} of {len(table)} rows have a cell that is no number, "
+            "too few cells or too many "
             f"({listed([rows[k][0] for k in np.flatnonzero(~sound)])})"
         )
     if not sound.any():

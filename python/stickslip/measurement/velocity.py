@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
 from stickslip.keys import Value, known_keys
-from stickslip.measurement.tables import check_columns, listed, number, read_rows, refuse_unknown
+from stickslip.measurement.tables import (
+    NothingSound,
+    check_columns,
+    listed,
+    number,
+    read_rows,
+    refuse_unknown,
+)
 from stickslip.scenario import Scenario
 
 FASTEST = 1.0
@@ -107,7 +114,7 @@ def read_velocity(
         left_out.append(f"{path.name}: {lost} of {len(rows)} rows were left out")
     if not kept:
         reason = next(iter(reasons), "it has none")
-        raise ScenarioError(f"{path}: no row is sound; the first: {reason}")
+        raise NothingSound(f"{path}: no row is sound; the first: {reason}")
     velocity_all = np.array([each[0] for each in kept])
     condition = np.array([each[1] for each in kept])
     size = float(np.median(np.abs(velocity_all)))

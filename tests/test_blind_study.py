@@ -1,0 +1,105 @@
+"""A few data sets of the blind study: an independent simulator makes them, the command reads them.
+
+The study itself, `make blind`, has hundreds. These seeds are fixed and the verdicts were sound when
+they were chosen, so this guards against falling back and gives no rate.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip import Scenario
+from stickslip.diagnosis.report import summary
+from stickslip.diagnosis.simulator import Simulator, diagnose
+from stickslip.measurement import read_measurement
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
+
+from blind import apparatus
+from blind.generator import make, write_case
+from blind.scoring import interval, judged
+from blind.strength import PRIORS
+
+
+def _said(folder, kind, seed):
+    answer = write_case(folder, kind, seed)
+    measurement = read_measurement(folder / "measurement.toml")
+    said = summary(diagnose(measurement).found, measurement, [])
+    cause = said["cause"]
+    names = set() if cause is None else {cause} if isinstance(cause, str) else set(cause)
+    return answer, said, names
+
+
+def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
+    for seed in (31, 32):
+        truth, drives, level, _, _ = make("none", seed)
+        settings = [
+            {**{f"drive.{key}": value for key, value in drive.items()},
+             "drive.pulses": apparatus.PULSES}
+            for drive in drives
+        ]  # fmt: skip
+        values = [[truth.constants[name.split(".")[1]] for name in PRIORS]]
+        core = Simulator(Scenario().replace({"solver.rtol": 1e-8}), list(PRIORS))
+        gap = level - core(settings, np.array(values))[0]
+        sd = np.hypot(apparatus.SCATTER * level, apparatus.FLOOR) / np.sqrt(apparatus.TRIALS)
+        assert np.max(np.abs(gap) / sd) < 0.2
+
+
+def test_the_folder_does_not_tell_the_answer(tmp_path):
+    answer = write_case(tmp_path / "a", "single", 2006)
+    text = "".join(path.read_text() for path in (tmp_path / "a").iterdir())
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == [
+        "measurement.toml", "nominal.toml", "velocity.csv",
+    ]  # fmt: skip
+    assert answer["answer"]
+    assert all(name not in text for name in answer["answer"])
+
+
+def test_a_control_is_left_in_peace(tmp_path):
+    _, said, _ = _said(tmp_path, "none", 2003)
+    assert said["verdict"] == "none"
+    assert said["bounds"]
+
+
+@pytest.mark.parametrize(("seed", "group"), [(2006, "surface"), (2001, "contact"), (2012, "fluid")])
+def test_a_single_cause_is_first(tmp_path, seed, group):
+    answer, said, names = _said(tmp_path, "single", seed)
+    assert set(answer["answer"]) <= names
+    assert said["verdict"] in ("named", "ambiguous")
+    chance = {name: p for name, p in said["probabilities"].items() if name != "unknown"}
+    assert max(chance, key=chance.get) == answer["answer"][0]
+
+
+def test_exact_twins_are_never_told_apart(tmp_path):
+    _, said, names = _said(tmp_path, "exact twins", 2003)
+    assert said["verdict"] == "ambiguous"
+    assert {"length_scale", "clock_scale"} <= names
+
+
+def test_two_causes_are_both_said(tmp_path):
+    answer, _, names = _said(tmp_path, "pair", 2011)
+    assert set(answer["answer"]) <= names
+
+
+def test_what_no_cause_makes_is_not_named(tmp_path):
+    _, said, _ = _said(tmp_path, "unknown", 2003)
+    assert said["verdict"] == "unexplained"
+    assert said["parameters"] == {}
+
+
+def test_shares_come_with_exact_intervals():
+    # Of n without any, the upper end p solves (1 - p)^n = 0.025.
+    low, high = interval(0, 20)
+    assert low == 0.0
+    assert (1.0 - high) ** 20 == pytest.approx(0.025)
+    row = {
+        "answer": {"kind": "none", "answer": []},
+        "said": {"verdict": "none", "cause": None, "probabilities": {}},
+    }
+    alarm = json.loads(json.dumps(row))
+    alarm["said"]["verdict"] = "unexplained"
+    (counted,) = judged([row, row, row, alarm])
+    assert (counted["count"], counted["total"]) == (1, 4)
