@@ -92,6 +92,10 @@ def _pulls(row: Row) -> list[float]:
     return result
 
 
+def _comparable(row: Row) -> bool:
+    return _right(row) and bool(_pulls(row))
+
+
 def _gained(row: Row) -> bool:
     gain = row["said"]["gain"]
     return bool(gain["heldout_chi2_after"] < gain["heldout_chi2_before"])
@@ -116,7 +120,7 @@ _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | N
     ("single", "first in rank", _first, None, 0.92, False),
     ("single", "named", _named, None, 0.75, False),
     ("single", "right when named", _right, _named, 0.98, False),
-    ("single", "parameters within 2 sd when rightly named", _within, _right, 0.90, False),
+    ("single", "parameters within 2 sd when rightly named", _within, _comparable, 0.90, False),
     ("single", "held-out error consistent when rightly named", _consistent, _right, 0.90, False),
     ("single", "held-out better when rightly named", _gained, _right, 0.89, False),
     ("weak", "detected", _found, None, 0.70, False),
