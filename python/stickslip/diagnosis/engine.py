@@ -17,17 +17,16 @@ from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
 from stickslip.diagnosis.heldout import Gain, measure_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
+from stickslip.diagnosis.pairs import fit_pairs, singles_beside
 from stickslip.diagnosis.profile import Profile, profile
 from stickslip.diagnosis.recalibration import at_full_weight, model_roughness, recalibrate
 from stickslip.diagnosis.rivals import (
     COMFORTABLE,
     Ranking,
     adequacy,
-    fit_pairs,
     fit_singles,
     refine,
     settle_null,
-    singles_beside,
 )
 from stickslip.diagnosis.signatures import (
     Signatures,

@@ -1,4 +1,4 @@
-"""Fits of all single causes and, where none is adequate, of pairs."""
+"""Fits of all single causes, and how well a model explains."""
 
 from __future__ import annotations
 
@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
 from stickslip.diagnosis.fitting import Fit, Rival, Start, fit_rivals, make_rival
-from stickslip.diagnosis.model import Cause, Problem
+from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.signatures import (
-    UNSEEN,
     Signatures,
-    price,
     screen,
     seen_from,
-    settle,
     starts,
 )
 
@@ -29,15 +26,18 @@ ADEQUATE = 0.01
 COMFORTABLE = 0.3
 """With a single cause of at least this p-value, no pair is looked for."""
 
-_QUICK, _CAREFUL = 5, 10
-_SOFT, _SOFTEST = 3.0, 10.0
+CAREFUL = 10
+"""Steps of a careful fit."""
+
+SOFT, SOFTEST = 3.0, 10.0
+"""Factors by which errors are taken as too large, so that no walk is lost in a narrow valley."""
+
+_QUICK = 5
 _STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
 _SURVIVORS = 6
 _WITHIN = 14.0
 _HOPELESS, _SOFT_HOPELESS = 60.0, 12.0
 _LEADING, _ROUNDS = 2, 3
-_PAIRS = 16
-_CENTRES = 3
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def fit_singles(
     found: dict[int, list[tuple[float, Start]]] = {k: [] for k in range(len(problem.causes))}
     for base in bases:
         for _, signatures in views:
-            softer, seen_there = seen_from(problem, signatures, base, _SOFTEST)
+            softer, seen_there = seen_from(problem, signatures, base, SOFTEST)
             screened = screen(seen_there, softer.residual)
             for index, points in found.items():
                 points += starts(problem, softer, seen_there, screened, index, _STARTS)
@@ -105,12 +105,12 @@ def fit_singles(
     }
     seen = [index for index in begins if begins[index]]
     rivals = [make_rival(problem, [problem.causes[index]]) for index in seen]
-    ordered = _best_first(problem, rivals, [begins[index] for index in seen])
+    ordered = best_first(problem, rivals, [begins[index] for index in seen])
     # Near the null a walk may settle for a little of the cause; one comes from its far side.
     bold = [_bold(problem, *views[-1], index) for index in seen]
     pairs = [(k, start) for k, points in enumerate(ordered) for start in (points[0], bold[k])
              if start is not None]  # fmt: skip
-    quick = _quick(problem, [rivals[k] for k, _ in pairs], [[start] for _, start in pairs])
+    quick = quick_fits(problem, [rivals[k] for k, _ in pairs], [[start] for _, start in pairs])
     ends: dict[int, list[Fit]] = {}
     for (k, _), fit in zip(pairs, quick, strict=True):
         ends.setdefault(k, []).append(fit)
@@ -128,7 +128,7 @@ def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> St
     rows = rows[signatures.at[rows] >= 0]
     if not len(rows):
         return None
-    softer, seen_there = seen_from(problem, signatures, base, _SOFTEST)
+    softer, seen_there = seen_from(problem, signatures, base, SOFTEST)
     row = int(rows[np.argmin(screen(seen_there, softer.residual).left[rows])])
     at = int(signatures.at[row])
     x = base.x.copy()
@@ -140,12 +140,12 @@ def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> St
     return Start(x, np.hstack([base.slope[:, : problem.base_count], slope]))
 
 
-def _quick(
+def quick_fits(
     problem: Problem, rivals: Sequence[Rival], begins: Sequence[Sequence[Start]]
 ) -> list[Fit]:
     """A few steps with errors taken as too large, then a few more."""
     fits: list[Fit] = []
-    for factor, limit in ((_SOFTEST, np.inf), (_SOFT, _SOFT_HOPELESS), (1.0, _HOPELESS)):
+    for factor, limit in ((SOFTEST, np.inf), (SOFT, _SOFT_HOPELESS), (1.0, _HOPELESS)):
         softer = problem.tempered(factor)
         fits = fit_rivals(softer, rivals, begins, _QUICK, limit, exact=False)
         begins = [[Start.of(fit)] for fit in fits]
@@ -209,8 +209,8 @@ def settle_null(
         starts_of.append(
             [own, *(_moved(problem, own, other) for other in leading[:3] if other is not fit)]
         )
-    ordered = _best_first(problem, rivals, starts_of)
-    again = fit_rivals(problem, rivals, [points[:2] for points in ordered], _CAREFUL)
+    ordered = best_first(problem, rivals, starts_of)
+    again = fit_rivals(problem, rivals, [points[:2] for points in ordered], CAREFUL)
     kept = [
         new if new.chi2 < old.chi2 - 0.5 else old
         for old, new in zip([null, *leading], again, strict=True)
@@ -219,7 +219,7 @@ def settle_null(
     return kept[0], tuple(sorted([*kept[1:], *rest], key=lambda fit: -fit.log_evidence))
 
 
-def _best_first(
+def best_first(
     problem: Problem, rivals: Sequence[Rival], begins: Sequence[Sequence[Start]]
 ) -> list[list[Start]]:
     """Starts of each rival by their chi-square with large errors."""
@@ -229,7 +229,7 @@ def _best_first(
     low, high = problem.limits()
     x = np.clip(np.stack([start.x for _, start in flat]), low, high)
     # Of narrow valleys a start is seldom at the bottom.
-    chi2 = np.sum(problem.tempered(_SOFTEST).residuals(x) ** 2, axis=1)
+    chi2 = np.sum(problem.tempered(SOFTEST).residuals(x) ** 2, axis=1)
     for row, (k, _) in enumerate(flat):
         chi2[row] += np.sum((x[row, rivals[k].free] / rivals[k].width) ** 2)
     result: list[list[Start]] = [[] for _ in begins]
@@ -254,11 +254,11 @@ def refine(
         [Start.of(quick[k]), *others.get(quick[k].name, ()), _nearby(problem, quick[k])]
         for k in chosen
     ]
-    careful = fit_rivals(problem, [quick[k].rival for k in chosen], begins, _CAREFUL, clouds=clouds)
+    careful = fit_rivals(problem, [quick[k].rival for k in chosen], begins, CAREFUL, clouds=clouds)
     result = list(quick)
     for k, fit in zip(chosen, careful, strict=True):
         result[k] = fit
-    _agree(problem, result, clouds)
+    certify(problem, result, clouds)
     return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
 
 
@@ -273,7 +273,7 @@ def _nearby(problem: Problem, fit: Fit) -> Start:
     return Start(x)
 
 
-def _agree(problem: Problem, fits: list[Fit], clouds: int) -> None:
+def certify(problem: Problem, fits: list[Fit], clouds: int) -> None:
     """More starts a posterior's width away for leaders whose starts do not agree."""
     order = sorted(range(len(fits)), key=lambda k: -fits[k].log_evidence)[:_LEADING]
     low, high = problem.limits()
@@ -291,201 +291,6 @@ def _agree(problem: Problem, fits: list[Fit], clouds: int) -> None:
                 points.append(Start(np.clip(x, low, high)))
             begins.append(points)
         rivals = [fits[k].rival for k in doubtful]
-        again = fit_rivals(problem, rivals, begins, _CAREFUL, clouds=max(clouds, 1))
+        again = fit_rivals(problem, rivals, begins, CAREFUL, clouds=max(clouds, 1))
         for k, fit in zip(doubtful, again, strict=True):
             fits[k] = fit
-
-
-def fit_pairs(
-    problem: Problem,
-    views: Views,
-    singles: Sequence[Fit],
-    basins: Sequence[Fit] = (),
-    clouds: int = 0,
-) -> tuple[Fit, ...]:
-    """Screen all pairs with finite amplitudes, and fit the most promising.
-
-    Two screens: the sum of two responses of the recalibrated model, for every pair and pair of
-    amplitudes; and, about the leading single fits, responses simulated anew, as causes bend each
-    other's effect.
-    """
-    found: Pairs = {}
-    for base in (*(fit for fit, _ in views), *basins):
-        for _, signatures in views:
-            softer, seen_there = seen_from(problem, signatures, base, _SOFT)
-            for key, (left, start) in _added(problem, softer, seen_there).items():
-                if key not in found or left < found[key][0]:
-                    found[key] = (left, start)
-    beside = _beside(problem, singles[:_CENTRES])
-    added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
-    near = sorted(beside, key=lambda key: beside[key][0])[: _PAIRS // 2]
-    order = list(dict.fromkeys([*added, *near]))
-    if not order:
-        return ()
-    by_name = {cause.name: cause for cause in problem.causes}
-    rivals = [make_rival(problem, [by_name[a], by_name[b]]) for a, b in order]
-    begins = [[each[key][1] for each in (found, beside) if key in each] for key in order]
-    ordered = _best_first(problem, rivals, begins)
-    quick = _quick(problem, rivals, [points[:1] for points in ordered])
-    others = {fit.name: points[1:] for fit, points in zip(quick, ordered, strict=True)}
-    return refine(problem, quick, others, clouds)
-
-
-def singles_beside(
-    problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]
-) -> tuple[Fit, ...]:
-    """Single causes again from where the leading pairs have led them, without their companion."""
-    place = {fit.name: k for k, fit in enumerate(singles)}
-    rivals, begins = [], []
-    for fit in pairs[:_CENTRES]:
-        for cause in fit.rival.causes:
-            rival = make_rival(problem, [cause])
-            x = fit.x.copy()
-            x[np.setdiff1d(np.arange(problem.base_count, problem.size), rival.free)] = 0.0
-            kept = [list(fit.rival.free).index(k) for k in rival.free]
-            rivals.append(rival)
-            begins.append([Start(x, fit.slope[:, kept]), Start(x)])
-    result = list(singles)
-    for fit in fit_rivals(problem, rivals, begins, _CAREFUL):
-        at = place.get(fit.name)
-        if at is not None and fit.chi2 < result[at].chi2 - 1.0:
-            result[at] = fit
-    _agree(problem, result, 0)
-    return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
-
-
-Pairs = dict[tuple[str, str], tuple[float, Start]]
-"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
-
-
-def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
-    """What the sum of two causes' responses would leave, each at its best multiple."""
-    rows = np.flatnonzero(signatures.size > UNSEEN)
-    absorbed, cause = signatures.absorbed[rows], signatures.cause[rows]
-    gram = absorbed @ absorbed.T
-    along = absorbed @ null.residual
-    power = np.diag(gram) + price(signatures)[rows]
-    # Two multiples by least squares; those below zero or far above one are not trusted.
-    determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
-    first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
-    farthest = np.where(signatures.at[rows] < 0, 8.0, 1.8)
-    first = np.clip(first, 0.0, farthest[:, None])
-    second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, farthest[None, :])
-    fall = (
-        2.0 * (first * along[:, None] + second * along[None, :])
-        - first**2 * power[:, None]
-        - second**2 * power[None, :]
-        - 2.0 * first * second * gram
-    )
-    moved = null.jacobian @ np.linalg.lstsq(null.jacobian, null.residual, rcond=None)[0]
-    left = null.chi2 - moved @ moved - fall
-    left[cause[:, None] >= cause[None, :]] = np.inf
-    result: Pairs = {}
-    number = len(problem.causes)
-    code = cause[:, None] * number + cause[None, :]
-    order = np.argsort(left, axis=None, kind="stable")
-    seen: set[int] = set()
-    for flat in order:
-        i, j = np.unravel_index(flat, left.shape)
-        if not np.isfinite(left[i, j]) or len(seen) >= 2 * _PAIRS:
-            break
-        if int(code[i, j]) in seen:
-            continue
-        seen.add(int(code[i, j]))
-        key, start = _joined(
-            problem,
-            null,
-            signatures,
-            (int(rows[i]), int(rows[j])),
-            (float(first[i, j]), float(second[i, j])),
-        )
-        result[key] = (float(left[i, j]), start)
-    return result
-
-
-def _joined(
-    problem: Problem,
-    null: Fit,
-    signatures: Signatures,
-    rows: tuple[int, int],
-    scales: tuple[float, float],
-) -> tuple[tuple[str, str], Start]:
-    """Start of a pair from two rows of the signatures."""
-    p, m = problem.base_count, len(problem.observed)
-    causes = [problem.causes[signatures.cause[row]] for row in rows]
-    columns = problem.columns(causes)
-    x, slope = null.x.copy(), np.zeros((m, len(columns)))
-    x[:p] += settle(null)
-    for row, scale in zip(rows, scales, strict=True):
-        at = int(signatures.at[row])
-        amount = max(float(scale), 0.2)
-        x[:p] += amount * (signatures.point[row, :p] - null.x[:p])
-        if at < 0:
-            continue
-        extra = [k for k in range(p, problem.size) if signatures.point[row, k] != 0.0]
-        x[extra] = signatures.point[row, extra]
-        x[at] = amount * signatures.amplitude[row]
-        slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
-    names = sorted(cause.name for cause in causes)
-    return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
-
-
-def _beside(problem: Problem, singles: Sequence[Fit]) -> Pairs:
-    """What a second cause would leave beside each of the leading single causes."""
-    m, p = len(problem.observed), problem.base_count
-    plan: list[tuple[Fit, Cause, int, Array]] = []
-    for fit in singles:
-        for cause in problem.causes:
-            if cause.name != fit.rival.causes[0].name:
-                plan += [(fit, cause, *each) for each in _amplitude_points(problem, fit.x, cause)]
-    if not plan:
-        return {}
-    predicted = problem.predicted(
-        np.vstack([np.stack([point for *_, point in plan]), [fit.x for fit in singles]])
-    )
-    level = dict(zip([fit.name for fit in singles], predicted[len(plan) :], strict=True))
-    bases = {fit.name: np.linalg.qr(fit.jacobian)[0] for fit in singles}
-    result: Pairs = {}
-    for (fit, cause, at, point), row in zip(plan, predicted[: len(plan)], strict=True):
-        gap = row - level[fit.name]
-        gap = np.where(np.isfinite(gap), gap, 0.0)
-        raw = np.zeros(len(fit.residual))
-        raw[:m] = problem.whiten @ gap
-        basis = bases[fit.name]
-        absorbed = raw - basis @ (basis.T @ raw)
-        left = float(np.sum((fit.residual - absorbed) ** 2))
-        names = sorted([fit.rival.causes[0].name, cause.name])
-        key = (names[0], names[1])
-        if key not in result or left < result[key][0]:
-            start = point.copy()
-            start[fit.rival.free] -= np.linalg.lstsq(fit.jacobian, raw, rcond=None)[0]
-            columns = problem.columns([*fit.rival.causes, cause])
-            slope = np.zeros((m, len(columns)))
-            for k, column in enumerate(fit.rival.free[p:]):
-                slope[:, columns.index(column)] = fit.slope[:, p + k]
-            if at >= 0:
-                slope[:, columns.index(at)] = gap / point[at]
-            result[key] = (left, Start(start, np.hstack([fit.slope[:, :p], slope])))
-    return result
-
-
-def _amplitude_points(problem: Problem, x: Array, cause: Cause) -> list[tuple[int, Array]]:
-    """Column and coordinates of a second cause's amplitudes."""
-    low, high = problem.limits()
-    points = []
-    if cause.frees is not None:
-        index = [each.name for each in problem.uncertain].index(cause.frees)
-        for amplitude in (-3.0, 3.0):
-            point = x.copy()
-            point[index] += amplitude
-            points.append((-1, point))
-    for at in problem.columns([cause]):
-        if problem.parameters[at - problem.base_count].shape:
-            continue
-        for amplitude in (-1.0, 1.0):
-            u = float(np.clip(amplitude, low[at], high[at]))
-            if u != 0.0:
-                point = x.copy()
-                point[at] = u
-                points.append((at, point))
-    return points

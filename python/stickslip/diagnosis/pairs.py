@@ -1,0 +1,221 @@
+"""Pairs of causes: a screen of all, fits of the most promising, and what they tell of singles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.fitting import Fit, Start, fit_rivals, make_rival
+from stickslip.diagnosis.model import Cause, Problem
+from stickslip.diagnosis.rivals import (
+    CAREFUL,
+    SOFT,
+    Views,
+    best_first,
+    certify,
+    quick_fits,
+    refine,
+)
+from stickslip.diagnosis.signatures import UNSEEN, Signatures, price, seen_from, settle
+
+Array = NDArray[np.float64]
+
+_PAIRS = 16
+_CENTRES = 3
+
+
+def fit_pairs(
+    problem: Problem,
+    views: Views,
+    singles: Sequence[Fit],
+    basins: Sequence[Fit] = (),
+    clouds: int = 0,
+) -> tuple[Fit, ...]:
+    """Screen all pairs with finite amplitudes, and fit the most promising.
+
+    Two screens: the sum of two responses of the recalibrated model, for every pair and pair of
+    amplitudes; and, about the leading single fits, responses simulated anew, as causes bend each
+    other's effect.
+    """
+    found: Pairs = {}
+    for base in (*(fit for fit, _ in views), *basins):
+        for _, signatures in views:
+            softer, seen_there = seen_from(problem, signatures, base, SOFT)
+            for key, (left, start) in _added(problem, softer, seen_there).items():
+                if key not in found or left < found[key][0]:
+                    found[key] = (left, start)
+    beside = _beside(problem, singles[:_CENTRES])
+    added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
+    near = sorted(beside, key=lambda key: beside[key][0])[: _PAIRS // 2]
+    order = list(dict.fromkeys([*added, *near]))
+    if not order:
+        return ()
+    by_name = {cause.name: cause for cause in problem.causes}
+    rivals = [make_rival(problem, [by_name[a], by_name[b]]) for a, b in order]
+    begins = [[each[key][1] for each in (found, beside) if key in each] for key in order]
+    ordered = best_first(problem, rivals, begins)
+    quick = quick_fits(problem, rivals, [points[:1] for points in ordered])
+    others = {fit.name: points[1:] for fit, points in zip(quick, ordered, strict=True)}
+    return refine(problem, quick, others, clouds)
+
+
+def singles_beside(
+    problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]
+) -> tuple[Fit, ...]:
+    """Single causes again from where the leading pairs have led them, without their companion."""
+    place = {fit.name: k for k, fit in enumerate(singles)}
+    rivals, begins = [], []
+    for fit in pairs[:_CENTRES]:
+        for cause in fit.rival.causes:
+            rival = make_rival(problem, [cause])
+            x = fit.x.copy()
+            x[np.setdiff1d(np.arange(problem.base_count, problem.size), rival.free)] = 0.0
+            kept = [list(fit.rival.free).index(k) for k in rival.free]
+            rivals.append(rival)
+            begins.append([Start(x, fit.slope[:, kept]), Start(x)])
+    result = list(singles)
+    for fit in fit_rivals(problem, rivals, begins, CAREFUL):
+        at = place.get(fit.name)
+        if at is not None and fit.chi2 < result[at].chi2 - 1.0:
+            result[at] = fit
+    certify(problem, result, 0)
+    return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
+
+
+Pairs = dict[tuple[str, str], tuple[float, Start]]
+"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
+
+
+def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
+    """What the sum of two causes' responses would leave, each at its best multiple."""
+    rows = np.flatnonzero(signatures.size > UNSEEN)
+    absorbed, cause = signatures.absorbed[rows], signatures.cause[rows]
+    gram = absorbed @ absorbed.T
+    along = absorbed @ null.residual
+    power = np.diag(gram) + price(signatures)[rows]
+    # Two multiples by least squares; those below zero or far above one are not trusted.
+    determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
+    first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
+    farthest = np.where(signatures.at[rows] < 0, 8.0, 1.8)
+    first = np.clip(first, 0.0, farthest[:, None])
+    second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, farthest[None, :])
+    fall = (
+        2.0 * (first * along[:, None] + second * along[None, :])
+        - first**2 * power[:, None]
+        - second**2 * power[None, :]
+        - 2.0 * first * second * gram
+    )
+    moved = null.jacobian @ np.linalg.lstsq(null.jacobian, null.residual, rcond=None)[0]
+    left = null.chi2 - moved @ moved - fall
+    left[cause[:, None] >= cause[None, :]] = np.inf
+    result: Pairs = {}
+    number = len(problem.causes)
+    code = cause[:, None] * number + cause[None, :]
+    order = np.argsort(left, axis=None, kind="stable")
+    seen: set[int] = set()
+    for flat in order:
+        i, j = np.unravel_index(flat, left.shape)
+        if not np.isfinite(left[i, j]) or len(seen) >= 2 * _PAIRS:
+            break
+        if int(code[i, j]) in seen:
+            continue
+        seen.add(int(code[i, j]))
+        key, start = _joined(
+            problem,
+            null,
+            signatures,
+            (int(rows[i]), int(rows[j])),
+            (float(first[i, j]), float(second[i, j])),
+        )
+        result[key] = (float(left[i, j]), start)
+    return result
+
+
+def _joined(
+    problem: Problem,
+    null: Fit,
+    signatures: Signatures,
+    rows: tuple[int, int],
+    scales: tuple[float, float],
+) -> tuple[tuple[str, str], Start]:
+    """Start of a pair from two rows of the signatures."""
+    p, m = problem.base_count, len(problem.observed)
+    causes = [problem.causes[signatures.cause[row]] for row in rows]
+    columns = problem.columns(causes)
+    x, slope = null.x.copy(), np.zeros((m, len(columns)))
+    x[:p] += settle(null)
+    for row, scale in zip(rows, scales, strict=True):
+        at = int(signatures.at[row])
+        amount = max(float(scale), 0.2)
+        x[:p] += amount * (signatures.point[row, :p] - null.x[:p])
+        if at < 0:
+            continue
+        extra = [k for k in range(p, problem.size) if signatures.point[row, k] != 0.0]
+        x[extra] = signatures.point[row, extra]
+        x[at] = amount * signatures.amplitude[row]
+        slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+    names = sorted(cause.name for cause in causes)
+    return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
+
+
+def _beside(problem: Problem, singles: Sequence[Fit]) -> Pairs:
+    """What a second cause would leave beside each of the leading single causes."""
+    m, p = len(problem.observed), problem.base_count
+    plan: list[tuple[Fit, Cause, int, Array]] = []
+    for fit in singles:
+        for cause in problem.causes:
+            if cause.name != fit.rival.causes[0].name:
+                plan += [(fit, cause, *each) for each in _amplitude_points(problem, fit.x, cause)]
+    if not plan:
+        return {}
+    predicted = problem.predicted(
+        np.vstack([np.stack([point for *_, point in plan]), [fit.x for fit in singles]])
+    )
+    level = dict(zip([fit.name for fit in singles], predicted[len(plan) :], strict=True))
+    bases = {fit.name: np.linalg.qr(fit.jacobian)[0] for fit in singles}
+    result: Pairs = {}
+    for (fit, cause, at, point), row in zip(plan, predicted[: len(plan)], strict=True):
+        gap = row - level[fit.name]
+        gap = np.where(np.isfinite(gap), gap, 0.0)
+        raw = np.zeros(len(fit.residual))
+        raw[:m] = problem.whiten @ gap
+        basis = bases[fit.name]
+        absorbed = raw - basis @ (basis.T @ raw)
+        left = float(np.sum((fit.residual - absorbed) ** 2))
+        names = sorted([fit.rival.causes[0].name, cause.name])
+        key = (names[0], names[1])
+        if key not in result or left < result[key][0]:
+            start = point.copy()
+            start[fit.rival.free] -= np.linalg.lstsq(fit.jacobian, raw, rcond=None)[0]
+            columns = problem.columns([*fit.rival.causes, cause])
+            slope = np.zeros((m, len(columns)))
+            for k, column in enumerate(fit.rival.free[p:]):
+                slope[:, columns.index(column)] = fit.slope[:, p + k]
+            if at >= 0:
+                slope[:, columns.index(at)] = gap / point[at]
+            result[key] = (left, Start(start, np.hstack([fit.slope[:, :p], slope])))
+    return result
+
+
+def _amplitude_points(problem: Problem, x: Array, cause: Cause) -> list[tuple[int, Array]]:
+    """Column and coordinates of a second cause's amplitudes."""
+    low, high = problem.limits()
+    points = []
+    if cause.frees is not None:
+        index = [each.name for each in problem.uncertain].index(cause.frees)
+        for amplitude in (-3.0, 3.0):
+            point = x.copy()
+            point[index] += amplitude
+            points.append((-1, point))
+    for at in problem.columns([cause]):
+        if problem.parameters[at - problem.base_count].shape:
+            continue
+        for amplitude in (-1.0, 1.0):
+            u = float(np.clip(amplitude, low[at], high[at]))
+            if u != 0.0:
+                point = x.copy()
+                point[at] = u
+                points.append((at, point))
+    return points
