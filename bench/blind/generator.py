@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+import shutil
+from collections.abc import Sequence
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from blind.strength import Absorber
 from blind.truth import KINDS, Drive, Truth, conditions, draw
 
 Array = NDArray[np.float64]
+
+KEYS = ("mode", "frequency", "peak", "base", "hold", "direction")
 
 UNCERTAIN = """
 [uncertain]
@@ -104,19 +108,27 @@ def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
     return {"kind": kind, "seed": seed, "strength": strength, **asdict(truth)}
 
 
+def write_more(
+    folder: Path, more: Path, answer: dict[str, Any], drives: Sequence[dict[str, Any]]
+) -> None:
+    """Write `more`: the data of `folder`, and trials of the same robot at further settings."""
+    known = {each.name for each in fields(Truth)}
+    truth = Truth(**{key: value for key, value in answer.items() if key in known})
+    chosen: list[Drive] = [{key: each[key] for key in KEYS} for each in drives]
+    random = np.random.default_rng([answer["seed"], KINDS.index(truth.kind), 1])
+    trials, _ = apparatus.read(apparatus.velocities(truth, chosen), chosen, random, False)
+    shutil.copytree(folder, more, dirs_exist_ok=True)
+    with (more / "velocity.csv").open("a") as file:
+        file.write("\n".join(_rows(chosen, trials, None)) + "\n")
+
+
 def write_tables(
     folder: Path, drives: list[Drive], trials: Array, setup: NDArray[np.int64] | None
 ) -> None:
     """What a laboratory would have: its table, its scenario and its measurement file."""
     folder.mkdir(parents=True, exist_ok=True)
-    keys = ["mode", "frequency", "peak", "base", "hold", "direction"]
-    lines = [",".join(["velocity", "trial", *keys, *(["block"] if setup is not None else [])])]
-    for at, (drive, row) in enumerate(zip(drives, trials, strict=True)):
-        for number, value in enumerate(row):
-            cells = [repr(float(value)), str(number), *(str(drive[key]) for key in keys)]
-            if setup is not None:
-                cells.append(f"day{setup[at, number]}")
-            lines.append(",".join(cells))
+    head = ",".join(["velocity", "trial", *KEYS, *(["block"] if setup is not None else [])])
+    lines = [head, *_rows(drives, trials, setup)]
     (folder / "velocity.csv").write_text("\n".join(lines) + "\n")
     (folder / "nominal.toml").write_text(NOMINAL)
     (folder / "measurement.toml").write_text(
@@ -124,3 +136,15 @@ def write_tables(
         + UNCERTAIN
         + '\n[[velocity]]\nfile = "velocity.csv"\n'
     )
+
+
+def _rows(drives: list[Drive], trials: Array, setup: NDArray[np.int64] | None) -> list[str]:
+    """Lines of the table, one a trial."""
+    lines = []
+    for at, (drive, row) in enumerate(zip(drives, trials, strict=True)):
+        for number, value in enumerate(row):
+            cells = [repr(float(value)), str(number), *(str(drive[key]) for key in KEYS)]
+            if setup is not None:
+                cells.append(f"day{setup[at, number]}")
+            lines.append(",".join(cells))
+    return lines

@@ -105,6 +105,15 @@ def _consistent(row: Row) -> bool:
     return bool(row["gain"]["p_value"] > 0.05)
 
 
+def _followed(row: Row) -> bool:
+    return "followed" in row
+
+
+def _right_after(row: Row) -> bool:
+    after = {**row, "said": row["followed"]}
+    return _right(after)
+
+
 def _wrong_twin(row: Row) -> bool:
     return _named(row) and not _in_set(row)
 
@@ -128,6 +137,9 @@ _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | N
     ("weak", "wrongly named", _wrong, None, 0.02, True),
     ("near twins", "in the set or right, of detected", _in_set, _found, 0.90, False),
     ("near twins", "wrongly named", _wrong_twin, None, 0.03, True),
+    ("near twins", "rightly named before more experiments", _right, _followed, float("nan"), False),
+    ("near twins", "rightly named after three proposed", _right_after, _followed, float("nan"),
+     False),
     ("exact twins", "in the set or right, of detected", _in_set, _found, 0.90, False),
     ("exact twins", "wrongly named", _wrong_twin, None, 0.03, True),
     ("pair", "exact pair", lambda row: _verdict(row) == "pair" and _said(row) == _truth(row), None,

@@ -14,7 +14,7 @@ from scipy.linalg import block_diag
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.detection import Detection, detect
 from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
-from stickslip.diagnosis.heldout import Gain, measure_gain, split
+from stickslip.diagnosis.heldout import Gain, folds, measure_gain, predictive_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
 from stickslip.diagnosis.pairs import fit_pairs, singles_beside
@@ -25,6 +25,7 @@ from stickslip.diagnosis.rivals import (
     Ranking,
     adequacy,
     fit_singles,
+    look_again,
     refine,
     settle_null,
 )
@@ -42,6 +43,7 @@ from stickslip.errors import ScenarioError
 Array = NDArray[np.float64]
 
 _CLOUDS = 3
+_LEADERS = 2
 _SMOOTH = 1.0
 
 Report = Callable[[float], object]
@@ -124,6 +126,7 @@ def diagnose_model(
     sd: ArrayLike | None = None,
     group: ArrayLike | None = None,
     also: Known | None = None,
+    draft: Predict | None = None,
     doubt: str | None = None,
     seed: int = 0,
     progress: Report | None = None,
@@ -156,6 +159,9 @@ def diagnose_model(
         Conditions that are held out together, numbered from 0; each by itself if not given.
     also : Known, optional
         Further observables, whose errors are known; `predict` returns them after the conditions.
+    draft : callable, optional
+        A cheaper `predict` for the search from afar, where errors are taken as too large: by three
+        times and more.
     doubt : str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
@@ -209,6 +215,7 @@ def diagnose_model(
         dof,
         tuple(uncertain),
         (*causes, *suspects),
+        draft=draft,
     )
     held_out = split(len(noise.mean), seed, group)
     found_base = recalibrate(problem, seed)
@@ -240,7 +247,8 @@ def diagnose_model(
             centre = at_full_weight(problem, [found_base.centre])[0]
             views.append((centre, find_signatures(problem, centre)))
         singles = fit_singles(problem, views, basins, clouds)
-        null, singles = settle_null(problem, null, singles)
+        singles = look_again(problem, singles, singles[:_LEADERS], clouds)
+        null = settle_null(problem, null, singles)
         if singles and clouds:
             # The best rival may sit where the model jumps more than at the null; its scatter counts
             # for all alike.
@@ -264,7 +272,9 @@ def diagnose_model(
         sufficient = any(adequacy(problem, fit) >= COMFORTABLE for fit in singles[:3])
         if singles and not sufficient:
             pairs = fit_pairs(problem, views, singles, basins, clouds)
-            null, singles = settle_null(problem, null, singles_beside(problem, singles, pairs))
+            pairs = look_again(problem, pairs, pairs[:1], clouds)
+            singles = singles_beside(problem, singles, pairs)
+            null = settle_null(problem, null, singles)
             ranking = Ranking(null, singles, pairs)
     say(0.9)
     cosines = isolability(problem, signatures, null.residual)
@@ -276,9 +286,10 @@ def diagnose_model(
             gains[fit.name] = measure_gain(problem, covariance, held_out, null, fit, others, seed)
         return gains[fit.name]
 
+    parts = folds(len(noise.mean), group)
+
     def helps(fit: Fit) -> bool:
-        gain = gain_of(fit)
-        return gain is None or gain.helps
+        return not parts or predictive_gain(problem, covariance, null, fit, parts) > 0.0
 
     guessed = guesses(problem, signatures, null.residual)
     verdict = decide(problem, detection, ranking, cosines, guessed, helps)

@@ -164,6 +164,9 @@ def _rivals(found: Diagnosis) -> list[Fit]:
     if not found.detection.found:
         return []
     fits = sorted([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence)
+    # Those that the verdict cannot choose between come first.
+    undecided = [fit for fit in fits if fit.name in found.verdict.causes]
+    fits = undecided if len(undecided) > 1 else fits
     return fits[:_KEPT]
 
 

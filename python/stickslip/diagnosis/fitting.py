@@ -2,8 +2,8 @@
 
 Gauss-Newton steps inside a trust radius, on whitened residuals with a prior row for every free
 coordinate. Derivatives are differences about as wide as what the data leaves open, so that they see
-over the steps of a piecewise smooth model: one-sided on the way, central at the end, and Broyden's
-updates, which cost nothing, in between.
+over the small steps of a piecewise smooth model: one-sided on the way, central at the end, and
+Broyden's updates, which cost nothing, in between. A jump of one condition is not taken for a slope.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 from scipy.stats import qmc
 
 from stickslip.diagnosis.model import FREED, Cause, Problem
@@ -22,14 +23,25 @@ Array = NDArray[np.float64]
 AGREE = 1.0
 """Starts agree whose chi-squares differ by less."""
 
+SOFT, SOFTEST = 3.0, 10.0
+"""Factors by which errors are taken as too large, so that no walk is lost in a narrow valley."""
+
+STAGES = ((SOFTEST, np.inf), (SOFT, np.inf), (1.0, 1.5), (1.0, np.inf))
+"""Errors' factor and outliers' bound of a search from afar.
+
+In the last but one, a condition whose motion is still of another kind, and whose velocity jumps
+when it changes, does not hold the others back.
+"""
+
 _WIDE, _NARROW = 0.03, 1e-3
-_SECANT = 1e-3
+_FARTHEST = 7.0
+_SECANT, _STRIDE = 1e-3, 0.3
 _CLOUD = 16
 _NEAR, _FAR = 1.0, 4.0
 _BEHIND = 40.0
-_SHARES = (1.0,)
 _SETTLED = 0.02
 _GOOD = 0.3
+_JUMP = 1.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +60,11 @@ class Rival:
     causes: tuple[Cause, ...]
     free: NDArray[np.int64]
     width: Array
+
+    @property
+    def name(self) -> str:
+        """Names of the causes, or ``none``."""
+        return " + ".join(each.name for each in self.causes) or "none"
 
 
 @dataclass(frozen=True)
@@ -95,7 +112,7 @@ class Fit:
     @property
     def name(self) -> str:
         """Names of the causes, or ``none``."""
-        return " + ".join(each.name for each in self.rival.causes) or "none"
+        return self.rival.name
 
 
 @dataclass(frozen=True)
@@ -130,17 +147,20 @@ def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
     return Rival(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
 
 
-def scan(problem: Problem, count: int, seed: int) -> tuple[Array, Array]:
-    """Coordinates of a Sobol scan of the prior, best first, and their chi-squares."""
-    x = np.zeros((count, problem.size))
-    if problem.base_count:
-        sobol = qmc.Sobol(problem.base_count, scramble=True, seed=seed)
-        share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
-        from scipy.special import ndtri
+def scan(problem: Problem, rival: Rival, count: int, seed: int) -> tuple[Array, Array]:
+    """Coordinates of a Sobol scan of the constants, best first, and their chi-squares.
 
-        x[:, : problem.base_count] = ndtri(share)
+    A freed constant is looked for at up to seven standard deviations of its prior, evenly.
+    """
+    p = problem.base_count
+    x = np.zeros((count, problem.size))
+    width = rival.width[:p]
+    if p:
+        sobol = qmc.Sobol(p, scramble=True, seed=seed)
+        share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
+        x[:, :p] = np.where(width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
         x[0] = 0.0
-    chi2 = np.sum(problem.residuals(x) ** 2, axis=1) + np.sum(x**2, axis=1)
+    chi2 = problem.misfit(problem.residuals(x)) + np.sum((x[:, :p] / width) ** 2, axis=1)
     order = np.argsort(chi2, kind="stable")
     return x[order], chi2[order]
 
@@ -153,14 +173,11 @@ class _Walk:
     x: Array
     predicted: Array
     residual: Array
+    chi2: float
     slope: Array | None = None
     fresh: bool = False
     radius: float = _NEAR
     quiet: int = 0
-
-    @property
-    def chi2(self) -> float:
-        return float(self.residual @ self.residual)
 
     def jacobian(self, problem: Problem) -> Array:
         assert self.slope is not None
@@ -181,6 +198,7 @@ def fit_rivals(
     Parameters
     ----------
     problem : Problem
+        Its loss decides what is least; the fits have their plain chi-square too.
     rivals : sequence of Rival
     starts : sequence of sequence of Start
         For each rival at least one.
@@ -201,7 +219,7 @@ def fit_rivals(
     """
     low, high = problem.limits()
     groups = [
-        [_Walk(rival, np.clip(start.x, low, high), np.zeros(0), np.zeros(0), start.slope)
+        [_Walk(rival, np.clip(start.x, low, high), np.zeros(0), np.zeros(0), np.inf, start.slope)
          for start in points]
         for rival, points in zip(rivals, starts, strict=True)
     ]  # fmt: skip
@@ -211,6 +229,7 @@ def fit_rivals(
     data = problem.predicted(np.stack([walk.x for walk in walks]))
     for walk, row in zip(walks, data, strict=True):
         walk.predicted, walk.residual = row, _residual(problem, walk.rival, walk.x, row)
+        walk.chi2 = _cost(problem, walk.residual)
     active = walks
     for count in range(iterations):
         _derive(problem, [walk for walk in active if walk.slope is None], low, high)
@@ -240,6 +259,12 @@ def _residual(problem: Problem, rival: Rival, x: Array, predicted: Array) -> Arr
     return np.concatenate([data, -x[rival.free] / rival.width])
 
 
+def _cost(problem: Problem, residual: Array) -> float:
+    """Misfit of the data and squares of the prior's rows."""
+    m = len(problem.observed)
+    return float(problem.misfit(residual[:m]) + residual[m:] @ residual[m:])
+
+
 def _scatter(
     problem: Problem, walks: Sequence[_Walk], low: Array, high: Array, number: int
 ) -> None:
@@ -267,92 +292,108 @@ def _move(problem: Problem, walk: _Walk, points: Array, predicted: Array) -> flo
     residuals = [
         _residual(problem, walk.rival, x, row) for x, row in zip(points, predicted, strict=True)
     ]
-    costs = [float(each @ each) for each in residuals]
+    costs = [_cost(problem, each) for each in residuals]
     best = int(np.argmin(costs))
     fall = walk.chi2 - costs[best]
     if fall > 0.0:
         walk.x, walk.predicted, walk.residual = points[best], predicted[best], residuals[best]
-        walk.fresh = False
+        walk.chi2, walk.fresh = costs[best], False
     return fall
 
 
 def _derive(
     problem: Problem, walks: Sequence[_Walk], low: Array, high: Array, central: bool = False
 ) -> None:
-    """Derivatives of all walks by one batch of differences, one-sided or central."""
-    rows, owner, widths = [], [], []
-    for number, walk in enumerate(walks):
-        width = np.full(len(walk.rival.free), _WIDE)
-        if walk.slope is not None:
-            spread = 1.0 / np.sqrt(np.sum(walk.jacobian(problem) ** 2, axis=0))
-            width = np.clip(spread, _NARROW, _WIDE)
-        for column, k in enumerate(walk.rival.free):
-            above, below = walk.x.copy(), walk.x.copy()
-            above[k] = min(walk.x[k] + width[column], high[k])
-            below[k] = max(walk.x[k] - width[column], low[k])
-            if central:
-                rows += [above, below]
-                widths.append(max(above[k] - below[k], 1e-12))
-                continue
-            # To the side with room.
-            up = above[k] - walk.x[k] >= 0.5 * width[column]
-            rows.append(above if up else below)
-            owner.append(number)
-            widths.append((above if up else below)[k] - walk.x[k])
-    predicted = np.zeros((0, len(problem.observed)))
-    if rows:
-        predicted = problem.predicted(np.stack(rows))
-    if central:
-        gaps = predicted[::2] - predicted[1::2]
-    else:
-        level = np.array([walks[number].predicted for number in owner])
-        gaps = predicted - level.reshape(predicted.shape)
-    slopes = gaps / np.array(widths)[:, None]
-    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-    at = 0
+    """Derivatives of all walks by differences, to one side or to both.
+
+    Where a one-sided difference shows a jump of some condition, the other side is looked at too.
+    """
+    places = [
+        (walk, column, *_sides(walk.x[k], width, low[k], high[k]))
+        for walk in walks
+        for column, (k, width) in enumerate(zip(walk.rival.free, _widths(problem, walk),
+                                                strict=True))
+    ]  # fmt: skip
+    sd = problem.sd
+    near = _slopes(problem, [(walk, column, first) for walk, column, first, _ in places])
+    jumps = [
+        np.any(np.abs(slope * (first - walk.x[walk.rival.free[column]])) > _JUMP * sd)
+        for slope, (walk, column, first, _) in zip(near, places, strict=True)
+    ]
+    again = [k for k, jump in enumerate(jumps) if central or jump]
+    far = _slopes(problem, [(places[k][0], places[k][1], places[k][3]) for k in again])
+    for k, other in zip(again, far, strict=True):
+        walk, column, *ends = places[k]
+        width = max(abs(end - walk.x[walk.rival.free[column]]) for end in ends)
+        apart = np.abs(near[k] - other) * width > _JUMP * sd
+        milder = np.where(np.abs(near[k]) < np.abs(other), near[k], other)
+        near[k] = np.where(apart, milder, 0.5 * (near[k] + other))
     for walk in walks:
-        count = len(walk.rival.free)
-        walk.slope, walk.fresh = slopes[at : at + count].T.copy(), True
-        at += count
+        walk.slope, walk.fresh = np.zeros((len(sd), len(walk.rival.free))), True
+    for (walk, column, *_), slope in zip(places, near, strict=True):
+        assert walk.slope is not None
+        walk.slope[:, column] = slope
+
+
+def _widths(problem: Problem, walk: _Walk) -> Array:
+    """Widths of the differences of each free coordinate."""
+    if walk.slope is None:
+        return np.full(len(walk.rival.free), _WIDE)
+    spread = 1.0 / np.sqrt(np.sum(walk.jacobian(problem) ** 2, axis=0))
+    return np.asarray(np.clip(spread, _NARROW, _WIDE))
+
+
+def _sides(place: float, width: float, low: float, high: float) -> tuple[float, float]:
+    """A value on either side, the one with more room first; twice the same at a limit."""
+    above, below = min(place + width, high), max(place - width, low)
+    first, second = (above, below) if above - place >= 0.5 * width else (below, above)
+    return first, second if abs(second - place) >= 0.5 * width else first
+
+
+def _slopes(problem: Problem, places: Sequence[tuple[_Walk, int, float]]) -> list[Array]:
+    """Differences of the prediction to a value of one column each, by one batch."""
+    if not places:
+        return []
+    points = np.stack([walk.x for walk, *_ in places])
+    columns = [walk.rival.free[column] for walk, column, _ in places]
+    steps = np.array([value for *_, value in places]) - points[range(len(places)), columns]
+    points[range(len(places)), columns] += steps
+    level = np.stack([walk.predicted for walk, *_ in places])
+    slopes = (problem.predicted(points) - level) / steps[:, None]
+    return list(np.where(np.isfinite(slopes), slopes, 0.0))
 
 
 def _advance(problem: Problem, walks: Sequence[_Walk], low: Array, high: Array) -> None:
-    """One step of each walk inside its trust radius, the better of a long and a short one."""
-    rows, hoped = [], []
+    """One step of each walk inside its trust radius."""
+    m, sd = len(problem.observed), problem.sd
+    points, hoped = [], []
     for walk in walks:
-        jacobian = walk.jacobian(problem)
+        root = np.ones(len(walk.residual))
+        root[:m] = np.sqrt(problem.weights(walk.residual[:m]))
+        jacobian = walk.jacobian(problem) * root[:, None]
         normal = jacobian.T @ jacobian
-        slope = jacobian.T @ walk.residual
-        for share in _SHARES:
-            step = _within(normal, slope, share * walk.radius)
-            point = walk.x.copy()
-            point[walk.rival.free] += step
-            rows.append(np.clip(point, low, high))
-            taken = (rows[-1] - walk.x)[walk.rival.free]
-            hoped.append(float(2.0 * slope @ taken - taken @ normal @ taken))
-    points = np.stack(rows)
-    count = len(_SHARES)
-    predicted = problem.predicted(points)
-    for number, walk in enumerate(walks):
-        mine = slice(count * number, count * (number + 1))
-        exact, before = walk.fresh, walk.x
-        slope_now = _broyden(walk, points[mine], predicted[mine])
-        fall = _move(problem, walk, points[mine], predicted[mine])
+        slope = jacobian.T @ (walk.residual * root)
+        point = walk.x.copy()
+        point[walk.rival.free] += _within(normal, slope, walk.radius)
+        points.append(np.clip(point, low, high))
+        taken = (points[-1] - walk.x)[walk.rival.free]
+        hoped.append(float(2.0 * slope @ taken - taken @ normal @ taken))
+    predicted = problem.predicted(np.stack(points))
+    for walk, point, row, promised in zip(walks, points, predicted, hoped, strict=True):
+        exact, length = walk.fresh, float(np.linalg.norm(point - walk.x))
+        slope_now = _broyden(walk, point, row, sd)
+        fall = _move(problem, walk, point[None, :], row[None, :])
         walk.slope = slope_now
-        took = [np.array_equal(walk.x, point) for point in points[mine]]
-        promised = hoped[mine][took.index(True)] if fall > 0.0 else max(hoped[mine])
-        good = fall > _GOOD * promised
-        length = float(np.linalg.norm(walk.x - before))
         if fall <= 0.0:
             # Updates that went astray are replaced before the radius is blamed.
             if exact:
                 walk.radius *= 0.2
             else:
                 walk.slope = None
-        elif not good:
+        elif fall <= _GOOD * promised:
             walk.radius = max(0.5 * length, 1e-3)
             walk.slope = None if not exact else walk.slope
-        elif took[0]:
+        else:
             walk.radius = min(2.0 * walk.radius, _FAR)
         small = fall < _SETTLED and (exact or promised < _SETTLED)
         walk.quiet = walk.quiet + 1 if small else 0
@@ -376,18 +417,17 @@ def _within(normal: Array, slope: Array, radius: float) -> Array:
     return np.asarray(vectors @ (along / (values + damping)))
 
 
-def _broyden(walk: _Walk, points: Array, predicted: Array) -> Array:
-    """Derivatives that agree with what the steps from here have shown."""
+def _broyden(walk: _Walk, point: Array, row: Array, sd: Array) -> Array:
+    """Derivatives that agree with what the step from here has shown."""
     assert walk.slope is not None
-    slope = walk.slope
-    for point, row in zip(points, predicted, strict=True):
-        step = (point - walk.x)[walk.rival.free]
-        length = float(step @ step)
-        gap = row - walk.predicted - slope @ step
-        # A short step says more of the jumps of the model than of its slope.
-        if length > _SECANT**2 and np.all(np.isfinite(gap)):
-            slope = slope + np.outer(gap, step) / length
-    return slope
+    step = (point - walk.x)[walk.rival.free]
+    length = float(step @ step)
+    gap = row - walk.predicted - walk.slope @ step
+    # A short step says more of the jumps of the model than of its slope.
+    if length <= _SECANT**2 or not np.all(np.isfinite(gap)):
+        return walk.slope
+    gap = np.clip(gap, -_JUMP * sd, _JUMP * sd) if length < _STRIDE**2 else gap
+    return np.asarray(walk.slope + np.outer(gap, step) / length)
 
 
 def _fit(problem: Problem, best: _Walk, walks: Sequence[_Walk]) -> Fit:
@@ -400,12 +440,12 @@ def _fit(problem: Problem, best: _Walk, walks: Sequence[_Walk]) -> Fit:
     return Fit(
         best.rival,
         best.x,
-        best.chi2,
+        float(best.residual @ best.residual),
         float(np.sum(best.residual[:m] ** 2)),
         best.residual,
         jacobian,
         best.slope,
-        float(-0.5 * best.chi2 - 0.5 * determinant),
+        float(-0.5 * best.residual @ best.residual - 0.5 * determinant),
         len(ends) > 1 and ends[1] - ends[0] < AGREE,
         tuple(ends),
     )

@@ -19,6 +19,7 @@ SHARE = 0.27
 """Share of the conditions that is held out."""
 
 _RESAMPLES = 2000
+_FOLDS = 5
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,8 @@ class Gain:
         Mean absolute error in the observable's unit.
     interval : tuple of float
         95 % interval of the fall of chi-square per condition, by a paired bootstrap.
-    helps : bool
-        Whether the error falls when it is weighed by the predictions' own covariance too, which
-        counts for what no other condition can tell, such as a film's own camera.
     p_value : float
-        Of the extended model's error under that covariance.
+        Of the extended model's error, weighed by the prediction's own covariance too.
     same_choice : bool
         Whether the other conditions alone rank the same rival first.
     predicted_before, predicted_after : ndarray
@@ -52,7 +50,6 @@ class Gain:
     mae_before: float
     mae_after: float
     interval: tuple[float, float]
-    helps: bool
     p_value: float
     same_choice: bool
     predicted_before: Array
@@ -84,6 +81,45 @@ def split(count: int, seed: int, group: ArrayLike | None = None) -> NDArray[np.i
     return np.flatnonzero(np.isin(groups, [0, number - 1, *inner]))
 
 
+def folds(count: int, group: ArrayLike | None = None) -> list[NDArray[np.int64]]:
+    """Neighbouring conditions, or groups of them, in parts that are left out in turn.
+
+    None, if there are fewer than eight conditions that are not in groups.
+    """
+    groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
+    number = int(groups.max()) + 1 if count else 0
+    if number < (8 if group is None else 2):
+        return []
+    parts = np.array_split(np.arange(number), min(_FOLDS, number))
+    return [np.flatnonzero(np.isin(groups, part)) for part in parts]
+
+
+def predictive_gain(
+    problem: Problem, covariance: Array, null: Fit, chosen: Fit, parts: list[NDArray[np.int64]]
+) -> float:
+    """Log predictive density of all conditions, each fitted without its part, above the null's.
+
+    The prediction's own covariance counts too, for what no other condition can tell, such as a
+    film's own camera.
+    """
+    total = 0.0
+    for part in parts:
+        keep = np.setdiff1d(np.arange(len(problem.observed)), part)
+        inside = restricted(problem, keep, covariance)
+        both = (null, chosen)
+        begins = [[Start.of(fit, keep)] for fit in both]
+        refits = fit_rivals(inside, [fit.rival for fit in both], begins, 6, exact=False)
+        predicted = problem.predicted(np.stack([fit.x for fit in refits]))[:, part]
+        error = problem.observed[part] - predicted
+        scores = []
+        for row, full, refit in zip(error, both, refits, strict=True):
+            spread = _predictive(covariance, part, full, refit)
+            chi2 = float(row @ np.linalg.solve(spread, row))
+            scores.append(-0.5 * chi2 - 0.5 * float(np.linalg.slogdet(spread)[1]))
+        total += scores[1] - scores[0]
+    return total
+
+
 def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> Problem:
     """The problem with some of its conditions only."""
     lower = np.linalg.cholesky(covariance[np.ix_(keep, keep)])
@@ -94,6 +130,7 @@ def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> 
     return replace(
         problem,
         predict=predict,
+        draft=None,
         observed=problem.observed[keep],
         whiten=np.linalg.inv(lower),
     )
@@ -140,10 +177,8 @@ def measure_gain(
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
     best = max(refits[1:], key=lambda fit: fit.log_evidence)
-    weighed = [
-        _weighed(row, covariance, held_out, full, refit)
-        for row, full, refit in zip(error, (null, chosen), refits, strict=False)
-    ]
+    spread = _predictive(covariance, held_out, chosen, refits[1])
+    weighed = float(error[1] @ np.linalg.solve(spread, error[1]))
     return Gain(
         held_out,
         float(np.mean(before)),
@@ -151,18 +186,15 @@ def measure_gain(
         float(np.mean(np.abs(error[0]))),
         float(np.mean(np.abs(error[1]))),
         (float(np.quantile(fall, 0.025)), float(np.quantile(fall, 0.975))),
-        weighed[1] < weighed[0],
-        float(chi2_law.sf(weighed[1], len(held_out))),
+        float(chi2_law.sf(weighed, len(held_out))),
         best is refits[1],
         predicted[0],
         predicted[1],
     )
 
 
-def _weighed(
-    error: Array, covariance: Array, held_out: NDArray[np.int64], full: Fit, refit: Fit
-) -> float:
-    """Chi-square of held-out errors by the data's covariance and the prediction's."""
+def _predictive(covariance: Array, held_out: NDArray[np.int64], full: Fit, refit: Fit) -> Array:
+    """Covariance of held-out errors: the data's and the prediction's."""
     slope = full.slope[held_out]
-    total = covariance[np.ix_(held_out, held_out)] + slope @ refit.covariance @ slope.T
-    return float(error @ np.linalg.solve(total, error))
+    part = covariance[np.ix_(held_out, held_out)]
+    return np.asarray(part + slope @ refit.covariance @ slope.T)

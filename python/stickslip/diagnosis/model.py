@@ -141,6 +141,11 @@ class Problem:
         Degrees of freedom of the noise estimate; infinity where the noise was stated.
     uncertain : tuple of Uncertain
     causes : tuple of Cause
+    outlier : float
+        Whitened residual beyond which a misfit counts less and less (Cauchy's loss); infinity for
+        least squares.
+    draft : callable, optional
+        A cheaper `predict`, whose errors are small where those of the data are taken as too large.
     """
 
     predict: Predict
@@ -150,6 +155,8 @@ class Problem:
     dof: float
     uncertain: tuple[Uncertain, ...]
     causes: tuple[Cause, ...] = ()
+    outlier: float = np.inf
+    draft: Predict | None = None
     parameters: tuple[CauseParameter, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -198,9 +205,26 @@ class Problem:
         """Observables at coordinates, shape (vectors, m)."""
         return np.asarray(self.predict(self.conditions, self.physical(x)), dtype=float)
 
-    def tempered(self, factor: float) -> Problem:
+    def tempered(self, factor: float, outlier: float = np.inf) -> Problem:
         """The same with errors larger by a factor, so that the priors weigh more."""
-        return replace(self, whiten=self.whiten / factor)
+        predict = self.draft if self.draft is not None and factor > 1.0 else self.predict
+        return replace(self, whiten=self.whiten / factor, outlier=outlier, predict=predict)
+
+    def misfit(self, whitened: Array) -> Array:
+        """What the last axis of whitened residuals counts: the sum of squares, or less."""
+        if np.isinf(self.outlier):
+            return np.asarray(np.sum(whitened**2, axis=-1))
+        share = (whitened / self.outlier) ** 2
+        return np.asarray(self.outlier**2 * np.sum(np.log1p(share), axis=-1))
+
+    def weights(self, whitened: Array) -> Array:
+        """By which squares are weighed to have the slope of `misfit`."""
+        return np.asarray(1.0 / (1.0 + (whitened / self.outlier) ** 2))
+
+    @property
+    def sd(self) -> Array:
+        """Standard deviation of `observed`, shape (m,)."""
+        return np.asarray(np.linalg.norm(np.linalg.inv(self.whiten), axis=1))
 
     def whitened(self, predicted: Array) -> Array:
         """Whitened data minus a prediction, shape (vectors, m); without the prior's rows."""

@@ -7,18 +7,25 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals, make_rival
-from stickslip.diagnosis.model import Cause, Problem
+from stickslip.diagnosis.fitting import SOFT, Fit, Start, fit_rivals, make_rival
+from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import (
     CAREFUL,
-    SOFT,
     Views,
-    best_first,
     certify,
     quick_fits,
     refine,
 )
-from stickslip.diagnosis.signatures import UNSEEN, Signatures, price, seen_from, settle
+from stickslip.diagnosis.signatures import (
+    UNSEEN,
+    Signatures,
+    find_signatures,
+    price,
+    screen,
+    seen_from,
+    settle,
+    starts,
+)
 
 Array = NDArray[np.float64]
 
@@ -46,19 +53,27 @@ def fit_pairs(
             for key, (left, start) in _added(problem, softer, seen_there).items():
                 if key not in found or left < found[key][0]:
                     found[key] = (left, start)
-    beside = _beside(problem, singles[:_CENTRES])
     added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
-    near = sorted(beside, key=lambda key: beside[key][0])[: _PAIRS // 2]
-    order = list(dict.fromkeys([*added, *near]))
-    if not order:
-        return ()
+    near = [
+        (key, start)
+        for beside in (_beside(problem, single) for single in singles[:_CENTRES])
+        for key, (_, start) in sorted(beside.items(), key=lambda item: item[1][0])[: _PAIRS // 2]
+    ]
     by_name = {cause.name: cause for cause in problem.causes}
-    rivals = [make_rival(problem, [by_name[a], by_name[b]]) for a, b in order]
-    begins = [[each[key][1] for each in (found, beside) if key in each] for key in order]
-    ordered = best_first(problem, rivals, begins)
-    quick = quick_fits(problem, rivals, [points[:1] for points in ordered])
-    others = {fit.name: points[1:] for fit, points in zip(quick, ordered, strict=True)}
-    return refine(problem, quick, others, clouds)
+
+    def walk(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
+        rivals = [make_rival(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
+        return quick_fits(problem, rivals, [[start] for _, start in plan], first)
+
+    # Those that begin at a fit of one of them are near enough to begin with smaller errors.
+    fits = [*walk([(key, found[key][1]) for key in added], 0), *walk(near, 2)]
+    fits.sort(key=lambda fit: fit.chi2)
+    best: dict[str, Fit] = {}
+    others: dict[str, list[Start]] = {}
+    for fit in fits:
+        if best.setdefault(fit.name, fit) is not fit:
+            others.setdefault(fit.name, []).append(Start.of(fit))
+    return refine(problem, list(best.values()), others, clouds)
 
 
 def singles_beside(
@@ -160,62 +175,15 @@ def _joined(
     return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
 
 
-def _beside(problem: Problem, singles: Sequence[Fit]) -> Pairs:
-    """What a second cause would leave beside each of the leading single causes."""
-    m, p = len(problem.observed), problem.base_count
-    plan: list[tuple[Fit, Cause, int, Array]] = []
-    for fit in singles:
-        for cause in problem.causes:
-            if cause.name != fit.rival.causes[0].name:
-                plan += [(fit, cause, *each) for each in _amplitude_points(problem, fit.x, cause)]
-    if not plan:
-        return {}
-    predicted = problem.predicted(
-        np.vstack([np.stack([point for *_, point in plan]), [fit.x for fit in singles]])
-    )
-    level = dict(zip([fit.name for fit in singles], predicted[len(plan) :], strict=True))
-    bases = {fit.name: np.linalg.qr(fit.jacobian)[0] for fit in singles}
+def _beside(problem: Problem, single: Fit) -> Pairs:
+    """What a second cause would leave beside a single one, its responses simulated anew there."""
+    softer, signatures = seen_from(problem, find_signatures(problem, single), single, SOFT)
+    screened = screen(signatures, softer.residual)
     result: Pairs = {}
-    for (fit, cause, at, point), row in zip(plan, predicted[: len(plan)], strict=True):
-        gap = row - level[fit.name]
-        gap = np.where(np.isfinite(gap), gap, 0.0)
-        raw = np.zeros(len(fit.residual))
-        raw[:m] = problem.whiten @ gap
-        basis = bases[fit.name]
-        absorbed = raw - basis @ (basis.T @ raw)
-        left = float(np.sum((fit.residual - absorbed) ** 2))
-        names = sorted([fit.rival.causes[0].name, cause.name])
-        key = (names[0], names[1])
-        if key not in result or left < result[key][0]:
-            start = point.copy()
-            start[fit.rival.free] -= np.linalg.lstsq(fit.jacobian, raw, rcond=None)[0]
-            columns = problem.columns([*fit.rival.causes, cause])
-            slope = np.zeros((m, len(columns)))
-            for k, column in enumerate(fit.rival.free[p:]):
-                slope[:, columns.index(column)] = fit.slope[:, p + k]
-            if at >= 0:
-                slope[:, columns.index(at)] = gap / point[at]
-            result[key] = (left, Start(start, np.hstack([fit.slope[:, :p], slope])))
-    return result
-
-
-def _amplitude_points(problem: Problem, x: Array, cause: Cause) -> list[tuple[int, Array]]:
-    """Column and coordinates of a second cause's amplitudes."""
-    low, high = problem.limits()
-    points = []
-    if cause.frees is not None:
-        index = [each.name for each in problem.uncertain].index(cause.frees)
-        for amplitude in (-3.0, 3.0):
-            point = x.copy()
-            point[index] += amplitude
-            points.append((-1, point))
-    for at in problem.columns([cause]):
-        if problem.parameters[at - problem.base_count].shape:
+    for index, cause in enumerate(problem.causes):
+        if cause in single.rival.causes:
             continue
-        for amplitude in (-1.0, 1.0):
-            u = float(np.clip(amplitude, low[at], high[at]))
-            if u != 0.0:
-                point = x.copy()
-                point[at] = u
-                points.append((at, point))
-    return points
+        names = sorted([single.rival.causes[0].name, cause.name])
+        for left, start in starts(problem, softer, signatures, screened, index, 1):
+            result[names[0], names[1]] = (left, start)
+    return result

@@ -14,14 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
-from stickslip.diagnosis.fitting import AGREE, Fit, Start, fit_rivals, make_rival, scan
+from stickslip.diagnosis.fitting import (
+    AGREE,
+    SOFTEST,
+    STAGES,
+    Fit,
+    Start,
+    fit_rivals,
+    make_rival,
+    scan,
+)
 from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]
 
 _SCAN = 128
 _STARTS, _STRATA = 6, 12
-_TEMPERS, _KEPT, _STEPS = (10.0, 3.0, 1.0), (4, 3, 1), 10
+_KEPT, _STEPS = (4, 3, 2, 1), 10
 _DOUBT = 0.2
 _FORGIVEN = 3.0
 _SAME = 0.05
@@ -58,11 +67,12 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     seed : int
         Of the scans.
     """
-    scanned = scan(problem.tempered(_TEMPERS[0]), _SCAN if problem.base_count > 1 else 32, seed)[0]
+    count = _SCAN if problem.base_count > 1 else 32
+    scanned = scan(problem.tempered(SOFTEST), make_rival(problem), count, seed)[0]
     stages = _descend(problem, _apart(scanned, _STARTS))
     m = len(problem.observed)
     if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _DOUBT:
-        wider = scan(problem.tempered(_TEMPERS[0]), _SCAN, seed + 1)[0]
+        wider = scan(problem.tempered(SOFTEST), make_rival(problem), _SCAN, seed + 1)[0]
         more = _descend(problem, _strata(problem, wider))
         stages = [
             sorted([*first, *second], key=lambda fit: fit.chi2)
@@ -92,9 +102,9 @@ def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
     rival = make_rival(problem)
     begins = [Start(point) for point in points]
     stages = []
-    for factor, kept in zip(_TEMPERS, _KEPT, strict=True):
+    for stage, kept in zip(STAGES, _KEPT, strict=True):
         alone = [[start] for start in begins]
-        fits = fit_rivals(problem.tempered(factor), [rival] * len(alone), alone, _STEPS)
+        fits = fit_rivals(problem.tempered(*stage), [rival] * len(alone), alone, _STEPS)
         fits.sort(key=lambda fit: fit.chi2)
         begins = [Start.of(fit) for fit in _distinct(fits)[:kept]]
         stages.append(fits)

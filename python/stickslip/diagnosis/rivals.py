@@ -9,10 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
-from stickslip.diagnosis.fitting import Fit, Rival, Start, fit_rivals, make_rival
-from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.fitting import (
+    SOFTEST,
+    STAGES,
+    Fit,
+    Rival,
+    Start,
+    fit_rivals,
+    make_rival,
+    scan,
+)
+from stickslip.diagnosis.model import Cause, Problem
 from stickslip.diagnosis.signatures import (
     Signatures,
+    find_signatures,
+    in_place,
     screen,
     seen_from,
     starts,
@@ -29,15 +40,13 @@ COMFORTABLE = 0.3
 CAREFUL = 10
 """Steps of a careful fit."""
 
-SOFT, SOFTEST = 3.0, 10.0
-"""Factors by which errors are taken as too large, so that no walk is lost in a narrow valley."""
-
 _QUICK = 5
-_STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
+_STARTS, _BEGINS, _CLOSE, _MET = 2, 6, 0.1, 0.2
 _SURVIVORS = 6
 _WITHIN = 14.0
-_HOPELESS, _SOFT_HOPELESS = 60.0, 12.0
+_HOPELESS = (np.inf, 8.0, 40.0, 30.0)
 _LEADING, _ROUNDS = 2, 3
+_SCAN, _FREED_STARTS = 128, 3
 
 
 @dataclass(frozen=True)
@@ -98,36 +107,33 @@ def fit_singles(
             screened = screen(seen_there, softer.residual)
             for index, points in found.items():
                 points += starts(problem, softer, seen_there, screened, index, _STARTS)
-    begins = {
-        index: _promising(points)
-        + [start for fit in bases for start in _far_off(problem, fit, index)]
-        for index, points in found.items()
-    }
+    begins = {index: _promising(points) for index, points in found.items()}
     seen = [index for index in begins if begins[index]]
     rivals = [make_rival(problem, [problem.causes[index]]) for index in seen]
     ordered = best_first(problem, rivals, [begins[index] for index in seen])
     # Near the null a walk may settle for a little of the cause; one comes from its far side.
     bold = [_bold(problem, *views[-1], index) for index in seen]
-    pairs = [(k, start) for k, points in enumerate(ordered) for start in (points[0], bold[k])
-             if start is not None]  # fmt: skip
+    pairs = [
+        (k, start)
+        for k, points in enumerate(ordered)
+        for start in (points[0], *bold[k], *_far_off(problem, rivals[k]))
+    ]
     quick = quick_fits(problem, [rivals[k] for k, _ in pairs], [[start] for _, start in pairs])
-    ends: dict[int, list[Fit]] = {}
-    for (k, _), fit in zip(pairs, quick, strict=True):
-        ends.setdefault(k, []).append(fit)
-    best, others = [], {}
-    for k, fits in ends.items():
-        fits.sort(key=lambda fit: fit.chi2)
-        best.append(fits[0])
-        others[fits[0].name] = [*(Start.of(fit) for fit in fits[1:]), *ordered[k][1:3]]
+    best: list[Fit] = []
+    others: dict[str, list[Start]] = {}
+    for rival, tried in zip(rivals, ordered, strict=True):
+        nearest, *rest = [fit for fit in quick if fit.rival.causes == rival.causes]
+        best.append(nearest)
+        others[nearest.name] = [*(Start.of(fit) for fit in rest), *tried[1:3]]
     return refine(problem, best, others, clouds)
 
 
-def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> Start | None:
+def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> list[Start]:
     """A start with an amplitude of one standard deviation, of the sign that promises more."""
     rows = np.flatnonzero((signatures.cause == cause) & (np.abs(signatures.amplitude) > 1.0))
     rows = rows[signatures.at[rows] >= 0]
     if not len(rows):
-        return None
+        return []
     softer, seen_there = seen_from(problem, signatures, base, SOFTEST)
     row = int(rows[np.argmin(screen(seen_there, softer.residual).left[rows])])
     at = int(signatures.at[row])
@@ -137,19 +143,34 @@ def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> St
     columns = problem.columns([problem.causes[cause]])
     slope = np.zeros((len(problem.observed), len(columns)))
     slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
-    return Start(x, np.hstack([base.slope[:, : problem.base_count], slope]))
+    return [Start(x, np.hstack([base.slope[:, : problem.base_count], slope]))]
 
 
 def quick_fits(
-    problem: Problem, rivals: Sequence[Rival], begins: Sequence[Sequence[Start]]
+    problem: Problem,
+    rivals: Sequence[Rival],
+    begins: Sequence[Sequence[Start]],
+    first: int = 0,
 ) -> list[Fit]:
-    """A few steps with errors taken as too large, then a few more."""
+    """A few steps at every stage of a search from afar, from the `first` one on.
+
+    Walks of one rival that have met go on as one, so there may be fewer ends than starts.
+    """
     fits: list[Fit] = []
-    for factor, limit in ((SOFTEST, np.inf), (SOFT, _SOFT_HOPELESS), (1.0, _HOPELESS)):
-        softer = problem.tempered(factor)
-        fits = fit_rivals(softer, rivals, begins, _QUICK, limit, exact=False)
-        begins = [[Start.of(fit)] for fit in fits]
+    for stage, limit in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
+        fits = fit_rivals(problem.tempered(*stage), rivals, begins, _QUICK, limit, exact=False)
+        fits = _parted(fits)
+        rivals, begins = [fit.rival for fit in fits], [[Start.of(fit)] for fit in fits]
     return fits
+
+
+def _parted(fits: Sequence[Fit]) -> list[Fit]:
+    """Without those that ended close to a better one of the same rival."""
+    kept: list[Fit] = []
+    for fit in sorted(fits, key=lambda fit: fit.chi2):
+        if all(fit.name != other.name or np.linalg.norm(fit.x - other.x) > _MET for other in kept):
+            kept.append(fit)
+    return kept
 
 
 def _promising(points: list[tuple[float, Start]]) -> list[Start]:
@@ -163,60 +184,80 @@ def _promising(points: list[tuple[float, Start]]) -> list[Start]:
     return chosen
 
 
-def _far_off(problem: Problem, fit: Fit, cause: int) -> list[Start]:
+def _far_off(problem: Problem, rival: Rival) -> list[Start]:
     """Where a freed constant could be that no scan of the priors has looked at."""
-    freed = problem.causes[cause].frees
-    if freed is None:
+    if all(cause.frees is None for cause in rival.causes):
         return []
-    column = [each.name for each in problem.uncertain].index(freed)
-    found = []
-    for place in (-6.0, -3.0, 3.0, 6.0):
-        x = fit.x.copy()
-        x[column] = place
-        found.append(Start(x, fit.slope))
-    return found
+    points = scan(problem.tempered(SOFTEST), rival, _SCAN, 1)[0]
+    chosen: list[Start] = []
+    for point in points:
+        if all(np.linalg.norm(point - other.x) > 1.0 for other in chosen):
+            chosen.append(Start(point))
+        if len(chosen) == _FREED_STARTS:
+            break
+    return chosen
 
 
-def _moved(problem: Problem, start: Start, basin: Fit) -> Start:
-    """The same amplitude with the constants, and their derivatives, of another minimum."""
-    p = problem.base_count
-    x = start.x.copy()
-    x[:p] = basin.x[:p]
-    assert start.slope is not None
-    return Start(x, np.hstack([basin.slope[:, :p], start.slope[:, p:]]))
-
-
-def settle_null(
-    problem: Problem, null: Fit, singles: tuple[Fit, ...]
-) -> tuple[Fit, tuple[Fit, ...]]:
-    """The null again from the constants of the leading rivals, and these from one another's.
+def settle_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
+    """The null again from the constants of the leading rivals.
 
     A rival that found a better valley must not win for that alone.
     """
     p = problem.base_count
-    leading = list(singles[:_SURVIVORS])
-    if not leading:
-        return null, singles
     begins = [Start.of(null)]
-    for fit in leading:
+    for fit in singles[:_SURVIVORS]:
         x = null.x.copy()
         x[:p] = fit.x[:p]
         begins.append(Start(x, fit.slope[:, :p]))
-    rivals = [null.rival, *(fit.rival for fit in leading)]
-    starts_of = [begins]
-    for fit in leading:
-        own = Start.of(fit)
-        starts_of.append(
-            [own, *(_moved(problem, own, other) for other in leading[:3] if other is not fit)]
-        )
-    ordered = best_first(problem, rivals, starts_of)
-    again = fit_rivals(problem, rivals, [points[:2] for points in ordered], CAREFUL)
-    kept = [
-        new if new.chi2 < old.chi2 - 0.5 else old
-        for old, new in zip([null, *leading], again, strict=True)
-    ]
-    rest = singles[_SURVIVORS:]
-    return kept[0], tuple(sorted([*kept[1:], *rest], key=lambda fit: -fit.log_evidence))
+    ordered = best_first(problem, [null.rival], [begins])
+    again = fit_rivals(problem, [null.rival], [points[:3] for points in ordered], CAREFUL)[0]
+    return again if again.chi2 < null.chi2 - 0.5 else null
+
+
+def look_again(
+    problem: Problem, fits: Sequence[Fit], leaders: Sequence[Fit], clouds: int = 0
+) -> tuple[Fit, ...]:
+    """Other causes in the place of one of a leader's, at its constants.
+
+    What they do is looked at anew there: a near twin does as well with constants that are near to
+    the leader's, which may be far from the recalibrated ones.
+    """
+    known = {fit.name: fit for fit in fits}
+    begins: dict[str, list[Start]] = {}
+    rivals: dict[str, Rival] = {}
+    for leader in leaders:
+        for dropped in leader.rival.causes:
+            base = _without(problem, leader, dropped)
+            signatures = find_signatures(problem, base)
+            for index, cause in enumerate(problem.causes):
+                points = in_place(problem, base, signatures, index)
+                if not points or cause in leader.rival.causes:
+                    continue
+                both = sorted([*base.rival.causes, cause], key=lambda each: each.name)
+                rival = make_rival(problem, both)
+                name = rival.name
+                rivals[name] = rival
+                begins.setdefault(name, []).extend(points)
+    ordered = best_first(problem, list(rivals.values()), list(begins.values()))
+    found = quick_fits(problem, list(rivals.values()), [points[:1] for points in ordered], 2)
+    better = [
+        fit for fit in found
+        if fit.name not in known or fit.chi2 < known[fit.name].chi2 - 1.0
+    ]  # fmt: skip
+    best = max((fit.log_evidence for fit in (*better, *fits)), default=0.0)
+    near = [fit for fit in better if fit.log_evidence > best - _WITHIN]
+    known |= {fit.name: fit for fit in better}
+    known |= {fit.name: fit for fit in refine(problem, near, {}, clouds)}
+    return tuple(sorted(known.values(), key=lambda fit: -fit.log_evidence))
+
+
+def _without(problem: Problem, fit: Fit, dropped: Cause) -> Fit:
+    """The model of a fit with one of its causes taken away and nothing else moved."""
+    rival = make_rival(problem, [each for each in fit.rival.causes if each is not dropped])
+    x = fit.x.copy()
+    x[problem.columns([dropped])] = 0.0
+    kept = [list(fit.rival.free).index(k) for k in rival.free]
+    return fit_rivals(problem, [rival], [[Start(x, fit.slope[:, kept])]], 0, exact=False)[0]
 
 
 def best_first(
@@ -283,11 +324,11 @@ def certify(problem: Problem, fits: list[Fit], clouds: int) -> None:
         begins = []
         for k in doubtful:
             free = fits[k].rival.free
-            spread = np.minimum(2.0 * np.sqrt(np.diag(fits[k].covariance)), 0.5)
+            lower = np.linalg.cholesky(fits[k].covariance)
             points = [Start.of(fits[k])]
             for _ in range(2):
                 x = fits[k].x.copy()
-                x[free] += spread * random.standard_normal(len(free))
+                x[free] += np.clip(2.0 * lower @ random.standard_normal(len(free)), -1.0, 1.0)
                 points.append(Start(np.clip(x, low, high)))
             begins.append(points)
         rivals = [fits[k].rival for k in doubtful]

@@ -47,6 +47,9 @@ class Signatures:
         Whitened response with prior rows, before and after recalibration.
     basis : ndarray, shape (m + p, p)
         Orthonormal; what recalibration can do.
+
+    About a fit with causes of its own, p counts their parameters too: what they can undo is
+    absorbed.
     """
 
     cause: NDArray[np.int64]
@@ -69,31 +72,31 @@ class Signatures:
         return np.asarray(self.absorbed[seen] / self.size[seen, None])
 
 
-def find_signatures(problem: Problem, null: Fit) -> Signatures:
-    """Responses of all causes at the recalibrated model."""
-    basis = np.linalg.qr(null.jacobian)[0]
-    p, m = problem.base_count, len(problem.observed)
-    owner, at, amplitude, points = _plan(problem, null)
+def find_signatures(problem: Problem, base: Fit) -> Signatures:
+    """Responses of all causes at the recalibrated model, or of all others about a fit of some."""
+    basis = np.linalg.qr(base.jacobian)[0]
+    free, m = base.rival.free, len(problem.observed)
+    owner, at, amplitude, points = _plan(problem, base)
     names = [each.name for each in problem.uncertain]
     freed = [
         (index, names.index(cause.frees), sign)
         for index, cause in enumerate(problem.causes)
-        if cause.frees is not None
+        if cause.frees is not None and cause not in base.rival.causes
         for sign in (1.0, -1.0)
     ]
     gap = np.zeros((len(points) + len(freed), m))
     if len(points):
-        predicted = problem.predicted(np.vstack([null.x, points]))
+        predicted = problem.predicted(np.vstack([base.x, points]))
         response = predicted[1:] - predicted[0]
         gap[: len(points)] = np.where(np.isfinite(response), response, 0.0)
-    raw = np.hstack([gap @ problem.whiten.T, np.zeros((len(gap), p))])
+    raw = np.hstack([gap @ problem.whiten.T, np.zeros((len(gap), len(free)))])
     for row, (_, column, sign) in enumerate(freed, start=len(points)):
         raw[row, m + column] = -sign
     absorbed = raw - (raw @ basis) @ basis.T
     # The point of each row: the baseline moves to undo what it can of the response.
-    move = np.linalg.lstsq(null.jacobian, raw.T, rcond=None)[0].T
-    full = np.vstack([points, np.tile(null.x, (len(freed), 1))])
-    full[:, :p] = np.clip(full[:, :p] - move, -6.0, 6.0)
+    move = np.linalg.lstsq(base.jacobian, raw.T, rcond=None)[0].T
+    full = np.vstack([points, np.tile(base.x, (len(freed), 1))])
+    full[:, free] = np.clip(full[:, free] - move, -6.0, 6.0)
     return Signatures(
         np.array(owner + [index for index, _, _ in freed], dtype=np.int64),
         full,
@@ -106,13 +109,15 @@ def find_signatures(problem: Problem, null: Fit) -> Signatures:
     )
 
 
-def _plan(problem: Problem, null: Fit) -> tuple[list[int], list[int], list[float], Array]:
+def _plan(problem: Problem, base: Fit) -> tuple[list[int], list[int], list[float], Array]:
     """Cause, column, amplitude and coordinates of every response that is to be simulated."""
     p = problem.base_count
     low, high = problem.limits()
     owner, where, size, points = [], [], [], [np.zeros((0, problem.size))]
     for index, cause in enumerate(problem.causes):
-        columns = [] if cause.frees is not None else problem.columns([cause])
+        if cause.frees is not None or cause in base.rival.causes:
+            continue
+        columns = problem.columns([cause])
         shapes = [at for at in columns if problem.parameters[at - p].shape]
         for at in (at for at in columns if at not in shapes):
             reached = {
@@ -122,7 +127,7 @@ def _plan(problem: Problem, null: Fit) -> tuple[list[int], list[int], list[float
             }
             for u in sorted(reached - {0.0}, key=lambda u: (abs(u), -u)):
                 for bend in (-1.5, 0.0, 1.5) if shapes else (0.0,):
-                    point = null.x.copy()
+                    point = base.x.copy()
                     point[at], point[shapes] = u, bend
                     owner.append(index)
                     where.append(at)
@@ -145,8 +150,8 @@ def seen_from(
         With residual and Jacobian of the larger errors.
     signatures : Signatures
     """
-    m, p = len(problem.observed), problem.base_count
-    weight = np.concatenate([np.full(m, 1.0 / factor), np.ones(p)])
+    m, free = len(problem.observed), fit.rival.free
+    weight = np.concatenate([np.full(m, 1.0 / factor), np.ones(len(free))])
     residual, jacobian = fit.residual * weight, fit.jacobian * weight[:, None]
     softer = replace(fit, residual=residual, jacobian=jacobian, chi2=float(residual @ residual))
     raw = signatures.raw * weight
@@ -154,7 +159,7 @@ def seen_from(
     absorbed = raw - (raw @ basis) @ basis.T
     move = np.linalg.lstsq(jacobian, raw.T, rcond=None)[0].T
     point = signatures.point.copy()
-    point[:, :p] = np.clip(fit.x[:p] - move, -6.0, 6.0)
+    point[:, free] = np.clip(fit.x[free] - move, -6.0, 6.0)
     return softer, replace(signatures, point=point, raw=raw, absorbed=absorbed, basis=basis)
 
 
@@ -206,11 +211,12 @@ def price(signatures: Signatures) -> Array:
 
 
 def starts(
-    problem: Problem, null: Fit, signatures: Signatures, screened: Screened, cause: int, count: int
+    problem: Problem, base: Fit, signatures: Signatures, screened: Screened, cause: int, count: int
 ) -> list[tuple[float, Start]]:
     """Where fits of a cause should begin: its most promising amplitudes, of both signs first.
 
-    Each with what is left of chi-square there by linear estimate.
+    Each with what is left of chi-square there by linear estimate. Causes that the base has are
+    there too.
     """
     rows = np.flatnonzero((signatures.cause == cause) & (signatures.size > UNSEEN))
     rows = rows[np.argsort(screened.left[rows], kind="stable")]
@@ -224,33 +230,64 @@ def starts(
     chosen += [int(row) for row in rows if row not in chosen]
     # What the constants would gain by themselves is common to all rows.
     basis = signatures.basis
-    own = float(np.sum((basis.T @ null.residual) ** 2))
+    own = float(np.sum((basis.T @ base.residual) ** 2))
     return [
-        (float(screened.left[row]) - own, _start(problem, null, signatures, screened, row))
+        (float(screened.left[row]) - own, _start(problem, base, signatures, screened, row))
         for row in chosen[:count]
     ]
 
 
-def settle(null: Fit) -> Array:
-    """How the constants want to move from a fit; zero at the best one, shape (p,)."""
-    return np.clip(np.linalg.lstsq(null.jacobian, null.residual, rcond=None)[0], -2.0, 2.0)
+def settle(base: Fit) -> Array:
+    """How the free coordinates want to move from a fit; zero at the best one, shape (p,)."""
+    return np.clip(np.linalg.lstsq(base.jacobian, base.residual, rcond=None)[0], -2.0, 2.0)
 
 
 def _start(
-    problem: Problem, null: Fit, signatures: Signatures, screened: Screened, row: int
+    problem: Problem, base: Fit, signatures: Signatures, screened: Screened, row: int
 ) -> Start:
     scale = max(float(screened.scale[row]), 0.3)
-    at = int(signatures.at[row])
     x = signatures.point[row].copy()
-    p = problem.base_count
-    x[:p] = null.x[:p] + scale * (x[:p] - null.x[:p]) + settle(null)
+    free = base.rival.free
+    x[free] = base.x[free] + scale * (x[free] - base.x[free]) + settle(base)
+    return _with_cause(problem, base, signatures, row, x, scale)
+
+
+def in_place(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> list[Start]:
+    """Starts at which a cause is added to a fit and nothing else moves, of either sign."""
+    result: list[Start] = []
+    raw = signatures.raw
+    for sign in (1.0, -1.0):
+        mine = (signatures.cause == cause) & (signatures.at >= 0)
+        rows = np.flatnonzero(mine & (np.sign(signatures.amplitude) == sign))
+        if not len(rows):
+            continue
+        power = np.sum(raw[rows] ** 2, axis=1) + signatures.amplitude[rows] ** 2
+        along = raw[rows] @ base.residual
+        scale = np.clip(along / power, 0.5, 1.5)
+        k = int(np.argmax(2.0 * scale * along - scale**2 * power))
+        x = base.x.copy()
+        x[problem.base_count :] = signatures.point[rows[k], problem.base_count :]
+        # Causes of the base's own stay where they are too.
+        own = base.rival.free[base.rival.free >= problem.base_count]
+        x[own] = base.x[own]
+        result.append(_with_cause(problem, base, signatures, int(rows[k]), x, float(scale[k])))
+    return result
+
+
+def _with_cause(
+    problem: Problem, base: Fit, signatures: Signatures, row: int, x: Array, scale: float
+) -> Start:
+    """A start with a multiple of a row's amplitude, and the derivatives that are known of it."""
+    at = int(signatures.at[row])
     if at < 0:
-        return Start(x, null.slope)
+        return Start(x, base.slope)
     x[at] *= scale
-    columns = problem.columns([problem.causes[signatures.cause[row]]])
-    slope = np.zeros((len(problem.observed), len(columns)))
-    slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
-    return Start(x, np.hstack([null.slope, slope]))
+    added = problem.columns([problem.causes[signatures.cause[row]]])
+    every = sorted([*base.rival.free, *added])
+    slope = np.zeros((len(problem.observed), len(every)))
+    slope[:, [every.index(k) for k in base.rival.free]] = base.slope
+    slope[:, every.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+    return Start(x, slope)
 
 
 def isolability(problem: Problem, signatures: Signatures, residual: Array) -> Array:

@@ -111,7 +111,7 @@ def decide(
         reasons.append("its fits from different starts do not agree")
     # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
     if any(cause.frees is None for cause in best.rival.causes) and not helps(best):
-        reasons.append("it does not help on the conditions that are held out")
+        reasons.append("it does not predict conditions that are left out better")
     if _at_limit(problem, best):
         reasons.append("its amplitude is at the end of the physical range")
     if reasons:
