@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.detection import Detection, detect
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
+from stickslip.diagnosis.fitting import AGREE, Fit, Start, fit_rivals
 from stickslip.diagnosis.heldout import Gain, folds, measure_gain, predictive_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
@@ -236,6 +236,7 @@ def diagnose_model(
     say(0.2)
     signatures = find_signatures(problem, null)
     detection = detect(problem, null, signatures, seed)
+    tested = null.chi2
     say(0.35)
     notes = list(noise.notes)
     trouble = doubt or data_problem(values, index, noise, order, blocks)
@@ -276,6 +277,10 @@ def diagnose_model(
             singles = singles_beside(problem, singles, pairs)
             null = settle_null(problem, null, singles)
             ranking = Ranking(null, singles, pairs)
+        if null.chi2 < tested - AGREE:
+            # The rivals have led to a better recalibration, which is to be tested in its turn.
+            signatures = find_signatures(problem, null)
+            detection = detect(problem, null, signatures, seed)
     say(0.9)
     cosines = isolability(problem, signatures, null.residual)
     gains: dict[str, Gain | None] = {}
