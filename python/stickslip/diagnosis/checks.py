@@ -21,17 +21,22 @@ def data_problem(
     noise: NoiseModel,
     order: ArrayLike | None,
     block: NDArray[np.int64] | None = None,
+    alone: bool = True,
 ) -> str | None:
-    """What makes the data itself suspect, if anything does."""
+    """What makes the data itself suspect, if anything does.
+
+    Few trials, or trials without repeats, are no trouble where they do not stand alone: other data
+    can tell causes apart.
+    """
     if np.all(values == 0.0):
         return "every reading is zero: nothing moved, so nothing can be told apart"
-    if len(noise.mean) < 4:
+    if alone and len(noise.mean) < 4:
         few = len(noise.mean)
         said = "1 condition is" if few == 1 else f"{few} conditions are"
         return f"{said} too few to tell causes apart"
-    if noise.dof == 0.0:
+    if alone and noise.dof == 0.0:
         return "too few repeats that differ and no stated error, so no misfit can be judged"
-    if noise.dof < math.inf:
+    if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
         between = float(np.var(noise.mean))
         if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):
             return "the conditions differ by no more than their trials do: labels may be mixed up"

@@ -239,7 +239,7 @@ def diagnose_model(
     tested = null.chi2
     say(0.35)
     notes = list(noise.notes)
-    trouble = doubt or data_problem(values, index, noise, order, blocks)
+    trouble = doubt or data_problem(values, index, noise, order, blocks, also is None)
     ranking = Ranking(null, (), ())
     if trouble is None and detection.found:
         views = [(null, signatures)]

@@ -37,7 +37,8 @@ class Gain:
     interval : tuple of float
         95 % interval of the fall of chi-square per condition, by a paired bootstrap.
     p_value : float
-        Of the extended model's error, weighed by the prediction's own covariance too.
+        Of the extended model's error, weighed by the prediction's own covariance too, and beyond
+        what an error that set-ups share lets expect.
     same_choice : bool
         Whether the other conditions alone rank the same rival first.
     predicted_before, predicted_after : ndarray
@@ -109,12 +110,11 @@ def predictive_gain(
         both = (null, chosen)
         begins = [[Start.of(fit, keep)] for fit in both]
         refits = fit_rivals(inside, [fit.rival for fit in both], begins, 6, exact=False)
-        predicted = problem.predicted(np.stack([fit.x for fit in refits]))[:, part]
-        error = problem.observed[part] - predicted
+        error = problem.observed - problem.predicted(np.stack([fit.x for fit in refits]))
         scores = []
         for row, full, refit in zip(error, both, refits, strict=True):
-            spread = _predictive(covariance, part, full, refit)
-            chi2 = float(row @ np.linalg.solve(spread, row))
+            own, spread = _beyond(row, covariance, part, keep, full.slope, refit)
+            chi2 = float(own @ np.linalg.solve(spread, own))
             scores.append(-0.5 * chi2 - 0.5 * float(np.linalg.slogdet(spread)[1]))
         total += scores[1] - scores[0]
     return total
@@ -169,7 +169,8 @@ def measure_gain(
     fits = [null, chosen, *others]
     begins = [[Start.of(fit, keep)] for fit in fits]
     refits = fit_rivals(inside, [fit.rival for fit in fits], begins, 6, exact=False)
-    predicted = problem.predicted(np.stack([refits[0].x, refits[1].x]))[:, held_out]
+    everywhere = problem.predicted(np.stack([refits[0].x, refits[1].x]))
+    predicted = everywhere[:, held_out]
     error = problem.observed[held_out] - predicted
     sd = np.sqrt(np.diag(covariance))[held_out]
     before, after = (error / sd) ** 2
@@ -177,8 +178,9 @@ def measure_gain(
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
     best = max(refits[1:], key=lambda fit: fit.log_evidence)
-    spread = _predictive(covariance, held_out, chosen, refits[1])
-    weighed = float(error[1] @ np.linalg.solve(spread, error[1]))
+    missed = problem.observed - everywhere[1]
+    own, spread = _beyond(missed, covariance, held_out, keep, chosen.slope, refits[1])
+    weighed = float(own @ np.linalg.solve(spread, own))
     return Gain(
         held_out,
         float(np.mean(before)),
@@ -193,8 +195,22 @@ def measure_gain(
     )
 
 
-def _predictive(covariance: Array, held_out: NDArray[np.int64], full: Fit, refit: Fit) -> Array:
-    """Covariance of held-out errors: the data's and the prediction's."""
-    slope = full.slope[held_out]
-    part = covariance[np.ix_(held_out, held_out)]
-    return np.asarray(part + slope @ refit.covariance @ slope.T)
+def _beyond(
+    error: Array,
+    covariance: Array,
+    held_out: NDArray[np.int64],
+    keep: NDArray[np.int64],
+    slope: Array,
+    refit: Fit,
+) -> tuple[Array, Array]:
+    """Held-out errors beyond those that the kept conditions let expect, and their covariance.
+
+    The kept conditions tell of an error that set-ups share; what is left is the data's own and that
+    of the prediction.
+    """
+    across = covariance[np.ix_(held_out, keep)]
+    expected = np.linalg.solve(covariance[np.ix_(keep, keep)], across.T).T
+    moved = slope[held_out] - expected @ slope[keep]
+    own = covariance[np.ix_(held_out, held_out)] - expected @ across.T
+    spread = own + moved @ refit.covariance @ moved.T
+    return error[held_out] - expected @ error[keep], np.asarray(spread)

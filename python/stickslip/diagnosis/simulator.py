@@ -179,6 +179,8 @@ def diagnose(
     for drive in filmed if fields or filmed else [measurement.scenario]:
         fields += [abs(float(drive.get(key))) for key in ("drive.peak", "drive.hold")]
     stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
+    # One error for all tables: the largest is too cautious for some, and too bold for none.
+    relative_sd = max(stated, default=math.nan)
     uncertain = [
         Uncertain(name, prior, parameter_unit(name))
         for name, prior in measurement.uncertain.items()
@@ -203,7 +205,7 @@ def diagnose(
         said = (f"conditions that the stated model cannot compute, left out: {len(lost)}",)
     computed: list[dict[str, Value]] = []
     if conditions:
-        noise = fit_noise(velocity, index, block, stated[0] if stated else math.nan)
+        noise = fit_noise(velocity, index, block, relative_sd)
         rtol = loosest_tolerances(simulator, conditions, uncertain, causes, noise, seed)
         finest = {"solver.rtol": float(np.min(rtol))}
         simulator = Simulator(measurement.scenario.replace(finest), keys, threads)
@@ -215,7 +217,7 @@ def diagnose(
     options: dict[str, Any] = {"seed": seed, "progress": progress}
     if conditions:
         options |= {"condition": index, "block": block, "order": order, "also": known}
-        options |= {"relative_sd": stated[0] if stated else math.nan}
+        options |= {"relative_sd": relative_sd}
         options["doubt"] = _wrong_size(middle, noise.mean)
     elif known is not None:
         velocity = known.observed

@@ -1,0 +1,174 @@
+"""The engine's search, on models whose jumps, twins and best points are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
+from stickslip.diagnosis.checks import data_problem
+from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival, scan
+from stickslip.diagnosis.heldout import folds, predictive_gain
+from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.noise import fit_noise, whitener
+from stickslip.diagnosis.rivals import look_again, quick_fits
+
+X = np.linspace(1.0, 3.0, 16)
+SD = 0.05
+SLOPE = Uncertain("slope", Prior("normal", 0.0, 1.0))
+
+
+def problem(predict, observed, uncertain=(SLOPE,), causes=(), covariance=None):
+    whiten = np.eye(len(observed)) / SD if covariance is None else whitener(covariance)
+    return Problem(predict, None, observed, whiten, math.inf, tuple(uncertain), tuple(causes))
+
+
+def test_the_weights_have_the_slope_of_the_loss():
+    # Steps of Gauss-Newton are right only if d loss / d r = 2 w r.
+    given = problem(lambda _, p: p[:, :1] * X, X).tempered(1.0, 1.5)
+    r, h = np.array([-4.0, -0.3, 0.0, 1.5, 9.0]), 1e-6
+    slope = [(given.misfit(r + h * e) - given.misfit(r - h * e)) / (2 * h) for e in np.eye(5)]
+    # Central differences of a smooth loss of size 10: rounding of 1e-15 * 10 / 1e-6.
+    assert slope == pytest.approx(2.0 * given.weights(r) * r, abs=1e-7)
+
+
+def test_without_a_bound_the_loss_is_least_squares():
+    given = problem(lambda _, p: p[:, :1] * X, X)
+    r = np.array([[3.0, -4.0], [0.0, 2.0]])
+    assert given.misfit(r).tolist() == [25.0, 4.0]
+    assert given.weights(r).tolist() == [[1.0, 1.0], [1.0, 1.0]]
+
+
+def test_errors_that_are_too_large_are_computed_with_the_draft():
+    given = Problem(
+        lambda _, p: p[:, :1] * X, None, X, np.eye(len(X)) / SD, math.inf, (SLOPE,),
+        draft=lambda _, p: p[:, :1] * X + 7.0,
+    )  # fmt: skip
+    at = np.zeros((1, 1))
+    assert given.tempered(3.0).predicted(at)[0].tolist() == [7.0] * len(X)
+    assert given.tempered(1.0, 1.5).predicted(at)[0].tolist() == [0.0] * len(X)
+
+
+@pytest.mark.parametrize("edge", [0.004, -0.004])
+def test_a_jump_is_no_slope(edge):
+    # Beside the point, closer than any difference is wide, one condition jumps by 20 errors.
+    def jumping(_, p):
+        jump = np.where(np.sign(edge) * (p[:, :1] - edge) > 0.0, 20 * SD, 0.0)
+        return p[:, :1] * X + jump * (np.arange(len(X)) == 5)
+
+    given = problem(jumping, np.zeros(len(X)))
+    fit = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(1))]], 0)[0]
+    # The model is linear on this side of the jump, so its slope is exact to rounding.
+    assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
+
+
+def test_a_search_gets_past_the_jump_of_a_condition():
+    # One condition is off by 40 errors while the slope is below 0.78. It pulls the least squares of
+    # that side down by 40 j_5 / J'J = 0.05, to where the walk stays; with Cauchy's loss it weighs
+    # 700 times less, and the others lead on.
+    truth, place = 0.8, 5
+
+    def walled(_, p):
+        wall = np.where(p[:, :1] < 0.78, 40 * SD, 0.0)
+        return p[:, :1] * X + wall * (np.arange(len(X)) == place)
+
+    given = problem(walled, truth * X)
+    rival, start = make_rival(given), [Start(np.array([-1.0]))]
+    plain = fit_rivals(given, [rival], [start], 30)[0]
+    assert plain.x[0] == pytest.approx(0.75, abs=0.01)
+    found = quick_fits(given, [rival], [start], 2)[0]
+    j = X / SD
+    # The linear answer beyond the jump: the prior pulls by truth / (J'J + 1).
+    assert found.x[0] == pytest.approx(truth - truth / (j @ j + 1.0), abs=1e-3)
+
+
+def test_a_freed_constant_is_scanned_far_beyond_its_prior():
+    other = Uncertain("other", Prior("normal", 0.0, 1.0))
+    suspect = Cause("slope", (), "", frees="slope")
+    given = problem(lambda _, p: p[:, :1] * X, -6.0 * X, (SLOPE, other), (suspect,))
+    points, chi2 = scan(given, make_rival(given, [suspect]), 128, 3)
+    assert np.all(np.diff(chi2) >= 0.0)
+    # 128 even points over 14 standard deviations: one lies within 14/128 of -6.
+    assert points[0, 0] == pytest.approx(-6.0, abs=14 / 128)
+    # The other constant keeps its prior: by chance one in a thousand is beyond 3.3.
+    assert 0.8 < points[:, 1].std() < 1.2
+    assert np.abs(points[:, 1]).max() < 3.3
+
+
+def test_a_twin_that_only_acts_at_the_leaders_constants_is_found_there():
+    # Without a cause the best constant is 0, where the second cause does nothing at all; at the
+    # leader's constant of 1 it does what the leader does.
+    h, g = np.zeros(16), np.zeros(16)
+    h[0], g[0], g[1] = 1.0, -1.0, 5.0
+
+    def twins(_, p):
+        return p[:, :1] * h + (p[:, 1:2] + p[:, 2:3] * p[:, :1] ** 2) * g
+
+    causes = [Cause(name, (CauseParameter(f"{name}.size", "-", -5, 5, 1.0),)) for name in "ab"]
+    given = problem(twins, h + g, causes=causes)
+    null = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(3))]], 20)[0]
+    assert abs(null.x[0]) < 1e-6
+    leader = fit_rivals(given, [make_rival(given, causes[:1])], [[Start(np.zeros(3))]], 20)[0]
+    found = {fit.name: fit for fit in look_again(given, [leader], [leader])}
+    assert set(found) == {"a", "b"}
+    # Both reproduce the data; they differ in the prior's rows alone, which are 1 + 1.
+    assert found["a"].data_chi2 < 0.1
+    assert found["b"].data_chi2 < 0.1
+
+
+@pytest.mark.parametrize(
+    ("count", "group", "parts"), [(30, None, 5), (7, None, 0), (12, np.repeat([0, 1, 2], 4), 3)]
+)
+def test_every_condition_is_left_out_once(count, group, parts):
+    found = folds(count, group)
+    assert len(found) == parts
+    if parts:
+        assert sorted(np.concatenate(found).tolist()) == list(range(count))
+        assert all(np.all(np.diff(part) == 1) for part in found)
+    if group is not None:
+        assert all(len(set(group[part])) == 1 for part in found)
+
+
+@pytest.mark.parametrize("shared", [0.0, 0.1])
+def test_the_predictive_density_is_that_of_a_normal_law(shared):
+    # Of a linear model with normal priors all data are jointly normal, so the density of a part,
+    # given the others, is that of the conditional law, whatever errors they share.
+    wave = Cause("wave", (CauseParameter("wave.height", "-", -50, 50, 0.01),))
+    random = np.random.default_rng(5)
+    covariance = SD**2 * np.eye(len(X)) + shared**2
+    observed = 0.7 * X + random.multivariate_normal(np.zeros(len(X)), covariance)
+
+    # The coordinate of an amplitude is bent by sinh; its inverse makes the model linear in it.
+    def straight(_, p):
+        u = np.arcsinh(p[:, 1:2] / 0.01 * math.sinh(1.0)) if p.shape[1] > 1 else 0.0
+        return p[:, :1] * X + 0.2 * u * np.sin(4 * X)
+
+    given = problem(straight, observed, causes=[wave], covariance=covariance)
+    fits = [
+        fit_rivals(given, [make_rival(given, each)], [[Start(np.zeros(2))]], 20)[0]
+        for each in ([], [wave])
+    ]
+    parts = folds(len(X))
+    found = predictive_gain(given, covariance, *fits, parts)
+
+    def density(design):
+        joint = covariance + design @ design.T
+        total = 0.0
+        for part in parts:
+            keep = np.setdiff1d(np.arange(len(X)), part)
+            gain = joint[np.ix_(part, keep)] @ np.linalg.inv(joint[np.ix_(keep, keep)])
+            left = observed[part] - gain @ observed[keep]
+            law = joint[np.ix_(part, part)] - gain @ joint[np.ix_(keep, part)]
+            total -= 0.5 * left @ np.linalg.solve(law, left) + 0.5 * np.linalg.slogdet(law)[1]
+        return total
+
+    both = np.stack([X, 0.2 * np.sin(4 * X)], axis=1)
+    # The fits stop when a step would gain less than 0.02 of chi-square.
+    assert found == pytest.approx(density(both) - density(both[:, :1]), abs=0.05)
+
+
+def test_few_velocities_are_no_trouble_beside_other_data():
+    values, index = np.array([1.0, 2.0]), np.arange(2)
+    noise = fit_noise(values, index)
+    assert "too few" in data_problem(values, index, noise, None)
+    assert data_problem(values, index, noise, None, alone=False) is None

@@ -1,0 +1,154 @@
+"""Effects of the user's own: what goes wrong in a run, and what is refused before one."""
+
+import ctypes
+import math
+
+import numpy as np
+import pytest
+from numba import cfunc
+
+import stickslip
+from helpers import run, scenario
+from own_effects import (
+    METHODS,
+    PULSES,
+    SIGNATURE,
+    by_method,
+    nothing,
+    nothing_stays,  # noqa: F401 (around every test here)
+    numba_wrench,
+    parameter,
+    register,
+)
+from stickslip import register_effect, simulate, simulate_batch, sweep, unregister_effect
+
+
+class BoomError(Exception):
+    pass
+
+
+def test_an_exception_of_the_function_passes_through():
+    def fails(state, parameters):
+        if state.t > 0.06:
+            raise BoomError(f"at {state.t:.3f} s")
+        return 0.0, 0.0, 0.0
+
+    register(fails)
+    for method in METHODS:
+        for rate in ("none", "events", 1e5):
+            failing = scenario(
+                PULSES, {"effects.own.k": 1.0, "solver.method": method, "record.rate": rate}
+            )
+            with pytest.raises(BoomError, match=r"at 0\.06"):
+                simulate(failing)
+            for threads in (1, 2):
+                with pytest.raises(BoomError):
+                    simulate_batch(4 * [failing], threads=threads)
+    for jobs in (1, 2):
+        with pytest.raises(BoomError) as caught:
+            sweep(scenario(PULSES), {"effects.own.k": [0.0, 0.5, 1.0]}, jobs=jobs)
+        assert caught.traceback[-1].name == "fails"
+    # It is over with that: nothing is left behind for the next run.
+    assert run(PULSES).ok
+
+
+@by_method
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_a_force_that_is_not_finite_is_a_status(method, bad):
+    @cfunc(SIGNATURE)
+    def broken(state, parameters, wrench):
+        wrench[0] = wrench[1] = wrench[2] = 0.0
+        if state[0] > 0.06 and parameters[0] > 0.5:
+            wrench[2] = bad
+
+    register(broken)
+    failed = simulate(scenario(PULSES, {"effects.own.k": 1.0, "solver.method": method}))
+    assert failed.status == "not_finite"
+    assert failed.message.startswith("at t = 0.06")
+    assert "the function of effect own gave a force or torque that is not a" in failed.message
+    seen = sweep(scenario(PULSES, {"solver.method": method}), {"effects.own.k": [0.4, 0.9]}, jobs=2)
+    assert list(seen.status.values == 0) == [True, False]
+    assert np.isnan(seen.mean_velocity.values[1])
+
+
+def test_a_force_that_grows_without_bound_ends():
+    register(lambda state, parameters: (0.0, 1e300 * parameters[0] * state.t, 0.0))
+    for method in METHODS:
+        ended = simulate(scenario(PULSES, {"effects.own.k": 1.0, "solver.method": method}))
+        assert ended.status != "ok"
+
+
+@pytest.mark.parametrize(
+    "result", [None, 1.0, (1.0, 2.0), (1.0, 2.0, 3.0, 4.0), ("a", 0.0, 0.0), (1j, 0.0, 0.0)]
+)
+def test_a_function_that_returns_something_else(result):
+    register(lambda state, parameters: result)
+    with pytest.raises(TypeError, match=r"effect own: its function returned .*three numbers"):
+        simulate(scenario(PULSES, {"effects.own.k": 1.0}))
+
+
+def one_pointer(argument):
+    return ctypes.CFUNCTYPE(None, argument)(lambda *arguments: None)
+
+
+@cfunc("float64(float64)")
+def of_one_number(x):
+    return x
+
+
+class Addressed:
+    def __init__(self, address):
+        self.address = address
+
+
+REFUSED = {
+    "built-in": ({"name": "surface_tilt"}, ValueError, "the model has one of this name itself"),
+    "another": ({"name": "taken"}, ValueError, "another definition; unregister_effect"),
+    "no word": ({"name": "my effect"}, ValueError, "letters, digits and _"),
+    "no name": ({"name": ""}, ValueError, "letters, digits and _"),
+    "number": ({"name": 3}, TypeError, "allowed is a text"),
+    "meaning": ({"meaning": None}, TypeError, "allowed is a text"),
+    "source": ({"source": 1}, TypeError, "allowed is a text"),
+    "no parameter": ({"parameters": []}, ValueError, "needs a parameter"),
+    "not a list": ({"parameters": 3}, TypeError, "a list of EffectParameter"),
+    "not one": ({"parameters": ["k"]}, TypeError, "allowed is an EffectParameter"),
+    "twice": ({"parameters": 2 * [parameter()]}, ValueError, '"k": is given twice'),
+    "parameter word": ({"parameters": [parameter("a.b")]}, ValueError, "letters, digits and _"),
+    "order": ({"parameters": [parameter(low=1, high=0)]}, ValueError, "low below the high"),
+    "endless": ({"parameters": [parameter(high=math.inf)]}, ValueError, "finite ends"),
+    "default": ({"parameters": [parameter(default=2)]}, ValueError, "outside its range"),
+    "nan": ({"parameters": [parameter(default=math.nan)]}, ValueError, "outside its range"),
+    "bool": ({"parameters": [parameter(low=False)]}, TypeError, "allowed is a number"),
+    "unit": ({"parameters": [parameter(unit=1)]}, TypeError, "unit = 1: allowed is a text"),
+    "no function": ({"function": None}, TypeError, "allowed is an address"),
+    "text": ({"function": "f"}, TypeError, "allowed is an address"),
+    "true": ({"function": True}, TypeError, "address = true"),
+    "null": ({"function": 0}, ValueError, "there can be no function"),
+    "negative": ({"function": -8}, ValueError, "there can be no function"),
+    "huge": ({"function": 2**64}, ValueError, "there can be no function"),
+    "address": ({"function": Addressed("here")}, TypeError, "allowed is an integer"),
+    "nothing there": ({"function": Addressed(0)}, ValueError, "there can be no function"),
+    "arguments": ({"function": one_pointer(ctypes.c_void_p)}, TypeError, "other arguments"),
+    "numbers": ({"function": of_one_number}, TypeError, "other arguments"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_refused_is_refused_in_one_line(case):
+    register(nothing, name="taken")
+    before = stickslip.effects()
+    changes, error, text = REFUSED[case]
+    given = {"name": "own", "function": numba_wrench, "parameters": [parameter()], "meaning": "m"}
+    given |= changes
+    with pytest.raises(error) as caught:
+        register_effect(given.pop("name"), given.pop("function"), given.pop("parameters"), **given)
+    assert text in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert "effect" in str(caught.value)
+    assert stickslip.effects() == before
+
+
+def test_what_is_not_registered_cannot_be_taken_back():
+    for name in ("own", "surface_tilt", 3):
+        with pytest.raises(ValueError, match="is not registered"):
+            unregister_effect(name)
