@@ -19,6 +19,7 @@ from stickslip.measurement import read_measurement
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import apparatus
+from blind.case import study
 from blind.generator import make, write_case
 from blind.scoring import interval, judged
 from blind.strength import PRIORS
@@ -77,6 +78,21 @@ def test_exact_twins_are_never_told_apart(tmp_path):
     _, said, names = _said(tmp_path, "exact twins", 2003)
     assert said["verdict"] == "ambiguous"
     assert {"length_scale", "clock_scale"} <= names
+
+
+def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
+    row = study(tmp_path / "before", "near twins", 2011)
+    assert row["said"]["verdict"] == "ambiguous"
+    assert {"surface_tilt", "friction_anisotropy"} <= set(row["said"]["cause"])
+    before, after = ((tmp_path / name / "velocity.csv").read_text().splitlines()
+                     for name in ("before", "before-more"))  # fmt: skip
+    assert after[: len(before)] == before
+    assert len(after) == len(before) + 3 * apparatus.TRIALS
+    assert row["followed"]["verdict"] == "named"
+    assert row["followed"]["cause"] == "surface_tilt"
+    angle = row["followed"]["parameters"]["surface_tilt.angle"]
+    truth = row["answer"]["effects"]["surface_tilt"]["angle"]
+    assert abs(angle["value"] - truth) < 3.0 * angle["sd"]
 
 
 def test_two_causes_are_both_said(tmp_path):

@@ -7,11 +7,11 @@ import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
 from stickslip.diagnosis.checks import data_problem
-from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival, scan
+from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival, scan, spread_factor
 from stickslip.diagnosis.heldout import folds, predictive_gain
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import fit_noise, whitener
-from stickslip.diagnosis.rivals import look_again, quick_fits
+from stickslip.diagnosis.rivals import look_again, nested, quick_fits
 
 X = np.linspace(1.0, 3.0, 16)
 SD = 0.05
@@ -62,6 +62,29 @@ def test_a_jump_is_no_slope(edge):
     assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
 
 
+def test_a_jump_where_a_range_ends_is_no_slope_either():
+    # The amplitude cannot be negative, and beyond 0.004 one condition jumps by 20 errors.
+    cause = Cause("bump", (CauseParameter("bump.size", "-", 0.0, 5.0, 1.0),))
+
+    def jumping(_, p):
+        jump = np.where(p[:, 1:2] > 0.004, 20 * SD, 0.0) * (np.arange(len(X)) == 5)
+        return p[:, :1] * X + p[:, 1:2] * np.sin(X) + jump
+
+    given = problem(jumping, np.zeros(len(X)), causes=[cause])
+    fit = fit_rivals(given, [make_rival(given, [cause])], [[Start(np.zeros(2))]], 0)[0]
+    # At a small amplitude d value / d u is 1 / sinh 1, to a few parts in ten thousand.
+    assert fit.slope[:, 1] == pytest.approx(np.sin(X) / math.sinh(1.0), rel=1e-2)
+
+
+def test_a_side_that_cannot_be_computed_leaves_the_other():
+    def cut(_, p):
+        return np.where(p[:, :1] > 0.001, np.nan, p[:, :1] * X)
+
+    given = problem(cut, np.zeros(len(X)))
+    fit = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(1))]], 0)[0]
+    assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
+
+
 def test_a_search_gets_past_the_jump_of_a_condition():
     # One condition is off by 40 errors while the slope is below 0.78. It pulls the least squares of
     # that side down by 40 j_5 / J'J = 0.05, to where the walk stays; with Cauchy's loss it weighs
@@ -86,13 +109,39 @@ def test_a_freed_constant_is_scanned_far_beyond_its_prior():
     other = Uncertain("other", Prior("normal", 0.0, 1.0))
     suspect = Cause("slope", (), "", frees="slope")
     given = problem(lambda _, p: p[:, :1] * X, -6.0 * X, (SLOPE, other), (suspect,))
-    points, chi2 = scan(given, make_rival(given, [suspect]), 128, 3)
-    assert np.all(np.diff(chi2) >= 0.0)
+    points = scan(given, make_rival(given, [suspect]), 128, 3)
     # 128 even points over 14 standard deviations: one lies within 14/128 of -6.
     assert points[0, 0] == pytest.approx(-6.0, abs=14 / 128)
     # The other constant keeps its prior: by chance one in a thousand is beyond 3.3.
     assert 0.8 < points[:, 1].std() < 1.2
     assert np.abs(points[:, 1]).max() < 3.3
+
+
+def test_a_cause_that_does_nothing_here_is_not_fitted():
+    causes = [Cause(name, (CauseParameter(f"{name}.size", "-", -5, 5, 1.0),)) for name in "ab"]
+    given = problem(lambda _, p: p[:, :1] * X + p[:, 1:2] * np.sin(4 * X), X, causes=causes)
+    leader = fit_rivals(given, [make_rival(given, causes[:1])], [[Start(np.zeros(3))]], 20)[0]
+    assert [fit.name for fit in look_again(given, [leader], [leader])] == ["a"]
+
+
+def test_no_rival_is_left_worse_than_the_model_that_it_contains():
+    # A walk that was stuck at 5 begins again where the model without a cause stands.
+    suspect = Cause("slope", (), "", frees="slope")
+    given = problem(lambda _, p: p[:, :1] * X, 0.5 * X, causes=[suspect])
+    null = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(1))]], 20)[0]
+    stuck = fit_rivals(given, [make_rival(given, [suspect])], [[Start(np.array([5.0]))]], 0)[0]
+    assert stuck.chi2 > null.chi2
+    (again,) = nested(given, null, [stuck])
+    assert again.chi2 < null.chi2
+
+
+def test_the_spread_of_parameters_that_trade_off_has_a_factor():
+    # J'J loses half of the digits: its inverse need not be positive definite, a factor still is.
+    j = np.vstack([1e6 * np.ones((1, 3)), np.eye(3)])
+    lower = spread_factor(j)
+    across = np.array([1.0, -1.0, 0.0])
+    # Along (1, -1, 0) only the prior's rows of 1 act: a variance of |across|^2.
+    assert across @ lower @ lower.T @ across == pytest.approx(2.0, rel=1e-6)
 
 
 def test_a_twin_that_only_acts_at_the_leaders_constants_is_found_there():

@@ -89,7 +89,10 @@ def _alone(
         level = apparatus.velocities(truth, drives)
         strength = absorber.strength(level)
         if low <= strength <= high:
-            return truth, level, strength
+            # Constants that are far from the truth may absorb more.
+            strength = absorber.searched(level)
+            if low <= strength <= high:
+                return truth, level, strength
         larger = truth.scaled(float(np.clip(aim / max(strength, 0.1), 0.2, 5.0)))
         if larger == truth:
             return None

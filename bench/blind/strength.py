@@ -13,6 +13,7 @@ from blind.truth import Drive, Truth
 from stickslip import Scenario
 from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival
 from stickslip.diagnosis.model import Problem, Uncertain
+from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.simulator import Simulator
 from stickslip.measurement import Prior
 
@@ -37,7 +38,7 @@ class Absorber:
         self._centre = np.array(
             [prior.coordinate(value) for prior, value in zip(PRIORS.values(), values, strict=True)]
         )
-        scenario = Scenario().replace({"solver.rtol": 1e-6})
+        scenario = Scenario().replace({"solver.rtol": 1e-5})
         settings = [
             {**{f"drive.{key}": value for key, value in drive.items()}, "drive.pulses": PULSES}
             for drive in drives
@@ -51,13 +52,21 @@ class Absorber:
             np.inf,
             tuple(Uncertain(name, prior) for name, prior in PRIORS.items()),
         )
-        self._plain = self._chi2(level)
+        self._plain = self._nearby(level)
 
     def strength(self, level: Array) -> float:
-        """S of velocities without noise, m/s: what is left of them after recalibration."""
-        return float(np.sqrt(max(self._chi2(level) - self._plain, 0.0)))
+        """S of velocities without noise, m/s: what is left of them after recalibration nearby."""
+        return self._size(self._nearby(level))
 
-    def _chi2(self, level: Array) -> float:
+    def searched(self, level: Array) -> float:
+        """The same after recalibration that has looked for constants everywhere."""
+        problem = replace(self._problem, observed=level)
+        return self._size(min(self._nearby(level), recalibrate(problem, 0).null.chi2))
+
+    def _size(self, chi2: float) -> float:
+        return float(np.sqrt(max(chi2 - self._plain, 0.0)))
+
+    def _nearby(self, level: Array) -> float:
         problem = replace(self._problem, observed=level)
         start = [[Start(self._centre)]]
         return fit_rivals(problem, [make_rival(problem)], start, 12, exact=False)[0].chi2

@@ -12,27 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.checks import data_problem
-from stickslip.diagnosis.detection import Detection, detect
-from stickslip.diagnosis.fitting import AGREE, Fit, Start, fit_rivals
+from stickslip.diagnosis.comparison import compare, examine
+from stickslip.diagnosis.detection import Detection
+from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
 from stickslip.diagnosis.heldout import Gain, folds, measure_gain, predictive_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
-from stickslip.diagnosis.pairs import fit_pairs, singles_beside
 from stickslip.diagnosis.profile import Profile, profile
-from stickslip.diagnosis.recalibration import at_full_weight, model_roughness, recalibrate
-from stickslip.diagnosis.rivals import (
-    COMFORTABLE,
-    Ranking,
-    adequacy,
-    fit_singles,
-    look_again,
-    refine,
-    settle_null,
-)
+from stickslip.diagnosis.recalibration import recalibrate
+from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import (
     Signatures,
     classes,
-    find_signatures,
     guesses,
     isolability,
     upper_bounds,
@@ -41,10 +32,6 @@ from stickslip.diagnosis.verdict import Verdict, decide, prior_probabilities
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
-
-_CLOUDS = 3
-_LEADERS = 2
-_SMOOTH = 1.0
 
 Report = Callable[[float], object]
 
@@ -218,8 +205,8 @@ def diagnose_model(
         draft=draft,
     )
     held_out = split(len(noise.mean), seed, group)
-    found_base = recalibrate(problem, seed)
-    null = found_base.null
+    found = recalibrate(problem, seed)
+    null = found.null
     if noise.between > 0.0:
         m = len(noise.mean)
         predicted = problem.predicted(null.x[None, :])[0, :m]
@@ -229,68 +216,17 @@ def diagnose_model(
         problem = replace(problem, whiten=whitener(covariance))
         null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
     say(0.1)
-    roughness = model_roughness(problem, null, seed)
-    covariance, problem, clouds = roughened(problem, covariance, roughness)
-    null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
-    basins = at_full_weight(problem, found_base.basins)
-    say(0.2)
-    signatures = find_signatures(problem, null)
-    detection = detect(problem, null, signatures, seed)
-    tested = null.chi2
+    base = examine(problem, covariance, null, seed)
     say(0.35)
     notes = list(noise.notes)
     trouble = doubt or data_problem(values, index, noise, order, blocks, also is None)
-    ranking = Ranking(null, (), ())
-    if trouble is None and detection.found:
-        views = [(null, signatures)]
-        if found_base.centre is not None:
-            # Far from all priors the recalibrated model is no place to look at causes from.
-            centre = at_full_weight(problem, [found_base.centre])[0]
-            views.append((centre, find_signatures(problem, centre)))
-        singles = fit_singles(problem, views, basins, clouds)
-        singles = look_again(problem, singles, singles[:_LEADERS], clouds)
-        null = settle_null(problem, null, singles)
-        if singles and clouds:
-            # The best rival may sit where the model jumps more than at the null; its scatter counts
-            # for all alike.
-            more = model_roughness(problem, singles[0], seed)
-            if np.any(more > 1.2 * roughness):
-                more = np.maximum(roughness, more)
-                covariance, problem, clouds = roughened(
-                    problem, covariance - np.diag(roughness**2), more
-                )
-                roughness = more
-                null, *others = fit_rivals(
-                    problem,
-                    [null.rival, *(fit.rival for fit in singles)],
-                    [[Start.of(fit)] for fit in (null, *singles)],
-                    1,
-                )
-                singles = refine(problem, others, {}, clouds)
-        ranking = Ranking(null, singles, ())
-        say(0.6)
-        # The best single of two effects is often neither, so adequacy decides and not the rank.
-        sufficient = any(adequacy(problem, fit) >= COMFORTABLE for fit in singles[:3])
-        if singles and not sufficient:
-            pairs = fit_pairs(problem, views, singles, basins, clouds)
-            pairs = look_again(problem, pairs, pairs[:1], clouds)
-            singles = singles_beside(problem, singles, pairs)
-            null = settle_null(problem, null, singles)
-            ranking = Ranking(null, singles, pairs)
-        if null.chi2 < tested - AGREE:
-            # The rivals have led to a better recalibration, which is to be tested in its turn.
-            signatures = find_signatures(problem, null)
-            detection = detect(problem, null, signatures, seed)
+    ranking = Ranking(base.null, (), ())
+    if trouble is None and base.detection.found:
+        base, ranking = compare(base, covariance, found, seed, say)
+    problem, covariance, roughness = base.problem, base.covariance, base.roughness
+    null, detection, signatures = base.null, base.detection, base.signatures
     say(0.9)
     cosines = isolability(problem, signatures, null.residual)
-    gains: dict[str, Gain | None] = {}
-
-    def gain_of(fit: Fit) -> Gain | None:
-        if fit.name not in gains:
-            others = [*ranking.singles[:4], *ranking.pairs[:2]]
-            gains[fit.name] = measure_gain(problem, covariance, held_out, null, fit, others, seed)
-        return gains[fit.name]
-
     parts = folds(len(noise.mean), group)
 
     def helps(fit: Fit) -> bool:
@@ -300,7 +236,10 @@ def diagnose_model(
     verdict = decide(problem, detection, ranking, cosines, guessed, helps)
     if trouble is not None:
         verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
-    gain = None if verdict.fit is None else gain_of(verdict.fit)
+    gain = None
+    if verdict.fit is not None:
+        others = [*ranking.singles[:4], *ranking.pairs[:2]]
+        gain = measure_gain(problem, covariance, held_out, null, verdict.fit, others, seed)
     profiles = () if verdict.fit is None else tuple(profile(problem, verdict.fit))
     bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
     rough = int(
@@ -319,13 +258,6 @@ def diagnose_model(
         problem, noise, roughness, null, detection, signatures, ranking, cosines,
         classes(problem, cosines), verdict, bounds, gain, profiles, tuple(notes), seed,
     )  # fmt: skip
-
-
-def roughened(problem: Problem, covariance: Array, roughness: Array) -> tuple[Array, Problem, int]:
-    """Covariance and problem with the model's own scatter, and how many clouds its fits need."""
-    full = covariance + np.diag(roughness**2)
-    share = float(np.sum(roughness**2 / np.diag(full)))
-    return full, replace(problem, whiten=whitener(full)), _CLOUDS if share > _SMOOTH else 0
 
 
 def _checked(

@@ -164,9 +164,16 @@ def _rivals(found: Diagnosis) -> list[Fit]:
     if not found.detection.found:
         return []
     fits = sorted([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence)
-    # Those that the verdict cannot choose between come first.
-    undecided = [fit for fit in fits if fit.name in found.verdict.causes]
-    fits = undecided if len(undecided) > 1 else fits
+    chosen = found.verdict.fit
+    if found.verdict.word == "ambiguous" and chosen is not None:
+        # Only those that the verdict cannot choose between.
+        names, size = set(found.verdict.causes), len(chosen.rival.causes)
+        undecided = [
+            fit
+            for fit in fits
+            if len(fit.rival.causes) == size and {each.name for each in fit.rival.causes} <= names
+        ]
+        fits = undecided if len(undecided) > 1 else fits
     return fits[:_KEPT]
 
 

@@ -2,14 +2,15 @@
 
 Gauss-Newton steps inside a trust radius, on whitened residuals with a prior row for every free
 coordinate. Derivatives are differences about as wide as what the data leaves open, so that they see
-over the small steps of a piecewise smooth model: one-sided on the way, central at the end, and
-Broyden's updates, which cost nothing, in between. A jump of one condition is not taken for a slope.
+over the small steps of a piecewise smooth model: wide and one-sided on the way, central at the end,
+and Broyden's updates, which cost nothing, in between. A jump of one condition is no slope.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from scipy.stats import qmc
 from stickslip.diagnosis.model import FREED, Cause, Problem
 
 Array = NDArray[np.float64]
+Item = TypeVar("Item")
 
 AGREE = 1.0
 """Starts agree whose chi-squares differ by less."""
@@ -90,7 +92,7 @@ class Fit:
     certified : bool
         Two starts ended within one unit of chi-square.
     starts : tuple of float
-        Chi-square of each start.
+        What the problem's loss makes of the end of each start, best first.
     """
 
     rival: Rival
@@ -147,8 +149,8 @@ def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
     return Rival(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
 
 
-def scan(problem: Problem, rival: Rival, count: int, seed: int) -> tuple[Array, Array]:
-    """Coordinates of a Sobol scan of the constants, best first, and their chi-squares.
+def scan(problem: Problem, rival: Rival, count: int, seed: int) -> Array:
+    """Coordinates of a Sobol scan of the constants, best first.
 
     A freed constant is looked for at up to seven standard deviations of its prior, evenly.
     """
@@ -161,8 +163,16 @@ def scan(problem: Problem, rival: Rival, count: int, seed: int) -> tuple[Array, 
         x[:, :p] = np.where(width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
         x[0] = 0.0
     chi2 = problem.misfit(problem.residuals(x)) + np.sum((x[:, :p] / width) ** 2, axis=1)
-    order = np.argsort(chi2, kind="stable")
-    return x[order], chi2[order]
+    return np.asarray(x[np.argsort(chi2, kind="stable")])
+
+
+def apart(items: Iterable[Item], place: Callable[[Item], Array], distance: float) -> list[Item]:
+    """Those that are not closer than a distance to an earlier one."""
+    kept: list[Item] = []
+    for item in items:
+        if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
+            kept.append(item)
+    return kept
 
 
 @dataclass
@@ -244,10 +254,12 @@ def fit_rivals(
             active = [walk for walk in active if walk.chi2 < leads[id(walk)] + _BEHIND]
         if not active:
             break
-    _derive(problem, [walk for walk in walks if walk.slope is None], low, high)
+    if clouds:
+        _derive(problem, [walk for walk in walks if walk.slope is None], low, high)
     for number in range(clouds):
         _scatter(problem, walks, low, high, number)
     winners = [min(group, key=lambda walk: walk.chi2) for group in groups]
+    _derive(problem, [walk for walk in winners if walk.slope is None], low, high)
     if exact:
         limit = min(walk.chi2 for walk in walks) + hopeless
         _derive(problem, [each for each in winners if each.chi2 < limit], low, high, central=True)
@@ -274,8 +286,7 @@ def _scatter(
     for walk in walks:
         free = walk.rival.free
         scale = (1.0, 0.4, 0.15)[number % 3]
-        jacobian = walk.jacobian(problem)
-        lower = np.linalg.cholesky(np.linalg.inv(jacobian.T @ jacobian))
+        lower = spread_factor(walk.jacobian(problem))
         draws = random.standard_normal((_CLOUD, len(free)))
         width = np.clip(np.sqrt(np.sum(lower**2, axis=1)), 0.03, 0.5)
         step = np.where(np.arange(_CLOUD)[:, None] % 2 == 0, draws @ lower.T, draws * width)
@@ -285,6 +296,11 @@ def _scatter(
     data = problem.predicted(np.vstack(rows)).reshape(len(walks), _CLOUD, -1)
     for walk, points, predicted in zip(walks, rows, data, strict=True):
         _move(problem, walk, points, predicted)
+
+
+def spread_factor(jacobian: Array) -> Array:
+    """A factor L of the covariance, L L' = 1 / J'J, however close J'J is to singular."""
+    return np.asarray(np.linalg.inv(np.linalg.qr(jacobian)[1]))
 
 
 def _move(problem: Problem, walk: _Walk, points: Array, predicted: Array) -> float:
@@ -306,7 +322,8 @@ def _derive(
 ) -> None:
     """Derivatives of all walks by differences, to one side or to both.
 
-    Where a one-sided difference shows a jump of some condition, the other side is looked at too.
+    Where a one-sided difference shows a jump of some condition, or cannot be computed, the other
+    side is looked at too; at the end of a range, the stretch beyond the first.
     """
     places = [
         (walk, column, *_sides(walk.x[k], width, low[k], high[k]))
@@ -316,23 +333,27 @@ def _derive(
     ]  # fmt: skip
     sd = problem.sd
     near = _slopes(problem, [(walk, column, first) for walk, column, first, _ in places])
-    jumps = [
-        np.any(np.abs(slope * (first - walk.x[walk.rival.free[column]])) > _JUMP * sd)
+    smooth = [
+        np.all(np.abs(slope * (first - walk.x[walk.rival.free[column]])) <= _JUMP * sd)
         for slope, (walk, column, first, _) in zip(near, places, strict=True)
     ]
-    again = [k for k, jump in enumerate(jumps) if central or jump]
+    again = [k for k, fine in enumerate(smooth) if central or not fine]
     far = _slopes(problem, [(places[k][0], places[k][1], places[k][3]) for k in again])
     for k, other in zip(again, far, strict=True):
-        walk, column, *ends = places[k]
-        width = max(abs(end - walk.x[walk.rival.free[column]]) for end in ends)
-        apart = np.abs(near[k] - other) * width > _JUMP * sd
+        walk, column, first, second = places[k]
+        one, two = np.array([first, second]) - walk.x[walk.rival.free[column]]
+        if one * two > 0.0:
+            # Of the stretch from the first value to the second.
+            other = (two * other - one * near[k]) / (two - one)
+        jumped = np.abs(near[k] - other) * max(abs(one), abs(two)) > _JUMP * sd
         milder = np.where(np.abs(near[k]) < np.abs(other), near[k], other)
-        near[k] = np.where(apart, milder, 0.5 * (near[k] + other))
+        both = np.where(jumped, milder, 0.5 * (near[k] + other))
+        near[k] = np.where(np.isfinite(near[k]), np.where(np.isfinite(other), both, near[k]), other)
     for walk in walks:
         walk.slope, walk.fresh = np.zeros((len(sd), len(walk.rival.free))), True
     for (walk, column, *_), slope in zip(places, near, strict=True):
         assert walk.slope is not None
-        walk.slope[:, column] = slope
+        walk.slope[:, column] = np.where(np.isfinite(slope), slope, 0.0)
 
 
 def _widths(problem: Problem, walk: _Walk) -> Array:
@@ -344,10 +365,12 @@ def _widths(problem: Problem, walk: _Walk) -> Array:
 
 
 def _sides(place: float, width: float, low: float, high: float) -> tuple[float, float]:
-    """A value on either side, the one with more room first; twice the same at a limit."""
-    above, below = min(place + width, high), max(place - width, low)
-    first, second = (above, below) if above - place >= 0.5 * width else (below, above)
-    return first, second if abs(second - place) >= 0.5 * width else first
+    """A value on either side, the upper one first; at the end of a range two on the other side."""
+    if place + 0.5 * width > high:
+        return place - width, place - 2.0 * width
+    if place - 0.5 * width < low:
+        return place + width, place + 2.0 * width
+    return min(place + width, high), max(place - width, low)
 
 
 def _slopes(problem: Problem, places: Sequence[tuple[_Walk, int, float]]) -> list[Array]:
@@ -359,8 +382,7 @@ def _slopes(problem: Problem, places: Sequence[tuple[_Walk, int, float]]) -> lis
     steps = np.array([value for *_, value in places]) - points[range(len(places)), columns]
     points[range(len(places)), columns] += steps
     level = np.stack([walk.predicted for walk, *_ in places])
-    slopes = (problem.predicted(points) - level) / steps[:, None]
-    return list(np.where(np.isfinite(slopes), slopes, 0.0))
+    return list((problem.predicted(points) - level) / steps[:, None])
 
 
 def _advance(problem: Problem, walks: Sequence[_Walk], low: Array, high: Array) -> None:
@@ -421,13 +443,13 @@ def _broyden(walk: _Walk, point: Array, row: Array, sd: Array) -> Array:
     """Derivatives that agree with what the step from here has shown."""
     assert walk.slope is not None
     step = (point - walk.x)[walk.rival.free]
-    length = float(step @ step)
+    length = float(np.linalg.norm(step))
     gap = row - walk.predicted - walk.slope @ step
     # A short step says more of the jumps of the model than of its slope.
-    if length <= _SECANT**2 or not np.all(np.isfinite(gap)):
+    if length <= _SECANT or not np.all(np.isfinite(gap)):
         return walk.slope
-    gap = np.clip(gap, -_JUMP * sd, _JUMP * sd) if length < _STRIDE**2 else gap
-    return np.asarray(walk.slope + np.outer(gap, step) / length)
+    gap = np.clip(gap, -_JUMP * sd, _JUMP * sd) if length < _STRIDE else gap
+    return np.asarray(walk.slope + np.outer(gap, step) / length**2)
 
 
 def _fit(problem: Problem, best: _Walk, walks: Sequence[_Walk]) -> Fit:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2 as chi2_law
 
 from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
-from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.model import LOST, Problem
 
 Array = NDArray[np.float64]
 
@@ -213,4 +213,6 @@ def _beyond(
     moved = slope[held_out] - expected @ slope[keep]
     own = covariance[np.ix_(held_out, held_out)] - expected @ across.T
     spread = own + moved @ refit.covariance @ moved.T
-    return error[held_out] - expected @ error[keep], np.asarray(spread)
+    # What cannot be predicted is missed by far, and says nothing of the others.
+    missed = np.where(np.isfinite(error), error, LOST * np.sqrt(np.diag(covariance)))[held_out]
+    return missed - expected @ np.where(np.isfinite(error), error, 0.0)[keep], np.asarray(spread)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ Predict = Callable[[Any, Array], Array]
 FREED = 10.0
 """By how much a constant's prior is widened when it is itself the suspect."""
 
-_LOST = 1e3
+LOST = 1e3
 """Whitened residual of a condition that the model cannot compute."""
 
 
@@ -206,7 +207,10 @@ class Problem:
         return np.asarray(self.predict(self.conditions, self.physical(x)), dtype=float)
 
     def tempered(self, factor: float, outlier: float = np.inf) -> Problem:
-        """The same with errors larger by a factor, so that the priors weigh more."""
+        """The same with errors larger by a factor, so that the priors weigh more.
+
+        With a factor above 1 it is predicted by the draft, if there is one.
+        """
         predict = self.draft if self.draft is not None and factor > 1.0 else self.predict
         return replace(self, whiten=self.whiten / factor, outlier=outlier, predict=predict)
 
@@ -221,7 +225,7 @@ class Problem:
         """By which squares are weighed to have the slope of `misfit`."""
         return np.asarray(1.0 / (1.0 + (whitened / self.outlier) ** 2))
 
-    @property
+    @cached_property
     def sd(self) -> Array:
         """Standard deviation of `observed`, shape (m,)."""
         return np.asarray(np.linalg.norm(np.linalg.inv(self.whiten), axis=1))
@@ -230,7 +234,7 @@ class Problem:
         """Whitened data minus a prediction, shape (vectors, m); without the prior's rows."""
         gap = self.observed - predicted
         whitened = np.where(np.isfinite(gap), gap, 0.0) @ self.whiten.T
-        return np.where(np.isfinite(gap), whitened, _LOST)
+        return np.where(np.isfinite(gap), whitened, LOST)
 
     def residuals(self, x: Array) -> Array:
         """Whitened residuals at coordinates, shape (vectors, m)."""

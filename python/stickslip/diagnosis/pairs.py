@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from stickslip.diagnosis.rivals import (
     certify,
     quick_fits,
     refine,
+    without,
 )
 from stickslip.diagnosis.signatures import (
     UNSEEN,
@@ -84,17 +86,15 @@ def singles_beside(
     rivals, begins = [], []
     for fit in pairs[:_CENTRES]:
         for cause in fit.rival.causes:
-            rival = make_rival(problem, [cause])
-            x = fit.x.copy()
-            x[np.setdiff1d(np.arange(problem.base_count, problem.size), rival.free)] = 0.0
-            kept = [list(fit.rival.free).index(k) for k in rival.free]
-            rivals.append(rival)
-            begins.append([Start(x, fit.slope[:, kept]), Start(x)])
+            alone = without(problem, fit, cause)
+            rivals.append(alone.rival)
+            begins.append([Start.of(alone), Start(alone.x)])
     result = list(singles)
     for fit in fit_rivals(problem, rivals, begins, CAREFUL):
         at = place.get(fit.name)
         if at is not None and fit.chi2 < result[at].chi2 - 1.0:
-            result[at] = fit
+            # Its starts began at one point, so that they agree says nothing.
+            result[at] = replace(fit, certified=False)
     certify(problem, result, 0)
     return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
 

@@ -7,7 +7,7 @@ large at first, and before a misfit is believed, the search is widened.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from stickslip.diagnosis.fitting import (
     STAGES,
     Fit,
     Start,
+    apart,
     fit_rivals,
     make_rival,
     scan,
@@ -30,7 +31,7 @@ Array = NDArray[np.float64]
 
 _SCAN = 128
 _STARTS, _STRATA = 6, 12
-_KEPT, _STEPS = (4, 3, 2, 1), 10
+_MOST, _STEPS = (18, 4, 3, 2), 10
 _DOUBT = 0.2
 _FORGIVEN = 3.0
 _SAME = 0.05
@@ -68,11 +69,11 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
         Of the scans.
     """
     count = _SCAN if problem.base_count > 1 else 32
-    scanned = scan(problem.tempered(SOFTEST), make_rival(problem), count, seed)[0]
+    scanned = scan(problem.tempered(SOFTEST), make_rival(problem), count, seed)
     stages = _descend(problem, _apart(scanned, _STARTS))
     m = len(problem.observed)
     if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _DOUBT:
-        wider = scan(problem.tempered(SOFTEST), make_rival(problem), _SCAN, seed + 1)[0]
+        wider = scan(problem.tempered(SOFTEST), make_rival(problem), _SCAN, seed + 1)
         more = _descend(problem, _strata(problem, wider))
         stages = [
             sorted([*first, *second], key=lambda fit: fit.chi2)
@@ -81,7 +82,7 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     ends = tuple(fit.chi2 for fit in stages[-1])
     certified = len(ends) > 1 and ends[1] - ends[0] < AGREE
     null = replace(stages[-1][0], starts=ends, certified=certified)
-    distinct = tuple(_distinct([fit for stage in reversed(stages) for fit in stage])[1:_BASINS])
+    distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_BASINS])
     basins = at_full_weight(problem, distinct)
     if null.chi2 < _FORGIVEN * m:
         return Recalibration(null, None, basins)
@@ -102,33 +103,24 @@ def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
     rival = make_rival(problem)
     begins = [Start(point) for point in points]
     stages = []
-    for stage, kept in zip(STAGES, _KEPT, strict=True):
-        alone = [[start] for start in begins]
+    for stage, most in zip(STAGES, _MOST, strict=True):
+        alone = [[start] for start in begins[:most]]
         fits = fit_rivals(problem.tempered(*stage), [rival] * len(alone), alone, _STEPS)
-        fits.sort(key=lambda fit: fit.chi2)
-        begins = [Start.of(fit) for fit in _distinct(fits)[:kept]]
+        # By the loss of the stage, which forgives a condition on the wrong side of its jump.
+        fits.sort(key=lambda fit: fit.starts[0])
+        begins = [Start.of(fit) for fit in _distinct(fits)]
         stages.append(fits)
     return stages
 
 
-def _distinct(fits: Sequence[Fit]) -> list[Fit]:
+def _distinct(fits: Iterable[Fit]) -> list[Fit]:
     """Without those that ended where an earlier one did."""
-    chosen: list[Fit] = []
-    for fit in fits:
-        if all(np.linalg.norm(fit.x - other.x) > _SAME for other in chosen):
-            chosen.append(fit)
-    return chosen
+    return apart(fits, lambda fit: fit.x, _SAME)
 
 
 def _apart(points: Array, count: int) -> list[Array]:
     """The best points that are not close to a better one."""
-    chosen: list[Array] = []
-    for point in points:
-        if all(np.linalg.norm(point - other) > 0.7 for other in chosen):
-            chosen.append(point)
-        if len(chosen) == count:
-            break
-    return chosen
+    return apart(points, lambda point: point, 0.7)[:count]
 
 
 def _strata(problem: Problem, points: Array) -> list[Array]:

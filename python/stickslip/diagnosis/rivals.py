@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
 from stickslip.diagnosis.fitting import (
+    AGREE,
     SOFTEST,
     STAGES,
     Fit,
     Rival,
     Start,
+    apart,
     fit_rivals,
     make_rival,
     scan,
+    spread_factor,
 )
 from stickslip.diagnosis.model import Cause, Problem
 from stickslip.diagnosis.signatures import (
@@ -27,6 +30,7 @@ from stickslip.diagnosis.signatures import (
     screen,
     seen_from,
     starts,
+    with_cause,
 )
 
 Array = NDArray[np.float64]
@@ -112,11 +116,11 @@ def fit_singles(
     rivals = [make_rival(problem, [problem.causes[index]]) for index in seen]
     ordered = best_first(problem, rivals, [begins[index] for index in seen])
     # Near the null a walk may settle for a little of the cause; one comes from its far side.
-    bold = [_bold(problem, *views[-1], index) for index in seen]
+    bold = _bold(problem, *views[-1])
     pairs = [
         (k, start)
         for k, points in enumerate(ordered)
-        for start in (points[0], *bold[k], *_far_off(problem, rivals[k]))
+        for start in (points[0], *bold.get(seen[k], ()), *_far_off(problem, rivals[k]))
     ]
     quick = quick_fits(problem, [rivals[k] for k, _ in pairs], [[start] for _, start in pairs])
     best: list[Fit] = []
@@ -128,22 +132,23 @@ def fit_singles(
     return refine(problem, best, others, clouds)
 
 
-def _bold(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> list[Start]:
-    """A start with an amplitude of one standard deviation, of the sign that promises more."""
-    rows = np.flatnonzero((signatures.cause == cause) & (np.abs(signatures.amplitude) > 1.0))
-    rows = rows[signatures.at[rows] >= 0]
-    if not len(rows):
-        return []
+def _bold(problem: Problem, base: Fit, signatures: Signatures) -> dict[int, list[Start]]:
+    """For each cause an amplitude of one standard deviation, of the sign that promises more."""
     softer, seen_there = seen_from(problem, signatures, base, SOFTEST)
-    row = int(rows[np.argmin(screen(seen_there, softer.residual).left[rows])])
-    at = int(signatures.at[row])
-    x = base.x.copy()
-    x[problem.base_count :] = signatures.point[row, problem.base_count :]
-    x[at] = np.sign(signatures.amplitude[row])
-    columns = problem.columns([problem.causes[cause]])
-    slope = np.zeros((len(problem.observed), len(columns)))
-    slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
-    return [Start(x, np.hstack([base.slope[:, : problem.base_count], slope]))]
+    left = screen(seen_there, softer.residual).left
+    chosen: dict[int, int] = {}
+    far = (signatures.at >= 0) & (np.abs(signatures.amplitude) > 1.0)
+    for row in np.flatnonzero(far).tolist():
+        index = int(signatures.cause[row])
+        if index not in chosen or left[row] < left[chosen[index]]:
+            chosen[index] = row
+    result = {}
+    for index, row in chosen.items():
+        x = base.x.copy()
+        x[problem.base_count :] = signatures.point[row, problem.base_count :]
+        x[signatures.at[row]] = np.sign(signatures.amplitude[row])
+        result[index] = [with_cause(problem, base, signatures, row, x, 1.0)]
+    return result
 
 
 def quick_fits(
@@ -166,36 +171,24 @@ def quick_fits(
 
 def _parted(fits: Sequence[Fit]) -> list[Fit]:
     """Without those that ended close to a better one of the same rival."""
-    kept: list[Fit] = []
-    for fit in sorted(fits, key=lambda fit: fit.chi2):
-        if all(fit.name != other.name or np.linalg.norm(fit.x - other.x) > _MET for other in kept):
-            kept.append(fit)
-    return kept
+    by_name: dict[str, list[Fit]] = {}
+    for fit in sorted(fits, key=lambda fit: fit.starts[0]):
+        by_name.setdefault(fit.name, []).append(fit)
+    return [fit for ends in by_name.values() for fit in apart(ends, lambda fit: fit.x, _MET)]
 
 
 def _promising(points: list[tuple[float, Start]]) -> list[Start]:
     """The best starts that do not lie close together."""
-    chosen: list[Start] = []
-    for _, start in sorted(points, key=lambda each: each[0]):
-        if all(np.linalg.norm(start.x - other.x) > _CLOSE for other in chosen):
-            chosen.append(start)
-        if len(chosen) == _BEGINS:
-            break
-    return chosen
+    ordered = [start for _, start in sorted(points, key=lambda each: each[0])]
+    return apart(ordered, lambda start: start.x, _CLOSE)[:_BEGINS]
 
 
 def _far_off(problem: Problem, rival: Rival) -> list[Start]:
     """Where a freed constant could be that no scan of the priors has looked at."""
     if all(cause.frees is None for cause in rival.causes):
         return []
-    points = scan(problem.tempered(SOFTEST), rival, _SCAN, 1)[0]
-    chosen: list[Start] = []
-    for point in points:
-        if all(np.linalg.norm(point - other.x) > 1.0 for other in chosen):
-            chosen.append(Start(point))
-        if len(chosen) == _FREED_STARTS:
-            break
-    return chosen
+    points = apart(scan(problem.tempered(SOFTEST), rival, _SCAN, 1), lambda point: point, 1.0)
+    return [Start(point) for point in points[:_FREED_STARTS]]
 
 
 def settle_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
@@ -211,7 +204,17 @@ def settle_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
         begins.append(Start(x, fit.slope[:, :p]))
     ordered = best_first(problem, [null.rival], [begins])
     again = fit_rivals(problem, [null.rival], [points[:3] for points in ordered], CAREFUL)[0]
-    return again if again.chi2 < null.chi2 - 0.5 else null
+    return again if again.chi2 < null.chi2 - AGREE else null
+
+
+def nested(problem: Problem, null: Fit, fits: Sequence[Fit]) -> tuple[Fit, ...]:
+    """Rivals that are worse than the model without a cause, which each contains, from that one."""
+    worse = [fit for fit in fits if fit.chi2 > null.chi2]
+    begins = [[Start(null.x)] for _ in worse]
+    again = fit_rivals(problem, [fit.rival for fit in worse], begins, CAREFUL)
+    better = {new.name: new for new, old in zip(again, worse, strict=True) if new.chi2 < old.chi2}
+    kept = [better.get(fit.name, fit) for fit in fits]
+    return tuple(sorted(kept, key=lambda fit: -fit.log_evidence))
 
 
 def look_again(
@@ -227,7 +230,7 @@ def look_again(
     rivals: dict[str, Rival] = {}
     for leader in leaders:
         for dropped in leader.rival.causes:
-            base = _without(problem, leader, dropped)
+            base = without(problem, leader, dropped)
             signatures = find_signatures(problem, base)
             for index, cause in enumerate(problem.causes):
                 points = in_place(problem, base, signatures, index)
@@ -251,7 +254,7 @@ def look_again(
     return tuple(sorted(known.values(), key=lambda fit: -fit.log_evidence))
 
 
-def _without(problem: Problem, fit: Fit, dropped: Cause) -> Fit:
+def without(problem: Problem, fit: Fit, dropped: Cause) -> Fit:
     """The model of a fit with one of its causes taken away and nothing else moved."""
     rival = make_rival(problem, [each for each in fit.rival.causes if each is not dropped])
     x = fit.x.copy()
@@ -324,7 +327,7 @@ def certify(problem: Problem, fits: list[Fit], clouds: int) -> None:
         begins = []
         for k in doubtful:
             free = fits[k].rival.free
-            lower = np.linalg.cholesky(fits[k].covariance)
+            lower = spread_factor(fits[k].jacobian)
             points = [Start.of(fits[k])]
             for _ in range(2):
                 x = fits[k].x.copy()

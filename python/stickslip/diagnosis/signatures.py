@@ -23,6 +23,8 @@ AMPLITUDES = (0.15, 0.6, 2.0)
 SAME = 0.9
 """Causes whose absorbed signatures have a larger cosine are one isolability class."""
 
+_FAR = 6.0
+
 UNSEEN = 1e-3
 """Signal to noise after absorption below which a response counts as none."""
 
@@ -96,7 +98,7 @@ def find_signatures(problem: Problem, base: Fit) -> Signatures:
     # The point of each row: the baseline moves to undo what it can of the response.
     move = np.linalg.lstsq(base.jacobian, raw.T, rcond=None)[0].T
     full = np.vstack([points, np.tile(base.x, (len(freed), 1))])
-    full[:, free] = np.clip(full[:, free] - move, -6.0, 6.0)
+    full[:, free] -= np.clip(move, -_FAR, _FAR)
     return Signatures(
         np.array(owner + [index for index, _, _ in freed], dtype=np.int64),
         full,
@@ -159,7 +161,7 @@ def seen_from(
     absorbed = raw - (raw @ basis) @ basis.T
     move = np.linalg.lstsq(jacobian, raw.T, rcond=None)[0].T
     point = signatures.point.copy()
-    point[:, free] = np.clip(fit.x[free] - move, -6.0, 6.0)
+    point[:, free] = fit.x[free] - np.clip(move, -_FAR, _FAR)
     return softer, replace(signatures, point=point, raw=raw, absorbed=absorbed, basis=basis)
 
 
@@ -238,7 +240,7 @@ def starts(
 
 
 def settle(base: Fit) -> Array:
-    """How the free coordinates want to move from a fit; zero at the best one, shape (p,)."""
+    """How the free coordinates want to move from a fit; zero at the best one, shape (free,)."""
     return np.clip(np.linalg.lstsq(base.jacobian, base.residual, rcond=None)[0], -2.0, 2.0)
 
 
@@ -249,15 +251,17 @@ def _start(
     x = signatures.point[row].copy()
     free = base.rival.free
     x[free] = base.x[free] + scale * (x[free] - base.x[free]) + settle(base)
-    return _with_cause(problem, base, signatures, row, x, scale)
+    return with_cause(problem, base, signatures, row, x, scale)
 
 
 def in_place(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> list[Start]:
     """Starts at which a cause is added to a fit and nothing else moves, of either sign."""
+    if problem.causes[cause].frees is not None:
+        return [Start(base.x, base.slope)]
     result: list[Start] = []
     raw = signatures.raw
     for sign in (1.0, -1.0):
-        mine = (signatures.cause == cause) & (signatures.at >= 0)
+        mine = (signatures.cause == cause) & (signatures.size > UNSEEN)
         rows = np.flatnonzero(mine & (np.sign(signatures.amplitude) == sign))
         if not len(rows):
             continue
@@ -270,11 +274,11 @@ def in_place(problem: Problem, base: Fit, signatures: Signatures, cause: int) ->
         # Causes of the base's own stay where they are too.
         own = base.rival.free[base.rival.free >= problem.base_count]
         x[own] = base.x[own]
-        result.append(_with_cause(problem, base, signatures, int(rows[k]), x, float(scale[k])))
+        result.append(with_cause(problem, base, signatures, int(rows[k]), x, float(scale[k])))
     return result
 
 
-def _with_cause(
+def with_cause(
     problem: Problem, base: Fit, signatures: Signatures, row: int, x: Array, scale: float
 ) -> Start:
     """A start with a multiple of a row's amplitude, and the derivatives that are known of it."""

@@ -226,7 +226,7 @@ def diagnose(
         raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
 
     def draft(conditions: Conditions, parameters: Array) -> Array:
-        return combined([{**each, **_drafted(each)} for each in conditions], parameters)
+        return combined([_drafted(measurement.scenario, each) for each in conditions], parameters)
 
     options["draft"] = draft
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
@@ -266,19 +266,25 @@ def loosest_tolerances(
         return Simulator(scenario, simulator.parameters, threads)(conditions, np.array(draws))
 
     truth = velocities(max(0.01 * finest, 1e-11))
-    errors = np.array(
-        [np.quantile(np.abs(velocities(rtol) - truth), _MOST, axis=0) for rtol in tried]
-    )
+    errors = np.array([_most(np.abs(velocities(rtol) - truth)) for rtol in tried])
     allowed = np.maximum(np.sqrt(np.diag(noise.covariance)) / 20.0, 1.5 * errors[-1])
     good = errors <= allowed
     good[-1] = True
     return np.asarray(tried[np.argmax(good, axis=0)])
 
 
-def _drafted(condition: Mapping[str, Value]) -> dict[str, Value]:
-    """Settings of a condition at which it is computed sooner and less exactly."""
-    pulses = min(float(condition["drive.pulses"]), _DRAFT_PULSES)
-    return {"solver.rtol": _TOLERANCES[0], "drive.pulses": pulses}
+def _most(errors: Array) -> Array:
+    """Below which most of the errors of each column are; infinity where there is none."""
+    some = np.isfinite(errors).any(axis=0)
+    return np.where(some, np.nanquantile(np.where(some, errors, 0.0), _MOST, axis=0), np.inf)
+
+
+def _drafted(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Value]:
+    """A condition that is computed sooner and less exactly."""
+    pulses = float(condition.get("drive.pulses", scenario.get("drive.pulses")))
+    return {
+        **condition, "solver.rtol": _TOLERANCES[0], "drive.pulses": min(pulses, _DRAFT_PULSES)
+    }  # fmt: skip
 
 
 def _nominal(
