@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario
-from stickslip.diagnosis.report import summary
 from stickslip.diagnosis.simulator import Simulator, diagnose
+from stickslip.diagnosis.summary import summary
 from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
@@ -21,7 +21,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 from blind import apparatus
 from blind.case import study
 from blind.generator import make, write_case
-from blind.scoring import interval, judged
+from blind.scoring import calibration, interval, judged
 from blind.strength import PRIORS
 
 
@@ -119,3 +119,20 @@ def test_shares_come_with_exact_intervals():
     alarm["said"]["verdict"] = "unexplained"
     (counted,) = judged([row, row, row, alarm])
     assert (counted["count"], counted["total"]) == (1, 4)
+
+
+def test_what_is_thought_likely_is_counted_by_how_likely_it_is_thought():
+    def row(kind, answer, chance):
+        return {"answer": {"kind": kind, "answer": answer}, "said": {"probabilities": chance}}
+
+    rows = [
+        row("none", [], {"none": 0.9, "a": 0.1}),
+        row("single", ["a"], {"none": 0.1, "a": 0.85, "b": 0.05}),
+        row("single", ["a"], {"none": 0.1, "b": 0.9}),
+        row("unknown", [], {"unknown": 1.0}),
+        row("pair", ["a", "b"], {"a": 0.9, "none": 0.1}),
+    ]
+    high, sure = calibration(rows)
+    assert (high["count"], high["total"]) == (2, 3)
+    assert high["mean"] == pytest.approx((0.9 + 0.85 + 0.9) / 3)
+    assert (sure["count"], sure["total"]) == (1, 1)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from blind.case import study
-from blind.scoring import judged, table
+from blind.scoring import judged, read, slim, table
 from blind.truth import KINDS
 
 # How many data sets of a kind there are for one seed.
@@ -45,7 +45,7 @@ def main() -> None:
     out: Path = options.out
     out.mkdir(parents=True, exist_ok=True)
     record = out / "answers.jsonl"
-    rows = [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
+    rows = read(record) if record.exists() else []
     done = {(row["answer"]["kind"], row["answer"]["seed"]) for row in rows}
     kinds = options.kinds.split(";")
     waiting = [each for each in plan(options.first, options.seeds, kinds) if each not in done]
@@ -71,6 +71,7 @@ def main() -> None:
                 file.flush()
                 print(_line(*running.pop(future), row), flush=True)
     text = table(rows)
+    (out / "measured.jsonl").write_text("".join(json.dumps(slim(row)) + "\n" for row in rows))
     (out / "table.md").write_text(text + "\n")
     (out / "judged.json").write_text(json.dumps(judged(rows), indent=2) + "\n")
     print(text)

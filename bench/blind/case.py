@@ -8,8 +8,8 @@ from typing import Any
 
 from blind.generator import write_case, write_more
 from stickslip.diagnosis.experiments import propose
-from stickslip.diagnosis.report import summary
 from stickslip.diagnosis.simulator import diagnose
+from stickslip.diagnosis.summary import summary
 from stickslip.measurement import read_measurement
 
 

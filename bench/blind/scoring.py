@@ -1,8 +1,14 @@
-"""Counts of a blind study beside what is asked, with 95 % intervals (Clopper and Pearson)."""
+"""Counts of a blind study beside what is asked, with 95 % intervals (Clopper and Pearson).
+
+``python -m blind.scoring RECORD`` prints the table of a record.
+"""
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -74,7 +80,7 @@ def _in_set(row: Row) -> bool:
 def _first(row: Row) -> bool:
     chance = {name: p for name, p in row["said"]["probabilities"].items()
               if name not in ("none", "unknown")}  # fmt: skip
-    return max(chance, key=lambda name: chance[name]) in _truth(row)
+    return max(chance, key=lambda name: chance[name], default="") in _truth(row)
 
 
 def _within(row: Row) -> bool:
@@ -153,6 +159,30 @@ _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | N
 )  # fmt: skip
 
 
+def slim(row: Row) -> Row:
+    """What the counts need of a row, and what makes the data set again."""
+    answer = {key: row["answer"][key] for key in ("kind", "seed", "strength", "answer", "effects")}
+    result = {
+        "folder": row["folder"],
+        "answer": answer,
+        "said": _slim(row["said"]),
+        "gain": row["gain"],
+        "cpu_seconds": round(row["cpu_seconds"], 1),
+    }
+    return {**result, "followed": _slim(row["followed"])} if _followed(row) else result
+
+
+def _slim(said: dict[str, Any]) -> dict[str, Any]:
+    keys = ("verdict", "cause", "p_value", "parameters", "gain")
+    likely = sorted(said["probabilities"].items(), key=lambda item: -item[1])[:5]
+    return {**{key: said[key] for key in keys}, "probabilities": dict(likely)}
+
+
+def read(path: Path) -> list[Row]:
+    """Rows of a record of a study."""
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
 def judged(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Count, total, interval and demand of each line of the table."""
     result = []
@@ -172,6 +202,38 @@ def judged(rows: Sequence[Row]) -> list[dict[str, Any]]:
     return result
 
 
+_SURE = ((0.0, 0.5), (0.5, 0.8), (0.8, 0.95), (0.95, 1.0))
+
+
+def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """How often what was thought most likely was true, by how likely it was thought to be.
+
+    Of data sets with one answer: a cause, none, or one that is not in the library.
+    """
+    thought = []
+    for row in rows:
+        kind = row["answer"]["kind"]
+        truth = {"none": "none", "none, hard": "none", "unknown": "unknown"}.get(kind)
+        if kind in ("constant 5 sd", "single", "weak", "near twins"):
+            (truth,) = row["answer"]["answer"]
+        if truth is not None:
+            chance = row["said"]["probabilities"]
+            best = max(chance, key=lambda name: chance[name])
+            thought.append((chance[best], best == truth))
+    result = []
+    for low, high in _SURE:
+        inside = [(p, right) for p, right in thought if low <= p < high or p == high == 1.0]
+        if inside:
+            count = sum(right for _, right in inside)
+            result.append(
+                {
+                    "from": low, "to": high, "mean": float(np.mean([p for p, _ in inside])),
+                    "count": count, "total": len(inside),
+                }
+            )  # fmt: skip
+    return result
+
+
 def table(rows: Sequence[Row]) -> str:
     """The study in Markdown."""
     lines = [
@@ -186,6 +248,12 @@ def table(rows: Sequence[Row]) -> str:
             f"| {each['count'] / each['total']:.0%} | {each['low']:.0%} to {each['high']:.0%} "
             f"| {asked} |"
         )
+    lines += ["", "| most likely, thought to be so by | on average | true |", "| --- | --- | --- |"]
+    lines += [
+        f"| {each['from']:.0%} to {each['to']:.0%} | {each['mean']:.0%} "
+        f"| {each['count']} of {each['total']}, {each['count'] / each['total']:.0%} |"
+        for each in calibration(rows)
+    ]
     seconds = [row["cpu_seconds"] for row in rows]
     if seconds:
         lines.append("")
@@ -194,3 +262,7 @@ def table(rows: Sequence[Row]) -> str:
             f"{np.median(seconds):.0f} s CPU time in the median, {max(seconds):.0f} s at most."
         )
     return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(table(read(Path(sys.argv[1]))))

@@ -30,8 +30,9 @@ def command(
     ambiguous, pair, unexplained, data-problem.
     """
     from stickslip.diagnosis.experiments import propose
-    from stickslip.diagnosis.report import headline, summary, write_report
+    from stickslip.diagnosis.report import write_report
     from stickslip.diagnosis.simulator import diagnose
+    from stickslip.diagnosis.summary import headline, summary
     from stickslip.measurement import read_measurement
 
     data = read_measurement(measurement)
