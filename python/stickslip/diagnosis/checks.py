@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.noise import NoiseModel
+from stickslip.diagnosis.noise import NoiseModel, completed
 
 Array = NDArray[np.float64]
 
@@ -47,6 +47,7 @@ def data_problem(
     if usable.sum() < 12:
         return None
     design = np.eye(len(noise.mean))[index[usable]]
+    block = completed(block)
     if block is not None and noise.setups.shape[1]:
         # What differs from one set-up to the next is not drift.
         design = np.hstack([design, np.eye(int(block.max()) + 1)[block[usable]]])

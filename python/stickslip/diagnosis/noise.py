@@ -79,14 +79,15 @@ def fit_noise(
     condition : ndarray, shape (n,)
         Index of each trial's condition, 0 to m - 1, none missing.
     block : ndarray, shape (n,), optional
-        Index of its set-up; -1 where it is not known.
+        Index of its set-up; -1 where it is not known: such a trial counts as a set-up of its own.
     stated : float
         Relative standard deviation of one trial, if known.
     """
+    block = completed(block)
     m = int(condition.max()) + 1
     count = np.bincount(condition, minlength=m)
     mean = np.bincount(condition, value, minlength=m) / count
-    known = block is not None and bool(np.all(block >= 0)) and len(np.unique(block)) > 1
+    known = block is not None and len(np.unique(block)) > 1
     crossed = False
     if known:
         assert block is not None
@@ -121,14 +122,21 @@ def fit_noise(
         np.add.at(setups, (condition, block), 1.0)
         setups /= count[:, None]
     elif not known:
-        absent = block is None or bool(np.all(block < 0))
-        said = "no column block" if absent else "one block only, or cells of it are empty"
+        said = "no column block" if block is None else "one block only"
         notes.append(f"{said}: scatter between set-ups cannot be separated from a cause")
     else:
         notes.append("no condition was repeated in another set-up: their scatter is not known")
     return NoiseModel(
         mean, sd, count, floor, relative, between, free, setups, tuple(notes)
     )  # fmt: skip
+
+
+def completed(block: Index | None) -> Index | None:
+    """Set-ups, each trial whose set-up is not known having its own; None if none is known."""
+    if block is None or bool(np.all(block < 0)):
+        return None
+    lost = block < 0
+    return np.asarray(np.where(lost, int(block.max()) + np.cumsum(lost), block), dtype=np.int64)
 
 
 def whitener(covariance: Array) -> Array:
