@@ -4,6 +4,7 @@ The study itself, `make blind`, has hundreds. These seeds are fixed and the verd
 they were chosen, so this guards against falling back and gives no rate.
 """
 
+import itertools
 import json
 import sys
 from pathlib import Path
@@ -21,8 +22,10 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 from blind import apparatus
 from blind.case import study
 from blind.generator import make, write_case
-from blind.scoring import calibration, interval, judged
+from blind.scoring import calibration, interval, judged, read, table
 from blind.strength import PRIORS
+
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def _said(folder, kind, seed):
@@ -84,6 +87,10 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
     row = study(tmp_path / "before", "near twins", 2011)
     assert row["said"]["verdict"] == "ambiguous"
     assert {"surface_tilt", "friction_anisotropy"} <= set(row["said"]["cause"])
+    # A condition and its mirror image say the same.
+    foreseen = [[abs(p["velocity"]) for p in each["predictions"].values()]
+                for each in row["said"]["next_experiments"]]  # fmt: skip
+    assert not any(np.allclose(a, b) for a, b in itertools.combinations(foreseen, 2))
     before, after = ((tmp_path / name / "velocity.csv").read_text().splitlines()
                      for name in ("before", "before-more"))  # fmt: skip
     assert after[: len(before)] == before
@@ -136,3 +143,19 @@ def test_what_is_thought_likely_is_counted_by_how_likely_it_is_thought():
     assert (high["count"], high["total"]) == (2, 3)
     assert high["mean"] == pytest.approx((0.9 + 0.85 + 0.9) / 3)
     assert (sure["count"], sure["total"]) == (1, 1)
+
+
+def test_the_documentation_says_what_the_record_says():
+    rows = read(ROOT / "bench" / "blind" / "measured.jsonl")
+    assert table(rows) in (ROOT / "docs" / "theory" / "diagnosis.md").read_text()
+    counts = {(each["kind"], each["what"]): each for each in judged(rows)}
+    said = " ".join((ROOT / "README.md").read_text().split())
+    for kind, what, words in (
+        ("single", "first in rank", "first in rank in {count} of {total}"),
+        ("single", "named", "named in {count}"),
+        ("single", "right when named", "rightly in {count}"),
+        ("none", "false alarm", "a false alarm came in {count} of {total}"),
+        ("pair", "exact pair", "pairs were found in {count} of {total}"),
+    ):
+        assert words.format(**counts[kind, what]) in said, (kind, what)
+    assert f"{len(rows)} data sets" in said

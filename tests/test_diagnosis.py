@@ -169,7 +169,7 @@ def test_gain_is_measured_on_conditions_that_no_fit_saw():
     assert 0.2 * SIZE <= len(gain.held_out) <= 0.34 * SIZE
     assert gain.chi2_after < 2.5 < gain.chi2_before
     assert gain.interval[0] > 0.0
-    assert gain.same_choice
+    assert gain.choice == "ripple"
     # Another value at a held-out condition changes its error but not what is predicted there.
     error = found.problem.observed[gain.held_out] - gain.predicted_after
     assert np.isclose(np.mean(np.abs(error)), gain.mae_after)

@@ -17,6 +17,8 @@ from stickslip.diagnosis.noise import fit_noise
 from stickslip.diagnosis.profile import profile
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects
+from stickslip.diagnosis.simulator import wrong_sign
+from stickslip.diagnosis.summary import rounded
 
 X = np.linspace(1.0, 3.0, 24)
 SD = 0.05
@@ -126,6 +128,27 @@ def test_errors_that_set_ups_share_do_not_pull_a_fit_down():
     assert error < 0.02
 
 
+@pytest.mark.parametrize("signed", [True, False])
+def test_a_set_up_that_is_faster_is_no_noise_whatever_the_direction(signed):
+    # Both directions; set-ups scatter by 6 % as a gain or as a shift, trials by 3 %: twice a
+    # trial's error, known to 0.3 from 24 set-ups.
+    random = np.random.default_rng(3)
+    level = (1.0 + np.arange(12)) * (-1.0) ** np.arange(12)
+    index, block = np.repeat(np.arange(12), 24), np.tile(np.arange(24), 12)
+    off = 0.06 * random.standard_normal(24)[block] * (level if signed else abs(level))[index]
+    trials = level[index] + off + 0.03 * level[index] * random.standard_normal(len(index))
+    noise = fit_noise(trials, index, block)
+    assert noise.relative == pytest.approx(0.03, rel=0.2)
+    found, other = noise.between, noise.between_gain
+    if signed:
+        found, other = other, found
+    assert found == pytest.approx(2.0, abs=0.9)
+    assert other < 0.3
+    # The mean of two conditions that go opposite ways is off by a gain in opposite directions.
+    shared = noise.covariance[0, 1]
+    assert shared * (-1.0 if signed else 1.0) > 0.0
+
+
 def test_an_empty_cell_of_a_set_up_leaves_the_others_known():
     # 24 set-ups that are off by 6 %, trials of 3 %: set-ups scatter by twice a trial's error. From
     # 24 of them that is known to 2 / sqrt(2 * 23) = 0.3.
@@ -167,3 +190,43 @@ def test_another_instrument_is_named_where_it_would_split_a_set():
     assert len(advised("ambiguous", "coil_heating", "misalignment")) == 2
     assert advised("ambiguous", "length_scale", "clock_scale") == []
     assert advised("named", "surface_tilt") == []
+
+
+@pytest.mark.parametrize(
+    ("value", "sd", "said"),
+    [
+        (0.03087, 0.00296, "0.0309 +- 0.0030"),
+        (7.04e-5, 6.6e-6, "(7.04 +- 0.66)e-5"),
+        (-123.4, 31.0, "-123 +- 31"),
+        (0.0, 0.5, "0.00 +- 0.50"),
+        (1.0, 0.0, "1 +- 0"),
+    ],
+)
+def test_values_are_said_to_the_second_digit_of_their_error(value, sd, said):
+    assert rounded(value, sd) == said
+
+
+WAYS = [
+    {"drive.mode": mode, "drive.direction": way} for mode in ("IPP", "OPP") for way in ("+x", "-x")
+] * 4
+MODEL = np.array([1.0, -1.1, -0.6, 0.7] * 4) * np.linspace(0.8, 1.3, 16)
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (lambda v: np.abs(v), "speeds"),
+        (lambda v: v * np.array([1.0, -1.0, 1.0, -1.0] * 4), "direction is -x"),
+        (lambda v: v * np.array([1.0, 1.0, -1.0, -1.0] * 4), "mode is OPP"),
+    ],
+)
+def test_a_sign_that_follows_a_rule_is_no_physics(change, word):
+    assert word in wrong_sign(WAYS, MODEL, 1.1 * change(MODEL))
+
+
+def test_a_sign_that_follows_no_rule_is_left_to_the_causes():
+    assert wrong_sign(WAYS, MODEL, 1.1 * MODEL) is None
+    # Six of sixteen, of all kinds; or a robot that slides one way at another speed.
+    some = MODEL * np.where(np.arange(16) < 6, -1.0, 1.0)
+    assert wrong_sign(WAYS, MODEL, some) is None
+    assert wrong_sign(WAYS, MODEL, np.abs(MODEL) + 2.0) is None

@@ -111,6 +111,7 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
         (("sd = 0.01", "spread = 0.01"), "allowed is { mean, sd }"),
         (("low = 1e-6", "low = 1e-3"), "low < high"),
         (('"contact.kinetic_friction"', '"contact.friction"'), "no such key"),
+        (('"contact.kinetic_friction"', "contact.kinetic_friction"), "quotation marks"),
         (('file = "velocity.csv"', 'file = "absent.csv"'), "cannot be read"),
         (('file = "velocity.csv"', 'file = "velocity.csv"\nvelocity_sd = 2'), "velocity_sd"),
         (('scenario = "nominal.toml"', "scenario = 3"), "scenario = 3"),

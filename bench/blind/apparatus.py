@@ -68,14 +68,15 @@ def read(
     """Trials as a camera reads them, shape (drives, trials), and the set-up of each.
 
     Hard: noise of Student's law with four degrees of freedom, set-ups that differ by half the
-    noise, and one wild trial.
+    noise, by a shift of one sign or by being faster or slower, and one wild trial.
     """
     shape = (len(drives), TRIALS)
     draws = random.standard_normal(shape)
     setup = np.tile(np.arange(TRIALS), (len(drives), 1))
     if hard:
         draws = random.standard_t(4, shape) / np.sqrt(2.0)
-        draws += 0.5 * random.standard_normal(TRIALS)[setup]
+        sign = np.sign(level)[:, None] if random.random() < 0.5 else 1.0
+        draws += 0.5 * random.standard_normal(TRIALS)[setup] * sign
     trials = level[:, None] + np.hypot(SCATTER * level, FLOOR)[:, None] * draws
     if hard:
         trials[random.integers(len(drives)), random.integers(TRIALS)] *= random.choice([0.5, 1.6])

@@ -30,7 +30,7 @@ def command(
     ambiguous, pair, unexplained, data-problem.
     """
     from stickslip.diagnosis.experiments import propose
-    from stickslip.diagnosis.report import write_report
+    from stickslip.diagnosis.report import changes, write_report
     from stickslip.diagnosis.simulator import diagnose
     from stickslip.diagnosis.summary import headline, summary
     from stickslip.measurement import read_measurement
@@ -51,3 +51,12 @@ def command(
     reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
     for line in (*reasons, *found.notes, *data.left_out):
         click.echo(f"  {line}")
+    if found.gain is not None:
+        click.echo(
+            f"  chi-square of each of {len(found.gain.held_out)} held-out conditions: "
+            f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
+        )
+    for each in experiments[:1]:
+        click.echo(f"  next experiment: {changes(each.drive, examination.conditions)}; {each.why}")
+    if out is not None:
+        click.echo(f"  {out / 'report.html'}")

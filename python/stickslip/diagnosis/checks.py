@@ -50,7 +50,8 @@ def data_problem(
     block = completed(block)
     if block is not None and noise.setups.shape[1]:
         # What differs from one set-up to the next is not drift.
-        design = np.hstack([design, np.eye(int(block.max()) + 1)[block[usable]]])
+        shift = np.eye(int(block.max()) + 1)[block[usable]]
+        design = np.hstack([design, shift, shift * np.sign(noise.mean)[index[usable], None]])
     left, singular, _ = np.linalg.svd(design, full_matrices=False)
     basis = left[:, singular > 1e-9 * singular[0]]
     free = len(design) - basis.shape[1] - 1

@@ -207,7 +207,7 @@ def diagnose_model(
     held_out = split(len(noise.mean), seed, group)
     found = recalibrate(problem, seed)
     null = found.null
-    if noise.between > 0.0:
+    if noise.between > 0.0 or noise.between_gain > 0.0:
         m = len(noise.mean)
         predicted = problem.predicted(null.x[None, :])[0, :m]
         covariance[:m, :m] = noise.covariance_at(
@@ -240,6 +240,9 @@ def diagnose_model(
     if verdict.fit is not None:
         others = [*ranking.singles[:4], *ranking.pairs[:2]]
         gain = measure_gain(problem, covariance, held_out, null, verdict.fit, others, seed)
+    if gain is not None and verdict.fit is not None and gain.choice != verdict.fit.name:
+        said = f"without the held-out conditions {gain.choice} would lead"
+        verdict = replace(verdict, reasons=(*verdict.reasons, said))
     profiles = () if verdict.fit is None else tuple(profile(problem, verdict.fit))
     bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
     rough = int(
@@ -298,5 +301,5 @@ def _noise(
         raise ScenarioError("sd: allowed are finite numbers above 0")
     mean = np.bincount(index, values) / count
     none = np.zeros((len(count), 0))
-    noise = NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, math.inf, none, ())
+    noise = NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, 0.0, math.inf, none, ())
     return noise, covariance

@@ -17,6 +17,7 @@ from stickslip.keys import Value
 Array = NDArray[np.float64]
 
 _KEPT = 3
+_DECIDES = 4.0
 _STEP = 0.1
 _TRIALS = 3
 _CHOICES: dict[str, tuple[Value, ...]] = {
@@ -77,11 +78,13 @@ class Experiment:
 def propose(examination: Examination) -> list[Experiment]:
     """The three conditions that separate the leading rivals best, each of another kind.
 
-    Each rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
-    found, there is nothing to separate.
+    What is named is to be told from the others, an ambiguous set's members from one another. Each
+    rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
+    found, there is nothing to separate. Of a condition and its mirror image one is enough.
     """
     found = examination.found
     rivals = _rivals(found)
+    leads = found.verdict.word in ("named", "pair")
     if len(rivals) < 2 or not examination.conditions:
         return []
     candidates = _candidates(examination.conditions)
@@ -112,23 +115,28 @@ def propose(examination: Examination) -> list[Experiment]:
     separation = np.zeros(len(candidates))
     pair = np.zeros((len(candidates), 2), dtype=int)
     for a, b in itertools.combinations(range(len(rivals)), 2):
+        if leads and a > 0:
+            continue
         gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
         pair[gap > separation] = (a, b)
         separation = np.maximum(separation, gap)
     chosen: list[Experiment] = []
     kinds: list[tuple[Value, ...]] = []
+    taken: list[int] = []
     for index in np.argsort(-separation, kind="stable"):
         drive = candidates[index]
         kind = (drive["drive.mode"], drive["drive.direction"], drive["drive.frequency"])
-        if kind in kinds or separation[index] <= 0.0:
+        mirrored = any(np.allclose(level[:, index], -level[:, k], rtol=1e-6) for k in taken)
+        if kind in kinds or mirrored or separation[index] <= 0.0:
             continue
         kinds.append(kind)
+        taken.append(int(index))
         first, second = (rivals[k].name for k in pair[index])
         chosen.append(
             Experiment(
                 {key.split(".")[1]: value for key, value in drive.items()},
                 f"separates {first} from {second}: expected chi-square {separation[index]:.1f} "
-                f"with {_TRIALS} trials",
+                f"with {_TRIALS} trials{'' if separation[index] > _DECIDES else ', too little'}",
                 float(separation[index]),
                 {
                     fit.name: {
@@ -165,6 +173,10 @@ def _rivals(found: Diagnosis) -> list[Fit]:
         return []
     fits = sorted([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence)
     chosen = found.verdict.fit
+    if chosen is not None and found.verdict.word in ("named", "pair"):
+        # What has the cause and one more says the same of it.
+        own = set(chosen.rival.causes)
+        fits = [chosen, *(fit for fit in fits if not own <= set(fit.rival.causes))]
     if found.verdict.word == "ambiguous" and chosen is not None:
         # Only those that the verdict cannot choose between.
         names, size = set(found.verdict.causes), len(chosen.rival.causes)

@@ -39,8 +39,8 @@ class Gain:
     p_value : float
         Of the extended model's error, weighed by the prediction's own covariance too, and beyond
         what an error that set-ups share lets expect.
-    same_choice : bool
-        Whether the other conditions alone rank the same rival first.
+    choice : str
+        Name of the rival that the other conditions alone rank first.
     predicted_before, predicted_after : ndarray
         At the held-out conditions.
     """
@@ -52,7 +52,7 @@ class Gain:
     mae_after: float
     interval: tuple[float, float]
     p_value: float
-    same_choice: bool
+    choice: str
     predicted_before: Array
     predicted_after: Array
 
@@ -189,7 +189,7 @@ def measure_gain(
         float(np.mean(np.abs(error[1]))),
         (float(np.quantile(fall, 0.025)), float(np.quantile(fall, 0.975))),
         float(chi2_law.sf(weighed, len(held_out))),
-        best is refits[1],
+        best.name,
         predicted[0],
         predicted[1],
     )

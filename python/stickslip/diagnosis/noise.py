@@ -32,8 +32,11 @@ class NoiseModel:
         Standard deviation of one trial.
     count : ndarray, shape (m,)
         Number of trials.
-    floor, relative, between : float
-        s0 in the observable's unit, rho, and the scatter of set-ups in units of `sd`.
+    floor, relative : float
+        s0 in the observable's unit, and rho.
+    between, between_gain : float
+        Scatter of set-ups in units of `sd`: of a shift that has one sign for all conditions, and of
+        a gain, which has that of the condition's level.
     dof : float
         Degrees of freedom; infinity where the noise was stated, 0 where nothing is known.
     setups : ndarray, shape (m, set-ups)
@@ -47,6 +50,7 @@ class NoiseModel:
     floor: float
     relative: float
     between: float
+    between_gain: float
     dof: float
     setups: Array
     notes: tuple[str, ...]
@@ -62,9 +66,11 @@ class NoiseModel:
         An error that many conditions share must not follow what was measured: conditions that came
         out low would then weigh more, and a fit would end below them all.
         """
-        shared = self.setups * np.sqrt(self.floor**2 + (self.relative * level) ** 2)[:, None]
+        shift = self.setups * np.sqrt(self.floor**2 + (self.relative * level) ** 2)[:, None]
+        gain = shift * np.sign(level)[:, None]
         own = np.diag(self.sd**2 / self.count)
-        return np.asarray(own + self.between**2 * shared @ shared.T)
+        shared = self.between**2 * shift @ shift.T + self.between_gain**2 * gain @ gain.T
+        return np.asarray(own + shared)
 
 
 def fit_noise(
@@ -114,10 +120,14 @@ def fit_noise(
     else:
         floor, relative, free, sd = 0.0, 0.0, 0.0, np.full(m, size)
         notes.append("the noise is not known: no repeats that differ and no stated error")
-    between, setups = 0.0, np.zeros((m, 0))
+    between, gain, setups = 0.0, 0.0, np.zeros((m, 0))
     if known and crossed:
         assert block is not None
-        between = _between(value, condition, block, mean, sd, count)
+        between, gain = _between(value, condition, block, mean, sd)
+        notes.append(
+            f"set-ups: {len(np.unique(block))}; they scatter by {between:.2g} of a trial's error, "
+            f"and by {gain:.2g} where all of a set-up is faster or slower"
+        )
         setups = np.zeros((m, int(block.max()) + 1))
         np.add.at(setups, (condition, block), 1.0)
         setups /= count[:, None]
@@ -127,7 +137,7 @@ def fit_noise(
     else:
         notes.append("no condition was repeated in another set-up: their scatter is not known")
     return NoiseModel(
-        mean, sd, count, floor, relative, between, free, setups, tuple(notes)
+        mean, sd, count, floor, relative, between, gain, free, setups, tuple(notes)
     )  # fmt: skip
 
 
@@ -148,12 +158,13 @@ def whitener(covariance: Array) -> Array:
 def _without_blocks(
     value: Array, condition: Index, block: Index, mean: Array
 ) -> tuple[Array, int, Array]:
-    """Residuals of a fit of one level a condition and one relative offset a block."""
+    """Residuals of a fit of one level a condition, and one shift and one gain a block."""
     m = len(mean)
     levels = np.eye(m)[condition]
     size = np.abs(mean) + 0.1 * np.median(np.abs(mean)) + 1e-300
-    offsets = np.eye(int(block.max()) + 1)[block] * size[condition, None]
-    design = np.hstack([levels, offsets]) / size[condition, None]
+    shifts = np.eye(int(block.max()) + 1)[block]
+    gains = shifts * np.sign(mean)[condition, None]
+    design = np.hstack([levels / size[condition, None], shifts, gains])
     target = value / size[condition]
     left, singular, _ = np.linalg.svd(design, full_matrices=False)
     left = left[:, singular > 1e-9 * singular[0]]
@@ -183,19 +194,35 @@ def _curve(deviation: Array, leverage: Array, level: Array, size: float) -> tupl
 
 
 def _between(
-    value: Array, condition: Index, block: Index, mean: Array, sd: Array, count: Index
-) -> float:
-    """Scatter of set-ups in units of a trial's sd, by restricted maximum likelihood."""
-    n = len(value)
+    value: Array, condition: Index, block: Index, mean: Array, sd: Array
+) -> tuple[float, float]:
+    """Scatter of the set-ups' shifts and gains in units of a trial's sd.
+
+    By restricted maximum likelihood, one after the other, from the better of either alone.
+    """
     target = (value - mean[condition]) / sd[condition]
-    offsets = np.eye(int(block.max()) + 1)[block]
+    shifts = np.eye(int(block.max()) + 1)[block]
+    gains = shifts * np.sign(mean)[condition, None]
     levels = np.eye(len(mean))[condition]
     null = np.linalg.svd(levels, full_matrices=True)[0][:, levels.shape[1] :]
-    rotated, spread = null.T @ target, null.T @ offsets
-    best, found = -np.inf, 0.0
-    for tau in np.concatenate([[0.0], np.geomspace(0.05, 8.0, 40)]):
-        lower = np.linalg.cholesky(np.eye(n - len(mean)) + tau**2 * spread @ spread.T)
-        score = -np.sum(np.log(np.diag(lower))) - 0.5 * np.sum(np.linalg.solve(lower, rotated) ** 2)
-        if score > best:
-            best, found = float(score), float(tau)
-    return found
+    rotated = null.T @ target
+    parts = [null.T @ each for each in (shifts, gains)]
+    # Where all go one way a shift and a gain are the same.
+    both = len(set(np.sign(mean).tolist())) > 1
+
+    def score(taus: tuple[float, float]) -> float:
+        total = np.eye(len(rotated))
+        for tau, part in zip(taus, parts, strict=True):
+            total += tau**2 * part @ part.T
+        lower = np.linalg.cholesky(total)
+        left = np.linalg.solve(lower, rotated)
+        return float(-np.sum(np.log(np.diag(lower))) - 0.5 * left @ left)
+
+    grid = [0.0, *np.geomspace(0.05, 8.0, 40).tolist()]
+    best = max(((tau, 0.0) for tau in grid), key=score)
+    if both:
+        best = max([best, *((0.0, tau) for tau in grid)], key=score)
+        for _ in range(2):
+            best = max(((tau, best[1]) for tau in grid), key=score)
+            best = max(((best[0], tau) for tau in grid), key=score)
+    return best

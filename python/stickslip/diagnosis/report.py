@@ -85,7 +85,7 @@ def _varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
     ]
 
 
-def _changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:
+def changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:
     """The settings of a proposed experiment that not all conditions have."""
     first = conditions[0]
     varied = _varied(conditions)
@@ -131,7 +131,7 @@ def page_text(
         profiles=[figures.profile(each) for each in found.profiles],
         varied=varied,
         drive_keys=[key.split(".")[1] for key in conditions[0]] if conditions else [],
-        changes=[_changes(each["drive"], conditions) for each in full["next_experiments"]],
+        changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
         typical=_typical_error(found),
         sketches=sketches,
         ranking=figures.ranking(found),

@@ -33,6 +33,7 @@ _DRAFT_PULSES = 5.0
 _FEW = 8
 _SMALLEST = 0.02
 _OPPOSITE = -0.8
+_REVERSED = 3
 
 
 class Simulator:
@@ -218,7 +219,9 @@ def diagnose(
     if conditions:
         options |= {"condition": index, "block": block, "order": order, "also": known}
         options |= {"relative_sd": relative_sd}
-        options["doubt"] = _wrong_size(middle, noise.mean)
+        options["doubt"] = _wrong_size(middle, noise.mean) or wrong_sign(
+            conditions, middle, noise.mean
+        )
     elif known is not None:
         velocity = known.observed
         options |= {"sd": known.covariance, "group": known.group}
@@ -325,6 +328,36 @@ def _wrong_size(predicted: Array, velocity: Array) -> str | None:
             "the velocities have the opposite sign of the stated model's; "
             "x, a direction or a clamp may be reversed"
         )
+    return None
+
+
+def wrong_sign(conditions: Conditions, predicted: Array, velocity: Array) -> str | None:
+    """Whether velocities are speeds, or count forwards, or one direction or mode, the other way.
+
+    Every condition that is not slow has then the model's size, and its sign or the reverse by a
+    rule that a cause would hardly follow.
+    """
+    usual = float(np.nanmedian(np.abs(predicted)))
+    clear = np.isfinite(predicted) & (np.minimum(np.abs(predicted), np.abs(velocity)) > usual / 3)
+    ratio = np.abs(velocity[clear] / predicted[clear])
+    reversed_ = np.sign(velocity[clear]) != np.sign(predicted[clear])
+    if min(reversed_.sum(), (~reversed_).sum()) < _REVERSED or np.median(
+        np.abs(np.log(ratio[reversed_]))
+    ) > np.log(1.5):
+        return None
+    if np.array_equal(reversed_, predicted[clear] < 0.0):
+        return (
+            "the velocities have the model's size without its sign: they look like speeds; a "
+            "velocity is that along +x"
+        )
+    for key in ("drive.direction", "drive.mode"):
+        words = np.array([str(each[key]) for each in conditions])[clear]
+        for word in sorted(set(words.tolist())):
+            if np.array_equal(reversed_, words == word):
+                return (
+                    f"the velocities have the model's size, and the reverse of its sign wherever "
+                    f"{key.split('.')[1]} is {word}; a velocity is that along +x"
+                )
     return None
 
 

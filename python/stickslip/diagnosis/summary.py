@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,7 +17,7 @@ from stickslip.diagnosis.fitting import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.simulator import Examination
-from stickslip.diagnosis.verdict import describe, flat_directions, pulls
+from stickslip.diagnosis.verdict import describe, flat_directions
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement
 
@@ -29,6 +30,17 @@ _NAMELESS = {
 
 _LISTED = 6
 _CARRIERS = 3
+
+
+def rounded(value: float, sd: float) -> str:
+    """A value and its error, both to the error's second digit."""
+    if not (math.isfinite(value) and math.isfinite(sd) and sd > 0.0):
+        return f"{value:.3g} +- {sd:.2g}"
+    ten = math.floor(math.log10(max(abs(value), sd)))
+    ten = 0 if -3 <= ten <= 3 else ten
+    places = max(1 - math.floor(math.log10(sd / 10.0**ten)), 0)
+    number = f"{value / 10.0**ten:.{places}f} +- {sd / 10.0**ten:.{places}f}"
+    return number if ten == 0 else f"({number})e{ten}"
 
 
 def headline(found: Diagnosis) -> str:
@@ -49,7 +61,8 @@ def headline(found: Diagnosis) -> str:
         text = f"One of these, and this data cannot say which: {', '.join(first)}"
         text += f" and {more} more." if more > 0 else "."
     if found.gain is not None and found.gain.interval[0] <= 0.0:
-        text += " Its gain on held-out conditions is not certain: the interval includes 0."
+        text += f" On {len(found.gain.held_out)} held-out conditions the gain is not certain: its "
+        text += "interval includes 0."
     return text
 
 
@@ -109,7 +122,7 @@ def fitted_parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
 def _sizes(found: Diagnosis) -> str:
     """The fitted parameters with their errors."""
     return ", ".join(
-        f"{_short(name)} = {each['value']:.3g} +- {each['sd']:.1g} {each['unit']}"
+        f"{_short(name)} = {rounded(float(each['value']), float(each['sd']))} {each['unit']}"
         for name, each in fitted_parameters(found).items()
     )
 
@@ -123,7 +136,8 @@ def details(
 ) -> dict[str, Any]:
     """Every number of the report beyond the summary."""
     problem = found.problem
-    points = [found.null.x] if found.verdict.fit is None else [found.null.x, found.verdict.fit.x]
+    extended = found.verdict.fit
+    points = [found.null.x] if extended is None else [found.null.x, extended.x]
     predicted = problem.predicted(np.stack(points))
     rows = []
     for k, each in enumerate(conditions):
@@ -154,6 +168,7 @@ def details(
             "floor": found.noise.floor,
             "relative": found.noise.relative,
             "between_setups": found.noise.between,
+            "between_setups_gain": found.noise.between_gain,
             "dof": found.noise.dof,
         },
         "recalibrated": {
@@ -161,10 +176,11 @@ def details(
                 "value": float(each.prior.value(found.null.x[k])),
                 "unit": each.unit,
                 "pull": float(found.null.x[k]),
+                "extended": None if extended is None else float(each.prior.value(extended.x[k])),
+                "pull_extended": None if extended is None else float(extended.x[k]),
             }
             for k, each in enumerate(problem.uncertain)
         },
-        "pulls_extended": pulls(problem, found.verdict.fit) if found.verdict.fit else {},
         "flat_directions": flat_directions(problem, found.null),
         "ranking": [
             {
@@ -182,7 +198,7 @@ def details(
             for each in found.profiles
         },
         "isolability_classes": [list(each) for each in found.classes],
-        "same_choice_without_held_out": None if found.gain is None else found.gain.same_choice,
+        "choice_without_held_out": None if found.gain is None else found.gain.choice,
         "conditions": rows,
     }
 

@@ -204,11 +204,6 @@ def _worth(problem: Problem, fit: Fit) -> float:
     return fit.log_evidence + math.log(min(adequacy(problem, fit) / ADEQUATE, 1.0) + 1e-300)
 
 
-def pulls(problem: Problem, fit: Fit) -> dict[str, float]:
-    """How many prior standard deviations each uncertain parameter moved."""
-    return {each.name: float(fit.x[k]) for k, each in enumerate(problem.uncertain)}
-
-
 def flat_directions(problem: Problem, fit: Fit) -> list[str]:
     """Combinations of uncertain parameters that the data says nothing about, in words."""
     m, p = len(problem.observed), problem.base_count

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import find_key, shown, suggestion
+from stickslip.keys import find_key, known_keys, shown, suggestion
 from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.measurement.tracking import TrackingRun, read_tracking
@@ -155,6 +155,12 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
         raise ScenarioError(f"uncertain = {shown(table)}: allowed is a section [uncertain]")
     priors = {}
     for name, entry in table.items():
+        for inner in entry if isinstance(entry, dict) else ():
+            if f"{name}.{inner}" in known_keys():
+                raise ScenarioError(
+                    f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
+                    f'"{name}.{inner}" = ...'
+                )
         key = find_key(name, entry)
         if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
             raise ScenarioError(f'[uncertain] "{name}": allowed is a real number of the model')
