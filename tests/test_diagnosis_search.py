@@ -7,6 +7,7 @@ import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
 from stickslip.diagnosis.checks import data_problem
+from stickslip.diagnosis.comparison import reweighed
 from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival, scan, spread_factor
 from stickslip.diagnosis.heldout import folds, predictive_gain
 from stickslip.diagnosis.model import Problem
@@ -133,6 +134,18 @@ def test_no_rival_is_left_worse_than_the_model_that_it_contains():
     assert stuck.chi2 > null.chi2
     (again,) = nested(given, null, [stuck])
     assert again.chi2 < null.chi2
+
+
+def test_other_errors_take_no_certificate_away():
+    # Found twice, then errors 1.5 times larger: the same place, and still found twice.
+    given = problem(lambda _, p: p[:, :1] * X, 0.5 * X)
+    starts = [Start(np.array([place])) for place in (-1.0, 2.0)]
+    found = fit_rivals(given, [make_rival(given)], [starts], 20)[0]
+    assert found.certified
+    (again,) = reweighed(given.tempered(1.5), [found])
+    assert again.certified
+    j = X / (1.5 * SD)
+    assert again.x[0] == pytest.approx(0.5 * (j @ j) / (j @ j + 1.0), abs=1e-3)
 
 
 def test_the_spread_of_parameters_that_trade_off_has_a_factor():

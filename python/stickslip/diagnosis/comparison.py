@@ -147,7 +147,7 @@ def _settled(
     if null is base.null:
         return base, nested(base.problem, null, ordered)
     base = examine(base.problem, bare, null, seed)
-    return base, nested(base.problem, base.null, _again(base.problem, ordered))
+    return base, nested(base.problem, base.null, reweighed(base.problem, ordered))
 
 
 def _rougher(
@@ -156,14 +156,18 @@ def _rougher(
     """The same with a larger scatter of the model; the test that it has passed stands."""
     covariance = bare + np.diag(roughness**2)
     problem = replace(base.problem, whiten=whitener(covariance))
-    (null,) = _again(problem, [base.null])
+    (null,) = reweighed(problem, [base.null])
     signatures = find_signatures(problem, null)
     rough = Base(problem, covariance, roughness, null, signatures, base.detection)
-    return rough, _again(problem, fits)
+    return rough, reweighed(problem, fits)
 
 
-def _again(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
-    """Fits under other errors, best first."""
+def reweighed(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
+    """Fits under other errors, best first; what their starts have shown still holds."""
     begins = [[Start.of(fit)] for fit in fits]
     fitted = fit_rivals(problem, [fit.rival for fit in fits], begins, 1, exact=False)
-    return tuple(sorted(fitted, key=lambda fit: -fit.log_evidence))
+    kept = [
+        replace(new, certified=old.certified, starts=old.starts)
+        for new, old in zip(fitted, fits, strict=True)
+    ]
+    return tuple(sorted(kept, key=lambda fit: -fit.log_evidence))
