@@ -10,7 +10,8 @@ from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnos
 from stickslip.diagnosis.ceiling import smooth_ceiling
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.experiments import advice
-from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival
+from stickslip.diagnosis.fits import Start, make_rival
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import split
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import fit_noise

@@ -8,10 +8,12 @@ import pytest
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.comparison import reweighed
-from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival, scan, spread_factor
+from stickslip.diagnosis.fits import Start, make_rival
+from stickslip.diagnosis.fitting import fit_rivals, spread_factor
 from stickslip.diagnosis.heldout import folds, predictive_gain
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import fit_noise, whitener
+from stickslip.diagnosis.places import scan
 from stickslip.diagnosis.rivals import look_again, nested, quick_fits
 
 X = np.linspace(1.0, 3.0, 16)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from blind.apparatus import FLOOR, PULSES, SCATTER, TRIALS
 from blind.truth import Drive, Truth
 from stickslip import Scenario
-from stickslip.diagnosis.fitting import Start, fit_rivals, make_rival
+from stickslip.diagnosis.fits import Start, make_rival
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import Problem, Uncertain
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.simulator import Simulator

@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import Detection, detect
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
+from stickslip.diagnosis.fits import Fit, Start
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import whitener
 from stickslip.diagnosis.pairs import fit_pairs, singles_beside

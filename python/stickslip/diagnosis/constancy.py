@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
+from stickslip.diagnosis.fits import Fit, Start
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import restricted
 from stickslip.diagnosis.model import Problem
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import f as f_law
 
-from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.signatures import Signatures
 

@@ -14,7 +14,8 @@ from scipy.linalg import block_diag
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.comparison import compare, examine
 from stickslip.diagnosis.detection import Detection
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
+from stickslip.diagnosis.fits import Fit, Start
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import Gain, folds, measure_gain, predictive_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
-from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.simulator import Examination
 from stickslip.keys import Value
 

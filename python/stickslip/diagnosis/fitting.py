@@ -8,19 +8,16 @@ and Broyden's updates, which cost nothing, in between. A jump of one condition i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
-from scipy.stats import qmc
 
-from stickslip.diagnosis.model import FREED, Cause, Problem
+from stickslip.diagnosis.fits import Fit, Rival, Start
+from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]
-Item = TypeVar("Item")
 
 AGREE = 1.0
 """Starts agree whose chi-squares differ by less."""
@@ -36,7 +33,6 @@ when it changes, does not hold the others back.
 """
 
 _WIDE, _NARROW = 0.03, 1e-3
-_FARTHEST = 7.0
 _SECANT, _STRIDE = 1e-3, 0.3
 _CLOUD = 16
 _NEAR, _FAR = 1.0, 4.0
@@ -44,135 +40,6 @@ _BEHIND = 40.0
 _SETTLED = 0.02
 _GOOD = 0.3
 _JUMP = 1.0
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A model that competes: the recalibrated baseline and some causes.
-
-    Attributes
-    ----------
-    causes : tuple of Cause
-    free : ndarray of int
-        Coordinates that are fitted.
-    width : ndarray
-        Standard deviation of the prior of each.
-    """
-
-    causes: tuple[Cause, ...]
-    free: NDArray[np.int64]
-    width: Array
-
-    @property
-    def name(self) -> str:
-        """Names of the causes, or ``none``."""
-        return " + ".join(each.name for each in self.causes) or "none"
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A fitted rival.
-
-    Attributes
-    ----------
-    rival : Rival
-    x : ndarray, shape (size,)
-        All coordinates.
-    chi2 : float
-        Of data and prior rows.
-    data_chi2 : float
-    residual : ndarray, shape (m + free,)
-        Whitened, with prior rows.
-    jacobian : ndarray, shape (m + free, free)
-        Of the model's whitened prediction, with the prior's rows.
-    slope : ndarray, shape (m, free)
-        Of the model's prediction, in the observable's unit.
-    log_evidence : float
-        Laplace's, up to a constant that is common to all rivals.
-    certified : bool
-        Two starts ended within one unit of chi-square.
-    starts : tuple of float
-        What the problem's loss makes of the end of each start, best first.
-    """
-
-    rival: Rival
-    x: Array
-    chi2: float
-    data_chi2: float
-    residual: Array
-    jacobian: Array
-    slope: Array
-    log_evidence: float
-    certified: bool
-    starts: tuple[float, ...]
-
-    @property
-    def covariance(self) -> Array:
-        """Of the free coordinates."""
-        return np.asarray(np.linalg.inv(self.jacobian.T @ self.jacobian))
-
-    @property
-    def name(self) -> str:
-        """Names of the causes, or ``none``."""
-        return self.rival.name
-
-
-@dataclass(frozen=True)
-class Start:
-    """Where a fit begins.
-
-    Attributes
-    ----------
-    x : ndarray, shape (size,)
-    slope : ndarray, shape (m, free), optional
-        Derivatives that were found near by.
-    """
-
-    x: Array
-    slope: Array | None = None
-
-    @staticmethod
-    def of(fit: Fit, rows: NDArray[np.int64] | slice = slice(None)) -> Start:
-        """The end of another fit, of some of its conditions."""
-        return Start(fit.x, fit.slope[rows])
-
-
-def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
-    """The model with these causes."""
-    width = np.ones(problem.base_count)
-    names = [each.name for each in problem.uncertain]
-    for cause in causes:
-        if cause.frees is not None:
-            width[names.index(cause.frees)] = FREED
-    extra = problem.columns(causes)
-    free = np.array([*range(problem.base_count), *extra], dtype=np.int64)
-    return Rival(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
-
-
-def scan(problem: Problem, rival: Rival, count: int, seed: int) -> Array:
-    """Coordinates of a Sobol scan of the constants, best first.
-
-    A freed constant is looked for at up to seven standard deviations of its prior, evenly.
-    """
-    p = problem.base_count
-    x = np.zeros((count, problem.size))
-    width = rival.width[:p]
-    if p:
-        sobol = qmc.Sobol(p, scramble=True, seed=seed)
-        share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
-        x[:, :p] = np.where(width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
-        x[0] = 0.0
-    chi2 = problem.misfit(problem.residuals(x)) + np.sum((x[:, :p] / width) ** 2, axis=1)
-    return np.asarray(x[np.argsort(chi2, kind="stable")])
-
-
-def apart(items: Iterable[Item], place: Callable[[Item], Array], distance: float) -> list[Item]:
-    """Those that are not closer than a distance to an earlier one."""
-    kept: list[Item] = []
-    for item in items:
-        if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
-            kept.append(item)
-    return kept
 
 
 @dataclass

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2 as chi2_law
 
-from stickslip.diagnosis.fitting import Fit, Start, fit_rivals
+from stickslip.diagnosis.fits import Fit, Start
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import LOST, Problem
 
 Array = NDArray[np.float64]

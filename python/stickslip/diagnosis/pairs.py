@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import SOFT, Fit, Start, fit_rivals, make_rival
+from stickslip.diagnosis.fits import Fit, Start, make_rival
+from stickslip.diagnosis.fitting import SOFT, fit_rivals
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import (
     CAREFUL,

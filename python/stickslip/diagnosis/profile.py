@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit, Rival, Start, fit_rivals
+from stickslip.diagnosis.fits import Fit, Rival, Start
+from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]

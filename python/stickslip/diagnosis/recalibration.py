@@ -14,18 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
-from stickslip.diagnosis.fitting import (
-    AGREE,
-    SOFTEST,
-    STAGES,
-    Fit,
-    Start,
-    apart,
-    fit_rivals,
-    make_rival,
-    scan,
-)
+from stickslip.diagnosis.fits import Fit, Start, make_rival
+from stickslip.diagnosis.fitting import AGREE, SOFTEST, STAGES, fit_rivals
 from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.places import apart, scan
 
 Array = NDArray[np.float64]
 

@@ -9,20 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import lack_of_fit_p
-from stickslip.diagnosis.fitting import (
-    AGREE,
-    SOFTEST,
-    STAGES,
-    Fit,
-    Rival,
-    Start,
-    apart,
-    fit_rivals,
-    make_rival,
-    scan,
-    spread_factor,
-)
+from stickslip.diagnosis.fits import Fit, Rival, Start, make_rival
+from stickslip.diagnosis.fitting import AGREE, SOFTEST, STAGES, fit_rivals, spread_factor
 from stickslip.diagnosis.model import Cause, Problem
+from stickslip.diagnosis.places import apart, scan
 from stickslip.diagnosis.signatures import (
     Signatures,
     find_signatures,

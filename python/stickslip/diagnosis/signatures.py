@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fitting import Fit, Start
+from stickslip.diagnosis.fits import Fit, Start
 from stickslip.diagnosis.model import FREED, Problem
 
 Array = NDArray[np.float64]

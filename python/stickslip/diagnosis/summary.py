@@ -13,7 +13,7 @@ from stickslip import _core
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.experiments import Experiment, advice
-from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.simulator import Examination

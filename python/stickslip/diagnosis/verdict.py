@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import Detection
-from stickslip.diagnosis.fitting import Fit
+from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
 

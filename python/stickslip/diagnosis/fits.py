@@ -1,0 +1,116 @@
+"""A model that competes, where a fit of it begins, and what the fit is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.model import FREED, Cause, Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A model that competes: the recalibrated baseline and some causes.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+    free : ndarray of int
+        Coordinates that are fitted.
+    width : ndarray
+        Standard deviation of the prior of each.
+    """
+
+    causes: tuple[Cause, ...]
+    free: NDArray[np.int64]
+    width: Array
+
+    @property
+    def name(self) -> str:
+        """Names of the causes, or ``none``."""
+        return " + ".join(each.name for each in self.causes) or "none"
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted rival.
+
+    Attributes
+    ----------
+    rival : Rival
+    x : ndarray, shape (size,)
+        All coordinates.
+    chi2 : float
+        Of data and prior rows.
+    data_chi2 : float
+    residual : ndarray, shape (m + free,)
+        Whitened, with prior rows.
+    jacobian : ndarray, shape (m + free, free)
+        Of the model's whitened prediction, with the prior's rows.
+    slope : ndarray, shape (m, free)
+        Of the model's prediction, in the observable's unit.
+    log_evidence : float
+        Laplace's, up to a constant that is common to all rivals.
+    certified : bool
+        Two starts ended within one unit of chi-square.
+    starts : tuple of float
+        What the problem's loss makes of the end of each start, best first.
+    """
+
+    rival: Rival
+    x: Array
+    chi2: float
+    data_chi2: float
+    residual: Array
+    jacobian: Array
+    slope: Array
+    log_evidence: float
+    certified: bool
+    starts: tuple[float, ...]
+
+    @property
+    def covariance(self) -> Array:
+        """Of the free coordinates."""
+        return np.asarray(np.linalg.inv(self.jacobian.T @ self.jacobian))
+
+    @property
+    def name(self) -> str:
+        """Names of the causes, or ``none``."""
+        return self.rival.name
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a fit begins.
+
+    Attributes
+    ----------
+    x : ndarray, shape (size,)
+    slope : ndarray, shape (m, free), optional
+        Derivatives that were found near by.
+    """
+
+    x: Array
+    slope: Array | None = None
+
+    @staticmethod
+    def of(fit: Fit, rows: NDArray[np.int64] | slice = slice(None)) -> Start:
+        """The end of another fit, of some of its conditions."""
+        return Start(fit.x, fit.slope[rows])
+
+
+def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
+    """The model with these causes."""
+    width = np.ones(problem.base_count)
+    names = [each.name for each in problem.uncertain]
+    for cause in causes:
+        if cause.frees is not None:
+            width[names.index(cause.frees)] = FREED
+    extra = problem.columns(causes)
+    free = np.array([*range(problem.base_count), *extra], dtype=np.int64)
+    return Rival(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
