@@ -27,6 +27,8 @@ PRIORS = {
     "drag.rotational": Prior("log-normal", 9e-17, 2.0),
 }
 
+_FEWER = 5.0  # pulses of a draft, for the search from afar
+
 
 class Absorber:
     """What the constants can undo about a truth.
@@ -44,14 +46,17 @@ class Absorber:
             {**{f"drive.{key}": value for key, value in drive.items()}, "drive.pulses": PULSES}
             for drive in drives
         ]
+        draft = [{**each, "drive.pulses": _FEWER, "solver.rtol": 1e-4} for each in settings]
+        simulator = Simulator(scenario, list(PRIORS), 1)
         sd = np.hypot(SCATTER * level, FLOOR) / np.sqrt(TRIALS)
         self._problem = Problem(
-            Simulator(scenario, list(PRIORS), 1),
+            simulator,
             settings,
             level,
             np.diag(1.0 / sd),
             np.inf,
             tuple(Uncertain(name, prior) for name, prior in PRIORS.items()),
+            draft=lambda _, parameters: simulator(draft, parameters),
         )
         self._plain = self._nearby(level)
 

@@ -100,21 +100,28 @@ def _scaled(name: str, parameters: dict[str, float | str], factor: float) -> dic
 
 
 def conditions(kind: str) -> list[Drive]:
-    """Settings of the drive: 30 of both modes and directions; near twins from one of each alone."""
+    """Settings of the drive: 30 that vary all its fields; near twins from one mode, one way alone.
+
+    Causes of one field are alike where the other one is always the same, so the hold varies too.
+    """
     rows: list[Drive] = []
-    paces = (20.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0, 120.0)
     modes = ("OPP",) if kind == "near twins" else ("IPP", "OPP")
     for mode in modes:
-        base: Drive = {"mode": mode, "base": 0.5e-3, "hold": 1.0e-3, "direction": "+x"}
-        rows += [{**base, "frequency": pace, "peak": 2.5e-3} for pace in paces]
-        rows += [{**base, "frequency": 45.0, "peak": peak} for peak in (1.5e-3, 2.0e-3, 3.0e-3)]
+        usual: Drive = {
+            "mode": mode, "base": 0.5e-3, "hold": 1.0e-3, "direction": "+x", "peak": 2.5e-3
+        }  # fmt: skip
+        paces = (20.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0, 120.0)
         if kind == "near twins":
-            rows += [{**base, "frequency": pace, "peak": 2.0e-3} for pace in paces[::2]]
-        else:
-            rows += [
-                {**base, "frequency": pace, "peak": 2.5e-3, "direction": "-x"}
-                for pace in (25.0, 45.0, 70.0, 110.0)
-            ]
+            rows += [{**usual, "frequency": pace} for pace in paces]
+            rows += [{**usual, "frequency": pace, "peak": 2.0e-3} for pace in paces[::2]]
+            rows += [{**usual, "frequency": 45.0, "peak": peak} for peak in (1.5e-3, 2e-3, 3e-3)]
+            continue
+        rows += [{**usual, "frequency": pace} for pace in (20.0, 30.0, 45.0, 65.0, 90.0, 120.0)]
+        rows += [{**usual, "frequency": 45.0, "peak": peak} for peak in (1.5e-3, 2e-3, 3e-3)]
+        rows += [{**usual, "frequency": 55.0, "hold": hold} for hold in (0.6e-3, 1.8e-3)]
+        rows += [{**usual, "frequency": 75.0, "base": 0.9e-3}]
+        back = {**usual, "direction": "-x"}
+        rows += [{**back, "frequency": pace} for pace in (25.0, 50.0, 110.0)]
     return rows
 
 

@@ -46,7 +46,8 @@ _SIZES = {
     "restitution.coefficient": _Size(0.15, 0.0, 0.8),
     "angle_drag.strength": _Size(1.0, -0.9, 20.0),
     "quadratic_drag.coefficient": _Size(1e-3, 0.0, 0.05),
-    "rotational_drag.coefficient": _Size(2e-14, 0.0, 1e-12),
+    # About that of a sphere of the magnet's size in water, 8 pi times viscosity times radius cubed.
+    "rotational_drag.coefficient": _Size(1e-13, 0.0, 1e-12),
     "surface_tilt.angle": _Size(0.025, -0.3, 0.3),
     "friction_patches.amplitude": _Size(0.2, 0.0, 0.9),
     "length_scale.fraction": _Size(0.03, -0.3, 0.4),

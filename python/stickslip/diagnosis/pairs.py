@@ -23,6 +23,7 @@ from stickslip.diagnosis.signatures import (
     UNSEEN,
     Signatures,
     find_signatures,
+    in_place,
     price,
     screen,
     seen_from,
@@ -34,6 +35,8 @@ Array = NDArray[np.float64]
 
 _PAIRS = 16
 _CENTRES = 3
+_PULLED = 1.5
+_SURVIVORS = 10
 
 
 def fit_pairs(
@@ -70,13 +73,15 @@ def fit_pairs(
 
     # Those that begin at a fit of one of them are near enough to begin with smaller errors.
     fits = [*walk([(key, found[key][1]) for key in added], 0), *walk(near, 2)]
+    for single in singles[:_CENTRES]:
+        fits += walk(_released(problem, single), 1)
     fits.sort(key=lambda fit: fit.chi2)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
     for fit in fits:
         if best.setdefault(fit.name, fit) is not fit:
             others.setdefault(fit.name, []).append(Start.of(fit))
-    return refine(problem, list(best.values()), others, clouds)
+    return refine(problem, list(best.values()), others, clouds, _SURVIVORS)
 
 
 def singles_beside(
@@ -98,6 +103,29 @@ def singles_beside(
             result[at] = replace(fit, certified=False)
     certify(problem, result, 0)
     return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
+
+
+def _released(problem: Problem, single: Fit) -> list[tuple[tuple[str, str], Start]]:
+    """Starts with a second cause in the place of the constant that is pulled most from its prior.
+
+    While the constant makes up for the cause, the cause does nothing good beside it.
+    """
+    known = np.array([each.prior.kind != "log-uniform" for each in problem.uncertain])
+    pulls = np.abs(single.x[: problem.base_count]) * known
+    if np.max(pulls, initial=0.0) < _PULLED:
+        return []
+    x = single.x.copy()
+    x[np.argmax(pulls)] = 0.0
+    base = fit_rivals(problem, [single.rival], [[Start(x)]], 0, exact=False)[0]
+    signatures = find_signatures(problem, base)
+    result = []
+    for index, cause in enumerate(problem.causes):
+        if cause.frees is not None or cause in single.rival.causes:
+            continue
+        names = sorted([single.name, cause.name])
+        for start in in_place(problem, base, signatures, index):
+            result.append(((names[0], names[1]), start))
+    return result
 
 
 Pairs = dict[tuple[str, str], tuple[float, Start]]

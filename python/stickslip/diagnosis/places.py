@@ -16,23 +16,27 @@ from stickslip.diagnosis.model import Problem
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
-_FARTHEST = 7.0
+_FARTHEST, _LARGEST = 7.0, 2.5
 
 
 def scan(problem: Problem, rival: Rival, count: int, seed: int) -> Array:
-    """Coordinates of a Sobol scan of the constants, best first.
+    """Coordinates of a Sobol scan of all that the rival fits, best first.
 
-    A freed constant is looked for at up to seven standard deviations of its prior, evenly.
+    Constants are drawn from their priors; a freed one is looked for at up to seven standard
+    deviations of its prior, evenly, and a cause at all amplitudes that are not extreme.
     """
-    p = problem.base_count
+    p, free = problem.base_count, rival.free
+    low, high = problem.limits()
     x = np.zeros((count, problem.size))
-    width = rival.width[:p]
-    if p:
-        sobol = qmc.Sobol(p, scramble=True, seed=seed)
+    if len(free):
+        sobol = qmc.Sobol(len(free), scramble=True, seed=seed)
         share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
-        x[:, :p] = np.where(width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
+        known = np.where(rival.width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
+        least, most = np.maximum(low[free], -_LARGEST), np.minimum(high[free], _LARGEST)
+        x[:, free] = np.where(free < p, known, least + (most - least) * share)
         x[0] = 0.0
-    chi2 = problem.misfit(problem.residuals(x)) + np.sum((x[:, :p] / width) ** 2, axis=1)
+    prior = np.sum((x[:, free] / rival.width) ** 2, axis=1)
+    chi2 = problem.misfit(problem.residuals(x)) + prior
     return np.asarray(x[np.argsort(chi2, kind="stable")])
 
 

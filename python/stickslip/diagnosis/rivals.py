@@ -39,7 +39,7 @@ _STARTS, _BEGINS, _CLOSE, _MET = 2, 6, 0.1, 0.2
 _SURVIVORS = 6
 _WITHIN = 14.0
 _HOPELESS = (np.inf, 8.0, 40.0, 30.0)
-_LEADING, _ROUNDS = 2, 3
+_LEADING, _ROUNDS = 2, (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
 _SCAN, _FREED_STARTS = 128, 3
 
 
@@ -174,11 +174,14 @@ def _promising(points: list[tuple[float, Start]]) -> list[Start]:
 
 
 def _far_off(problem: Problem, rival: Rival) -> list[Start]:
-    """Where a freed constant could be that no scan of the priors has looked at."""
-    if all(cause.frees is None for cause in rival.causes):
-        return []
-    points = apart(scan(problem.tempered(SOFTEST), rival, _SCAN, 1), lambda point: point, 1.0)
-    return [Start(point) for point in points[:_FREED_STARTS]]
+    """Where a rival could be that is not seen from the recalibrated model.
+
+    That one may have gone far to make up for the cause, which shows itself only after its return.
+    """
+    freed = any(cause.frees is not None for cause in rival.causes)
+    count, kept = (_SCAN, _FREED_STARTS) if freed else (_SCAN // 2, 1)
+    points = apart(scan(problem.tempered(SOFTEST), rival, count, 1), lambda point: point, 1.0)
+    return [Start(point) for point in points[:kept]]
 
 
 def settle_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
@@ -198,7 +201,13 @@ def settle_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
 
 
 def nested(problem: Problem, null: Fit, fits: Sequence[Fit]) -> tuple[Fit, ...]:
-    """Rivals that are worse than the model without a cause, which each contains, from that one."""
+    """Rivals that are worse than the model without a cause, which each contains, from that one.
+
+    Not where that one is hopeless itself.
+    """
+    best = max((fit.log_evidence for fit in fits), default=null.log_evidence)
+    if null.log_evidence < best - _WITHIN:
+        return tuple(fits)
     worse = [fit for fit in fits if fit.chi2 > null.chi2]
     begins = [[Start(null.x)] for _ in worse]
     again = fit_rivals(problem, [fit.rival for fit in worse], begins, CAREFUL)
@@ -277,13 +286,14 @@ def refine(
     quick: Sequence[Fit],
     others: Mapping[str, Sequence[Start]],
     clouds: int = 0,
+    survivors: int = _SURVIVORS,
 ) -> tuple[Fit, ...]:
     """Refit the survivors with care and from further starts; the rest keep their quick fits."""
     order = sorted(range(len(quick)), key=lambda k: -quick[k].log_evidence)
     if not order:
         return ()
     best = quick[order[0]].log_evidence
-    chosen = [k for k in order[:_SURVIVORS] if quick[k].log_evidence > best - _WITHIN]
+    chosen = [k for k in order[:survivors] if quick[k].log_evidence > best - _WITHIN]
     begins = [
         [Start.of(quick[k]), *others.get(quick[k].name, ()), _nearby(problem, quick[k])]
         for k in chosen
@@ -308,11 +318,11 @@ def _nearby(problem: Problem, fit: Fit) -> Start:
 
 
 def certify(problem: Problem, fits: list[Fit], clouds: int) -> None:
-    """More starts a posterior's width away for leaders whose starts do not agree."""
+    """More starts for leaders whose starts do not agree, two and then one posterior width away."""
     order = sorted(range(len(fits)), key=lambda k: -fits[k].log_evidence)[:_LEADING]
     low, high = problem.limits()
     random = np.random.default_rng(7)
-    for _ in range(_ROUNDS):
+    for width in _ROUNDS:
         doubtful = [k for k in order if not fits[k].certified]
         begins = []
         for k in doubtful:
@@ -321,7 +331,7 @@ def certify(problem: Problem, fits: list[Fit], clouds: int) -> None:
             points = [Start.of(fits[k])]
             for _ in range(2):
                 x = fits[k].x.copy()
-                x[free] += np.clip(2.0 * lower @ random.standard_normal(len(free)), -1.0, 1.0)
+                x[free] += np.clip(width * lower @ random.standard_normal(len(free)), -1.0, 1.0)
                 points.append(Start(np.clip(x, low, high)))
             begins.append(points)
         rivals = [fits[k].rival for k in doubtful]
