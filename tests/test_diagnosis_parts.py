@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.ceiling import smooth_ceiling
+from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.experiments import advice
 from stickslip.diagnosis.fits import Start, make_rival
@@ -90,12 +90,12 @@ def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
     noise = SD * random.standard_normal(len(X))
     smooth = problem(X + 0.5 * np.sin(4 * X) + noise, ())
     null = fitted(smooth)
-    taken = smooth_ceiling(smooth, null, X[:, None], kinds)
+    taken = smooth_ceiling(smooth, null, Settings(X[:, None], kinds))
     assert 0.9 * null.chi2 < taken < null.chi2
     rough = problem(X + noise, ())
     null = fitted(rough)
     # Of white noise a smooth curve follows a few degrees of freedom at most.
-    assert smooth_ceiling(rough, null, X[:, None], kinds) < 0.5 * null.chi2
+    assert smooth_ceiling(rough, null, Settings(X[:, None], kinds)) < 0.5 * null.chi2
 
 
 def test_the_smallest_effect_has_the_strength_that_is_asked_for():

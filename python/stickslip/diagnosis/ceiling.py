@@ -7,6 +7,7 @@ that explains much less than it leaves something smooth behind.
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,23 +21,38 @@ _SIZES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.3, 0.6, 1.2, 2.4)
 
 
-def smooth_ceiling(problem: Problem, null: Fit, settings: Array, kinds: NDArray[np.int64]) -> float:
+@dataclass(frozen=True)
+class Settings:
+    """Where the first n observables were taken.
+
+    Attributes
+    ----------
+    numbers : ndarray, shape (n, d)
+        Numbers that describe them, such as the logarithm of the frequency.
+    kinds : ndarray of int, shape (n,)
+        Observables of different kinds, such as modes, share nothing but the process' parameters.
+    """
+
+    numbers: Array
+    kinds: NDArray[np.int64]
+
+
+def smooth_ceiling(problem: Problem, null: Fit, settings: Settings) -> float:
     """Chi-square that the smooth function takes from the recalibrated model's misfit.
+
+    Less what it would take of pure noise on average.
 
     Parameters
     ----------
     problem : Problem
     null : Fit
-    settings : ndarray, shape (n, d)
-        Numbers that describe the first n observables, such as the logarithm of the frequency.
-    kinds : ndarray of int, shape (n,)
-        Observables of different kinds, such as modes, share nothing but the process' parameters.
+    settings : Settings
     """
-    n, size = len(settings), len(null.residual)
-    spread = np.std(settings, axis=0)
-    scaled = settings[:, spread > 0.0] / spread[spread > 0.0]
+    n, size = len(settings.numbers), len(null.residual)
+    spread = np.std(settings.numbers, axis=0)
+    scaled = settings.numbers[:, spread > 0.0] / spread[spread > 0.0]
     apart = np.sum((scaled[:, None, :] - scaled[None, :, :]) ** 2, axis=2)
-    same = kinds[:, None] == kinds[None, :]
+    same = settings.kinds[:, None] == settings.kinds[None, :]
     basis = np.linalg.qr(null.jacobian)[0]
     project = np.eye(size) - basis @ basis.T
     residual = project @ null.residual
@@ -50,5 +66,7 @@ def smooth_ceiling(problem: Problem, null: Fit, settings: Array, kinds: NDArray[
         score = -0.5 * residual @ solved - 0.5 * np.linalg.slogdet(total)[1]
         if score > best:
             left = residual - signal @ solved
-            best, taken = float(score), float(residual @ residual - left @ left)
-    return taken
+            smoother = np.linalg.solve(total, signal)
+            by_noise = 2.0 * np.trace(smoother) - np.sum(smoother**2)
+            best, taken = float(score), float(residual @ residual - left @ left - by_noise)
+    return max(taken, 0.0)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
+from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.checks import data_problem
 from stickslip.diagnosis.comparison import compare, examine
 from stickslip.diagnosis.detection import Detection
@@ -76,6 +77,9 @@ class Diagnosis:
     verdict : Verdict
     bounds : dict
         95 % upper limits, filled for the verdict none.
+    ceiling : float, optional
+        Chi-square that a smooth function of the settings would take from the misfit, where the
+        settings were given.
     gain : Gain, optional
     profiles : tuple of Profile
         Of the parameters of the verdict's fit.
@@ -94,6 +98,7 @@ class Diagnosis:
     classes: list[tuple[str, ...]]
     verdict: Verdict
     bounds: dict[str, float]
+    ceiling: float | None
     gain: Gain | None
     profiles: tuple[Profile, ...]
     notes: tuple[str, ...]
@@ -115,6 +120,7 @@ def diagnose_model(
     group: ArrayLike | None = None,
     also: Known | None = None,
     draft: Predict | None = None,
+    settings: Settings | None = None,
     doubt: str | None = None,
     seed: int = 0,
     progress: Report | None = None,
@@ -150,6 +156,9 @@ def diagnose_model(
     draft : callable, optional
         A cheaper `predict` for the search from afar, where errors are taken as too large: by three
         times and more.
+    settings : Settings, optional
+        Where the conditions lie. With them, a cause is only named that takes at least 70 % of what
+        a smooth function would take from the misfit.
     doubt : str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
@@ -234,7 +243,10 @@ def diagnose_model(
         return not parts or predictive_gain(problem, covariance, null, fit, parts) > 0.0
 
     guessed = guesses(problem, signatures, null.residual)
-    verdict = decide(problem, detection, ranking, cosines, guessed, helps)
+    ceiling = None
+    if settings is not None and trouble is None and detection.found:
+        ceiling = smooth_ceiling(problem, null, settings)
+    verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling)
     if trouble is not None:
         verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
     gain = None
@@ -260,7 +272,7 @@ def diagnose_model(
     say(1.0)
     return Diagnosis(
         problem, noise, roughness, null, detection, signatures, ranking, cosines,
-        classes(problem, cosines), verdict, bounds, gain, profiles, tuple(notes), seed,
+        classes(problem, cosines), verdict, bounds, ceiling, gain, profiles, tuple(notes), seed,
     )  # fmt: skip
 
 

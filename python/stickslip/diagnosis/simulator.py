@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from stickslip import _core
-from stickslip.diagnosis.ceiling import smooth_ceiling
+from stickslip.diagnosis.ceiling import Settings
 from stickslip.diagnosis.channels import Channel, Combined, Sketch, find_channels
 from stickslip.diagnosis.engine import Diagnosis, Known, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
@@ -117,19 +117,6 @@ class Examination:
                 result |= {f"low {name}": below, f"high {name}": above}
         return result
 
-    def ceiling(self) -> float | None:
-        """Chi-square that a smooth function of the settings explains; None if there are few."""
-        if len(self.conditions) < _FEW:
-            return None
-        keys = ("drive.frequency", "drive.peak", "drive.hold", "drive.base")
-        numbers = [[float(each[key]) for key in keys] for each in self.conditions]
-        settings = np.array(numbers)
-        settings[:, 0] = np.log(settings[:, 0])
-        words = [(each["drive.mode"], each["drive.direction"]) for each in self.conditions]
-        number = {word: k for k, word in enumerate(dict.fromkeys(words))}
-        kinds = np.array([number[word] for word in words])
-        return smooth_ceiling(self.found.problem, self.found.null, settings, kinds)
-
     def sketches(self) -> list[Sketch]:
         """Parts of the report that the channels draw."""
         problem, fit = self.found.problem, self.found.verdict.fit
@@ -231,7 +218,7 @@ def diagnose(
     def draft(conditions: Conditions, parameters: Array) -> Array:
         return combined([_drafted(measurement.scenario, each) for each in conditions], parameters)
 
-    options["draft"] = draft
+    options |= {"draft": draft, "settings": _settings(conditions)}
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
     said = (*said, *(line for channel in channels for line in channel.notes))
     return Examination(replace(found, notes=(*found.notes, *said)), simulator, conditions, combined)
@@ -288,6 +275,18 @@ def _drafted(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Va
     return {
         **condition, "solver.rtol": _TOLERANCES[0], "drive.pulses": min(pulses, _DRAFT_PULSES)
     }  # fmt: skip
+
+
+def _settings(conditions: Conditions) -> Settings | None:
+    """Where the conditions lie, if they are enough for a smooth function."""
+    if len(conditions) < _FEW:
+        return None
+    keys = ("drive.frequency", "drive.peak", "drive.hold", "drive.base")
+    numbers = np.array([[float(each[key]) for key in keys] for each in conditions])
+    numbers[:, 0] = np.log(numbers[:, 0])
+    words = [(each["drive.mode"], each["drive.direction"]) for each in conditions]
+    number = {word: k for k, word in enumerate(dict.fromkeys(words))}
+    return Settings(numbers, np.array([number[word] for word in words]))
 
 
 def _nominal(

@@ -17,7 +17,7 @@ from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.simulator import Examination
-from stickslip.diagnosis.verdict import describe, flat_directions
+from stickslip.diagnosis.verdict import describe, flat_directions, share_of_ceiling
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement
 
@@ -208,10 +208,9 @@ def further(examination: Examination) -> dict[str, Any]:
     found, problem = examination.found, examination.found.problem
     parts = refit_parts(problem, found.null, examination.parts())
     smallest = smallest_effects(problem, found.signatures, found.detection.threshold)
-    ceiling, fit = examination.ceiling(), found.verdict.fit
     share = None
-    if ceiling is not None and fit is not None and found.detection.found and ceiling > 0.0:
-        share = (found.null.chi2 - fit.chi2) / ceiling
+    if found.verdict.fit is not None:
+        share = share_of_ceiling(found.null, found.verdict.fit, found.ceiling)
     return {
         "constancy": {
             part.name: {
@@ -226,7 +225,7 @@ def further(examination: Examination) -> dict[str, Any]:
         },
         "changing": changing(problem, parts),
         "smallest_effects": {_short(name): value for name, value in smallest.items()},
-        "smooth_ceiling": ceiling,
+        "smooth_ceiling": found.ceiling,
         "share_of_ceiling": share,
         "carried_by": _carriers(examination),
         "advice": advice(found),

@@ -26,6 +26,9 @@ _PAIR_GAIN = 5.0
 """Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 28
 chi-squares of one degree of freedom, 6.4, less what the price of an amplitude takes of it."""
 
+_LEAST_SHARE = 0.7
+"""Of what a smooth function explains, so that a cause or a pair may be claimed."""
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -59,6 +62,7 @@ def decide(
     cosines: Array,
     guessed: Mapping[str, float],
     helps: Callable[[Fit], bool],
+    ceiling: float | None = None,
 ) -> Verdict:
     """The verdict by the rules of the documentation.
 
@@ -73,10 +77,37 @@ def decide(
         Log-evidence of each cause above no cause by linear screening, for those without a fit.
     helps : callable
         Whether a rival predicts held-out conditions better than the recalibrated model.
+    ceiling : float, optional
+        Chi-square that a smooth function of the settings would take from the misfit.
     """
     chance = probabilities(problem, ranking, guessed)
     if not detection.found:
         return Verdict("none", (), None, ("both tests pass",), chance)
+    said = _decided(problem, ranking, cosines, helps, chance)
+    if said.fit is not None and said.word in ("named", "pair"):
+        share = share_of_ceiling(ranking.null, said.fit, ceiling)
+        if share is not None and share < _LEAST_SHARE:
+            reason = (
+                f"{said.fit.name} takes {100.0 * share:.0f} % of what a smooth function of the "
+                f"settings would take from the misfit"
+            )
+            return Verdict("unexplained", (), None, (reason,), chance)
+    return said
+
+
+def share_of_ceiling(null: Fit, fit: Fit, ceiling: float | None) -> float | None:
+    """Part of what a smooth function of the settings explains that a fit explains too."""
+    return None if not ceiling else (null.chi2 - fit.chi2) / ceiling
+
+
+def _decided(
+    problem: Problem,
+    ranking: Ranking,
+    cosines: Array,
+    helps: Callable[[Fit], bool],
+    chance: Mapping[str, float],
+) -> Verdict:
+    """The verdict if something was detected and its causes explain enough."""
     singles, null = ranking.singles, ranking.null
     adequate = [fit for fit in singles if adequacy(problem, fit) >= ADEQUATE]
     better = [fit for fit in adequate if fit.log_evidence > null.log_evidence]
