@@ -13,6 +13,7 @@ from stickslip.diagnosis.fitting import fit_rivals, spread_factor
 from stickslip.diagnosis.heldout import folds, predictive_gain
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import fit_noise, whitener
+from stickslip.diagnosis.pairs import beside_a_released_constant
 from stickslip.diagnosis.places import scan
 from stickslip.diagnosis.rivals import look_again, nested, quick_fits
 
@@ -118,6 +119,44 @@ def test_a_freed_constant_is_scanned_far_beyond_its_prior():
     # The other constant keeps its prior: by chance one in a thousand is beyond 3.3.
     assert 0.8 < points[:, 1].std() < 1.2
     assert np.abs(points[:, 1]).max() < 3.3
+
+
+def test_a_cause_is_scanned_with_all_constants():
+    # The slope can make up for the product with the cause, so that only a scan of both sees it.
+    push = Cause("push", (CauseParameter("push.height", "-", -5.0, 5.0, 1.0),))
+    observed = 2.0 * np.sin(2 * X)
+    given = problem(lambda _, p: p[:, :1] * X + p[:, 1:] * np.sin(2 * X), observed, causes=[push])
+    best = scan(given, make_rival(given, [push]), 128, 1)[0]
+    # 128 points of a square of 5 x 5 lie 0.4 apart, and 2 is at asinh(2 sinh 1) = 1.59.
+    assert np.hypot(best[0], best[1] - math.asinh(2.0 * math.sinh(1.0))) < 0.6
+    alone = scan(given, make_rival(given), 128, 1)
+    assert not alone[:, 1].any()
+
+
+def test_a_second_cause_begins_where_a_pulled_constant_was():
+    # Wave and push are hidden; beside the wave alone the slope is pulled to the push's share.
+    bend, wave = 0.1 * np.sin(5 * X), np.sin(2 * X)
+    push = Cause("push", (CauseParameter("push.height", "-", -9.0, 9.0, 1.0),))
+    other = Cause("wave", (CauseParameter("wave.height", "-", -9.0, 9.0, 1.0),))
+    observed = 2.0 * (X + bend) + 1.0 * wave
+
+    def model(_, p):
+        return p[:, :1] * X + p[:, 1:2] * (X + bend) + p[:, 2:] * wave
+
+    given = problem(model, observed, causes=[push, other])
+    rival = make_rival(given, [other])
+    single = fit_rivals(given, [rival], [[Start(np.zeros(3))]], 20)[0]
+    assert single.x[0] > 1.5
+    begins = [start for key, start in beside_a_released_constant(given, single) if key[0] == "push"]
+    closest = min(begins, key=lambda start: float(np.sum(given.residuals(start.x[None, :]) ** 2)))
+    assert closest.x[0] == 0.0
+    assert closest.x[2] == single.x[2]
+    # Amplitudes of 2 in coordinates, 3.1 in height, are scaled by a factor of at least a half.
+    assert 0.8 < math.sinh(closest.x[1]) / math.sinh(1.0) < 3.2
+    # A constant that is where its prior has it makes room for nothing.
+    level = problem(model, 1.0 * wave, causes=[push, other])
+    calm = fit_rivals(level, [rival], [[Start(np.zeros(3))]], 20)[0]
+    assert beside_a_released_constant(level, calm) == []
 
 
 def test_a_cause_that_does_nothing_here_is_not_fitted():

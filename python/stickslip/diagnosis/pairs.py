@@ -74,7 +74,7 @@ def fit_pairs(
     # Those that begin at a fit of one of them are near enough to begin with smaller errors.
     fits = [*walk([(key, found[key][1]) for key in added], 0), *walk(near, 2)]
     for single in singles[:_CENTRES]:
-        fits += walk(_released(problem, single), 1)
+        fits += walk(beside_a_released_constant(problem, single), 1)
     fits.sort(key=lambda fit: fit.chi2)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
@@ -105,10 +105,24 @@ def singles_beside(
     return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
 
 
-def _released(problem: Problem, single: Fit) -> list[tuple[tuple[str, str], Start]]:
+def beside_a_released_constant(
+    problem: Problem, single: Fit
+) -> list[tuple[tuple[str, str], Start]]:
     """Starts with a second cause in the place of the constant that is pulled most from its prior.
 
     While the constant makes up for the cause, the cause does nothing good beside it.
+
+    Parameters
+    ----------
+    problem : Problem
+    single : Fit
+        Of one cause.
+
+    Returns
+    -------
+    list of tuple
+        Names of a pair, in the order of the alphabet, and where to begin with it; empty if no
+        constant is pulled.
     """
     known = np.array([each.prior.kind != "log-uniform" for each in problem.uncertain])
     pulls = np.abs(single.x[: problem.base_count]) * known
