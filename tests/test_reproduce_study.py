@@ -311,17 +311,17 @@ def test_what_cannot_be_done_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ("", "is empty"),
-        ("figure,mode,x\nfig12,IPP,1\n", "line 1: the column y"),
-        ("figure,mode,x,y\n", "no point"),
+        ("", "no row of data"),
+        ("figure,mode,x\nfig12,IPP,1\n", 'column "y" is missing'),
+        ("figure,mode,x,y\n", "no row of data"),
         ("figure,mode,x,y\nfig3,IPP,1,1\n", r'line 2: figure = "fig3": allowed is one of fig8'),
         ("figure,mode,x,y\n\nfig12,OPP,1,1\n", r'line 3: mode = "OPP": allowed in fig12 is IPP'),
         ("figure,mode,x,y\nfig12,IPP,ten,1\n", r'x = "ten": allowed is drive\.frequency'),
         ("figure,mode,x,y\nfig12,IPP,-1,0.1\n", r"x = \"-1\""),
         ("figure,mode,x,y\nfig12,IPP,10,nan\n", r'y = "nan": allowed is a velocity in m/s'),
         ("figure,mode,x,y\nfig12,IPP,10,1.5\n", r"y = \"1.5\""),
-        ("figure,mode,x,y\nfig12,IPP,10\n", "line 2: 3 cells: allowed are 4"),
-        ('figure,mode,x,y\n"fig12,IPP,10\n', "not valid CSV"),
+        ("figure,mode,x,y\nfig12,IPP,10\n", "line 2: 3 cells; allowed are 4"),
+        ('figure,mode,x,y\n"fig12,IPP,10\n', "line 2: 1 cells"),
         ("figure,mode,x,y\nfig12,IPP,10,\xff\n".encode("latin-1"), "not UTF-8"),
     ],
 )

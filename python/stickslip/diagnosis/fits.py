@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,3 +114,46 @@ def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
     extra = problem.columns(causes)
     free = np.array([*range(problem.base_count), *extra], dtype=np.int64)
     return Rival(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A parameter of a fit's causes, or a constant that one of them frees.
+
+    Attributes
+    ----------
+    name, unit : str
+    position : int
+        Among the fit's free coordinates.
+    column : int
+        Among all coordinates.
+    value, continuous : callable
+        From coordinates to the unit; `continuous` has no jump where a falling one begins to act.
+    shape : bool
+        Whether it says how the cause looks and not how strong it is.
+    """
+
+    name: str
+    unit: str
+    position: int
+    column: int
+    value: Callable[[Array], Array]
+    continuous: Callable[[Array], Array]
+    shape: bool
+
+
+def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
+    """Parameters of the causes of a fit, and the constants that they free."""
+    freed = {cause.frees for cause in fit.rival.causes}
+    result = []
+    for position, column in enumerate(fit.rival.free.tolist()):
+        if column >= problem.base_count:
+            extra = problem.parameters[column - problem.base_count]
+            ways = extra.value, extra.continuous
+            result.append(Fitted(extra.name, extra.unit, position, column, *ways, extra.shape))
+            continue
+        constant = problem.uncertain[column]
+        if constant.name in freed:
+            ways = constant.prior.value, constant.prior.value
+            result.append(Fitted(constant.name, constant.unit, position, column, *ways, False))
+    return result

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fits import Fit, Rival, Start
+from stickslip.diagnosis.fits import Fit, Rival, Start, fitted_parameters
 from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import Problem
 
@@ -45,23 +45,14 @@ class Profile:
 
 def profile(problem: Problem, fit: Fit) -> list[Profile]:
     """Profiles of all parameters of the causes of a fit, freed constants among them."""
-    freed = {cause.frees for cause in fit.rival.causes}
     spread = np.sqrt(np.diag(fit.covariance))
     found = []
-    for position, column in enumerate(fit.rival.free):
-        if column < problem.base_count:
-            constant = problem.uncertain[column]
-            if constant.name not in freed:
-                continue
-            name, unit, convert = constant.name, constant.unit, constant.prior.value
-        else:
-            parameter = problem.parameters[column - problem.base_count]
-            if parameter.shape:
-                continue
-            name, unit, convert = parameter.name, parameter.unit, parameter.continuous
-        u, chi2 = _along(problem, fit, int(column), float(spread[position]))
-        value = np.asarray(convert(u), dtype=float)
-        found.append(Profile(name, unit, value, chi2, _half_width(value, chi2)))
+    for each in fitted_parameters(problem, fit):
+        if each.shape:
+            continue
+        u, chi2 = _along(problem, fit, each.column, float(spread[each.position]))
+        value = np.asarray(each.continuous(u), dtype=float)
+        found.append(Profile(each.name, each.unit, value, chi2, _half_width(value, chi2)))
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import Detection
-from stickslip.diagnosis.fits import Fit
+from stickslip.diagnosis.fits import Fit, fitted_parameters
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
 
@@ -261,20 +261,9 @@ def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
     """Value, standard deviation and unit of the parameters of a fit's causes."""
     spread = np.sqrt(np.diag(fit.covariance))
     result: dict[str, dict[str, float | str]] = {}
-    chosen: Sequence[int] = list(fit.rival.free)
-    freed = {cause.frees for cause in fit.rival.causes}
-    convert: Callable[[Array], Array]
-    for position, k in enumerate(chosen):
-        if k < problem.base_count:
-            each = problem.uncertain[k]
-            if each.name not in freed:
-                continue
-            name, unit, convert = each.name, each.unit, each.prior.value
-        else:
-            parameter = problem.parameters[k - problem.base_count]
-            name, unit, convert = parameter.name, parameter.unit, parameter.value
-        x = np.array([fit.x[k] - 0.01, fit.x[k], fit.x[k] + 0.01])
-        value = np.asarray(convert(x))
-        sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[position])
-        result[name] = {"value": float(value[1]), "sd": sd, "unit": unit}
+    for each in fitted_parameters(problem, fit):
+        u = fit.x[each.column]
+        value = np.asarray(each.value(np.array([u - 0.01, u, u + 0.01])))
+        sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[each.position])
+        result[each.name] = {"value": float(value[1]), "sd": sd, "unit": each.unit}
     return result

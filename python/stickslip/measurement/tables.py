@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ScenarioError
 from stickslip.keys import suggestion
 
-_MOST_ROWS = 2_000_000
+_MOST_ROWS, _MOST_BYTES = 2_000_000, 1 << 28
 
 
 class NothingSound(ScenarioError):
@@ -31,10 +31,17 @@ def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         If the file cannot be read, is empty, has a column twice or other separators than commas.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        with path.open("rb") as file:
+            data = file.read(_MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise ScenarioError(f"{path}: cannot be read: {reason}") from None
+    if len(data) > _MOST_BYTES:
+        raise ScenarioError(f"{path}: is longer than {_MOST_BYTES} bytes, so it is no table")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path}: is no text: byte {error.start + 1} is not UTF-8") from None
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from os import PathLike
@@ -10,11 +9,11 @@ from pathlib import Path
 
 from stickslip.errors import ScenarioError
 from stickslip.keys import known_keys, shown
+from stickslip.measurement.tables import check_columns, read_rows
 from stickslip.reproduction.curves import CURVES
 
 COLUMNS = ("figure", "mode", "x", "y")
 
-_MOST_BYTES = 1 << 20
 _FASTEST = 1.0  # m/s; a velocity in mm/s is well above
 
 
@@ -37,54 +36,18 @@ def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
         If the file cannot be read, lacks a column, or a row has a value that is not allowed.
     """
     path = Path(path)
-    try:
-        return _points(_rows(path))
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
+    header, rows = read_rows(path)
+    check_columns(path, header, COLUMNS)
+    points = []
+    for line, cells in rows:
+        where = f"{path}: line {line}"
+        if len(cells) != len(header):
+            raise ScenarioError(f"{where}: {len(cells)} cells; allowed are {len(header)}")
+        points.append(_point(where, dict(zip(header, cells, strict=True))))
+    return points
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
-    try:
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ScenarioError(f"cannot be read: {reason}") from None
-    if len(data) > _MOST_BYTES:
-        raise ScenarioError(f"is longer than {_MOST_BYTES} bytes, so it is no file of points")
-    try:
-        lines = data.decode("utf-8-sig").splitlines()
-        table = list(csv.reader(lines, strict=True))
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"is no text: byte {error.start + 1} is not UTF-8") from None
-    except csv.Error as error:
-        raise ScenarioError(f"is not valid CSV: {error}") from None
-    if not table:
-        raise ScenarioError(f"is empty; its first line is {','.join(COLUMNS)}")
-    names = [name.strip() for name in table[0]]
-    for name in COLUMNS:
-        if names.count(name) != 1:
-            raise ScenarioError(
-                f"line 1: the column {name} must be there once; needed are {', '.join(COLUMNS)}"
-            )
-    rows = []
-    for number, cells in enumerate(table[1:], start=2):
-        if not any(cell.strip() for cell in cells):
-            continue
-        if len(cells) != len(names):
-            raise ScenarioError(f"line {number}: {len(cells)} cells: allowed are {len(names)}")
-        rows.append({"line": str(number), **dict(zip(names, map(str.strip, cells), strict=True))})
-    if not rows:
-        raise ScenarioError("holds no point")
-    return rows
-
-
-def _points(rows: list[dict[str, str]]) -> list[MeasuredPoint]:
-    return [_point(row) for row in rows]
-
-
-def _point(row: dict[str, str]) -> MeasuredPoint:
-    where = f"line {row['line']}"
+def _point(where: str, row: dict[str, str]) -> MeasuredPoint:
     figure = row["figure"]
     if figure not in CURVES:
         raise ScenarioError(
