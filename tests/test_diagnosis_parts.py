@@ -123,6 +123,19 @@ def test_a_cause_that_leaves_much_behind_is_not_named(settings, word):
     assert found.verdict.word == word
 
 
+@pytest.mark.parametrize(("source", "word"), [((), "named"), ("a" * 12 + "b" * 12, "ambiguous")])
+def test_a_table_that_contradicts_a_cause_is_heard(source, word):
+    # Twelve residuals of 1.6 errors in one half: p = 0.002 there, and 0.2 of all 24.
+    off = np.where(np.arange(len(X)) < 12, 0.0, 1.6 * SD * (-1.0) ** np.arange(len(X)))
+    found = diagnose_model(
+        line, None, X + np.sin(4 * X) + off, [SLOPE], [WAVE],
+        sd=np.full(len(X), SD), source=source,
+    )  # fmt: skip
+    assert found.verdict.causes == ("wave",)
+    assert found.verdict.word == word
+    assert any("kind b contradicts" in each for each in found.verdict.reasons) == bool(source)
+
+
 def test_the_p_value_of_both_tests_is_uniform_where_nothing_is_hidden():
     random = np.random.default_rng(8)
     shapes = random.standard_normal((6, len(X)))

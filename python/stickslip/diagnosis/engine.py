@@ -121,6 +121,7 @@ def diagnose_model(
     also: Known | None = None,
     draft: Predict | None = None,
     settings: Settings | None = None,
+    source: Sequence[str] = (),
     doubt: str | None = None,
     seed: int = 0,
     progress: Report | None = None,
@@ -159,6 +160,8 @@ def diagnose_model(
     settings : Settings, optional
         Where the conditions lie. With them, a cause is only named that takes at least 70 % of what
         a smooth function would take from the misfit.
+    source : sequence of str, length m and that of `also`, optional
+        What kind of table each observable is from. A cause is not named against one of them.
     doubt : str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
@@ -246,7 +249,7 @@ def diagnose_model(
     ceiling = None
     if settings is not None and trouble is None and detection.found:
         ceiling = smooth_ceiling(problem, null, settings)
-    verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling)
+    verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, source)
     if trouble is not None:
         verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
     gain = None

@@ -218,7 +218,9 @@ def diagnose(
     def draft(conditions: Conditions, parameters: Array) -> Array:
         return combined([_drafted(measurement.scenario, each) for each in conditions], parameters)
 
-    options |= {"draft": draft, "settings": _settings(conditions)}
+    source = ["velocity"] * len(computed)
+    source += [channel.name for channel in channels for _ in channel.observed]
+    options |= {"draft": draft, "settings": _settings(conditions), "source": source}
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
     said = (*said, *(line for channel in channels for line in channel.notes))
     return Examination(replace(found, notes=(*found.notes, *said)), simulator, conditions, combined)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.detection import Detection
+from stickslip.diagnosis.detection import Detection, lack_of_fit_p
 from stickslip.diagnosis.fits import Fit, fitted_parameters
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
@@ -63,6 +63,7 @@ def decide(
     guessed: Mapping[str, float],
     helps: Callable[[Fit], bool],
     ceiling: float | None = None,
+    source: Sequence[str] = (),
 ) -> Verdict:
     """The verdict by the rules of the documentation.
 
@@ -79,6 +80,8 @@ def decide(
         Whether a rival predicts held-out conditions better than the recalibrated model.
     ceiling : float, optional
         Chi-square that a smooth function of the settings would take from the misfit.
+    source : sequence of str, optional
+        What kind of table each observable is from.
     """
     chance = probabilities(problem, ranking, guessed)
     if not detection.found:
@@ -92,7 +95,26 @@ def decide(
                 f"settings would take from the misfit"
             )
             return Verdict("unexplained", (), None, (reason,), chance)
+        against = contradicting(problem, said.fit, source)
+        if against:
+            reasons = tuple(f"the table of kind {name} contradicts it" for name in against)
+            return replace(said, word="ambiguous", reasons=reasons)
     return said
+
+
+def contradicting(problem: Problem, fit: Fit, source: Sequence[str]) -> list[str]:
+    """Sources, of several, whose own misfit is too large although the whole may be adequate."""
+    residual = fit.residual[: len(problem.observed)]
+    names = sorted(set(source))
+    if len(names) < 2:
+        return []
+    found = []
+    for name in names:
+        mine = residual[[each == name for each in source]]
+        # As many chances to fail by noise alone as there are sources.
+        if lack_of_fit_p(float(mine @ mine), len(mine), problem.dof) < ADEQUATE / len(names):
+            found.append(name)
+    return found
 
 
 def share_of_ceiling(null: Fit, fit: Fit, ceiling: float | None) -> float | None:
