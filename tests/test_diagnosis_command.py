@@ -174,7 +174,7 @@ def test_the_command_is_listed_with_an_example():
 
 
 def test_every_extension_is_a_cause_that_starts_absent():
-    causes = library(Scenario(), {}, 2.5e-3)
+    causes = library(Scenario(), {}, 20.0)
     assert [each.name for each in causes] == [each.name for each in effects()]
     parameters = [each for cause in causes for each in cause.parameters]
     names = [each.name for each in parameters]

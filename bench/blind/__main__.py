@@ -48,7 +48,10 @@ def main() -> None:
     rows = read(record) if record.exists() else []
     done = {(row["answer"]["kind"], row["answer"]["seed"]) for row in rows}
     kinds = options.kinds.split(";")
+    if not set(kinds) <= set(KINDS):
+        parser.error(f"--kinds: allowed are {'; '.join(KINDS)}")
     waiting = [each for each in plan(options.first, options.seeds, kinds) if each not in done]
+    failed: list[str] = []
     end = time.monotonic() + 60.0 * options.minutes
     running: dict[Future[dict[str, Any]], tuple[str, int]] = {}
     number = 1 + max((int(row["folder"]) for row in rows), default=-1)
@@ -65,16 +68,25 @@ def main() -> None:
             if not running:
                 break
             for future in wait(running, return_when=FIRST_COMPLETED).done:
+                what = running.pop(future)
+                error = future.exception()
+                if error is not None:
+                    # The others are worth keeping; this one is tried again by the next call.
+                    failed.append(f"{what[0]} {what[1]}: {error!r}")
+                    print(failed[-1], flush=True)
+                    continue
                 row = future.result()
                 rows.append(row)
                 file.write(json.dumps(row) + "\n")
                 file.flush()
-                print(_line(*running.pop(future), row), flush=True)
+                print(_line(*what, row), flush=True)
     text = table(rows)
     (out / "measured.jsonl").write_text("".join(json.dumps(slim(row)) + "\n" for row in rows))
     (out / "table.md").write_text(text + "\n")
     (out / "judged.json").write_text(json.dumps(judged(rows), indent=2) + "\n")
     print(text)
+    if failed:
+        raise SystemExit("\n".join([f"{len(failed)} data sets failed:", *failed]))
 
 
 def _line(kind: str, seed: int, row: dict[str, Any]) -> str:

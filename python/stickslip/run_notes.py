@@ -47,7 +47,7 @@ def _of_motion(summary: dict[str, Any]) -> list[str]:
 
 def _of_drive(scenario: Scenario) -> list[str]:
     notes = []
-    for name, volts in _peak_voltages(scenario).items():
+    for name, volts in peak_voltages(scenario).items():
         if volts > HIGH_VOLTAGE:
             amperes = volts / scenario.coil.resistance
             notes.append(
@@ -56,7 +56,7 @@ def _of_drive(scenario: Scenario) -> list[str]:
     return notes
 
 
-def _peak_voltages(scenario: Scenario) -> dict[str, float]:
+def peak_voltages(scenario: Scenario) -> dict[str, float]:
     """Largest magnitude of the voltage of each coil that the drive uses, V."""
     drive, coil = scenario.drive, scenario.coil
     if drive.program is not None:

@@ -76,7 +76,8 @@ def examine(problem: Problem, bare: Array, null: Fit, seed: int) -> Base:
     covariance = bare + np.diag(roughness**2)
     problem = replace(problem, whiten=whitener(covariance))
     clouds = _clouds(roughness, covariance)
-    null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
+    again = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
+    null = replace(again, certified=null.certified, starts=null.starts)
     signatures = find_signatures(problem, null)
     detection = detect(problem, null, signatures, seed)
     return Base(problem, covariance, roughness, null, signatures, detection)
@@ -127,6 +128,10 @@ def compare(
     # The best single of two effects is often neither, so adequacy decides and not the rank.
     sufficient = any(adequacy(base.problem, fit) >= COMFORTABLE for fit in singles[:3])
     if singles and not sufficient:
+        if base.problem is not problem:
+            others = at_full_weight(base.problem, [fit for fit, _ in views[1:]])
+            views[1:] = [(fit, find_signatures(base.problem, fit)) for fit in others]
+            basins = at_full_weight(base.problem, basins)
         views[0] = (base.null, base.signatures)
         pairs = fit_pairs(base.problem, views, singles, basins, base.clouds)
         pairs = look_again(base.problem, pairs, pairs[:1], base.clouds)

@@ -30,7 +30,7 @@ from stickslip.diagnosis.signatures import (
     isolability,
     upper_bounds,
 )
-from stickslip.diagnosis.verdict import Verdict, decide, prior_probabilities
+from stickslip.diagnosis.verdict import Table, Verdict, decide, prior_probabilities
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -194,6 +194,7 @@ def diagnose_model(
     """
     say = progress or (lambda fraction: None)
     values, index, blocks = _checked(observed, condition, block)
+    _check_lengths(values, index, order, group, source, 0 if also is None else len(also.observed))
     noise, known = _noise(values, index, blocks, relative_sd, sd)
     suspects = tuple(
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
@@ -227,7 +228,8 @@ def diagnose_model(
             np.where(np.isfinite(predicted), predicted, noise.mean)
         )
         problem = replace(problem, whiten=whitener(covariance))
-        null = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
+        again = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
+        null = replace(again, certified=null.certified, starts=null.starts)
     say(0.1)
     base = examine(problem, covariance, null, seed)
     say(0.35)
@@ -246,10 +248,11 @@ def diagnose_model(
         return not parts or predictive_gain(problem, covariance, null, fit, parts) > 0.0
 
     guessed = guesses(problem, signatures, null.residual)
+    tables = _tables(source, len(noise.mean), noise.dof if noise.dof > 0 else math.inf)
     ceiling = None
     if settings is not None and trouble is None and detection.found:
         ceiling = smooth_ceiling(problem, null, settings)
-    verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, source)
+    verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, tables)
     if trouble is not None:
         verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
     gain = None
@@ -294,6 +297,33 @@ def _checked(
     return values, index, blocks
 
 
+def _check_lengths(
+    values: Array,
+    index: NDArray[np.int64],
+    order: ArrayLike | None,
+    group: ArrayLike | None,
+    source: Sequence[str],
+    beside: int,
+) -> None:
+    count = int(index.max()) + 1
+    if order is not None and np.shape(order) != values.shape:
+        raise ScenarioError("order: allowed is a number for each trial")
+    if group is not None and np.shape(group) != (count,):
+        raise ScenarioError("group: allowed is an index for each condition")
+    if len(source) not in (0, count + beside):
+        raise ScenarioError("source: allowed is a name for each observable")
+
+
+def _tables(source: Sequence[str], measured: int, dof: float) -> list[Table]:
+    """Rows of each kind; only the noise of the trials, the first rows, was estimated."""
+    kind = np.array(list(source))
+    tables = []
+    for name in dict.fromkeys(source):
+        rows = np.flatnonzero(kind == name)
+        tables.append(Table(name, rows, dof if rows[0] < measured else math.inf))
+    return tables
+
+
 def _noise(
     values: Array,
     index: NDArray[np.int64],
@@ -311,6 +341,8 @@ def _noise(
             raise ScenarioError("sd: allowed is a covariance of one row a condition")
         covariance = stated
     else:
+        if stated.shape not in ((), count.shape):
+            raise ScenarioError("sd: allowed is a standard deviation for each condition")
         covariance = np.diag(np.broadcast_to(stated, count.shape) ** 2)
     known = np.sqrt(np.diag(covariance))
     if not (np.all(np.isfinite(known)) and np.all(known > 0.0)):

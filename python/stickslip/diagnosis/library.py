@@ -13,7 +13,6 @@ from stickslip.extensions import effects
 from stickslip.keys import Key, known_keys
 from stickslip.measurement.priors import Prior
 from stickslip.scenario import Scenario
-from stickslip.waveform import volts_per_tesla
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ _SHORT = len("effects.")
 _RANGE_SHARE = 5.0
 
 
-def library(scenario: Scenario, uncertain: dict[str, Prior], top: float) -> tuple[Cause, ...]:
+def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tuple[Cause, ...]:
     """All extensions that the scenario does not know yet, as causes.
 
     Parameters
@@ -71,8 +70,8 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], top: float) -> tupl
         An extension that it already has is part of the baseline.
     uncertain : dict of Prior
         An extension of which a parameter is uncertain is part of the baseline too.
-    top : float
-        Largest field of the conditions, T; the voltage limit begins to act there.
+    volts : float
+        Largest voltage of the drives, V; the voltage limit begins to act there.
     """
     taken = {*scenario.effects, *(key.split(".")[1] for key in uncertain if key[:8] == "effects.")}
     causes = []
@@ -83,7 +82,6 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], top: float) -> tupl
         for key in effect.parameters:
             name = key.name[_SHORT:]
             if name == "amplifier_limit.voltage":
-                volts = top * volts_per_tesla(scenario.coil)
                 parameters.append(
                     CauseParameter(
                         key.name, key.unit, 0.3 * volts, volts, _CLIP_SHARE * volts, downward=True

@@ -118,7 +118,7 @@ def fit_noise(
         sd = np.sqrt(floor**2 + (relative * mean) ** 2)
         notes.append(f"too few repeats to measure the noise; the stated {stated:.3g} is used")
     else:
-        floor, relative, free, sd = 0.0, 0.0, 0.0, np.full(m, size)
+        floor, relative, free, sd = size, 0.0, 0.0, np.full(m, size)
         notes.append("the noise is not known: no repeats that differ and no stated error")
     between, gain, setups = 0.0, 0.0, np.zeros((m, 0))
     if known and crossed:

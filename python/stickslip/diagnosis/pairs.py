@@ -125,7 +125,8 @@ def beside_a_released_constant(
         constant is pulled.
     """
     known = np.array([each.prior.kind != "log-uniform" for each in problem.uncertain])
-    pulls = np.abs(single.x[: problem.base_count]) * known
+    p = problem.base_count
+    pulls = np.abs(single.x[:p] / single.rival.width[:p]) * known
     if np.max(pulls, initial=0.0) < _PULLED:
         return []
     x = single.x.copy()

@@ -99,6 +99,8 @@ def changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]
 
 def _typical_error(found: Diagnosis) -> str:
     """Noise of one trial at the median velocity."""
+    if found.noise.dof == 0.0:
+        return "not known"
     level = float(np.median(np.abs(found.noise.mean)))
     sd = float(np.hypot(found.noise.floor, found.noise.relative * level))
     return f"{sd * 1e3:.3g} mm/s at {level * 1e3:.3g} mm/s"

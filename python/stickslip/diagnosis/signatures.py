@@ -341,7 +341,9 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
     """
     bounds = {}
     for index, cause in enumerate(problem.causes):
-        for at, parameter in zip(problem.columns([cause]), cause.parameters, strict=True):
+        columns = list(zip(problem.columns([cause]), cause.parameters, strict=True))
+        shapes = [at for at, parameter in columns if parameter.shape]
+        for at, parameter in columns:
             if parameter.shape:
                 continue
             limit = 0.0
@@ -355,8 +357,13 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
                 far = high if sign > 0 else -low
                 if not rows:
                     continue
-                reach = [_reach(signatures, residual, int(row), far) for row in rows]
-                limit = max(limit, min(far, min(reach)))
+                # Whatever the shape, so the limit is that of the shape that is seen least.
+                nearest: dict[tuple[float, ...], float] = {}
+                for row in rows:
+                    bend = tuple(signatures.point[row, shapes])
+                    reach = _reach(signatures, residual, int(row), far)
+                    nearest[bend] = min(nearest.get(bend, far), reach)
+                limit = max(limit, *nearest.values())
             sign = 1.0 if high >= -low else -1.0
             u = np.array([[sign * limit]])
             value = float(parameter.value(u)[0, 0])

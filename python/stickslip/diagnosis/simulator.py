@@ -22,6 +22,7 @@ from stickslip.errors import ScenarioError
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement
 from stickslip.processors import worker_count
+from stickslip.run_notes import peak_voltages
 from stickslip.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -162,19 +163,15 @@ def diagnose(
     threads = worker_count(threads, "threads")
     conditions, velocity, index, block, order = _merged(measurement)
     channels = find_channels(measurement, threads)
-    fields = [abs(float(each[key])) for each in conditions for key in ("drive.peak", "drive.hold")]
-    filmed = [run.scenario for run in measurement.tracking]
-    for drive in filmed if fields or filmed else [measurement.scenario]:
-        fields += [abs(float(drive.get(key))) for key in ("drive.peak", "drive.hold")]
     stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
-    # One error for all tables: the largest is too cautious for some, and too bold for none.
+    # One error for all tables: of those that state one, the largest.
     relative_sd = max(stated, default=math.nan)
     uncertain = [
         Uncertain(name, prior, parameter_unit(name))
         for name, prior in measurement.uncertain.items()
     ]
     nuisance = [each for channel in channels for each in channel.nuisance]
-    causes = library(measurement.scenario, dict(measurement.uncertain), max(fields))
+    causes = library(measurement.scenario, dict(measurement.uncertain), _top_voltage(measurement))
     shared = [each.name for each in uncertain]
     amplitudes = [parameter.name for cause in causes for parameter in cause.parameters]
     keys = [*shared, *amplitudes]
@@ -279,6 +276,18 @@ def _drafted(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Va
     }  # fmt: skip
 
 
+def _top_voltage(measurement: Measurement) -> float:
+    """Largest voltage that any drive asks for, V; that of the scenario if there is no drive."""
+    stated = measurement.scenario
+    drives = [
+        stated.replace({"drive.program": None, **each})
+        for data in measurement.velocity
+        for each in data.conditions
+    ]
+    drives += [run.scenario for run in measurement.tracking]
+    return max(volts for each in drives or [stated] for volts in peak_voltages(each).values())
+
+
 def _settings(conditions: Conditions) -> Settings | None:
     """Where the conditions lie, if they are enough for a smooth function."""
     if len(conditions) < _FEW:
@@ -342,9 +351,10 @@ def wrong_sign(conditions: Conditions, predicted: Array, velocity: Array) -> str
     clear = np.isfinite(predicted) & (np.minimum(np.abs(predicted), np.abs(velocity)) > usual / 3)
     ratio = np.abs(velocity[clear] / predicted[clear])
     reversed_ = np.sign(velocity[clear]) != np.sign(predicted[clear])
-    if min(reversed_.sum(), (~reversed_).sum()) < _REVERSED or np.median(
-        np.abs(np.log(ratio[reversed_]))
-    ) > np.log(1.5):
+    away = np.abs(np.log(ratio))
+    if min(reversed_.sum(), (~reversed_).sum()) < _REVERSED:
+        return None
+    if max(np.median(away[reversed_]), np.median(away[~reversed_])) > np.log(1.5):
         return None
     if np.array_equal(reversed_, predicted[clear] < 0.0):
         return (

@@ -54,11 +54,15 @@ def headline(found: Diagnosis) -> str:
         text = f"The data points to {verdict.causes[0]}: {_sizes(found)}."
     elif verdict.word == "pair":
         text = f"The data points to two causes together: {' and '.join(verdict.causes)}."
-    elif len(verdict.causes) == 1:
-        text = f"{verdict.causes[0]} is the best candidate, but {verdict.reasons[0]}."
+    elif verdict.fit is not None and len(verdict.causes) == len(verdict.fit.rival.causes):
+        members = " and ".join(verdict.causes)
+        best = "is the best candidate" if len(verdict.causes) == 1 else "are the best pair"
+        text = f"{members} {best}, but {verdict.reasons[0]}."
     else:
         first, more = verdict.causes[:_LISTED], len(verdict.causes) - _LISTED
-        text = f"One of these, and this data cannot say which: {', '.join(first)}"
+        pair = verdict.fit is not None and len(verdict.fit.rival.causes) > 1
+        text = "Two of these together" if pair else "One of these"
+        text += f", and this data cannot say which: {', '.join(first)}"
         text += f" and {more} more." if more > 0 else "."
     if found.gain is not None and found.gain.interval[0] <= 0.0:
         text += f" On {len(found.gain.held_out)} held-out conditions the gain is not certain: its "
@@ -112,8 +116,10 @@ def fitted_parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
     result = describe(found.problem, found.verdict.fit)
     for each in found.profiles:
         result[each.name]["sd"] = max(float(result[each.name]["sd"]), each.sd)
-    for fit in found.ranking.singles:
-        if found.verdict.word == "ambiguous" and fit.name in found.verdict.causes:
+    among = set(found.verdict.causes) if found.verdict.word == "ambiguous" else set()
+    many = len(found.verdict.fit.rival.causes)
+    for fit in found.ranking.singles if many == 1 else found.ranking.pairs:
+        if among.issuperset(cause.name for cause in fit.rival.causes):
             for name, entry in describe(found.problem, fit).items():
                 result.setdefault(name, entry)
     return result

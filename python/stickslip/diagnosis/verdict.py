@@ -14,6 +14,7 @@ from stickslip.diagnosis.detection import Detection, lack_of_fit_p
 from stickslip.diagnosis.fits import Fit, fitted_parameters
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
+from stickslip.diagnosis.signatures import SAME
 
 Array = NDArray[np.float64]
 Word = Literal["none", "named", "ambiguous", "pair", "unexplained", "data-problem"]
@@ -22,12 +23,31 @@ MARGIN = 3.0
 """Log-evidence by which a named cause leads."""
 
 _NONE, _UNKNOWN = 0.5, 0.1
-_PAIR_GAIN = 5.0
-"""Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 28
-chi-squares of one degree of freedom, 6.4, less what the price of an amplitude takes of it."""
+_PAIR_GAIN = 6.7
+"""Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 378
+chi-squares of one degree of freedom, 8.8, for all pairs of 28 causes, less the price of an
+amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64) / 2 = 2.1."""
 
 _LEAST_SHARE = 0.7
 """Of what a smooth function explains, so that a cause or a pair may be claimed."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Observables of one kind.
+
+    Attributes
+    ----------
+    kind : str
+    rows : ndarray of int
+        Among all observables, whose errors are independent of those of other tables.
+    dof : float
+        Degrees of freedom of their noise; infinity where it was stated.
+    """
+
+    kind: str
+    rows: NDArray[np.int64]
+    dof: float
 
 
 @dataclass(frozen=True)
@@ -63,7 +83,7 @@ def decide(
     guessed: Mapping[str, float],
     helps: Callable[[Fit], bool],
     ceiling: float | None = None,
-    source: Sequence[str] = (),
+    tables: Sequence[Table] = (),
 ) -> Verdict:
     """The verdict by the rules of the documentation.
 
@@ -80,8 +100,8 @@ def decide(
         Whether a rival predicts held-out conditions better than the recalibrated model.
     ceiling : float, optional
         Chi-square that a smooth function of the settings would take from the misfit.
-    source : sequence of str, optional
-        What kind of table each observable is from.
+    tables : sequence of Table, optional
+        Kinds of data that have to agree each.
     """
     chance = probabilities(problem, ranking, guessed)
     if not detection.found:
@@ -94,27 +114,30 @@ def decide(
                 f"{said.fit.name} takes {100.0 * share:.0f} % of what a smooth function of the "
                 f"settings would take from the misfit"
             )
-            return Verdict("unexplained", (), None, (reason,), chance)
-        against = contradicting(problem, said.fit, source)
+            return Verdict("unexplained", (), None, (reason,), _unknown(chance, said.causes))
+        against = contradicting(said.fit, tables)
         if against:
             reasons = tuple(f"the table of kind {name} contradicts it" for name in against)
             return replace(said, word="ambiguous", reasons=reasons)
     return said
 
 
-def contradicting(problem: Problem, fit: Fit, source: Sequence[str]) -> list[str]:
-    """Sources, of several, whose own misfit is too large although the whole may be adequate."""
-    residual = fit.residual[: len(problem.observed)]
-    names = sorted(set(source))
-    if len(names) < 2:
-        return []
+def contradicting(fit: Fit, tables: Sequence[Table]) -> list[str]:
+    """Tables, of several, whose own misfit is too large although the whole may be adequate."""
     found = []
-    for name in names:
-        mine = residual[[each == name for each in source]]
-        # As many chances to fail by noise alone as there are sources.
-        if lack_of_fit_p(float(mine @ mine), len(mine), problem.dof) < ADEQUATE / len(names):
-            found.append(name)
-    return found
+    for table in tables:
+        mine = fit.residual[table.rows]
+        # As many chances to fail by noise alone as there are tables.
+        if lack_of_fit_p(float(mine @ mine), len(mine), table.dof) < ADEQUATE / len(tables):
+            found.append(table.kind)
+    return found if len(tables) > 1 else []
+
+
+def _unknown(chance: Mapping[str, float], refused: Sequence[str]) -> dict[str, float]:
+    """What was thought of causes that leave something smooth behind goes to what is not known."""
+    result = {name: 0.0 if name in refused else p for name, p in chance.items()}
+    result["unknown"] += sum(chance[name] for name in refused)
+    return result
 
 
 def share_of_ceiling(null: Fit, fit: Fit, ceiling: float | None) -> float | None:
@@ -132,23 +155,21 @@ def _decided(
     """The verdict if something was detected and its causes explain enough."""
     singles, null = ranking.singles, ranking.null
     adequate = [fit for fit in singles if adequacy(problem, fit) >= ADEQUATE]
-    better = [fit for fit in adequate if fit.log_evidence > null.log_evidence]
-    if not better:
-        return _without_single(problem, ranking, chance)
-    best = better[0]
+    if not adequate:
+        return _without_single(problem, ranking, helps, chance)
+    best = adequate[0]
     if best is not singles[0] and singles[0].log_evidence > best.log_evidence + MARGIN:
-        return _without_single(problem, ranking, chance)
+        return _without_single(problem, ranking, helps, chance)
     led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + _PAIR_GAIN]
     if any(adequacy(problem, fit) >= ADEQUATE for fit in led):
-        return _without_single(problem, ranking, chance)
-    reasons: list[str] = []
+        return _without_single(problem, ranking, helps, chance)
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
     # A rival that is not quite adequate itself may still be too near to be dismissed.
     close = [fit for fit in singles if best.log_evidence - fit.log_evidence < MARGIN]
     alike = [
         fit
         for fit in singles
-        if cosines[index[best.name], index[fit.name]] > 0.9
+        if cosines[index[best.name], index[fit.name]] > SAME
         and best.log_evidence - fit.log_evidence < 2 * MARGIN
     ]
     rivals = [fit for fit in singles if fit in close or fit in alike]
@@ -157,16 +178,8 @@ def _decided(
         said = "the evidence does not separate them"
         if all(fit in alike or fit is best for fit in rivals):
             said = "their effects on this data are alike once the model is recalibrated"
-        return Verdict("ambiguous", names, best, (said,), chance)
-    if best.log_evidence - null.log_evidence < MARGIN:
-        reasons.append("its log-evidence is less than 3 above that of no cause")
-    if not best.certified:
-        reasons.append("its fits from different starts do not agree")
-    # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
-    if any(cause.frees is None for cause in best.rival.causes) and not helps(best):
-        reasons.append("it does not predict conditions that are left out better")
-    if _at_limit(problem, best):
-        reasons.append("its amplitude is at the end of the physical range")
+        return Verdict("ambiguous", names, best, (said, *_doubts(problem, null, best)), chance)
+    reasons = _doubts(problem, null, best, helps)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
     second = max(
@@ -178,7 +191,30 @@ def _decided(
     return Verdict("named", (best.name,), best, (said,), chance)
 
 
-def _without_single(problem: Problem, ranking: Ranking, chance: Mapping[str, float]) -> Verdict:
+def _doubts(
+    problem: Problem, null: Fit, best: Fit, helps: Callable[[Fit], bool] | None = None
+) -> list[str]:
+    """Why a rival that leads all others is not claimed all the same."""
+    reasons = []
+    if best.log_evidence - null.log_evidence < MARGIN:
+        reasons.append("the log-evidence is less than 3 above that of no cause")
+    if not best.certified:
+        reasons.append("fits from different starts do not agree")
+    # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
+    shaped = any(cause.frees is None for cause in best.rival.causes)
+    if helps is not None and shaped and not helps(best):
+        reasons.append("conditions that are left out are not predicted better")
+    if _at_limit(problem, best):
+        reasons.append("an amplitude is at the end of its physical range")
+    return reasons
+
+
+def _without_single(
+    problem: Problem,
+    ranking: Ranking,
+    helps: Callable[[Fit], bool],
+    chance: Mapping[str, float],
+) -> Verdict:
     best_single = ranking.singles[0] if ranking.singles else ranking.null
     adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
     if not adequate or adequate[0].log_evidence < best_single.log_evidence + _PAIR_GAIN:
@@ -187,16 +223,16 @@ def _without_single(problem: Problem, ranking: Ranking, chance: Mapping[str, flo
             reason = "no single cause is adequate, and a pair leads by too little to be claimed"
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
-    close = [fit for fit in adequate if best.log_evidence - fit.log_evidence < MARGIN]
+    close = [fit for fit in ranking.pairs if best.log_evidence - fit.log_evidence < MARGIN]
     names = tuple(sorted({cause.name for fit in close for cause in fit.rival.causes}))
     if len(close) > 1:
         said = f"{len(close)} pairs explain the data about as well: " + "; ".join(
             fit.name for fit in close[:4]
         )
         return Verdict("ambiguous", names, best, (said,), chance)
-    if not best.certified:
-        said = "the fits of the best pair from different starts do not agree"
-        return Verdict("ambiguous", names, best, (said,), chance)
+    reasons = _doubts(problem, ranking.null, best, helps)
+    if reasons:
+        return Verdict("ambiguous", names, best, tuple(reasons), chance)
     return Verdict("pair", names, best, ("no single cause explains the data as well",), chance)
 
 
@@ -229,14 +265,16 @@ def probabilities(
     excess = max(null.chi2 / m, 1.0)
     gain = 0.5 * m * (excess - 1.0 - math.log(excess))
     generic = null.log_evidence + gain - 0.5 * math.log(m)
+    # A cause that was not fitted leaves the misfit about as it is.
+    nothing = _worth(problem, null)
     weights: dict[str, float] = {
-        "none": math.log(_NONE) + _worth(problem, null),
+        "none": math.log(_NONE) + nothing,
         "unknown": math.log(_UNKNOWN) + generic,
     }
-    evidence = {name: null.log_evidence + above for name, above in guessed.items()}
+    evidence = {name: nothing + above for name, above in guessed.items()}
     evidence |= {fit.name: _worth(problem, fit) for fit in ranking.singles}
     for cause in problem.causes:
-        weights[cause.name] = math.log(share) + evidence.get(cause.name, null.log_evidence)
+        weights[cause.name] = math.log(share) + evidence.get(cause.name, nothing)
     couples = [
         (fit, math.log(share) + math.log(0.1 / max(len(problem.causes), 1)) + _worth(problem, fit))
         for fit in ranking.pairs
