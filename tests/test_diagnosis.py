@@ -1,11 +1,13 @@
 """The engine on a toy model: rates over many seeds, and each of the six verdicts."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+from stickslip.diagnosis.heldout import measure_gain
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
 
@@ -152,14 +154,21 @@ def test_probabilities_sum_to_one_and_lean_to_the_truth():
 
 
 def test_bounds_hold_the_truth_where_nothing_was_found():
-    inside, total = 0, 0
+    inside, limits, strengths = 0, [], []
     for seed in range(40):
         found = diagnosis(seed, {"step": 0.05})
         if found.verdict.word == "none":
-            total += 1
-            inside += found.bounds["step.size"] >= 0.05
-    assert total >= 20
-    assert inside >= 0.9 * total
+            limits.append(found.bounds["step.size"])
+            inside += limits[-1] >= 0.05
+            rows = found.signatures.at == found.problem.columns(found.problem.causes)[0]
+            sizes = np.abs(found.problem.parameters[0].value(found.signatures.amplitude[rows]))
+            strengths.append(np.min(sizes / found.signatures.size[rows]))
+    assert len(limits) >= 20
+    assert inside >= 0.9 * len(limits)
+    # 1.96 sd above an estimate that scatters about the truth by 1 sd: 0.05 + 1.96 sd on average.
+    sd = float(np.mean(strengths))
+    spread = 3.0 * sd / math.sqrt(len(limits))
+    assert abs(np.mean(limits) - (0.05 + 1.96 * sd)) < spread + 0.1 * 1.96 * sd
 
 
 def test_gain_is_measured_on_conditions_that_no_fit_saw():
@@ -170,9 +179,19 @@ def test_gain_is_measured_on_conditions_that_no_fit_saw():
     assert gain.chi2_after < 2.5 < gain.chi2_before
     assert gain.interval[0] > 0.0
     assert gain.choice == "ripple"
-    # Another value at a held-out condition changes its error but not what is predicted there.
-    error = found.problem.observed[gain.held_out] - gain.predicted_after
-    assert np.isclose(np.mean(np.abs(error)), gain.mae_after)
+    # Other values at the held-out conditions change the errors but not what is predicted there.
+    observed = found.problem.observed.copy()
+    observed[gain.held_out] += 1.0
+    others = replace(found.problem, observed=observed)
+    fits = found.null, found.verdict.fit
+    covariance = found.noise.covariance + np.diag(found.roughness**2)
+    first, second = (
+        measure_gain(each, covariance, gain.held_out, *fits, [], 0)
+        for each in (found.problem, others)
+    )
+    assert np.array_equal(first.predicted_before, second.predicted_before)
+    assert np.array_equal(first.predicted_after, second.predicted_after)
+    assert second.mae_after > first.mae_after + 0.5
 
 
 def test_same_seed_same_result():
@@ -211,6 +230,10 @@ def test_a_model_that_fails_somewhere_is_used_elsewhere():
         ([1.0, 2.0], {"condition": [0, 2]}, "condition"),
         ([1.0, 2.0], {"block": [0]}, "block"),
         ([1.0, 2.0], {"sd": [0.0, 1.0]}, "sd"),
+        ([1.0, 2.0], {"sd": [1.0, 1.0, 1.0]}, "sd"),
+        ([1.0, 2.0], {"order": [1, 2, 3]}, "order"),
+        ([1.0, 2.0], {"group": [0]}, "group"),
+        ([1.0, 2.0], {"source": ["a"]}, "source"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(values, options, said):

@@ -63,7 +63,7 @@ def test_the_roller_steps_out():
     assert found.detection.p_value < 1e-3
     step_out = next(fit for fit in found.ranking.singles if fit.name == "step_out")
     assert found.ranking.singles[0] is step_out
-    frequency = 1.0 / (0.02 * step_out.x[1])
+    frequency = 1.0 / found.problem.physical(step_out.x[None, :])[0, 1]
     assert 35.0 < frequency < 80.0
     null = np.sqrt(np.mean((found.problem.observed - _level(found, found.null)) ** 2))
     after = np.sqrt(np.mean((found.problem.observed - _level(found, step_out)) ** 2))

@@ -1,6 +1,7 @@
 """The engine's search, on models whose jumps, twins and best points are known."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -153,6 +154,10 @@ def test_a_second_cause_begins_where_a_pulled_constant_was():
     assert closest.x[2] == single.x[2]
     # Amplitudes of 2 in coordinates, 3.1 in height, are scaled by a factor of at least a half.
     assert 0.8 < math.sinh(closest.x[1]) / math.sinh(1.0) < 3.2
+    # A freed constant is as far as it may be, and is the cause itself.
+    slope = Cause("slope", (), frees="slope")
+    freed = replace(single, rival=replace(make_rival(given, [slope])), x=np.array([5.0, 0.0, 0.0]))
+    assert beside_a_released_constant(given, freed) == []
     # A constant that is where its prior has it makes room for nothing.
     level = problem(model, 1.0 * wave, causes=[push, other])
     calm = fit_rivals(level, [rival], [[Start(np.zeros(3))]], 20)[0]
