@@ -56,13 +56,18 @@ def _right(row: Row) -> bool:
     return _named(row) and _said(row) == _truth(row)
 
 
+def _claimed(row: Row) -> bool:
+    return _verdict(row) in ("named", "pair")
+
+
 def _wrong(row: Row) -> bool:
-    return _named(row) and _said(row) != _truth(row)
+    return _claimed(row) and _said(row) != _truth(row)
 
 
 def _structure(row: Row) -> bool:
-    """A claim of a cause or a pair that is no constant."""
-    return _verdict(row) in ("named", "pair") and any("." not in name for name in _said(row))
+    """A claim of something that is no constant, or a set that has none."""
+    structural = ["." not in name for name in _said(row)]
+    return any(structural) if _claimed(row) else bool(structural) and all(structural)
 
 
 def _found(row: Row) -> bool:
@@ -121,7 +126,7 @@ def _right_after(row: Row) -> bool:
 
 
 def _wrong_twin(row: Row) -> bool:
-    return _named(row) and not _in_set(row)
+    return _claimed(row) and not _in_set(row)
 
 
 # kind, what is counted, among which, share asked for, whether at most
@@ -138,6 +143,7 @@ _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | N
     ("single", "parameters within 2 sd when rightly named", _within, _comparable, 0.90, False),
     ("single", "held-out error consistent when rightly named", _consistent, _right, 0.90, False),
     ("single", "held-out better when rightly named", _gained, _right, 0.89, False),
+    ("single", "a pair claimed", lambda row: _verdict(row) == "pair", None, float("nan"), True),
     ("weak", "detected", _found, None, 0.70, False),
     ("weak", "in the set when detected", _in_set, _found, 0.92, False),
     ("weak", "wrongly named", _wrong, None, 0.02, True),
@@ -155,7 +161,7 @@ _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | N
     ("unknown", "unexplained", lambda row: _verdict(row) == "unexplained", None, 0.85, False),
     ("unknown", "wrongly named", _named, None, 0.05, True),
     ("unknown", "a pair claimed", lambda row: _verdict(row) == "pair", None, 0.08, True),
-    ("shuffled", "named", lambda row: _verdict(row) in ("named", "pair"), None, 0.0, True),
+    ("shuffled", "named", _claimed, None, 0.0, True),
 )  # fmt: skip
 
 

@@ -32,7 +32,7 @@ from stickslip.diagnosis.rivals import (
 from stickslip.diagnosis.signatures import Signatures, find_signatures
 
 Array = NDArray[np.float64]
-Report = Callable[[float], object]
+Progress = Callable[[float], object]
 
 _CLOUDS, _SMOOTH = 3, 1.0
 _LEADERS = 2
@@ -84,7 +84,7 @@ def examine(problem: Problem, bare: Array, null: Fit, seed: int) -> Base:
 
 
 def compare(
-    base: Base, bare: Array, found: Recalibration, seed: int, say: Report
+    base: Base, bare: Array, found: Recalibration, seed: int, say: Progress
 ) -> tuple[Base, Ranking]:
     """Fit all rivals.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.checks import data_problem
-from stickslip.diagnosis.comparison import compare, examine
+from stickslip.diagnosis.comparison import Progress, compare, examine
 from stickslip.diagnosis.detection import Detection
 from stickslip.diagnosis.fits import Fit, Start
 from stickslip.diagnosis.fitting import fit_rivals
@@ -34,8 +34,6 @@ from stickslip.diagnosis.verdict import Table, Verdict, decide, prior_probabilit
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
-
-Report = Callable[[float], object]
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ def diagnose_model(
     source: Sequence[str] = (),
     doubt: str | None = None,
     seed: int = 0,
-    progress: Report | None = None,
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """Diagnose measured data with a forward model of one's own.
 
@@ -199,7 +197,7 @@ def diagnose_model(
     suspects = tuple(
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
         for each in uncertain
-        if each.suspect and each.prior.kind != "log-uniform"
+        if each.suspect and each.prior.has_middle
     )
     covariance = noise.covariance if known is None else known
     level, dof = noise.mean, noise.dof if noise.dof > 0 else math.inf

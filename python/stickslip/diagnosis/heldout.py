@@ -13,6 +13,7 @@ from scipy.stats import chi2 as chi2_law
 from stickslip.diagnosis.fits import Fit, Start
 from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import LOST, Problem
+from stickslip.diagnosis.noise import whitener
 
 Array = NDArray[np.float64]
 
@@ -123,7 +124,6 @@ def predictive_gain(
 
 def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> Problem:
     """The problem with some of its conditions only."""
-    lower = np.linalg.cholesky(covariance[np.ix_(keep, keep)])
 
     def predict(conditions: Any, parameters: Array) -> Array:
         return np.asarray(problem.predict(conditions, parameters))[:, keep]
@@ -133,7 +133,7 @@ def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> 
         predict=predict,
         draft=None,
         observed=problem.observed[keep],
-        whiten=np.linalg.inv(lower),
+        whiten=whitener(covariance[np.ix_(keep, keep)]),
     )
 
 

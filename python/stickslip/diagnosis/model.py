@@ -188,7 +188,7 @@ class Problem:
         """Lowest and highest value of every coordinate."""
         low, high = [-np.inf] * self.base_count, [np.inf] * self.base_count
         for k, each in enumerate(self.uncertain):
-            if each.prior.kind == "log-uniform":
+            if not each.prior.has_middle:
                 low[k], high[k] = -3.5, 3.5
         for parameter in self.parameters:
             low.append(parameter.limits[0])

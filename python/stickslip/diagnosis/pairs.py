@@ -22,6 +22,7 @@ from stickslip.diagnosis.rivals import (
 from stickslip.diagnosis.signatures import (
     UNSEEN,
     Signatures,
+    farthest,
     find_signatures,
     in_place,
     price,
@@ -124,7 +125,7 @@ def beside_a_released_constant(
         Names of a pair, in the order of the alphabet, and where to begin with it; empty if no
         constant is pulled.
     """
-    known = np.array([each.prior.kind != "log-uniform" for each in problem.uncertain])
+    known = np.array([each.prior.has_middle for each in problem.uncertain])
     p = problem.base_count
     pulls = np.abs(single.x[:p] / single.rival.width[:p]) * known
     if np.max(pulls, initial=0.0) < _PULLED:
@@ -157,9 +158,9 @@ def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
     # Two multiples by least squares; those below zero or far above one are not trusted.
     determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
     first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
-    farthest = np.where(signatures.at[rows] < 0, 8.0, 1.8)
-    first = np.clip(first, 0.0, farthest[:, None])
-    second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, farthest[None, :])
+    most = farthest(signatures)[rows]
+    first = np.clip(first, 0.0, most[:, None])
+    second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, most[None, :])
     fall = (
         2.0 * (first * along[:, None] + second * along[None, :])
         - first**2 * power[:, None]

@@ -117,7 +117,7 @@ def _apart(points: Array, count: int) -> list[Array]:
 
 def _strata(problem: Problem, points: Array) -> list[Array]:
     """The best point of each stratum of the parameters that are known only in range."""
-    wide = [k for k, each in enumerate(problem.uncertain) if each.prior.kind == "log-uniform"]
+    wide = [k for k, each in enumerate(problem.uncertain) if not each.prior.has_middle]
     if not wide:
         return _apart(points, _STRATA)
     chosen: list[Array] = []

@@ -188,10 +188,14 @@ def screen(signatures: Signatures, residual: Array) -> Screened:
     """Linear estimate of what every row would explain of a residual of recalibration."""
     power, cost = signatures.size**2, price(signatures)
     along = signatures.absorbed @ residual
-    farthest = np.where(signatures.at < 0, 8.0, 1.8)
-    scale = np.clip(along / (power + cost), 0.0, farthest)
+    scale = np.clip(along / (power + cost), 0.0, farthest(signatures))
     fall = 2.0 * scale * along - scale**2 * (power + cost)
     return Screened(scale, residual @ residual - fall, 0.5 * fall - 0.5 * np.log1p(power / cost))
+
+
+def farthest(signatures: Signatures) -> Array:
+    """Multiple of each row up to which its response is trusted, shape (rows,)."""
+    return np.where(signatures.at < 0, 8.0, 1.8)
 
 
 def guesses(problem: Problem, signatures: Signatures, residual: Array) -> dict[str, float]:

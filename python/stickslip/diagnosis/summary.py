@@ -13,11 +13,11 @@ from stickslip import _core
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.experiments import Experiment, advice
-from stickslip.diagnosis.fits import Fit
+from stickslip.diagnosis.fits import Fit, fitted_parameters
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.simulator import Examination
-from stickslip.diagnosis.verdict import describe, flat_directions, share_of_ceiling
+from stickslip.diagnosis.verdict import share_of_ceiling
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement
 
@@ -86,7 +86,7 @@ def summary(
         "cause": cause,
         "parameters": {
             _short(name): entry
-            for name, entry in fitted_parameters(found).items()
+            for name, entry in extended_parameters(found).items()
         },
         "probabilities": dict(verdict.probabilities),
         "p_value": found.detection.p_value,
@@ -109,7 +109,7 @@ def summary(
     }  # fmt: skip
 
 
-def fitted_parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
+def extended_parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
     """Parameters of the extended model; of a set, what each of its members would need."""
     if found.verdict.fit is None:
         return {}
@@ -129,7 +129,7 @@ def _sizes(found: Diagnosis) -> str:
     """The fitted parameters with their errors."""
     return ", ".join(
         f"{_short(name)} = {rounded(float(each['value']), float(each['sd']))} {each['unit']}"
-        for name, each in fitted_parameters(found).items()
+        for name, each in extended_parameters(found).items()
     )
 
 
@@ -145,11 +145,12 @@ def details(
     extended = found.verdict.fit
     points = [found.null.x] if extended is None else [found.null.x, extended.x]
     predicted = problem.predicted(np.stack(points))
+    sd = np.sqrt(np.diag(found.noise.covariance))
     rows = []
     for k, each in enumerate(conditions):
         row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
         row["velocity"] = float(problem.observed[k])
-        row["sd"] = float(np.sqrt(found.noise.covariance[k, k]))
+        row["sd"] = float(sd[k])
         row["model_scatter"] = float(found.roughness[k])
         row["trials"] = int(found.noise.count[k])
         row["recalibrated"] = float(predicted[0, k])
@@ -265,3 +266,37 @@ def gain_unit(examination: Examination) -> str:
         return "m/s"
     kinds = {channel.name for channel in examination.combined.channels}
     return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
+
+
+def flat_directions(problem: Problem, fit: Fit) -> list[str]:
+    """Combinations of uncertain parameters that the data says nothing about, in words."""
+    m, p = len(problem.observed), problem.base_count
+    if p == 0:
+        return []
+    data = fit.jacobian[:m, :p]
+    _, singular, right = np.linalg.svd(data, full_matrices=False)
+    said = []
+    for size, direction in zip(singular, right, strict=True):
+        if size >= 1.0:
+            continue
+        strong = [
+            problem.uncertain[k].name for k in np.argsort(-np.abs(direction)) if
+            abs(direction[k]) > 0.4
+        ]  # fmt: skip
+        if len(strong) > 1:
+            said.append(" and ".join(strong[:3]) + " trade off")
+        elif strong:
+            said.append(f"the data says nothing about {strong[0]}")
+    return said
+
+
+def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
+    """Value, standard deviation and unit of the parameters of a fit's causes."""
+    spread = np.sqrt(np.diag(fit.covariance))
+    result: dict[str, dict[str, float | str]] = {}
+    for each in fitted_parameters(problem, fit):
+        u = fit.x[each.column]
+        value = np.asarray(each.value(np.array([u - 0.01, u, u + 0.01])))
+        sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[each.position])
+        result[each.name] = {"value": float(value[1]), "sd": sd, "unit": each.unit}
+    return result

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import Detection, lack_of_fit_p
-from stickslip.diagnosis.fits import Fit, fitted_parameters
+from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
 from stickslip.diagnosis.signatures import SAME
@@ -293,37 +293,3 @@ def probabilities(
 def _worth(problem: Problem, fit: Fit) -> float:
     """Log-evidence, less where the model does not bring the misfit down to the noise."""
     return fit.log_evidence + math.log(min(adequacy(problem, fit) / ADEQUATE, 1.0) + 1e-300)
-
-
-def flat_directions(problem: Problem, fit: Fit) -> list[str]:
-    """Combinations of uncertain parameters that the data says nothing about, in words."""
-    m, p = len(problem.observed), problem.base_count
-    if p == 0:
-        return []
-    data = fit.jacobian[:m, :p]
-    _, singular, right = np.linalg.svd(data, full_matrices=False)
-    said = []
-    for size, direction in zip(singular, right, strict=True):
-        if size >= 1.0:
-            continue
-        strong = [
-            problem.uncertain[k].name for k in np.argsort(-np.abs(direction)) if
-            abs(direction[k]) > 0.4
-        ]  # fmt: skip
-        if len(strong) > 1:
-            said.append(" and ".join(strong[:3]) + " trade off")
-        elif strong:
-            said.append(f"the data says nothing about {strong[0]}")
-    return said
-
-
-def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
-    """Value, standard deviation and unit of the parameters of a fit's causes."""
-    spread = np.sqrt(np.diag(fit.covariance))
-    result: dict[str, dict[str, float | str]] = {}
-    for each in fitted_parameters(problem, fit):
-        u = fit.x[each.column]
-        value = np.asarray(each.value(np.array([u - 0.01, u, u + 0.01])))
-        sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[each.position])
-        result[each.name] = {"value": float(value[1]), "sd": sd, "unit": each.unit}
-    return result

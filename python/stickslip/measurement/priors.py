@@ -34,6 +34,11 @@ class Prior:
     first: float
     second: float
 
+    @property
+    def has_middle(self) -> bool:
+        """Whether it says a most likely value, and not a range only."""
+        return self.kind != "log-uniform"
+
     def value(self, z: ArrayLike) -> NDArray[np.float64]:
         """Parameter at the coordinate `z`, which is standard normal under this prior."""
         z = np.asarray(z, dtype=float)
