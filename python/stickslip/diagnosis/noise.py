@@ -200,23 +200,22 @@ def _between(
 
     By restricted maximum likelihood, one after the other, from the better of either alone.
     """
-    target = (value - mean[condition]) / sd[condition]
     shifts = np.eye(int(block.max()) + 1)[block]
     gains = shifts * np.sign(mean)[condition, None]
-    levels = np.eye(len(mean))[condition]
-    null = np.linalg.svd(levels, full_matrices=True)[0][:, levels.shape[1] :]
-    rotated = null.T @ target
-    parts = [null.T @ each for each in (shifts, gains)]
+    # What is left without the level of each condition; trials of one condition share their sd.
+    target = _centred(((value - mean[condition]) / sd[condition])[:, None], condition)
+    parts = _centred(np.hstack([shifts, gains]), condition)
+    gram, along, power = parts.T @ parts, (parts.T @ target)[:, 0], float(np.sum(target**2))
     # Where all go one way a shift and a gain are the same.
     both = len(set(np.sign(mean).tolist())) > 1
 
     def score(taus: tuple[float, float]) -> float:
-        total = np.eye(len(rotated))
-        for tau, part in zip(taus, parts, strict=True):
-            total += tau**2 * part @ part.T
-        lower = np.linalg.cholesky(total)
-        left = np.linalg.solve(lower, rotated)
-        return float(-np.sum(np.log(np.diag(lower))) - 0.5 * left @ left)
+        # Of the covariance 1 + W W' with W = parts times tau, by the small matrix 1 + W' W.
+        scale = np.repeat(taus, shifts.shape[1])
+        small = np.eye(len(scale)) + scale[:, None] * gram * scale
+        seen = scale * along
+        quadratic = power - float(seen @ np.linalg.solve(small, seen))
+        return float(-0.5 * np.linalg.slogdet(small)[1] - 0.5 * quadratic)
 
     grid = [0.0, *np.geomspace(0.05, 8.0, 40).tolist()]
     best = max(((tau, 0.0) for tau in grid), key=score)
@@ -226,3 +225,10 @@ def _between(
             best = max(((tau, best[1]) for tau in grid), key=score)
             best = max(((best[0], tau) for tau in grid), key=score)
     return best
+
+
+def _centred(columns: Array, condition: Index) -> Array:
+    """Columns without the mean of each condition."""
+    sums = np.zeros((int(condition.max()) + 1, columns.shape[1]))
+    np.add.at(sums, condition, columns)
+    return np.asarray(columns - (sums / np.bincount(condition)[:, None])[condition])
