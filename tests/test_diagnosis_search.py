@@ -12,7 +12,7 @@ from stickslip.diagnosis.comparison import reweighed
 from stickslip.diagnosis.fits import Start, make_rival
 from stickslip.diagnosis.fitting import fit_rivals, spread_factor
 from stickslip.diagnosis.heldout import folds, predictive_gain
-from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.model import Problem, Remembered
 from stickslip.diagnosis.noise import fit_noise, whitener
 from stickslip.diagnosis.pairs import beside_a_released_constant
 from stickslip.diagnosis.places import scan
@@ -52,6 +52,21 @@ def test_errors_that_are_too_large_are_computed_with_the_draft():
     at = np.zeros((1, 1))
     assert given.tempered(3.0).predicted(at)[0].tolist() == [7.0] * len(X)
     assert given.tempered(1.0, 1.5).predicted(at)[0].tolist() == [0.0] * len(X)
+
+
+def test_no_prediction_is_made_twice():
+    asked = []
+
+    def square(_, p):
+        asked.extend(p[:, 0].tolist())
+        return np.hstack([p**2, np.where(p > 2.0, np.nan, 0.0)])
+
+    remembered = Remembered(square)
+    first = remembered(None, np.array([[1.0], [3.0], [1.0]]))
+    second = remembered(None, np.array([[3.0], [2.0]]))
+    assert asked == [1.0, 3.0, 2.0]
+    np.testing.assert_array_equal(first, [[1.0, 0.0], [9.0, np.nan], [1.0, 0.0]])
+    np.testing.assert_array_equal(second, [[9.0, np.nan], [4.0, 0.0]])
 
 
 @pytest.mark.parametrize("edge", [0.004, -0.004])

@@ -18,7 +18,7 @@ from stickslip.diagnosis.detection import Detection
 from stickslip.diagnosis.fits import Fit, Start
 from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import Gain, folds, measure_gain, predictive_gain, split
-from stickslip.diagnosis.model import Cause, Predict, Problem, Uncertain
+from stickslip.diagnosis.model import Cause, Predict, Problem, Remembered, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
 from stickslip.diagnosis.profile import Profile, profile
 from stickslip.diagnosis.recalibration import recalibrate
@@ -207,14 +207,14 @@ def diagnose_model(
         # Only the trials' share of the misfit is judged by an estimated noise.
         dof *= (len(level) / len(noise.mean)) ** 2
     problem = Problem(
-        predict,
+        Remembered(predict),
         conditions,
         level,
         whitener(covariance),
         dof,
         tuple(uncertain),
         (*causes, *suspects),
-        draft=draft,
+        draft=None if draft is None else Remembered(draft),
     )
     held_out = split(len(noise.mean), seed, group)
     found = recalibrate(problem, seed)
