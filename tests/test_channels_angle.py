@@ -13,7 +13,7 @@ from stickslip.diagnosis.channels.angle_noise import READING
 from stickslip.diagnosis.channels.repeats import merge, widening
 from stickslip.diagnosis.channels.smoothness import noise_of_curve, order_along
 from stickslip.diagnosis.simulator import diagnose
-from stickslip.diagnosis.summary import fitted_parameters
+from stickslip.diagnosis.summary import extended_parameters
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1
@@ -70,7 +70,7 @@ def test_a_misaligned_magnet_is_named(tmp_path, seed, repeats):
     path = laboratory(tmp_path, {"effects.misalignment.angle": 0.1}, seed, repeats)
     found = diagnose(read_measurement(path), seed=seed).found
     assert (found.verdict.word, found.verdict.causes) == ("named", ("misalignment",))
-    angle = fitted_parameters(found)["effects.misalignment.angle"]
+    angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
     # Fourteen fields tilt it. Curvature makes the noise look larger where nothing was repeated.
     assert angle["sd"] < DEGREE * (2.5 / math.sqrt(14) if repeats == 3 else 1.0)
@@ -123,7 +123,7 @@ def test_velocities_and_angles_together(tmp_path):
     assert len(examination.conditions) == 6
     assert len(found.problem.observed) == 6 + len(FIELDS)
     assert "misalignment" in found.verdict.causes
-    angle = fitted_parameters(found)["effects.misalignment.angle"]
+    angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
     (sketch,) = examination.sketches()
     assert sketch.numbers["rms_extended"] < 2 * DEGREE < sketch.numbers["rms_recalibrated"]

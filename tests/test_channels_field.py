@@ -9,7 +9,7 @@ from command_line import stickslip
 from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
 from stickslip.diagnosis.channels import find_channels
 from stickslip.diagnosis.simulator import diagnose
-from stickslip.diagnosis.summary import fitted_parameters
+from stickslip.diagnosis.summary import extended_parameters
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1
@@ -61,7 +61,7 @@ def test_a_clamp_that_is_stronger_than_thought_is_named(tmp_path, seed):
     examination = diagnose(read_measurement(path), seed=seed)
     found = examination.found
     assert (found.verdict.word, found.verdict.causes) == ("named", ("field_gain",))
-    gain = fitted_parameters(found)
+    gain = extended_parameters(found)
     assert (
         abs(gain["effects.field_gain.clamp"]["value"] - 0.08)
         < 3 * (gain["effects.field_gain.clamp"]["sd"])
@@ -79,7 +79,7 @@ def test_a_field_that_no_coil_makes_is_named(tmp_path):
     path = write(tmp_path, probed(ambient=(2e-5, -4e-5), repeats=2))
     found = diagnose(read_measurement(path)).found
     assert (found.verdict.word, found.verdict.causes) == ("named", ("ambient_field",))
-    value = fitted_parameters(found)
+    value = extended_parameters(found)
     for name, truth in (("Bx", 2e-5), ("Bz", -4e-5)):
         each = value[f"effects.ambient_field.{name}"]
         assert abs(each["value"] - truth) < 3 * each["sd"]
