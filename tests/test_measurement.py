@@ -116,6 +116,11 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
         (('file = "velocity.csv"', 'file = "velocity.csv"\nvelocity_sd = 2'), "velocity_sd"),
         (('scenario = "nominal.toml"', "scenario = 3"), "scenario = 3"),
         (("[[velocity]]", "[[speed]]"), "speed"),
+        (("stickslip_measurement = 1", ""), "stickslip_measurement = 1 is missing"),
+        (("stickslip_measurement = 1", "stickslip = 1"), "a scenario, not a measurement"),
+        (("sd = 0.01", "std = 0.01"), "{ mean = 0.145, std = 0.01 }"),
+        (('"contact.kinetic_friction"', '"drive.peak"'), "not in [drive]"),
+        (('file = "velocity.csv"', ""), "[[velocity]] file is missing"),
     ],
 )
 def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
@@ -132,6 +137,9 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
         ("frequency\n30\n", '"velocity" is missing'),
         ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
         ("velocity\n", "no row of data"),
+        ("frequency,velocty\n30,0.1\n", '"velocty" may be meant'),
+        ("frequency,hold,velocity\n30,0.6,1e-3\n", "If fields are in mT"),
+        ("frequency,velocity\n0.03,1e-3\n", "If frequencies are in kHz"),
         ("velocity,velocity\n1,1\n", "twice"),
         ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
     ],

@@ -11,7 +11,7 @@ import functools
 import json
 import math
 import numbers
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
@@ -136,6 +136,8 @@ def shown(value: object) -> str:
         text = json.dumps(value, ensure_ascii=False)
     elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
         text = repr(float(value))
+    elif isinstance(value, Mapping):
+        text = "{ " + ", ".join(f"{key} = {shown(each)}" for key, each in value.items()) + " }"
     else:
         try:
             text = " ".join(repr(value).split())

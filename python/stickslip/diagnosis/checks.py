@@ -33,9 +33,12 @@ def data_problem(
     if alone and len(noise.mean) < 4:
         few = len(noise.mean)
         said = "1 condition is" if few == 1 else f"{few} conditions are"
-        return f"{said} too few to tell causes apart"
+        return f"{said} too few to tell causes apart; at least 4 are needed"
     if alone and noise.dof == 0.0:
-        return "too few repeats that differ and no stated error, so no misfit can be judged"
+        return (
+            "the noise is not known, so no misfit can be judged: repeat the trials of some "
+            "conditions, or state velocity_sd in [[velocity]]"
+        )
     if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
         between = float(np.var(noise.mean))
         if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):

@@ -92,7 +92,10 @@ def read_measurement(path: str | PathLike[str]) -> Measurement:
 
 
 def _measurement(document: dict[str, Any], path: Path) -> Measurement:
-    version = document.get("stickslip_measurement")
+    if "stickslip_measurement" not in document:
+        hint = "; this is a scenario, not a measurement" if "stickslip" in document else ""
+        raise ScenarioError(f"stickslip_measurement = {FORMAT_VERSION} is missing{hint}")
+    version = document["stickslip_measurement"]
     if isinstance(version, bool) or version != FORMAT_VERSION:
         raise ScenarioError(
             f"stickslip_measurement = {shown(version)}: allowed is {FORMAT_VERSION}, the version "
@@ -106,7 +109,9 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     name = document.get("name", path.stem)
     if not isinstance(name, str):
         raise ScenarioError(f"name = {shown(name)}: allowed is a text")
-    nominal = document.get("scenario")
+    if "scenario" not in document:
+        raise ScenarioError("scenario is missing: allowed is the path of a scenario file")
+    nominal = document["scenario"]
     if not isinstance(nominal, str):
         raise ScenarioError(f"scenario = {shown(nominal)}: allowed is the path of a scenario file")
     scenario = Scenario.from_toml(path.parent / nominal)
@@ -163,7 +168,10 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                 )
         key = find_key(name, entry)
         if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
-            raise ScenarioError(f'[uncertain] "{name}": allowed is a real number of the model')
+            raise ScenarioError(
+                f'[uncertain] "{name}": allowed is a constant of the model; what is a number there '
+                "and not in [drive], [solver] or [record]"
+            )
         prior = parse_prior(name, entry)
         middle = float(prior.value(0.0))
         scenario.replace({name: middle}) if name != "contact.kinetic_friction" else None
@@ -182,9 +190,11 @@ def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
                     f"[[{kind}]] {key} = {shown(value)}: there is no such key; "
                     f"{suggestion(key, _ENTRIES[kind])}"
                 )
-        if not isinstance(entry.get("file"), str):
+        if "file" not in entry:
+            raise ScenarioError(f"[[{kind}]] file is missing: allowed is the path of a CSV file")
+        if not isinstance(entry["file"], str):
             raise ScenarioError(
-                f"[[{kind}]] file = {shown(entry.get('file'))}: allowed is the path of a CSV file"
+                f"[[{kind}]] file = {shown(entry['file'])}: allowed is the path of a CSV file"
             )
     return entries
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -88,8 +89,10 @@ def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) ->
     """
     for name in required:
         if name not in header:
+            near = difflib.get_close_matches(name, header, n=1, cutoff=0.6)
+            meant = f', and "{near[0]}" may be meant as it' if near else ""
             raise ScenarioError(
-                f'{path}: column "{name}" is missing; there are ' + ", ".join(header)
+                f'{path}: column "{name}" is missing; there are {", ".join(header)}{meant}'
             )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,9 @@ from stickslip.scenario import Scenario
 
 FASTEST = 1.0
 """Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""
+
+_STRONGEST, _SLOWEST = 0.1, 0.2
+"""Beyond any coil's field, T, and below any rocking that steps, Hz: there a unit is wrong."""
 
 _OUTLIER = 8.0
 _MANY = 0.1
@@ -111,7 +114,7 @@ def read_velocity(
     left_out = [f"{path.name} {listed(lines)}: {reason}" for reason, lines in reasons.items()]
     lost = sum(len(lines) for lines in reasons.values())
     if lost > _MANY * len(rows):
-        left_out.append(f"{path.name}: {lost} of {len(rows)} rows were left out")
+        left_out.insert(0, f"{path.name}: {lost} of {len(rows)} rows were left out")
     if not kept:
         reason = next(iter(reasons), "it has none")
         raise NothingSound(f"{path}: no row is sound; the first: {reason}")
@@ -123,6 +126,7 @@ def read_velocity(
             f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s. "
             "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
         )
+    _refuse_units(path, [dict(setting) for setting in groups])
     sound = _without_outliers(path.name, velocity_all, condition, left_out)
     numbers = {old: new for new, old in enumerate(dict.fromkeys(condition[sound].tolist()))}
     settings = list(groups)
@@ -159,6 +163,23 @@ def _setting(
         raise ScenarioError('mode "program" has no place in a table of velocities')
     full = scenario.replace(changes)
     return tuple((f"drive.{name}", full.get(f"drive.{name}")) for name in drive)
+
+
+def _refuse_units(path: Path, conditions: Sequence[Mapping[str, Value]]) -> None:
+    """Refuse fields and frequencies that can only be in mT and kHz."""
+    for name in ("peak", "base", "hold"):
+        field = max(abs(float(each[f"drive.{name}"])) for each in conditions)
+        if field > _STRONGEST:
+            raise ScenarioError(
+                f"{path}: {name} of {field:.3g} T; allowed is at most {_STRONGEST} T. "
+                "If fields are in mT, divide them by 1e3"
+            )
+    slowest = min(float(each["drive.frequency"]) for each in conditions)
+    if slowest < _SLOWEST:
+        raise ScenarioError(
+            f"{path}: frequency of {slowest:.3g} Hz; allowed is at least {_SLOWEST} Hz. "
+            "If frequencies are in kHz, multiply them by 1e3"
+        )
 
 
 def _without_outliers(
