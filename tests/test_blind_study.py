@@ -31,7 +31,7 @@ ROOT = Path(__file__).resolve().parents[1]
 def _said(folder, kind, seed):
     answer = write_case(folder, kind, seed)
     measurement = read_measurement(folder / "measurement.toml")
-    said = summary(diagnose(measurement).found, measurement, [])
+    said = summary(diagnose(measurement), measurement, [])
     cause = said["cause"]
     names = set() if cause is None else {cause} if isinstance(cause, str) else set(cause)
     return answer, said, names

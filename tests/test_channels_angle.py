@@ -12,8 +12,8 @@ from stickslip.diagnosis.channels import find_channels
 from stickslip.diagnosis.channels.angle_noise import READING
 from stickslip.diagnosis.channels.repeats import merge, widening
 from stickslip.diagnosis.channels.smoothness import noise_of_curve, order_along
+from stickslip.diagnosis.parameters import extended_parameters
 from stickslip.diagnosis.simulator import diagnose
-from stickslip.diagnosis.summary import extended_parameters
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1
@@ -219,7 +219,7 @@ def test_a_dirty_table_gives_the_same_verdict(tmp_path):
     said = json.loads(done.stdout)
     assert said["verdict"] == "none"
     assert any("2 of 18 rows" in line for line in said["left_out"])
-    notes = json.loads((tmp_path / "found" / "report.json").read_text())["notes"]
+    notes = said["left_out"]
     assert any("beyond half a turn" in line for line in notes)
     assert any("far from both its neighbours" in line for line in notes)
 

@@ -113,7 +113,7 @@ def test_frames_far_from_their_phase_are_left_out():
     channel = TrackingChannel(
         TrackingRun(run.file, wild, run.scenario, run.frame_rate, run.exposure, run.noise)
     )
-    assert any("2 frames lie far" in line for line in channel.notes)
+    assert any("2 frames lie far" in line for line in channel.left_out)
     assert np.mean(whitened(channel) ** 2) < 1.4
 
 
@@ -304,7 +304,7 @@ def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
     for word in ("no number", "order of time", "repeat a time", "column z", "column current_x"):
         assert word in said, said
     (channel,) = find_tracking(found.tracking, 1)
-    assert "current_x is not used" in "\n".join(channel.notes)
+    assert "current_x is not used" in "\n".join(channel.left_out)
     assert np.all(np.isfinite(channel.predict(NAMES, VALUES)))
 
 

@@ -20,8 +20,8 @@ from stickslip.diagnosis.profile import profile
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
 from stickslip.diagnosis.simulator import wrong_sign
-from stickslip.diagnosis.summary import headline, rounded
 from stickslip.diagnosis.verdict import Table, contradicting
+from stickslip.diagnosis.words import headline, rounded
 
 X = np.linspace(1.0, 3.0, 24)
 SD = 0.05

@@ -32,7 +32,7 @@ def _diagnosed(folder: Path) -> dict[str, Any]:
     start = time.process_time()
     measurement = read_measurement(folder / "measurement.toml")
     examination = diagnose(measurement, threads=1)
-    said = summary(examination.found, measurement, propose(examination))
+    said = summary(examination, measurement, propose(examination))
     gain = examination.found.gain
     return {
         "said": said,

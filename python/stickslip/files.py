@@ -44,6 +44,33 @@ def check_writable(path: str | PathLike[str]) -> None:
         raise PermissionError(f"cannot write {target}: no permission to write in {folder}")
 
 
+def check_folder(path: str | PathLike[str]) -> None:
+    """Refuse a folder that could not be made or written to; it need not be there yet.
+
+    Raises
+    ------
+    OSError
+        Naming what is in the way.
+    """
+    target = Path(path)
+    if target.exists() and not target.is_dir():
+        raise NotADirectoryError(f"cannot write {target}: it is not a folder")
+    made: list[Path] = []
+    try:
+        # Rights alone do not tell: some file systems take no new folder from anyone.
+        for folder in reversed([target.absolute(), *target.absolute().parents]):
+            if not folder.exists():
+                folder.mkdir()
+                made.append(folder)
+    except OSError as error:
+        raise type(error)(f"cannot write {target}: {error.strerror}") from None
+    finally:
+        for folder in reversed(made):
+            folder.rmdir()
+    if target.exists() and not os.access(target, os.W_OK):
+        raise PermissionError(f"cannot write {target}: no permission to write in it")
+
+
 @contextlib.contextmanager
 def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     """A temporary path in the same folder that becomes `path` when the block ends without error.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import sys
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -133,11 +134,17 @@ def _program(file: object, folder: Path) -> Waveform:
         raise ScenarioError(f"drive.file = {shown(file)}: {error}") from None
 
 
-def write_scenario(scenario: Scenario, path: str | PathLike[str]) -> str:
-    """Write the scenario's file, and its voltages beside it; return the text."""
+def write_scenario(
+    scenario: Scenario, path: str | PathLike[str], comments: Sequence[str] = ()
+) -> str:
+    """Write the scenario's file, and its voltages beside it; return the text.
+
+    `comments` are lines at its top, without their ``#``.
+    """
     path = Path(path)
     voltages = path.with_name(f"{path.stem}.voltages.csv")
-    text = scenario_text(scenario, voltages.name)
+    text = "".join(f"# {line}\n" for line in comments)
+    text += scenario_text(scenario, voltages.name)
     if scenario.drive.program is not None:
         scenario.drive.program.to_csv(voltages)
     with replacing(path) as temporary:

@@ -8,7 +8,7 @@ import click
 
 from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import progress_bar
-from stickslip.errors import ScenarioError
+from stickslip.cli.targets import check_folder_target
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -16,7 +16,8 @@ from stickslip.errors import ScenarioError
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Write report.html, report.json and extended.toml into this folder.",
+    help="Folder for report.html, report.json and extended.toml.  [default: diagnosis; with "
+    "--json none]",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
@@ -29,28 +30,40 @@ def command(
     Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
     ambiguous, pair, unexplained, data-problem.
     """
+    from stickslip.diagnosis.conditions import changes
     from stickslip.diagnosis.experiments import propose
-    from stickslip.diagnosis.report import changes, write_report
+    from stickslip.diagnosis.report import write_report
     from stickslip.diagnosis.simulator import diagnose
-    from stickslip.diagnosis.summary import headline, summary
+    from stickslip.diagnosis.standing import runner_up
+    from stickslip.diagnosis.summary import summary
+    from stickslip.diagnosis.words import headline
     from stickslip.measurement import read_measurement
 
     data = read_measurement(measurement)
-    if out is not None and out.exists() and not out.is_dir():
-        raise ScenarioError(f"--out: {out} is there and is no folder")
-    with progress_bar("diagnosing") as show:
-        examination = diagnose(data, seed=seed, threads=jobs, progress=show)
-    found = examination.found
-    experiments = propose(examination)
+    if out is None and not as_json:
+        out = Path("diagnosis")
     if out is not None:
-        write_report(out, examination, data, experiments)
+        check_folder_target("--out", out)
+    with progress_bar("diagnosing") as show:
+        examination = diagnose(
+            data, seed=seed, threads=jobs, progress=lambda done, stage: show(0.95 * done, stage)
+        )
+        found = examination.found
+        show(0.95, "next experiment")
+        experiments = propose(examination)
+        if out is not None:
+            show(0.97, "report")
+            write_report(out, examination, data, experiments)
     if as_json:
-        click.echo(json_text(summary(found, data, experiments)))
+        click.echo(json_text(summary(examination, data, experiments)))
         return
     click.echo(f"{found.verdict.word}: {headline(found)}")
     reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
-    for line in (*reasons, *found.notes, *data.left_out):
+    second = runner_up(found)
+    for line in (*reasons, *([second] if second else []), *found.notes):
         click.echo(f"  {line}")
+    for line in (*data.left_out, *examination.left_out):
+        click.echo(f"  left out: {line}")
     if found.gain is not None:
         click.echo(
             f"  chi-square of each of {len(found.gain.held_out)} held-out conditions: "
@@ -59,4 +72,4 @@ def command(
     for each in experiments[:1]:
         click.echo(f"  next experiment: {changes(each.drive, examination.conditions)}; {each.why}")
     if out is not None:
-        click.echo(f"  {out / 'report.html'}")
+        click.echo(f"  in {out}: report.html, report.json, extended.toml")

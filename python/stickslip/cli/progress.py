@@ -4,22 +4,36 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Protocol
+
+
+class Show(Protocol):
+    """Shows the fraction that is done, and the stage, if there are any."""
+
+    def __call__(self, fraction: float, stage: str = "") -> None:
+        """Show it."""
+        ...
+
 
 PATIENCE = 2.0
 """Time that passes without a bar, s."""
 
 
 @contextlib.contextmanager
-def progress_bar(description: str) -> Iterator[Callable[[float], None]]:
-    """A function that takes the fraction that is done, 0 to 1, and shows it."""
+def progress_bar(description: str) -> Iterator[Show]:
+    """A function that takes the fraction that is done, 0 to 1, and the stage, and shows both."""
+    begun = time.monotonic()
     with _bar(
         description, 1.0, "{desc}: {percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
     ) as bar:
 
-        def show(fraction: float) -> None:
+        def show(fraction: float, stage: str = "") -> None:
+            bar.set_description_str(stage or description, refresh=False)
             bar.update(fraction - bar.n)
+            if stage and time.monotonic() - begun > PATIENCE:
+                bar.refresh()  # a stage may be long, and its name comes once
 
         yield show
 
@@ -73,6 +87,12 @@ class _NoBar:
     """Where there is no standard error."""
 
     n = 0.0
+
+    def refresh(self) -> None:
+        pass
+
+    def set_description_str(self, text: str, refresh: bool = True) -> None:
+        pass
 
     def update(self, more: float) -> None:
         pass

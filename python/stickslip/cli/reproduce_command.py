@@ -9,6 +9,7 @@ import click
 
 from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import progress_bar
+from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
@@ -47,8 +48,7 @@ def command(
     names = None if only is None else [name.strip() for name in only.split(",") if name.strip()]
     if names == []:
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
-    if out.exists() and not out.is_dir():
-        raise ScenarioError(f"--out: cannot write {out}: it is not a folder")
+    check_folder_target("--out", out)
     with progress_bar("reproducing") as show:
         result = reproduce(
             out,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError
-from stickslip.files import check_suffix, check_writable
+from stickslip.files import check_folder, check_suffix, check_writable
 from stickslip.keys import FILE
 from stickslip.scenario_file import voltage_file
 
@@ -49,6 +49,20 @@ def check_target(
             check_suffix(path, suffixes)
         except ValueError as error:
             raise ScenarioError(f"{option}: {error}") from None
+
+
+def check_folder_target(option: str, path: Path) -> None:
+    """Refuse a folder that cannot be made or written to.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the option and the path.
+    """
+    try:
+        check_folder(path)
+    except OSError as error:
+        raise ScenarioError(f"{option}: {error}") from None
 
 
 def same_file(one: Path, other: Path) -> bool:

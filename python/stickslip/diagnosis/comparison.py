@@ -32,7 +32,8 @@ from stickslip.diagnosis.rivals import (
 from stickslip.diagnosis.signatures import Signatures, find_signatures
 
 Array = NDArray[np.float64]
-Progress = Callable[[float], object]
+Progress = Callable[[float, str], object]
+"""Told the fraction that is done, 0 to 1, and what comes next."""
 
 _CLOUDS, _SMOOTH = 3, 1.0
 _LEADERS = 2
@@ -96,7 +97,7 @@ def compare(
     found : Recalibration
     seed : int
     say : callable
-        Called with the fraction that is done.
+        Told of the progress.
 
     Returns
     -------
@@ -124,10 +125,10 @@ def compare(
             base, singles = _rougher(base, bare, np.maximum(base.roughness, more), singles)
             singles = refine(base.problem, singles, {}, base.clouds)
     ranking = Ranking(base.null, singles, ())
-    say(0.6)
     # The best single of two effects is often neither, so adequacy decides and not the rank.
     sufficient = any(adequacy(base.problem, fit) >= COMFORTABLE for fit in singles[:3])
     if singles and not sufficient:
+        say(0.6, "fitting pairs of causes")
         if base.problem is not problem:
             others = at_full_weight(base.problem, [fit for fit, _ in views[1:]])
             views[1:] = [(fit, find_signatures(base.problem, fit)) for fit in others]

@@ -165,7 +165,7 @@ def diagnose_model(
     seed : int
         Of all random draws.
     progress : callable, optional
-        Called with the fraction that is done.
+        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
 
     Returns
     -------
@@ -190,7 +190,7 @@ def diagnose_model(
     >>> found.verdict.word, found.verdict.causes
     ('named', ('wave',))
     """
-    say = progress or (lambda fraction: None)
+    say = progress or (lambda fraction, stage: None)
     values, index, blocks = _checked(observed, condition, block)
     _check_lengths(values, index, order, group, source, 0 if also is None else len(also.observed))
     noise, known = _noise(values, index, blocks, relative_sd, sd)
@@ -216,6 +216,7 @@ def diagnose_model(
         (*causes, *suspects),
         draft=None if draft is None else Remembered(draft),
     )
+    say(0.0, "recalibrating")
     held_out = split(len(noise.mean), seed, group)
     found = recalibrate(problem, seed)
     null = found.null
@@ -228,17 +229,17 @@ def diagnose_model(
         problem = replace(problem, whiten=whitener(covariance))
         again = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
         null = replace(again, certified=null.certified, starts=null.starts)
-    say(0.1)
+    say(0.1, "testing")
     base = examine(problem, covariance, null, seed)
-    say(0.35)
     notes = list(noise.notes)
     trouble = doubt or data_problem(values, index, noise, order, blocks, also is None)
     ranking = Ranking(base.null, (), ())
     if trouble is None and base.detection.found:
+        say(0.2, "fitting causes")
         base, ranking = compare(base, covariance, found, seed, say)
     problem, covariance, roughness = base.problem, base.covariance, base.roughness
     null, detection, signatures = base.null, base.detection, base.signatures
-    say(0.9)
+    say(0.85, "verdict and gain")
     cosines = isolability(problem, signatures, null.residual)
     parts = folds(len(noise.mean), group)
 
@@ -273,7 +274,7 @@ def diagnose_model(
             f"conditions where the model itself jumps by more than the noise under tiny changes of "
             f"its parameters: {rough}; they count less"
         )
-    say(1.0)
+    say(1.0, "done")
     return Diagnosis(
         problem, noise, roughness, null, detection, signatures, ranking, cosines,
         classes(problem, cosines), verdict, bounds, ceiling, gain, profiles, tuple(notes), seed,

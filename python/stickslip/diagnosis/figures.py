@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.parameters import set_members
 from stickslip.diagnosis.profile import Profile
+from stickslip.diagnosis.standing import leading
 from stickslip.keys import Value
 
 Array = NDArray[np.float64]
@@ -37,10 +39,12 @@ def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
 
 
-def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]]) -> str:
-    """Data and both models against frequency, a column for each mode and direction.
+def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], stated: Array) -> str:
+    """Data and models against frequency, a column for each mode and direction.
 
-    With residuals below. Empty where no velocity was measured.
+    `stated` are the velocities of the scenario as it was given, m/s. Residuals are below. At
+    held-out conditions the models are those that were fitted without them. Empty where no velocity
+    was measured.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -56,6 +60,10 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]]) -> s
     held = np.zeros(m, dtype=bool)
     if found.gain is not None:
         held[found.gain.held_out] = True
+        # What is judged there is what the fits without these conditions said.
+        predicted[:, held] = (
+            np.stack([found.gain.predicted_before, found.gain.predicted_after]) * 1e3
+        )
     words = [f"{each['drive.mode']} {each['drive.direction']}" for each in conditions]
     frequency = np.array([float(each["drive.frequency"]) for each in conditions])
     panels = list(dict.fromkeys(words))
@@ -64,14 +72,19 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]]) -> s
     frames = figure.subplots(
         2, len(panels), sharex="col", sharey="row", squeeze=False, height_ratios=[3, 1]
     )
-    names = ["recalibrated", f"with {' + '.join(found.verdict.causes[:2])}"]
+    data = "measured (2 sd)" if found.noise.dof > 0.0 else "measured"
+    names = ["recalibrated", "" if found.verdict.fit is None else f"with {found.verdict.fit.name}"]
     for column, panel in enumerate(panels):
         above, below = frames[:, column]
         mine = np.array([word == panel for word in words])
-        for chosen, face, label in ((mine & ~held, "k", "measured (2 sd)"),
+        for chosen, face, label in ((mine & ~held, "k", data),
                                     (mine & held, "w", "held out for the gain")):  # fmt: skip
-            above.errorbar(frequency[chosen], observed[chosen], 2 * sd[chosen], fmt="o", color="k",
+            if face == "w" and not held.any():
+                continue
+            bars = 2 * sd[chosen] if found.noise.dof > 0.0 else None
+            above.errorbar(frequency[chosen], observed[chosen], bars, fmt="o", color="k",
                            mfc=face, ms=4, label=label)  # fmt: skip
+        above.plot(frequency[mine], stated[mine] * 1e3, "x", color=_GREY, ms=5, label="as stated")
         for row, name, colour in zip(predicted, names, (_BLUE, _ORANGE), strict=False):
             above.plot(frequency[mine], row[mine], "_", color=colour, ms=11, mew=2, label=name)
             below.plot(frequency[mine], ((observed - row) / sd)[mine], ".", color=colour)
@@ -81,7 +94,10 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]]) -> s
     frames[0, 0].set_ylabel("mean velocity (mm/s)")
     frames[1, 0].set_ylabel("residual / sd")
     handles, labels = frames[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=8, frameon=False)
+    columns = 5 if len(panels) > 2 else 2
+    figure.legend(
+        handles, labels, loc="outside upper center", ncols=columns, fontsize=10, frameon=False
+    )
     return png(figure)
 
 
@@ -146,17 +162,16 @@ def against_model(
 
 
 def ranking(found: Diagnosis) -> str | None:
-    """Log-evidence of the leading rivals above no cause."""
-    fits = sorted(
-        [*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence
-    )[:12]
+    """Log-evidence of the leading rivals above no cause, after the price of a second cause."""
+    fits = leading(found)
     if not fits:
         return None
     figure, (frame,) = axes(1, 7.0, 0.4 + 0.3 * len(fits))
-    gains = [fit.log_evidence - found.null.log_evidence for fit in fits]
-    colours = [_GREEN if fit.name in found.verdict.causes else _GREY for fit in fits]
+    gains = [fit.priced_evidence - found.null.log_evidence for fit in fits]
+    claimed = {fit.name for fit in set_members(found)}
+    colours = [_GREEN if fit.name in claimed else _GREY for fit in fits]
     frame.barh([fit.name for fit in fits][::-1], gains[::-1], color=colours[::-1])
-    frame.set_xlabel("log-evidence above the recalibrated model")
+    frame.set_xlabel("log-evidence above no cause (green: what is claimed)")
     return png(figure)
 
 

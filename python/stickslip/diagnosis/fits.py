@@ -13,6 +13,12 @@ from stickslip.diagnosis.model import FREED, Cause, Problem
 Array = NDArray[np.float64]
 
 
+PAIR_PRICE = 6.7
+"""Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 378
+chi-squares of one degree of freedom, 8.8, for all pairs of 28 causes, less the price of an
+amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64) / 2 = 2.1."""
+
+
 @dataclass(frozen=True)
 class Rival:
     """A model that competes: the recalibrated baseline and some causes.
@@ -77,6 +83,11 @@ class Fit:
     def covariance(self) -> Array:
         """Of the free coordinates."""
         return np.asarray(np.linalg.inv(self.jacobian.T @ self.jacobian))
+
+    @property
+    def priced_evidence(self) -> float:
+        """`log_evidence` less `PAIR_PRICE` for a second cause: how a verdict weighs it."""
+        return self.log_evidence - (PAIR_PRICE if len(self.rival.causes) > 1 else 0.0)
 
     @property
     def name(self) -> str:

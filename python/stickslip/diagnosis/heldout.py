@@ -178,7 +178,7 @@ def measure_gain(
     random = np.random.default_rng([seed, 29])
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
-    best = max(refits[1:], key=lambda fit: fit.log_evidence)
+    best = max(refits[1:], key=lambda fit: fit.priced_evidence)
     missed = problem.observed - everywhere[1]
     own, spread = _beyond(missed, covariance, held_out, keep, chosen.slope, refits[1])
     weighed = float(own @ np.linalg.solve(spread, own))

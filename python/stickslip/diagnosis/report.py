@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from importlib import resources
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
+from stickslip.diagnosis.conditions import changes, in_words, shown_unit, shown_value, varied
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.experiments import Experiment
+from stickslip.diagnosis.parameters import set_members
 from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.summary import details, further, gain_unit, summary
 from stickslip.errors import ScenarioError
@@ -22,6 +26,8 @@ from stickslip.keys import Value, known_keys
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario import Scenario
 from stickslip.scenario_file import write_scenario
+
+Array = NDArray[np.float64]
 
 
 def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
@@ -47,7 +53,7 @@ def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
 
 
 def write_report(
-    out: Path,
+    out: str | PathLike[str],
     examination: Examination,
     measurement: Measurement,
     experiments: Sequence[Experiment],
@@ -59,42 +65,55 @@ def write_report(
     OSError
         If a file cannot be written.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    found, conditions = examination.found, examination.conditions
+    found = examination.found
     sketches = examination.sketches()
-    short = summary(found, measurement, experiments)
-    full = {**short, **details(found, measurement, conditions)}
+    full = {
+        **summary(examination, measurement, experiments),
+        **details(examination, measurement),
+    }
     full["channels"] = {each.title: each.numbers for each in sketches}
     full["gain_unit"] = gain_unit(examination)
     full |= further(examination)
-    with replacing(out / "report.json") as temporary:
-        temporary.write_text(json_text(full) + "\n", encoding="utf-8")
-    with replacing(out / "report.html") as temporary:
-        temporary.write_text(page_text(found, full, sketches, conditions), encoding="utf-8")
-    write_scenario(extended_scenario(found, measurement.scenario), out / "extended.toml")
+    # All three are made before the first is written.
+    texts = {
+        "report.json": json_text(full) + "\n",
+        "report.html": page_text(found, full, sketches, examination.conditions, examination.stated),
+    }
+    extended = extended_scenario(found, measurement.scenario)
+    out = Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        with replacing(out / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    write_scenario(extended, out / "extended.toml", _origin(found, measurement, extended))
 
 
-def _varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
-    """Bare names of the settings that are not the same in all conditions."""
-    if not conditions:
-        return []
-    return [
-        key.split(".")[1]
-        for key in conditions[0]
-        if len({each.get(key) for each in conditions}) > 1
+def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
+    """Where an extended scenario is from, and what it has changed."""
+    lines = [f"stickslip diagnose {measurement.path.name}: {found.verdict.word}"]
+    if found.verdict.causes:
+        lines[0] += " " + ", ".join(found.verdict.causes)
+    if found.verdict.fit is not None and found.verdict.word == "ambiguous":
+        lines.append(f"here: {found.verdict.fit.name}, which fits best")
+    changed = [
+        f"{key}: {measurement.scenario.get(key):.6g} -> {extended.get(key):.6g}"
+        for key, known in known_keys().items()
+        if known.kind == "real" and extended.get(key) != measurement.scenario.get(key)
     ]
+    return [*lines, *(changed or ["nothing is changed"])]
 
 
-def changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:
-    """The settings of a proposed experiment that not all conditions have."""
-    first = conditions[0]
-    varied = _varied(conditions)
-    said = [
-        f"{key} = {value}"
-        for key, value in drive.items()
-        if key in varied or first.get(f"drive.{key}") != value
-    ]
-    return ", ".join(said)
+def _column(key: str) -> str:
+    """Heading of a setting's column."""
+    unit = shown_unit(key)[0]
+    name = key.split(".")[1]
+    return name if unit in ("", "-") else f"{name} ({unit})"
+
+
+def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Rows of the leading rivals and of no cause, in the order in which the verdict weighs them."""
+    rows = [row for row in ranking if row["leading"]]
+    return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
 
 
 def _typical_error(found: Diagnosis) -> str:
@@ -111,6 +130,7 @@ def page_text(
     full: Mapping[str, Any],
     sketches: Sequence[Sketch],
     conditions: Sequence[Mapping[str, Value]],
+    stated: Array,
 ) -> str:
     """The report as one page that needs no other file."""
     import jinja2
@@ -121,7 +141,7 @@ def page_text(
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    keys, varied = known_keys(), _varied(conditions)
+    keys, among = known_keys(), varied(conditions)
     return environment.from_string(source).render(
         report=full,
         meanings={each.name: each.meaning for each in found.problem.causes},
@@ -129,10 +149,17 @@ def page_text(
         shown={"m/s": ("mm/s", 1e3), "rad": ("degrees", math.degrees(1.0)), "T": ("mT", 1e3)}.get(
             full["gain_unit"], ("SI units", 1.0)
         ),
-        curves=figures.velocities(found, conditions),
+        curves=figures.velocities(found, conditions, stated),
         profiles=[figures.profile(each) for each in found.profiles],
-        varied=varied,
-        drive_keys=[key.split(".")[1] for key in conditions[0]] if conditions else [],
+        columns=[_column(key) for key in among],
+        settings=[[shown_value(key, each[key]) for key in among] for each in conditions],
+        common=in_words(
+            conditions[0], [key for key in keys if key in conditions[0] and key not in among]
+        )
+        if conditions
+        else "",
+        rivals=_leading(full["ranking"]),
+        members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
         typical=_typical_error(found),
         sketches=sketches,

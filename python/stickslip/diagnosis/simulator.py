@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +14,8 @@ from scipy.linalg import block_diag
 from stickslip import _core
 from stickslip.diagnosis.ceiling import Settings
 from stickslip.diagnosis.channels import Channel, Combined, Sketch, find_channels
+from stickslip.diagnosis.comparison import Progress
+from stickslip.diagnosis.conditions import in_words, varied
 from stickslip.diagnosis.engine import Diagnosis, Known, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
 from stickslip.diagnosis.model import Cause, Uncertain
@@ -94,12 +96,18 @@ class Examination:
         Drive settings by dotted key, of the first rows of `Diagnosis.problem.observed`.
     combined : Combined
         The forward model of all rows; its channels' rows follow those of the conditions.
+    left_out : tuple of str
+        Sound rows that could not be used, and why.
+    stated : ndarray, shape (conditions,)
+        Velocities of the scenario as it was given, m/s; NaN where it has none.
     """
 
     found: Diagnosis
     simulator: Simulator
     conditions: list[dict[str, Value]]
     combined: Combined
+    left_out: tuple[str, ...]
+    stated: Array
 
     def parts(self) -> dict[str, NDArray[np.int64]]:
         """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
@@ -138,7 +146,7 @@ def diagnose(
     *,
     seed: int = 0,
     threads: int | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Examination:
     """Diagnose a measurement with the simulator and its library of causes.
 
@@ -149,7 +157,7 @@ def diagnose(
         Of all random draws; the result does not depend on `threads`.
     threads : int, optional
     progress : callable, optional
-        Called with the fraction that is done.
+        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
 
     Returns
     -------
@@ -179,15 +187,19 @@ def diagnose(
     simulator = Simulator(measurement.scenario, keys, threads)
     middle = _nominal(simulator, conditions, uncertain, causes)
     lost = np.flatnonzero(~np.isfinite(middle))
-    said: tuple[str, ...] = ()
+    left_out = [line for channel in channels for line in channel.left_out]
     if len(lost) and len(lost) < len(conditions):
         kept = np.isfinite(middle)[index]
         number = np.cumsum(np.isfinite(middle)) - 1
         velocity, block, order = velocity[kept], block[kept], order[kept]
         index = number[index[kept]]
+        among = varied(conditions)
+        left_out += [
+            f"the stated model cannot compute {in_words(conditions[k], among)}; left out"
+            for k in lost.tolist()
+        ]
         conditions = [each for k, each in enumerate(conditions) if k not in set(lost.tolist())]
         middle = middle[np.isfinite(middle)]
-        said = (f"conditions that the stated model cannot compute, left out: {len(lost)}",)
     computed: list[dict[str, Value]] = []
     if conditions:
         noise = fit_noise(velocity, index, block, relative_sd)
@@ -197,6 +209,8 @@ def diagnose(
         computed = [
             {**each, "solver.rtol": float(r)} for each, r in zip(conditions, rtol, strict=True)
         ]
+    believed = [float(measurement.scenario.get(name)) for name in keys]
+    predicted = simulator(computed, np.array([believed]))[0] if computed else np.zeros(0)
     combined = Combined(simulator, names, keys, channels)
     known = _known(channels)
     options: dict[str, Any] = {"seed": seed, "progress": progress}
@@ -219,8 +233,10 @@ def diagnose(
     source += [channel.name for channel in channels for _ in channel.observed]
     options |= {"draft": draft, "settings": _settings(conditions), "source": source}
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
-    said = (*said, *(line for channel in channels for line in channel.notes))
-    return Examination(replace(found, notes=(*found.notes, *said)), simulator, conditions, combined)
+    notes = (*found.notes, *(line for channel in channels for line in channel.notes))
+    return Examination(
+        replace(found, notes=notes), simulator, conditions, combined, tuple(left_out), predicted
+    )
 
 
 def loosest_tolerances(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.detection import Detection, lack_of_fit_p
-from stickslip.diagnosis.fits import Fit
+from stickslip.diagnosis.fits import PAIR_PRICE, Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.rivals import ADEQUATE, Ranking, adequacy
 from stickslip.diagnosis.signatures import SAME
@@ -23,11 +23,6 @@ MARGIN = 3.0
 """Log-evidence by which a named cause leads."""
 
 _NONE, _UNKNOWN = 0.5, 0.1
-_PAIR_GAIN = 6.7
-"""Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 378
-chi-squares of one degree of freedom, 8.8, for all pairs of 28 causes, less the price of an
-amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64) / 2 = 2.1."""
-
 _LEAST_SHARE = 0.7
 """Of what a smooth function explains, so that a cause or a pair may be claimed."""
 
@@ -160,7 +155,7 @@ def _decided(
     best = adequate[0]
     if best is not singles[0] and singles[0].log_evidence > best.log_evidence + MARGIN:
         return _without_single(problem, ranking, helps, chance)
-    led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + _PAIR_GAIN]
+    led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
     if any(adequacy(problem, fit) >= ADEQUATE for fit in led):
         return _without_single(problem, ranking, helps, chance)
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
@@ -217,7 +212,7 @@ def _without_single(
 ) -> Verdict:
     best_single = ranking.singles[0] if ranking.singles else ranking.null
     adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
-    if not adequate or adequate[0].log_evidence < best_single.log_evidence + _PAIR_GAIN:
+    if not adequate or adequate[0].log_evidence < best_single.log_evidence + PAIR_PRICE:
         reason = "no single cause and no pair brings the misfit down to the noise"
         if adequate:
             reason = "no single cause is adequate, and a pair leads by too little to be claimed"

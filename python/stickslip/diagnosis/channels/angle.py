@@ -55,7 +55,7 @@ class AngleChannel:
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
         self.title = title
         self._base = scenario.to_core()
-        fields, theta, notes = _sound(table, title)
+        fields, theta, beyond = _sound(table, title)
         order = order_along(fields)
         fields, theta, spikes = _without_spikes(fields[order], theta[order], title)
         merged = merge(fields, theta[:, None])
@@ -66,7 +66,8 @@ class AngleChannel:
         self.sd = self.noise.sd / np.sqrt(merged.count[order])
         self.covariance = np.diag(self.sd**2)
         self.group = np.arange(len(self.observed), dtype=np.int64)
-        self.notes = (*(f"{title}: {line}" for line in self.noise.notes), *notes, *spikes)
+        self.notes = tuple(f"{title}: {line}" for line in self.noise.notes)
+        self.left_out = (*beyond, *spikes)
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Angles as they are read, rad, shape (vectors, m); NaN where values make no scenario."""

@@ -52,7 +52,9 @@ class Channel(Protocol):
         Parameters that only this channel has, such as a camera's angle offset. Each begins with the
         channel's name and a dot.
     notes : tuple of str
-        What a reader has to know of the noise and of what was left out.
+        What a reader has to know of the noise.
+    left_out : tuple of str
+        What was not used, and why.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Channel(Protocol):
     group: NDArray[np.int64]
     nuisance: tuple[Uncertain, ...]
     notes: tuple[str, ...]
+    left_out: tuple[str, ...]
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Observables, shape (vectors, k), for values of shape (vectors, names); NaN where none.

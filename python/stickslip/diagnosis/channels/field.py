@@ -64,15 +64,16 @@ class FieldChannel:
         self.sd = np.repeat(reading / np.sqrt(merged.count), 3)
         self.covariance = np.diag(self.sd**2)
         self.group = np.repeat(np.arange(len(merged.mean)), 3)
-        notes = [f"{title}: {origin}"]
+        self.notes: tuple[str, ...] = (f"{title}: {origin}",)
+        left_out = []
         if not off.all():
-            notes.append(f"{title}: {_rows(~off)} on the wire of a coil left out")
-        notes += [
+            left_out.append(f"{title}: {_rows(~off)} on the wire of a coil left out")
+        left_out += [
             f"{title}: a reading of {_three(value)} T with currents {_three(row[:count])} A is far "
             "from what any gain of the coils gives; the row was left out"
             for row, value in zip(settings[far], fields[far], strict=True)
         ]
-        self.notes = tuple(notes)
+        self.left_out = tuple(left_out)
 
     @staticmethod
     def _model(settings: Array, scenario: Scenario) -> CoilField:

@@ -112,12 +112,13 @@ class TrackingChannel:
         self.rate = recording_rate(run.scenario)
         self.nuisance = _nuisance(self.name, run)
         said: list[str] = []
+        unused: list[str] = []
         nominal = self._nominal_frames()
         self.quantities = tuple(
             found
             for name in _KINDS
             if name in run.columns
-            for found in [_quantity(run, name, nominal, said)]
+            for found in [_quantity(run, name, nominal, said, unused)]
             if found is not None
         )
         self.observed = np.concatenate([each.observed for each in self.quantities])
@@ -126,6 +127,7 @@ class TrackingChannel:
         )
         self.group = np.zeros(len(self.observed), dtype=np.int64)
         self.notes = tuple(f"{run.file}: {line}" for line in said)
+        self.left_out = tuple(f"{run.file}: {line}" for line in unused)
 
     def camera(self, names: Sequence[str], values: Array) -> Camera:
         """The run's camera with the nuisances among `names`, from values of shape (names,)."""
@@ -215,20 +217,24 @@ def _nuisance(name: str, run: TrackingRun) -> tuple[Uncertain, ...]:
 
 
 def _quantity(
-    run: TrackingRun, name: str, nominal: dict[str, Array] | None, said: list[str]
+    run: TrackingRun,
+    name: str,
+    nominal: dict[str, Array] | None,
+    said: list[str],
+    unused: list[str],
 ) -> Quantity | None:
-    """Reduce one column, with what there is to say of it."""
+    """Reduce one column, with what there is to say of it and what of it is not used."""
     times, values, kind = run.columns["t"], run.columns[name], _KINDS[name]
     finite = np.isfinite(values)
     if name not in ("x", "theta") and finite.sum() < FEWEST:
-        said.append(f"column {name} is not used: {finite.sum()} numbers in it")
+        unused.append(f"column {name} is not used: {finite.sum()} numbers in it")
         return None
     guess = np.zeros(len(times)) if nominal is None else nominal[name]
     wild = np.zeros(len(times), dtype=bool)
     quantum = _quantum(values[finite])
     wild[finite] = _wild(fold(times[finite], run.scenario), (values - guess)[finite], quantum)
     if wild.any():
-        said.append(
+        unused.append(
             f"{int(wild.sum())} frames lie far from all others of their phase in {name}, such as "
             f"that at {times[np.argmax(wild)]:.5g} s; they are left out"
         )

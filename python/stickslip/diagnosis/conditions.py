@@ -1,0 +1,47 @@
+"""Drive settings of conditions, in words and in the units that a laboratory uses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from stickslip.keys import Value, known_keys
+
+_SHOWN = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
+
+
+def varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
+    """Dotted keys of the settings that are not the same in all conditions."""
+    if not conditions:
+        return []
+    present = [key for key in known_keys() if key in conditions[0]]
+    return [key for key in present if len({each.get(key) for each in conditions}) > 1]
+
+
+def shown_unit(key: str) -> tuple[str, float]:
+    """Unit in which a setting is shown, and the factor from SI to it."""
+    return _SHOWN.get(known_keys()[key].unit, (known_keys()[key].unit, 1.0))
+
+
+def shown_value(key: str, value: Value) -> str:
+    """A setting's value as it is shown, without its unit."""
+    if isinstance(value, (str, bool)):
+        return str(value)
+    return f"{float(value) * shown_unit(key)[1]:.5g}"
+
+
+def in_words(settings: Mapping[str, Value], keys: Sequence[str]) -> str:
+    """Some settings of a condition, as in ``mode IPP, frequency 75 Hz, peak 3 mT``."""
+    said = []
+    for key in keys:
+        unit = shown_unit(key)[0]
+        text = f"{key.split('.')[1]} {shown_value(key, settings[key])}"
+        said.append(text if unit in ("", "-") else f"{text} {unit}")
+    return ", ".join(said)
+
+
+def changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:
+    """The settings of a proposed experiment, bare names, that not all conditions have."""
+    settings = {f"drive.{key}": value for key, value in drive.items()}
+    among, first = varied(conditions), conditions[0]
+    keys = [key for key in known_keys() if key in settings]
+    return in_words(settings, [k for k in keys if k in among or first.get(k) != settings[k]])

@@ -1,0 +1,140 @@
+"""What a verdict rests on: where the misfit lives, and what each cause does to the velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.fits import Fit
+from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.parameters import set_members
+from stickslip.diagnosis.simulator import Examination
+
+Array = NDArray[np.float64]
+
+_CARRIERS = 3
+_CONTRAST = 2.0
+
+
+def carriers(examination: Examination) -> list[dict[str, Any]]:
+    """Conditions at which the extended model takes most from the misfit."""
+    found, m = examination.found, len(examination.conditions)
+    if found.verdict.fit is None or not m:
+        return []
+    fall = (_misfit(found.problem, found.null) - _misfit(found.problem, found.verdict.fit))[:m]
+    total = max(float(np.sum(np.maximum(fall, 0.0))), 1e-300)
+    return [
+        {"condition": int(k) + 1, "share": float(fall[k]) / total}
+        for k in np.argsort(-fall)[:_CARRIERS]
+        if fall[k] > 0.0
+    ]
+
+
+def misfit_by_part(examination: Examination) -> dict[str, dict[str, float | int | None]]:
+    """Chi-square per condition of complementary parts of the table, of both models."""
+    found = examination.found
+    before = _misfit(found.problem, found.null)
+    fit = found.verdict.fit
+    after = None if fit is None else _misfit(found.problem, fit)
+    return {
+        name: {
+            "conditions": len(rows),
+            "recalibrated": float(np.mean(before[rows])),
+            "extended": None if after is None else float(np.mean(after[rows])),
+        }
+        for name, rows in examination.parts().items()
+    }
+
+
+def where_it_lives(parts: Mapping[str, Mapping[str, float | int | None]]) -> str:
+    """The contrasts among `misfit_by_part` in one sentence; its parts come in twos."""
+    names, said = list(parts), []
+    for one, other in zip(names[::2], names[1::2], strict=True):
+        high, low = sorted((one, other), key=lambda name: -float(parts[name]["recalibrated"] or 0))
+        most, least = (float(parts[name]["recalibrated"] or 0.0) for name in (high, low))
+        if most > _CONTRAST * max(least, 1.0):
+            said.append(f"in {high} ({most:.1f}, against {least:.1f} in {low})")
+    if not said:
+        return "Misfit of the recalibrated model per condition: about the same in all parts."
+    return f"Misfit of the recalibrated model per condition: larger {' and '.join(said)}."
+
+
+def signal_to_noise(found: Diagnosis) -> dict[str, float] | None:
+    """Strength of the claimed cause in the data, before and after the constants absorb of it.
+
+    Before, the cause is switched on with all constants as the extended model has them.
+    """
+    fit, problem = found.verdict.fit, found.problem
+    if fit is None:
+        return None
+    on, off = problem.predicted(np.stack([fit.x, _without(problem, fit)]))
+    gap = problem.whiten @ np.where(np.isfinite(on - off), on - off, 0.0)
+    return {
+        "before_absorption": float(np.linalg.norm(gap)),
+        "after_absorption": float(np.sqrt(max(found.null.chi2 - fit.chi2, 0.0))),
+    }
+
+
+def velocity_changes(examination: Examination) -> dict[str, dict[str, dict[str, float]]]:
+    """For each candidate and each mode and direction: mean velocity and what the cause adds, m/s.
+
+    The constants are those of the candidate's own fit, with and without the cause.
+    """
+    found, conditions = examination.found, examination.conditions
+    members = set_members(found)
+    if not conditions or not members:
+        return {}
+    problem, m = found.problem, len(conditions)
+    words = np.array([f"{each['drive.mode']} {each['drive.direction']}" for each in conditions])
+    result: dict[str, dict[str, dict[str, float]]] = {}
+    for fit in members:
+        on, off = problem.predicted(np.stack([fit.x, _without(problem, fit)]))[:, :m]
+        result[fit.name] = {
+            word: {
+                "velocity": float(np.mean(off[words == word])),
+                "change": float(np.mean((on - off)[words == word])),
+            }
+            for word in dict.fromkeys(words.tolist())
+        }
+    return result
+
+
+def pattern(changes: Mapping[str, Mapping[str, float]]) -> str:
+    """What a cause does to the velocities, in words.
+
+    Parameters
+    ----------
+    changes : dict
+        For each mode and direction `velocity` without the cause and its `change`.
+    """
+    way = {word: np.sign(each["change"]) for word, each in changes.items()}
+    own = {word: way[word] * np.sign(each["velocity"]) for word, each in changes.items()}
+    if len(set(own.values())) == 1:
+        return "faster throughout" if next(iter(own.values())) > 0.0 else "slower throughout"
+    if len(set(way.values())) == 1:
+        return f"a constant bias towards {'+x' if next(iter(way.values())) > 0.0 else '-x'}"
+    faster = [word for word, sign in own.items() if sign > 0.0]
+    slower = [word for word, sign in own.items() if sign <= 0.0]
+    return f"faster in {', '.join(faster)}, slower in {', '.join(slower)}"
+
+
+def _without(problem: Problem, fit: Fit) -> Array:
+    """Coordinates of a fit with its causes absent and freed constants as stated."""
+    x = fit.x.copy()
+    x[fit.rival.free[problem.base_count :]] = 0.0
+    freed = {cause.frees for cause in fit.rival.causes}
+    for k, each in enumerate(problem.uncertain):
+        if each.name in freed:
+            x[k] = 0.0
+    return x
+
+
+def _misfit(problem: Problem, fit: Fit) -> Array:
+    """Each observable's part of chi-square; where errors are shared, some parts are negative."""
+    whitened = fit.residual[: len(problem.observed)]
+    gap = np.linalg.solve(problem.whiten, whitened)
+    return np.asarray(gap * (problem.whiten.T @ whitened))

@@ -1,0 +1,43 @@
+"""How the rivals stand to one another, as the verdict weighs them."""
+
+from __future__ import annotations
+
+from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.fits import Fit
+from stickslip.diagnosis.parameters import set_members
+
+_SINGLES, _PAIRS = 7, 5
+
+
+def leading(found: Diagnosis) -> list[Fit]:
+    """The best single causes and the best pairs, by evidence after the price of a second cause."""
+    singles = sorted(found.ranking.singles, key=lambda fit: -fit.log_evidence)[:_SINGLES]
+    pairs = sorted(found.ranking.pairs, key=lambda fit: -fit.log_evidence)[:_PAIRS]
+    return sorted([*singles, *pairs], key=lambda fit: -fit.priced_evidence)
+
+
+def runner_up(found: Diagnosis) -> str:
+    """What comes next after what is claimed; for `unexplained`, what comes nearest.
+
+    Empty where nothing was fitted, and where it is the reason of a name already.
+    """
+    verdict, null = found.verdict, found.null
+    fits = [*found.ranking.singles, *found.ranking.pairs]
+    if not found.detection.found or verdict.word in ("named", "data-problem") or not fits:
+        return ""
+    if verdict.fit is None:
+        nearest = min(fits, key=lambda fit: fit.chi2)
+        return (
+            f"{nearest.name} comes nearest and leaves a chi-square of {nearest.chi2:.0f} for "
+            f"{len(found.problem.observed)} observables (recalibrated: {null.chi2:.0f})"
+        )
+    claimed = {fit.name for fit in set_members(found)}
+    second = max(
+        [null, *(fit for fit in fits if fit.name not in claimed)],
+        key=lambda fit: fit.priced_evidence,
+    )
+    name = "no cause at all" if second is null else second.name
+    lead = verdict.fit.priced_evidence - second.priced_evidence
+    if lead < 0.0:
+        return f"{name} leads by {-lead:.1f} in log-evidence, but does not explain the data"
+    return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"

@@ -1,0 +1,217 @@
+"""What a reader is told of a diagnosis: sentences, numbers of the report, files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from command_line import stickslip
+from helpers import run
+from stickslip.diagnosis.conditions import changes, in_words, varied
+from stickslip.diagnosis.consequences import pattern, where_it_lives
+from stickslip.diagnosis.standing import leading, runner_up
+from stickslip.diagnosis.words import headline
+from stickslip.files import check_folder
+from test_diagnosis_command import write
+from toy_model import MODE, X, diagnosis
+
+
+@pytest.fixture(scope="module")
+def tilted(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tilted")
+    path = write(folder, {"effects.surface_tilt.angle": 0.04})
+    done = stickslip("diagnose", path, "--out", folder / "found")
+    assert done.returncode == 0, done.stderr
+    return done.stdout, folder / "found"
+
+
+@pytest.fixture(scope="module")
+def full(tilted):
+    return json.loads((tilted[1] / "report.json").read_text())
+
+
+def test_parts_share_the_whole_misfit(full):
+    # Without errors that set-ups share, each half of a split and its complement add up to all.
+    parts = full["misfit_by_part"]
+    total = next(each["data_chi2"] for each in full["ranking"] if not each["causes"])
+    for names in (("+x", "-x"), ("low frequency", "high frequency")):
+        sums = [parts[name]["conditions"] * parts[name]["recalibrated"] for name in names]
+        assert sum(sums) == pytest.approx(total, rel=1e-9)
+
+
+def test_absorption_takes_from_the_signal(full):
+    strength = full["signal_to_noise"]
+    chi2 = {tuple(each["causes"]): each["chi2"] for each in full["ranking"]}
+    fall = chi2[()] - min(chi2[name,] for name in full["velocity_changes"])
+    assert strength["after_absorption"] == pytest.approx(np.sqrt(fall), rel=1e-9)
+    assert strength["after_absorption"] < strength["before_absorption"]
+
+
+def test_the_change_by_a_tilt_is_that_of_the_simulator(full):
+    found = full["velocity_changes"]["surface_tilt"]
+    drive = {"base": 0.5e-3, "pulses": 6, "frequency": 40.0}
+    plain, tilt = (
+        run({**keys, "solver.rtol": 1e-6}, **drive).mean_velocity
+        for keys in ({}, {"effects.surface_tilt.angle": 0.04})
+    )
+    way = np.sign(tilt - plain)
+    assert all(np.sign(each["change"]) == way for each in found["parts"].values())
+    assert found["in_words"] == f"a constant bias towards {'+x' if way > 0 else '-x'}"
+
+
+def test_held_out_predictions_have_the_error_that_is_reported(full):
+    held = [row for row in full["conditions"] if row["held_out"]]
+    assert len(held) == full["gain"]["n"]
+    for key, name in (("mae_before", "recalibrated"), ("mae_after", "extended")):
+        error = [abs(row["velocity"] - row[f"{name}_without_it"]) for row in held]
+        assert full["gain"][key] == pytest.approx(np.mean(error), rel=1e-12)
+    level = np.mean([abs(row["velocity"]) for row in held])
+    assert full["held_out_level"] == pytest.approx(level, rel=1e-12)
+
+
+def test_the_stated_model_is_there_too(full):
+    row = full["conditions"][0]
+    drive = {key: row[key] for key in ("direction", "frequency", "base", "pulses")}
+    stated = run({"solver.rtol": 1e-8}, **drive).mean_velocity
+    assert row["stated"] == pytest.approx(stated, rel=1e-3)
+
+
+def test_the_isolability_map_is_one_for_each_with_itself(full):
+    cosines = np.array(full["isolability"]["cosines"])
+    assert cosines.shape == (len(full["isolability"]["causes"]),) * 2
+    alone = np.diag(cosines)
+    # A cause that this data cannot show has no direction.
+    assert np.all((np.abs(alone - 1.0) < 1e-9) | (alone == 0.0))
+
+
+def test_the_extended_scenario_says_where_it_is_from(tilted):
+    first, *changed = [
+        line for line in (tilted[1] / "extended.toml").read_text().splitlines() if line[:1] == "#"
+    ]
+    assert first.startswith("# stickslip diagnose m.toml: ")
+    assert any(line.startswith("# contact.kinetic_friction: 0.145 -> ") for line in changed)
+
+
+def test_the_command_names_its_files_and_the_page_its_words(tilted):
+    said, folder = tilted
+    assert said.splitlines()[-1].endswith("report.html, report.json, extended.toml")
+    page = (folder / "report.html").read_text()
+    for words in ("Chi-square: squared", "Starts agree", "By itself it makes the robot"):
+        assert words in page
+
+
+def test_of_data_that_teach_nothing_the_page_says_so(tmp_path):
+    path = write(tmp_path, {})
+    lines = (tmp_path / "velocity.csv").read_text().splitlines()
+    (tmp_path / "velocity.csv").write_text("\n".join([lines[0], *lines[1::3]]) + "\n")
+    done = stickslip("diagnose", path, cwd=tmp_path)
+    assert "velocity_sd" in done.stdout
+    page = (tmp_path / "diagnosis" / "report.html").read_text()
+    assert "Nothing was learnt" in page
+    for words in ("Probabilities", "Recalibrated constants", "held out for the gain"):
+        assert words not in page
+    assert "# nothing is changed" in (tmp_path / "diagnosis" / "extended.toml").read_text()
+
+
+def test_an_impossible_folder_is_refused_before_the_work(tmp_path):
+    path = write(tmp_path, {})
+    done = stickslip("diagnose", path, "--out", tmp_path / "m.toml" / "found")
+    assert done.returncode == 2
+    assert "--out" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_checking_a_folder_leaves_nothing_behind(tmp_path):
+    check_folder(tmp_path / "a" / "b")
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "file").write_text("")
+    for bad in (Path("file"), Path("file", "inside")):
+        with pytest.raises(OSError, match="cannot write"):
+            check_folder(tmp_path / bad)
+
+
+def part(conditions, recalibrated):
+    return {"conditions": conditions, "recalibrated": recalibrated, "extended": None}
+
+
+def test_where_the_misfit_lives_is_a_contrast():
+    said = where_it_lives({"IPP": part(9, 1.1), "OPP": part(9, 7.3)})
+    assert said.endswith("larger in OPP (7.3, against 1.1 in IPP).")
+    # Below the noise nothing is large, however small the other part is.
+    assert "same in all" in where_it_lives({"IPP": part(9, 0.1), "OPP": part(9, 1.9)})
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"IPP +x": (1.0, -0.1), "IPP -x": (-1.0, 0.1)}, "slower throughout"),
+        ({"IPP +x": (1.0, 0.1), "IPP -x": (-1.0, -0.1)}, "faster throughout"),
+        ({"IPP +x": (1.0, -0.1), "IPP -x": (-1.0, -0.1)}, "a constant bias towards -x"),
+        (
+            {"IPP +x": (1.0, 0.1), "OPP +x": (1.0, -0.1), "IPP -x": (-1.0, -0.1)},
+            "faster in IPP +x, IPP -x, slower in OPP +x",
+        ),
+    ],
+)
+def test_patterns_of_velocity(changed, said):
+    parts = {
+        word: {"velocity": velocity, "change": change}
+        for word, (velocity, change) in changed.items()
+    }
+    assert pattern(parts) == said
+
+
+def test_settings_are_said_in_laboratory_units_and_in_the_order_of_a_scenario():
+    conditions = [
+        {"drive.peak": 2e-3, "drive.frequency": 30.0, "drive.mode": "IPP", "drive.hold": 0.0},
+        {"drive.peak": 3e-3, "drive.frequency": 30.0, "drive.mode": "OPP", "drive.hold": 0.0},
+    ]
+    assert varied(conditions) == ["drive.mode", "drive.peak"]
+    assert in_words(conditions[1], varied(conditions)) == "mode OPP, peak 3 mT"
+    proposed = {"peak": 2.5e-3, "mode": "IPP", "frequency": 45.0, "hold": 0.0}
+    assert changes(proposed, conditions) == "mode IPP, frequency 45 Hz, peak 2.5 mT"
+
+
+def test_what_leads_and_what_comes_next():
+    found = diagnosis(0, {"ripple": 0.3})
+    assert found.verdict.causes == ("ripple",)
+    assert leading(found)[0].name == "ripple"
+    assert runner_up(found) == ""  # the reason of a name says it already
+    both = next(
+        each
+        for each in (diagnosis(seed, {"wave": 0.5, "swell": -0.5}) for seed in range(20))
+        if each.verdict.word == "pair"
+    )
+    assert both.verdict.causes == ("swell", "wave")
+    assert leading(both)[0].name == both.verdict.fit.name
+    assert runner_up(both).startswith("the runner-up, ")
+    assert "two causes together, swell and wave: " in headline(both)
+
+
+def test_what_no_cause_explains_has_a_nearest():
+    shape = 0.3 * np.sign(np.sin(25.0 * X + 2.0 * MODE))
+    found = diagnosis(2, extra=shape)
+    assert found.verdict.word == "unexplained"
+    nearest = min([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: fit.chi2)
+    assert runner_up(found).startswith(f"{nearest.name} comes nearest")
+
+
+def test_a_constant_is_compared_with_what_was_stated():
+    found = diagnosis(3, shift={1: 9.0})
+    assert found.verdict.word == "named"
+    assert found.verdict.causes == ("k1",)
+    # Its stated value is 0, to which nothing has a ratio.
+    assert headline(found).startswith("The data point to k1: k1 = ")
+    assert "stated as 0" in headline(found)
+
+
+def test_stages_are_told_in_order():
+    told = []
+    diagnosis(0, {"ripple": 0.3}, progress=lambda done, stage: told.append((done, stage)))
+    fractions = [done for done, _ in told]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+    stages = [stage for _, stage in told]
+    assert stages[:3] == ["recalibrating", "testing", "fitting causes"]
+    assert stages[-2:] == ["verdict and gain", "done"]
