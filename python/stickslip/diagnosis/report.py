@@ -161,6 +161,7 @@ def page_text(
         rivals=_leading(full["ranking"]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
+        decisive=any(not each["why"].endswith("too little") for each in full["next_experiments"]),
         typical=_typical_error(found),
         sketches=sketches,
         ranking=figures.ranking(found),
