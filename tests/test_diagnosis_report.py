@@ -10,11 +10,12 @@ from command_line import stickslip
 from helpers import run
 from stickslip.diagnosis.conditions import changes, in_words, varied
 from stickslip.diagnosis.consequences import pattern, where_it_lives
+from stickslip.diagnosis.experiments import separate
 from stickslip.diagnosis.standing import leading, runner_up
 from stickslip.diagnosis.words import headline
 from stickslip.files import check_folder
 from test_diagnosis_command import write
-from toy_model import MODE, X, diagnosis
+from toy_model import MODE, X, diagnosis, predict
 
 
 @pytest.fixture(scope="module")
@@ -215,3 +216,33 @@ def test_stages_are_told_in_order():
     stages = [stage for _, stage in told]
     assert stages[:3] == ["recalibrating", "testing", "fitting causes"]
     assert stages[-2:] == ["verdict and gain", "done"]
+
+
+def test_rivals_are_compared_where_nothing_was_measured():
+    found = diagnosis(0, {"split": 0.4})
+    assert found.verdict.word == "ambiguous"
+    places = np.arange(len(X))
+
+    def elsewhere(rows, parameters):
+        values = predict(None, parameters)[:, rows]
+        values[:, 3] = np.nan
+        return values
+
+    worth = separate(found, elsewhere, places, trials=2)
+    assert {fit.name for fit in worth.rivals} == set(found.verdict.causes)
+    assert worth.chi2[3] == 0.0  # what cannot be computed is worth nothing
+    random = np.random.default_rng(3)
+    for k, fit in enumerate(worth.rivals):
+        # The spread of predictions over draws of the fit; 2000 draws tell it to 1.6 %.
+        draws = np.tile(fit.x, (2000, 1))
+        draws[:, fit.rival.free] += random.multivariate_normal(
+            np.zeros(len(fit.rival.free)), fit.covariance, 2000
+        )
+        drawn = np.std(predict(None, found.problem.physical(draws)), axis=0)
+        inside = places != 3
+        assert worth.sd[k, inside] == pytest.approx(drawn[inside], rel=0.1)
+    level = np.mean(worth.predicted, axis=0)
+    noise = (found.noise.floor**2 + (found.noise.relative * level) ** 2) / 2
+    noise += np.median(found.roughness) ** 2
+    gap = worth.predicted[0] - worth.predicted[1]
+    assert worth.chi2 == pytest.approx(gap**2 / (noise + np.sum(worth.sd**2, axis=0)))

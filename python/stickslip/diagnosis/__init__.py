@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stickslip.diagnosis.engine import Diagnosis, diagnose_model
-from stickslip.diagnosis.experiments import Experiment, propose
+from stickslip.diagnosis.experiments import Experiment, Separation, propose, separate
 from stickslip.diagnosis.model import Cause, CauseParameter, Problem, Uncertain
 from stickslip.diagnosis.report import write_report
 from stickslip.diagnosis.simulator import Examination, diagnose
@@ -19,11 +19,13 @@ __all__ = [
     "Experiment",
     "Prior",
     "Problem",
+    "Separation",
     "Uncertain",
     "diagnose",
     "diagnose_model",
     "headline",
     "propose",
+    "separate",
     "summary",
     "write_report",
 ]

@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fits import Fit
+from stickslip.diagnosis.model import Predict
 from stickslip.diagnosis.simulator import Examination
 from stickslip.keys import Value
 
@@ -75,34 +77,60 @@ class Experiment:
     predictions: Mapping[str, Mapping[str, float]]
 
 
-def propose(examination: Examination) -> list[Experiment]:
-    """The three conditions that separate the leading rivals best, each of another kind.
+@dataclass(frozen=True)
+class Separation:
+    """How well the leading rivals could be told apart at candidate conditions.
+
+    Attributes
+    ----------
+    rivals : list of Fit
+    predicted, sd : ndarray, shape (rivals, candidates)
+        What each rival predicts, and its own uncertainty, in the observable's unit.
+    chi2 : ndarray, shape (candidates,)
+        Expected between the two rivals that the candidate tells apart best.
+    pair : ndarray of int, shape (candidates, 2)
+        These two.
+    """
+
+    rivals: list[Fit]
+    predicted: Array
+    sd: Array
+    chi2: Array
+    pair: NDArray[np.int64]
+
+
+def separate(
+    found: Diagnosis, predict: Predict, candidates: Any, trials: int = _TRIALS
+) -> Separation | None:
+    """Compare what the rivals predict at conditions that were not measured.
 
     What is named is to be told from the others, an ambiguous set's members from one another. Each
     rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
-    found, there is nothing to separate. Of a condition and its mirror image one is enough.
+    found, there is nothing to separate.
+
+    Parameters
+    ----------
+    found : Diagnosis
+    predict : callable
+        As that of the diagnosis; NaN where a rival cannot compute a candidate.
+    candidates : Any
+        Handed to `predict` as it is.
+    trials : int
+        Trials of the new condition, with the noise of the others.
     """
-    found = examination.found
     rivals = _rivals(found)
-    leads = found.verdict.word in ("named", "pair")
-    if len(rivals) < 2 or not examination.conditions:
-        return []
-    candidates = _candidates(examination.conditions)
-    if not candidates:
-        return []
+    if len(rivals) < 2:
+        return None
     centre, spread = [], []
     for fit in rivals:
-        free = fit.rival.free
         width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
         points = [fit.x]
-        for k, step in zip(free, width, strict=True):
+        for k, step in zip(fit.rival.free, width, strict=True):
             for sign in (1.0, -1.0):
                 point = fit.x.copy()
                 point[k] += sign * step
                 points.append(point)
-        physical = found.problem.physical(np.stack(points))
-        shared = examination.combined.shared(physical)
-        predicted = examination.simulator(candidates, shared)
+        predicted = predict(candidates, found.problem.physical(np.stack(points)))
         slope = (predicted[1::2] - predicted[2::2]) / (2.0 * width[:, None])
         centre.append(predicted[0])
         spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
@@ -110,40 +138,70 @@ def propose(examination: Examination) -> list[Experiment]:
     # A condition that one of the rivals cannot compute is no proposal.
     sound = np.all(np.isfinite(level) & np.isfinite(variance), axis=0)
     level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
-    noise = (found.noise.floor**2 + (found.noise.relative * np.mean(level, axis=0)) ** 2) / _TRIALS
-    noise += float(np.median(found.roughness[: len(examination.conditions)])) ** 2
-    separation = np.zeros(len(candidates))
-    pair = np.zeros((len(candidates), 2), dtype=int)
+    noise = _trial_variance(found, np.mean(level, axis=0)) / trials
+    noise += float(np.median(found.roughness[: len(found.noise.mean)])) ** 2
+    leads = found.verdict.word in ("named", "pair")
+    chi2 = np.zeros(level.shape[1])
+    pair = np.zeros((level.shape[1], 2), dtype=np.int64)
     for a, b in itertools.combinations(range(len(rivals)), 2):
         if leads and a > 0:
             continue
         gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
-        pair[gap > separation] = (a, b)
-        separation = np.maximum(separation, gap)
+        pair[gap > chi2] = (a, b)
+        chi2 = np.maximum(chi2, gap)
+    return Separation(rivals, level, np.sqrt(variance), chi2, pair)
+
+
+def _trial_variance(found: Diagnosis, level: Array) -> Array:
+    """Variance of one trial at a level; the usual one where errors were stated for each mean."""
+    noise = found.noise
+    if noise.floor == 0.0 and noise.relative == 0.0:
+        return np.full(level.shape, float(np.median(noise.sd)) ** 2)
+    return np.asarray(noise.floor**2 + (noise.relative * level) ** 2)
+
+
+def propose(examination: Examination) -> list[Experiment]:
+    """The three drives that separate the leading rivals best, each of another kind.
+
+    Candidates are variations of what was measured; see `separate`. Of a condition and its mirror
+    image one is enough.
+    """
+    candidates = _candidates(examination.conditions) if examination.conditions else []
+    if not candidates:
+        return []
+
+    def predict(drives: Any, parameters: Array) -> Array:
+        return examination.simulator(drives, examination.combined.shared(parameters))
+
+    found = separate(examination.found, predict, candidates)
+    if found is None:
+        return []
     chosen: list[Experiment] = []
     kinds: list[tuple[Value, ...]] = []
     taken: list[int] = []
-    for index in np.argsort(-separation, kind="stable"):
+    for index in np.argsort(-found.chi2, kind="stable"):
         drive = candidates[index]
         kind = (drive["drive.mode"], drive["drive.direction"], drive["drive.frequency"])
+        level = found.predicted
         mirrored = any(np.allclose(level[:, index], -level[:, k], rtol=1e-6) for k in taken)
-        if kind in kinds or mirrored or separation[index] <= 0.0:
+        if kind in kinds or mirrored or found.chi2[index] <= 0.0:
             continue
         kinds.append(kind)
         taken.append(int(index))
-        first, second = (rivals[k].name for k in pair[index])
+        first, second = (found.rivals[k].name for k in found.pair[index])
+        chi2 = float(found.chi2[index])
         chosen.append(
             Experiment(
                 {key.split(".")[1]: value for key, value in drive.items()},
-                f"separates {first} from {second}: expected chi-square {separation[index]:.1f} "
-                f"with {_TRIALS} trials{'' if separation[index] > _DECIDES else ', too little'}",
-                float(separation[index]),
+                f"separates {first} from {second}: expected chi-square {chi2:.1f} "
+                f"with {_TRIALS} trials{'' if chi2 > _DECIDES else ', too little'}",
+                chi2,
                 {
                     fit.name: {
                         "velocity": float(level[k, index]),
-                        "sd": float(np.sqrt(variance[k, index])),
+                        "sd": float(found.sd[k, index]),
                     }
-                    for k, fit in enumerate(rivals)
+                    for k, fit in enumerate(found.rivals)
                 },
             )
         )
