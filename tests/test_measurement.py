@@ -138,8 +138,8 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
         ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
         ("velocity\n", "no row of data"),
         ("frequency,velocty\n30,0.1\n", '"velocty" may be meant'),
-        ("frequency,hold,velocity\n30,0.6,1e-3\n", "If fields are in mT"),
-        ("frequency,velocity\n0.03,1e-3\n", "If frequencies are in kHz"),
+        ("frequency,hold,velocity\n30,0.6,1e-3\n", "line 2: hold of 0.6 T .* in mT"),
+        ("frequency,velocity\n0.03,1e-3\n", "frequency of 0.03 Hz .* in kHz"),
         ("velocity,velocity\n1,1\n", "twice"),
         ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
     ],
@@ -180,6 +180,14 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
     assert any(line.startswith("velocity.csv lines 5, 6: ") for line in left_out)
     assert any(line.startswith("velocity.csv line 8: ") for line in left_out)
     assert "velocity.csv: 3 of 4 rows were left out" in left_out
+
+
+def test_one_field_in_another_unit_is_left_out(tmp_path):
+    path = tmp_path / "velocity.csv"
+    path.write_text("frequency,hold,velocity\n30,6e-4,1e-3\n40,6e-4,1e-3\n50,0.6,1e-3\n")
+    data, left_out = read_velocity(path, Scenario(), float("nan"))
+    assert len(data.velocity) == 2
+    assert any("line 4: hold of 0.6 T" in line for line in left_out)
 
 
 def test_other_separators_are_named(tmp_path):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numba import cfunc
 
+from made_measurement import write
 from own_effects import (
     SIGNATURE,
     nothing_stays,  # noqa: F401 (around every test here)
@@ -17,7 +18,6 @@ from stickslip.diagnosis.library import library
 from stickslip.diagnosis.parameters import extended_parameters
 from stickslip.diagnosis.report import extended_scenario
 from stickslip.measurement import read_measurement
-from test_diagnosis_command import write
 
 
 @cfunc(SIGNATURE)

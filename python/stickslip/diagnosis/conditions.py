@@ -29,14 +29,27 @@ def shown_value(key: str, value: Value) -> str:
     return f"{float(value) * shown_unit(key)[1]:.5g}"
 
 
+def panel(condition: Mapping[str, Value]) -> str:
+    """Mode and direction, as in ``IPP +x``: what is drawn and counted together."""
+    return f"{condition['drive.mode']} {condition['drive.direction']}"
+
+
+def heading(key: str) -> str:
+    """Name and unit of a setting, for a column."""
+    return _with_unit(key, key.split(".")[1], "{} ({})")
+
+
 def in_words(settings: Mapping[str, Value], keys: Sequence[str]) -> str:
     """Some settings of a condition, as in ``mode IPP, frequency 75 Hz, peak 3 mT``."""
-    said = []
-    for key in keys:
-        unit = shown_unit(key)[0]
-        text = f"{key.split('.')[1]} {shown_value(key, settings[key])}"
-        said.append(text if unit in ("", "-") else f"{text} {unit}")
-    return ", ".join(said)
+    return ", ".join(
+        _with_unit(key, f"{key.split('.')[1]} {shown_value(key, settings[key])}", "{} {}")
+        for key in keys
+    )
+
+
+def _with_unit(key: str, text: str, form: str) -> str:
+    unit = shown_unit(key)[0]
+    return text if unit in ("", "-") else form.format(text, unit)
 
 
 def changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:

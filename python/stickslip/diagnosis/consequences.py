@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.diagnosis.conditions import panel
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
-from stickslip.diagnosis.parameters import set_members
 from stickslip.diagnosis.simulator import Examination
+from stickslip.diagnosis.standing import set_members
 
 Array = NDArray[np.float64]
 
@@ -80,25 +81,27 @@ def signal_to_noise(found: Diagnosis) -> dict[str, float] | None:
 
 
 def velocity_changes(examination: Examination) -> dict[str, dict[str, dict[str, float]]]:
-    """For each candidate and each mode and direction: mean velocity and what the cause adds, m/s.
+    """For each candidate and each mode and direction: mean velocity, and what the cause adds, m/s.
 
-    The constants are those of the candidate's own fit, with and without the cause.
+    The constants are those of the candidate's own fit, with and without the cause; `noise` is the
+    error of the measured mean. Conditions that cannot be computed without the cause do not count.
     """
     found, conditions = examination.found, examination.conditions
-    members = set_members(found)
-    if not conditions or not members:
-        return {}
     problem, m = found.problem, len(conditions)
-    words = np.array([f"{each['drive.mode']} {each['drive.direction']}" for each in conditions])
+    words = np.array([panel(each) for each in conditions])
     result: dict[str, dict[str, dict[str, float]]] = {}
-    for fit in members:
+    for fit in set_members(found) if conditions else []:
         on, off = problem.predicted(np.stack([fit.x, _without(problem, fit)]))[:, :m]
+        sound = np.isfinite(on) & np.isfinite(off)
         result[fit.name] = {
             word: {
-                "velocity": float(np.mean(off[words == word])),
-                "change": float(np.mean((on - off)[words == word])),
+                "velocity": float(np.mean(off[rows])),
+                "change": float(np.mean((on - off)[rows])),
+                "noise": float(np.linalg.norm(problem.sd[:m][rows]) / rows.sum()),
             }
             for word in dict.fromkeys(words.tolist())
+            for rows in [sound & (words == word)]
+            if rows.any()
         }
     return result
 
@@ -109,17 +112,25 @@ def pattern(changes: Mapping[str, Mapping[str, float]]) -> str:
     Parameters
     ----------
     changes : dict
-        For each mode and direction `velocity` without the cause and its `change`.
+        For each mode and direction `velocity` without the cause, its `change`, and the `noise`
+        below which a change is none.
     """
-    way = {word: np.sign(each["change"]) for word, each in changes.items()}
-    own = {word: way[word] * np.sign(each["velocity"]) for word, each in changes.items()}
-    if len(set(own.values())) == 1:
-        return "faster throughout" if next(iter(own.values())) > 0.0 else "slower throughout"
-    if len(set(way.values())) == 1:
-        return f"a constant bias towards {'+x' if next(iter(way.values())) > 0.0 else '-x'}"
-    faster = [word for word, sign in own.items() if sign > 0.0]
-    slower = [word for word, sign in own.items() if sign <= 0.0]
-    return f"faster in {', '.join(faster)}, slower in {', '.join(slower)}"
+    clear = {word: each for word, each in changes.items() if abs(each["change"]) > each["noise"]}
+    way = {word: np.sign(each["change"]) for word, each in clear.items()}
+    faster = [word for word, each in clear.items() if way[word] * each["velocity"] > 0.0]
+    slower = [word for word in clear if word not in faster]
+    if not clear:
+        return "hardly changed"
+    if len(clear) == len(changes) and not (faster and slower):
+        return "faster throughout" if faster else "slower throughout"
+    if len(clear) == len(changes) and len(set(way.values())) == 1:
+        return f"shifted towards {'+x' if next(iter(way.values())) > 0.0 else '-x'} throughout"
+    said = [
+        f"{how} in {', '.join(where)}"
+        for how, where in (("faster", faster), ("slower", slower))
+        if where
+    ]
+    return "; ".join(said)
 
 
 def _without(problem: Problem, fit: Fit) -> Array:

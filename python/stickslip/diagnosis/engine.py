@@ -71,7 +71,7 @@ class Diagnosis:
     ranking : Ranking
     cosines : ndarray, shape (causes, causes)
     classes : list of tuple of str
-        Causes that this data can hardly tell apart.
+        Causes that these data can hardly tell apart.
     verdict : Verdict
     bounds : dict
         95 % upper limits, filled for the verdict none.

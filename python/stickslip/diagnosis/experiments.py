@@ -11,17 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
-from stickslip.diagnosis.fits import Fit
-from stickslip.diagnosis.model import Predict
+from stickslip.diagnosis.separation import TRIALS, separate
 from stickslip.diagnosis.simulator import Examination
 from stickslip.keys import Value
 
 Array = NDArray[np.float64]
 
 _KEPT = 3
-_DECIDES = 4.0
-_STEP = 0.1
-_TRIALS = 3
+DECISIVE = 4.0
+"""Expected chi-square that tells two rivals apart: two standard deviations."""
+
 _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.mode": ("IPP", "OPP"),
     "drive.direction": ("+x", "-x"),
@@ -76,88 +75,10 @@ class Experiment:
     separation: float
     predictions: Mapping[str, Mapping[str, float]]
 
-
-@dataclass(frozen=True)
-class Separation:
-    """How well the leading rivals could be told apart at candidate conditions.
-
-    Attributes
-    ----------
-    rivals : list of Fit
-    predicted, sd : ndarray, shape (rivals, candidates)
-        What each rival predicts, and its own uncertainty, in the observable's unit.
-    chi2 : ndarray, shape (candidates,)
-        Expected between the two rivals that the candidate tells apart best.
-    pair : ndarray of int, shape (candidates, 2)
-        These two.
-    """
-
-    rivals: list[Fit]
-    predicted: Array
-    sd: Array
-    chi2: Array
-    pair: NDArray[np.int64]
-
-
-def separate(
-    found: Diagnosis, predict: Predict, candidates: Any, trials: int = _TRIALS
-) -> Separation | None:
-    """Compare what the rivals predict at conditions that were not measured.
-
-    What is named is to be told from the others, an ambiguous set's members from one another. Each
-    rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
-    found, there is nothing to separate.
-
-    Parameters
-    ----------
-    found : Diagnosis
-    predict : callable
-        As that of the diagnosis; NaN where a rival cannot compute a candidate.
-    candidates : Any
-        Handed to `predict` as it is.
-    trials : int
-        Trials of the new condition, with the noise of the others.
-    """
-    rivals = _rivals(found)
-    if len(rivals) < 2:
-        return None
-    centre, spread = [], []
-    for fit in rivals:
-        width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
-        points = [fit.x]
-        for k, step in zip(fit.rival.free, width, strict=True):
-            for sign in (1.0, -1.0):
-                point = fit.x.copy()
-                point[k] += sign * step
-                points.append(point)
-        predicted = predict(candidates, found.problem.physical(np.stack(points)))
-        slope = (predicted[1::2] - predicted[2::2]) / (2.0 * width[:, None])
-        centre.append(predicted[0])
-        spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
-    level, variance = np.array(centre), np.array(spread)
-    # A condition that one of the rivals cannot compute is no proposal.
-    sound = np.all(np.isfinite(level) & np.isfinite(variance), axis=0)
-    level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
-    noise = _trial_variance(found, np.mean(level, axis=0)) / trials
-    noise += float(np.median(found.roughness[: len(found.noise.mean)])) ** 2
-    leads = found.verdict.word in ("named", "pair")
-    chi2 = np.zeros(level.shape[1])
-    pair = np.zeros((level.shape[1], 2), dtype=np.int64)
-    for a, b in itertools.combinations(range(len(rivals)), 2):
-        if leads and a > 0:
-            continue
-        gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
-        pair[gap > chi2] = (a, b)
-        chi2 = np.maximum(chi2, gap)
-    return Separation(rivals, level, np.sqrt(variance), chi2, pair)
-
-
-def _trial_variance(found: Diagnosis, level: Array) -> Array:
-    """Variance of one trial at a level; the usual one where errors were stated for each mean."""
-    noise = found.noise
-    if noise.floor == 0.0 and noise.relative == 0.0:
-        return np.full(level.shape, float(np.median(noise.sd)) ** 2)
-    return np.asarray(noise.floor**2 + (noise.relative * level) ** 2)
+    @property
+    def decides(self) -> bool:
+        """Whether it is expected to tell them apart."""
+        return self.separation > DECISIVE
 
 
 def propose(examination: Examination) -> list[Experiment]:
@@ -194,7 +115,7 @@ def propose(examination: Examination) -> list[Experiment]:
             Experiment(
                 {key.split(".")[1]: value for key, value in drive.items()},
                 f"separates {first} from {second}: expected chi-square {chi2:.1f} "
-                f"with {_TRIALS} trials{'' if chi2 > _DECIDES else ', too little'}",
+                f"with {TRIALS} trials{'' if chi2 > DECISIVE else ', too little'}",
                 chi2,
                 {
                     fit.name: {
@@ -224,27 +145,6 @@ def advice(found: Diagnosis) -> list[str]:
 def _listed(names: set[str]) -> str:
     first, more = sorted(names)[:4], len(names) - 4
     return ", ".join(first) + (f" and {more} more" if more > 0 else "")
-
-
-def _rivals(found: Diagnosis) -> list[Fit]:
-    if not found.detection.found:
-        return []
-    fits = sorted([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence)
-    chosen = found.verdict.fit
-    if chosen is not None and found.verdict.word in ("named", "pair"):
-        # What has the cause and one more says the same of it.
-        own = set(chosen.rival.causes)
-        fits = [chosen, *(fit for fit in fits if not own <= set(fit.rival.causes))]
-    if found.verdict.word == "ambiguous" and chosen is not None:
-        # Only those that the verdict cannot choose between.
-        names, size = set(found.verdict.causes), len(chosen.rival.causes)
-        undecided = [
-            fit
-            for fit in fits
-            if len(fit.rival.causes) == size and {each.name for each in fit.rival.causes} <= names
-        ]
-        fits = undecided if len(undecided) > 1 else fits
-    return fits[:_KEPT]
 
 
 def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:

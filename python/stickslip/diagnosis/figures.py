@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.diagnosis.conditions import panel
 from stickslip.diagnosis.engine import Diagnosis
-from stickslip.diagnosis.parameters import set_members
 from stickslip.diagnosis.profile import Profile
-from stickslip.diagnosis.standing import leading
+from stickslip.diagnosis.standing import leading, set_members
 from stickslip.keys import Value
 
 Array = NDArray[np.float64]
@@ -39,12 +39,12 @@ def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
 
 
-def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], stated: Array) -> str:
+def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], given: Array) -> str:
     """Data and models against frequency, a column for each mode and direction.
 
-    `stated` are the velocities of the scenario as it was given, m/s. Residuals are below. At
-    held-out conditions the models are those that were fitted without them. Empty where no velocity
-    was measured.
+    `given` are the velocities of the scenario as it was given, m/s. Residuals are below. At
+    held-out conditions the models are those that were fitted without them. Where nothing could be
+    learnt there is no model but the given one. Empty where no velocity was measured.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -53,43 +53,38 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], stat
     if m == 0:
         return ""
     problem = found.problem
-    points = [found.null.x] if found.verdict.fit is None else [found.null.x, found.verdict.fit.x]
-    predicted = problem.predicted(np.stack(points))[:, :m] * 1e3
     observed = problem.observed[:m] * 1e3
     sd = np.sqrt(np.diag(found.noise.covariance))[:m] * 1e3
+    models = _models(found, m)
+    known = found.noise.dof > 0.0
     held = np.zeros(m, dtype=bool)
     if found.gain is not None:
         held[found.gain.held_out] = True
-        # What is judged there is what the fits without these conditions said.
-        predicted[:, held] = (
-            np.stack([found.gain.predicted_before, found.gain.predicted_after]) * 1e3
-        )
-    words = [f"{each['drive.mode']} {each['drive.direction']}" for each in conditions]
+    words = np.array([panel(each) for each in conditions])
     frequency = np.array([float(each["drive.frequency"]) for each in conditions])
-    panels = list(dict.fromkeys(words))
+    panels = list(dict.fromkeys(words.tolist()))
     figure = Figure(figsize=(max(4.5, min(3.2 * len(panels), 12.8)), 5.0), layout="constrained")
     FigureCanvasAgg(figure)
     frames = figure.subplots(
         2, len(panels), sharex="col", sharey="row", squeeze=False, height_ratios=[3, 1]
     )
-    data = "measured (2 sd)" if found.noise.dof > 0.0 else "measured"
-    names = ["recalibrated", "" if found.verdict.fit is None else f"with {found.verdict.fit.name}"]
-    for column, panel in enumerate(panels):
+    groups = [(~held, "k", "measured (2 sd)" if known else "measured")]
+    if held.any():
+        groups.append((held, "w", "held out for the gain"))
+    for column, word in enumerate(panels):
         above, below = frames[:, column]
-        mine = np.array([word == panel for word in words])
-        for chosen, face, label in ((mine & ~held, "k", data),
-                                    (mine & held, "w", "held out for the gain")):  # fmt: skip
-            if face == "w" and not held.any():
-                continue
-            bars = 2 * sd[chosen] if found.noise.dof > 0.0 else None
-            above.errorbar(frequency[chosen], observed[chosen], bars, fmt="o", color="k",
-                           mfc=face, ms=4, label=label)  # fmt: skip
-        above.plot(frequency[mine], stated[mine] * 1e3, "x", color=_GREY, ms=5, label="as stated")
-        for row, name, colour in zip(predicted, names, (_BLUE, _ORANGE), strict=False):
+        mine = words == word
+        for group, face, label in groups:
+            chosen = mine & group
+            above.errorbar(frequency[chosen], observed[chosen], 2 * sd[chosen] if known else None,
+                           fmt="o", color="k", mfc=face, ms=4, label=label)  # fmt: skip
+        above.plot(frequency[mine], given[mine] * 1e3, "x", color=_GREY, ms=5,
+                   label="scenario as given")  # fmt: skip
+        for (name, row), colour in zip(models.items(), (_BLUE, _ORANGE), strict=False):
             above.plot(frequency[mine], row[mine], "_", color=colour, ms=11, mew=2, label=name)
             below.plot(frequency[mine], ((observed - row) / sd)[mine], ".", color=colour)
         below.axhspan(-2, 2, color="#dddddd", zorder=0)
-        above.set_title(panel, fontsize=10)
+        above.set_title(word, fontsize=10)
         below.set_xlabel("frequency (Hz)")
     frames[0, 0].set_ylabel("mean velocity (mm/s)")
     frames[1, 0].set_ylabel("residual / sd")
@@ -99,6 +94,21 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], stat
         handles, labels, loc="outside upper center", ncols=columns, fontsize=10, frameon=False
     )
     return png(figure)
+
+
+def _models(found: Diagnosis, m: int) -> dict[str, Array]:
+    """Velocities of the fitted models at the m conditions, mm/s."""
+    if found.verdict.word == "data-problem":
+        return {}
+    points = {"recalibrated": found.null.x}
+    if found.verdict.fit is not None:
+        points[f"with {found.verdict.fit.name}"] = found.verdict.fit.x
+    predicted = found.problem.predicted(np.stack(list(points.values())))[:, :m] * 1e3
+    if found.gain is not None:
+        # What is judged there is what the fits without these conditions said.
+        gain = found.gain
+        predicted[:, gain.held_out] = np.stack([gain.predicted_before, gain.predicted_after]) * 1e3
+    return dict(zip(points, predicted, strict=True))
 
 
 def profile(each: Profile) -> str:

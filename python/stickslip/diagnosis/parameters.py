@@ -7,6 +7,7 @@ import numpy as np
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fits import Fit, fitted_parameters
 from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.standing import set_members
 
 
 def short(name: str) -> str:
@@ -24,25 +25,6 @@ def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
         sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[each.position])
         result[each.name] = {"value": float(value[1]), "sd": sd, "unit": each.unit}
     return result
-
-
-def set_members(found: Diagnosis) -> list[Fit]:
-    """The verdict's own fit, and the others of its set where it cannot choose.
-
-    Empty without an extended model.
-    """
-    chosen = found.verdict.fit
-    if chosen is None:
-        return []
-    among = set(found.verdict.causes) if found.verdict.word == "ambiguous" else set()
-    many = len(chosen.rival.causes)
-    fits = found.ranking.singles if many == 1 else found.ranking.pairs
-    others = [
-        fit
-        for fit in fits
-        if fit is not chosen and among.issuperset(cause.name for cause in fit.rival.causes)
-    ]
-    return [chosen, *others]
 
 
 def extended_parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:

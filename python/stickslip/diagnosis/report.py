@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
-from stickslip.diagnosis.conditions import changes, in_words, shown_unit, shown_value, varied
+from stickslip.diagnosis.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.experiments import Experiment
-from stickslip.diagnosis.parameters import set_members
+from stickslip.diagnosis.separation import TRIALS
 from stickslip.diagnosis.simulator import Examination
+from stickslip.diagnosis.standing import set_members
 from stickslip.diagnosis.summary import details, further, gain_unit, summary
 from stickslip.errors import ScenarioError
 from stickslip.files import replacing
@@ -77,7 +78,9 @@ def write_report(
     # All three are made before the first is written.
     texts = {
         "report.json": json_text(full) + "\n",
-        "report.html": page_text(found, full, sketches, examination.conditions, examination.stated),
+        "report.html": page_text(
+            found, full, sketches, examination.conditions, examination.given, experiments
+        ),
     }
     extended = extended_scenario(found, measurement.scenario)
     out = Path(out)
@@ -94,20 +97,15 @@ def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> l
     if found.verdict.causes:
         lines[0] += " " + ", ".join(found.verdict.causes)
     if found.verdict.fit is not None and found.verdict.word == "ambiguous":
-        lines.append(f"here: {found.verdict.fit.name}, which fits best")
+        lines.append(
+            f"here: {found.verdict.fit.name}, which leads among those that explain the data"
+        )
     changed = [
         f"{key}: {measurement.scenario.get(key):.6g} -> {extended.get(key):.6g}"
         for key, known in known_keys().items()
         if known.kind == "real" and extended.get(key) != measurement.scenario.get(key)
     ]
     return [*lines, *(changed or ["nothing is changed"])]
-
-
-def _column(key: str) -> str:
-    """Heading of a setting's column."""
-    unit = shown_unit(key)[0]
-    name = key.split(".")[1]
-    return name if unit in ("", "-") else f"{name} ({unit})"
 
 
 def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -130,7 +128,8 @@ def page_text(
     full: Mapping[str, Any],
     sketches: Sequence[Sketch],
     conditions: Sequence[Mapping[str, Value]],
-    stated: Array,
+    given: Array,
+    experiments: Sequence[Experiment],
 ) -> str:
     """The report as one page that needs no other file."""
     import jinja2
@@ -141,6 +140,7 @@ def page_text(
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    nothing = found.verdict.word == "data-problem"
     keys, among = known_keys(), varied(conditions)
     return environment.from_string(source).render(
         report=full,
@@ -149,9 +149,9 @@ def page_text(
         shown={"m/s": ("mm/s", 1e3), "rad": ("degrees", math.degrees(1.0)), "T": ("mT", 1e3)}.get(
             full["gain_unit"], ("SI units", 1.0)
         ),
-        curves=figures.velocities(found, conditions, stated),
+        curves=figures.velocities(found, conditions, given),
         profiles=[figures.profile(each) for each in found.profiles],
-        columns=[_column(key) for key in among],
+        columns=[heading(key) for key in among],
         settings=[[shown_value(key, each[key]) for key in among] for each in conditions],
         common=in_words(
             conditions[0], [key for key in keys if key in conditions[0] and key not in among]
@@ -161,7 +161,10 @@ def page_text(
         rivals=_leading(full["ranking"]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
-        decisive=any(not each["why"].endswith("too little") for each in full["next_experiments"]),
+        decisive=any(each.decides for each in experiments),
+        trials=TRIALS,
+        observables=len(found.problem.observed),
+        models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
         typical=_typical_error(found),
         sketches=sketches,
         ranking=figures.ranking(found),

@@ -320,7 +320,7 @@ def best_row(signatures: Signatures, residual: Array, cause: int) -> int | None:
 
 
 def classes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
-    """Groups of causes that this data can hardly tell apart, those of two and more."""
+    """Groups of causes that these data can hardly tell apart, those of two and more."""
     unseen = set(range(len(cosines)))
     groups = []
     while unseen:
@@ -340,8 +340,8 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
     """95 % upper limit of the magnitude of every parameter of a cause, in its own unit.
 
     From the responses that were simulated, each as if it grew with the amplitude, up to three times
-    and down to a third of its own. A parameter that this data cannot see is bounded by its physical
-    range.
+    and down to a third of its own. A parameter that these data cannot see is bounded by its
+    physical range.
     """
     bounds = {}
     for index, cause in enumerate(problem.causes):
@@ -388,7 +388,7 @@ def _reach(signatures: Signatures, residual: Array, row: int, far: float) -> flo
 def smallest_effects(
     problem: Problem, signatures: Signatures, threshold: float
 ) -> dict[str, float]:
-    """Smallest size of every parameter of a cause that this data would show in four cases of five.
+    """Smallest size of every parameter of a cause that these data would show in four cases of five.
 
     In the parameter's unit, from its absent value; infinity where no response reached so far.
 

@@ -98,7 +98,7 @@ class Examination:
         The forward model of all rows; its channels' rows follow those of the conditions.
     left_out : tuple of str
         Sound rows that could not be used, and why.
-    stated : ndarray, shape (conditions,)
+    given : ndarray, shape (conditions,)
         Velocities of the scenario as it was given, m/s; NaN where it has none.
     """
 
@@ -107,7 +107,7 @@ class Examination:
     conditions: list[dict[str, Value]]
     combined: Combined
     left_out: tuple[str, ...]
-    stated: Array
+    given: Array
 
     def parts(self) -> dict[str, NDArray[np.int64]]:
         """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
@@ -195,7 +195,7 @@ def diagnose(
         index = number[index[kept]]
         among = varied(conditions)
         left_out += [
-            f"the stated model cannot compute {in_words(conditions[k], among)}; left out"
+            f"{in_words(conditions[k], among)}: the stated model cannot compute it"
             for k in lost.tolist()
         ]
         conditions = [each for k, each in enumerate(conditions) if k not in set(lost.tolist())]

@@ -4,9 +4,32 @@ from __future__ import annotations
 
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fits import Fit
-from stickslip.diagnosis.parameters import set_members
+from stickslip.diagnosis.rivals import ADEQUATE, adequacy
+from stickslip.diagnosis.verdict import MARGIN
 
 _SINGLES, _PAIRS = 7, 5
+
+
+def set_members(found: Diagnosis) -> list[Fit]:
+    """The verdict's own fit, and the others of its set where it cannot choose.
+
+    Empty without an extended model.
+    """
+    chosen = found.verdict.fit
+    if chosen is None:
+        return []
+    if found.verdict.word != "ambiguous":
+        return [chosen]
+    among, pairs = set(found.verdict.causes), len(chosen.rival.causes) > 1
+    others = [
+        fit
+        for fit in (found.ranking.pairs if pairs else found.ranking.singles)
+        if fit is not chosen
+        and among.issuperset(cause.name for cause in fit.rival.causes)
+        # Two close pairs have four names, of which other pairs can be made too.
+        and not (pairs and chosen.log_evidence - fit.log_evidence >= MARGIN)
+    ]
+    return [chosen, *others]
 
 
 def leading(found: Diagnosis) -> list[Fit]:
@@ -39,5 +62,7 @@ def runner_up(found: Diagnosis) -> str:
     name = "no cause at all" if second is null else second.name
     lead = verdict.fit.priced_evidence - second.priced_evidence
     if lead < 0.0:
-        return f"{name} leads by {-lead:.1f} in log-evidence, but does not explain the data"
+        adequate = adequacy(found.problem, second) >= ADEQUATE
+        said = f"{name} leads by {-lead:.1f} in log-evidence"
+        return said if adequate else f"{said}, but does not explain the data"
     return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"

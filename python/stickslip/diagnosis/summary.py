@@ -90,7 +90,7 @@ def details(examination: Examination, measurement: Measurement) -> dict[str, Any
         row["sd"] = float(sd[k])
         row["model_scatter"] = float(found.roughness[k])
         row["trials"] = int(found.noise.count[k])
-        row["stated"] = float(examination.stated[k])
+        row["given"] = float(examination.given[k])
         row["recalibrated"] = float(predicted[0, k])
         row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
         row["held_out"] = k in held
@@ -159,7 +159,7 @@ def details(examination: Examination, measurement: Measurement) -> dict[str, Any
             "cosines": found.cosines.tolist(),
         },
         "choice_without_held_out": None if gain is None else gain.choice,
-        "held_out_level": None if gain is None else _level(problem.observed[gain.held_out]),
+        "held_out_level": _level(examination),
         "held_out_p_value": None if gain is None else gain.p_value,
         "conditions": rows,
     }
@@ -203,9 +203,12 @@ def further(examination: Examination) -> dict[str, Any]:
     }
 
 
-def _level(observed: Array) -> float | None:
-    """Mean size of held-out observables, by which their error is given in per cent."""
-    size = float(np.mean(np.abs(observed)))
+def _level(examination: Examination) -> float | None:
+    """Mean size of what is held out, where it has one unit: its error is given in per cent."""
+    gain = examination.found.gain
+    if gain is None or gain_unit(examination) == "SI":
+        return None
+    size = float(np.mean(np.abs(examination.found.problem.observed[gain.held_out])))
     return size if size > 0.0 else None
 
 

@@ -8,7 +8,7 @@ from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.parameters import extended_parameters, short
 
 _NAMELESS = {
-    "none": "Nothing beyond the recalibrated model can be seen in this data.",
+    "none": "Nothing beyond the recalibrated model can be seen in these data.",
     "unexplained": "Something is there that no cause of the library and no pair of them explains.",
 }
 
@@ -63,15 +63,15 @@ def _sizes(found: Diagnosis) -> str:
         text = f"{short(name)} = {rounded(value, float(each['sd']))}"
         text += "" if unit == "-" else f" {unit}"
         if name in stated:
-            text += f", {_against(value, stated[name])}"
+            text += f", {against(value, stated[name])}"
         said.append(text)
     return ", ".join(said)
 
 
-def _against(value: float, stated: float) -> str:
+def against(value: float, stated: float) -> str:
     """A constant compared with what was stated for it."""
-    if stated == 0.0:
-        return "stated as 0"
+    if stated <= 0.0:
+        return f"stated as {stated:.3g}"
     ratio = value / stated
     if 0.5 <= ratio <= 2.0:
         way = "above" if ratio >= 1.0 else "below"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ FASTEST = 1.0
 """Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""
 
 _STRONGEST, _SLOWEST = 0.1, 0.2
-"""Beyond any coil's field, T, and below any rocking that steps, Hz: there a unit is wrong."""
+"""Far above the fields of such coils, T, and below any rocking that steps, Hz."""
 
 _OUTLIER = 8.0
 _MANY = 0.1
@@ -89,6 +89,7 @@ def read_velocity(
     blocks: dict[str, int] = {}
     kept: list[tuple[float, int, int, float]] = []
     seen: set[tuple[str, ...]] = set()
+    wrong: list[tuple[int, str]] = []
     for line, row in rows:
         if len(row) != len(header):
             reasons.setdefault(f"{len(row)} cells, not {len(header)}", []).append(line)
@@ -107,10 +108,18 @@ def read_velocity(
         except ScenarioError as error:
             reasons.setdefault(str(error), []).append(line)
             continue
+        other = _in_other_unit(dict(setting))
+        if other:
+            wrong.append((line, other))
+            reasons.setdefault(other, []).append(line)
+            continue
         seen.add(tuple(row))
         group = groups.setdefault(setting, len(groups))
         block = blocks.setdefault(cells["block"], len(blocks)) if cells.get("block") else -1
         kept.append((velocity, group, block, number(cells.get("order", ""))))
+    if len(wrong) > 0.5 * len(rows):
+        line, other = wrong[0]
+        raise ScenarioError(f"{path}: line {line}: {other}; {len(wrong)} rows are like this")
     left_out = [f"{path.name} {listed(lines)}: {reason}" for reason, lines in reasons.items()]
     lost = sum(len(lines) for lines in reasons.values())
     if lost > _MANY * len(rows):
@@ -126,7 +135,6 @@ def read_velocity(
             f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s. "
             "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
         )
-    _refuse_units(path, [dict(setting) for setting in groups])
     sound = _without_outliers(path.name, velocity_all, condition, left_out)
     numbers = {old: new for new, old in enumerate(dict.fromkeys(condition[sound].tolist()))}
     settings = list(groups)
@@ -165,21 +173,16 @@ def _setting(
     return tuple((f"drive.{name}", full.get(f"drive.{name}")) for name in drive)
 
 
-def _refuse_units(path: Path, conditions: Sequence[Mapping[str, Value]]) -> None:
-    """Refuse fields and frequencies that can only be in mT and kHz."""
+def _in_other_unit(setting: Mapping[str, Value]) -> str:
+    """Why a setting can only be in mT or kHz; empty if it need not."""
     for name in ("peak", "base", "hold"):
-        field = max(abs(float(each[f"drive.{name}"])) for each in conditions)
+        field = float(setting[f"drive.{name}"])
         if field > _STRONGEST:
-            raise ScenarioError(
-                f"{path}: {name} of {field:.3g} T; allowed is at most {_STRONGEST} T. "
-                "If fields are in mT, divide them by 1e3"
-            )
-    slowest = min(float(each["drive.frequency"]) for each in conditions)
-    if slowest < _SLOWEST:
-        raise ScenarioError(
-            f"{path}: frequency of {slowest:.3g} Hz; allowed is at least {_SLOWEST} Hz. "
-            "If frequencies are in kHz, multiply them by 1e3"
-        )
+            return f"{name} of {field:.3g} T is above {_STRONGEST} T; in mT, divide it by 1e3"
+    frequency = float(setting["drive.frequency"])
+    if frequency < _SLOWEST:
+        return f"frequency of {frequency:.3g} Hz is below {_SLOWEST} Hz; in kHz, multiply it by 1e3"
+    return ""
 
 
 def _without_outliers(

@@ -145,8 +145,7 @@ def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[s
             "If angles are in degrees, multiply them by pi/180"
         )
     left_out = [
-        f"{title}: theta of {value:.4g} rad is beyond half a turn; the row was left out"
-        for value in theta[beyond]
+        f"{title}: theta of {value:.4g} rad is beyond half a turn" for value in theta[beyond]
     ]
     return fields[~beyond], theta[~beyond], left_out
 
@@ -162,7 +161,7 @@ def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Arr
     kept[1:-1] = ~alone
     left_out = [
         f"{title}: theta of {value:.4g} rad at Bx = {bx:.4g} T, Bz = {bz:.4g} T, far from both "
-        "its neighbours; the row was left out"
+        "its neighbours"
         for value, (bx, bz) in zip(theta[~kept], fields[~kept], strict=True)
     ]
     return fields[kept], theta[kept], left_out

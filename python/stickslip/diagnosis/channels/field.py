@@ -67,10 +67,10 @@ class FieldChannel:
         self.notes: tuple[str, ...] = (f"{title}: {origin}",)
         left_out = []
         if not off.all():
-            left_out.append(f"{title}: {_rows(~off)} on the wire of a coil left out")
+            left_out.append(f"{title}: {_rows(~off)} on the wire of a coil")
         left_out += [
             f"{title}: a reading of {_three(value)} T with currents {_three(row[:count])} A is far "
-            "from what any gain of the coils gives; the row was left out"
+            "from what any gain of the coils gives"
             for row, value in zip(settings[far], fields[far], strict=True)
         ]
         self.left_out = tuple(left_out)

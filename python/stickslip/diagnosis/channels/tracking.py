@@ -236,7 +236,7 @@ def _quantity(
     if wild.any():
         unused.append(
             f"{int(wild.sum())} frames lie far from all others of their phase in {name}, such as "
-            f"that at {times[np.argmax(wild)]:.5g} s; they are left out"
+            f"that at {times[np.argmax(wild)]:.5g} s"
         )
     used = finite & ~wild
     if kind in ("drift", "place") and run.scenario.drive.mode != "program":

@@ -1,0 +1,18 @@
+"""Results that several files of tests look at."""
+
+import json
+
+import pytest
+
+from command_line import stickslip
+from made_measurement import write
+
+
+@pytest.fixture(scope="session")
+def tilted(tmp_path_factory):
+    """The folder of a diagnosis of a surface that tilts by 0.04 rad, and what ``--json`` said."""
+    folder = tmp_path_factory.mktemp("tilted")
+    path = write(folder, {"effects.surface_tilt.angle": 0.04})
+    done = stickslip("diagnose", path, "--out", folder / "found", "--json")
+    assert done.returncode == 0, done.stderr
+    return folder, json.loads(done.stdout)
