@@ -86,7 +86,7 @@ class Fit:
 
     @property
     def priced_evidence(self) -> float:
-        """`log_evidence` less `PAIR_PRICE` for a second cause: how a verdict weighs it."""
+        """`log_evidence` less ``PAIR_PRICE`` for a second cause: how a verdict weighs it."""
         return self.log_evidence - (PAIR_PRICE if len(self.rival.causes) > 1 else 0.0)
 
     @property
