@@ -135,7 +135,7 @@ def test_drift_with_order_is_a_problem_of_the_data():
     ("values", "options", "said"),
     [
         (np.zeros(SIZE), {"relative_sd": 0.01}, "zero"),
-        (truth(), {}, "few repeats"),
+        (truth(), {}, "noise is not known"),
     ],
 )
 def test_data_that_cannot_be_judged_is_a_problem_of_the_data(values, options, said):

@@ -37,7 +37,7 @@ def data_problem(
     if alone and noise.dof == 0.0:
         return (
             "the noise is not known, so no misfit can be judged: repeat the trials of some "
-            "conditions, or state velocity_sd in [[velocity]]"
+            "conditions, or state their error (velocity_sd in [[velocity]])"
         )
     if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
         between = float(np.var(noise.mean))
