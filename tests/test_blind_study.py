@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario
-from stickslip.diagnosis.simulator import Simulator, diagnose
+from stickslip.diagnosis.examination import diagnose
+from stickslip.diagnosis.simulator import Simulator
 from stickslip.diagnosis.summary import summary
 from stickslip.measurement import read_measurement
 

@@ -12,8 +12,8 @@ from stickslip.diagnosis.channels import find_channels
 from stickslip.diagnosis.channels.angle_noise import READING
 from stickslip.diagnosis.channels.repeats import merge, widening
 from stickslip.diagnosis.channels.smoothness import noise_of_curve, order_along
+from stickslip.diagnosis.examination import diagnose
 from stickslip.diagnosis.parameters import extended_parameters
-from stickslip.diagnosis.simulator import diagnose
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1

@@ -8,8 +8,8 @@ import pytest
 from command_line import stickslip
 from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
 from stickslip.diagnosis.channels import find_channels
+from stickslip.diagnosis.examination import diagnose
 from stickslip.diagnosis.parameters import extended_parameters
-from stickslip.diagnosis.simulator import diagnose
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1

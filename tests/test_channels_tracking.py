@@ -16,7 +16,7 @@ from stickslip.diagnosis.channels.folding import fold
 from stickslip.diagnosis.channels.force_view import force_view
 from stickslip.diagnosis.channels.tracking import TrackingChannel, find_tracking
 from stickslip.diagnosis.channels.tracking_words import field_chain_clean, view_lines
-from stickslip.diagnosis.simulator import diagnose
+from stickslip.diagnosis.examination import diagnose
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tracking import TrackingRun

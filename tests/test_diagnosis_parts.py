@@ -16,10 +16,10 @@ from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import split
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import fit_noise
+from stickslip.diagnosis.plausibility import wrong_sign
 from stickslip.diagnosis.profile import profile
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
-from stickslip.diagnosis.simulator import wrong_sign
 from stickslip.diagnosis.verdict import Table, contradicting
 from stickslip.diagnosis.words import headline, rounded
 

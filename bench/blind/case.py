@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from blind.generator import write_case, write_more
+from stickslip.diagnosis.examination import diagnose
 from stickslip.diagnosis.experiments import propose
-from stickslip.diagnosis.simulator import diagnose
 from stickslip.diagnosis.summary import summary
 from stickslip.measurement import read_measurement
 

@@ -31,9 +31,9 @@ def command(
     ambiguous, pair, unexplained, data-problem.
     """
     from stickslip.diagnosis.conditions import changes
+    from stickslip.diagnosis.examination import diagnose
     from stickslip.diagnosis.experiments import propose
     from stickslip.diagnosis.report import write_report
-    from stickslip.diagnosis.simulator import diagnose
     from stickslip.diagnosis.standing import runner_up
     from stickslip.diagnosis.summary import summary
     from stickslip.diagnosis.words import headline

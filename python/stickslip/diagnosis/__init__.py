@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from stickslip.diagnosis.engine import Diagnosis, diagnose_model
+from stickslip.diagnosis.examination import Examination, diagnose
 from stickslip.diagnosis.experiments import Experiment, propose
 from stickslip.diagnosis.model import Cause, CauseParameter, Problem, Uncertain
 from stickslip.diagnosis.report import write_report
 from stickslip.diagnosis.separation import Separation, separate
-from stickslip.diagnosis.simulator import Examination, diagnose
 from stickslip.diagnosis.summary import summary
 from stickslip.diagnosis.words import headline
 from stickslip.measurement.priors import Prior

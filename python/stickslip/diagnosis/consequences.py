@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.conditions import panel
 from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
-from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.standing import set_members
 
 Array = NDArray[np.float64]

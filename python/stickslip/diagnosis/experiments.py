@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.separation import TRIALS, separate
-from stickslip.diagnosis.simulator import Examination
 from stickslip.keys import Value
 
 Array = NDArray[np.float64]

@@ -16,9 +16,9 @@ from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
 from stickslip.diagnosis.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.engine import Diagnosis
+from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.experiments import Experiment
 from stickslip.diagnosis.separation import TRIALS
-from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.standing import set_members
 from stickslip.diagnosis.summary import details, further, gain_unit, summary
 from stickslip.errors import ScenarioError

@@ -18,13 +18,13 @@ from stickslip.diagnosis.consequences import (
     where_it_lives,
 )
 from stickslip.diagnosis.constancy import changing, refit_parts
+from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.experiments import Experiment, advice
 from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.parameters import describe, extended_parameters, short
 from stickslip.diagnosis.rivals import adequacy
 from stickslip.diagnosis.signatures import smallest_effects
-from stickslip.diagnosis.simulator import Examination
 from stickslip.diagnosis.standing import leading, runner_up
 from stickslip.diagnosis.verdict import share_of_ceiling
 from stickslip.diagnosis.words import headline

@@ -1,0 +1,222 @@
+"""A measurement diagnosed with the simulator and its library of causes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.channels import Combined, Sketch, find_channels
+from stickslip.diagnosis.comparison import Progress
+from stickslip.diagnosis.conditions import in_words, varied
+from stickslip.diagnosis.engine import Diagnosis, diagnose_model
+from stickslip.diagnosis.library import library, parameter_unit
+from stickslip.diagnosis.merging import merged_channels, merged_velocities, smooth_settings
+from stickslip.diagnosis.model import Cause, Uncertain
+from stickslip.diagnosis.noise import fit_noise
+from stickslip.diagnosis.plausibility import wrong_sign, wrong_size
+from stickslip.diagnosis.simulator import TOLERANCES, Conditions, Simulator, loosest_tolerances
+from stickslip.errors import ScenarioError
+from stickslip.keys import Value
+from stickslip.measurement.reading import Measurement
+from stickslip.processors import worker_count
+from stickslip.run_notes import peak_voltages
+from stickslip.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+_DRAFT_PULSES = 5.0
+
+
+@dataclass(frozen=True)
+class Examination:
+    """A diagnosis and what it was made with.
+
+    Attributes
+    ----------
+    found : Diagnosis
+    simulator : Simulator
+        Of mean velocities.
+    conditions : list of dict
+        Drive settings by dotted key, of the first rows of `Diagnosis.problem.observed`.
+    combined : Combined
+        The forward model of all rows; its channels' rows follow those of the conditions.
+    left_out : tuple of str
+        Sound rows that could not be used, and why.
+    given : ndarray, shape (conditions,)
+        Velocities of the scenario as it was given, m/s; NaN where it has none.
+    """
+
+    found: Diagnosis
+    simulator: Simulator
+    conditions: list[dict[str, Value]]
+    combined: Combined
+    left_out: tuple[str, ...]
+    given: Array
+
+    def parts(self) -> dict[str, NDArray[np.int64]]:
+        """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
+        result: dict[str, NDArray[np.int64]] = {}
+        for key in ("drive.mode", "drive.direction"):
+            words = np.array([str(each[key]) for each in self.conditions])
+            found = sorted(set(words.tolist()))
+            if len(found) == 2:
+                result |= {word: np.flatnonzero(words == word) for word in found}
+        for key in ("drive.frequency", "drive.peak"):
+            values = np.array([float(each[key]) for each in self.conditions])
+            middle = float(np.median(values)) if len(values) else 0.0
+            below, above = np.flatnonzero(values < middle), np.flatnonzero(values >= middle)
+            if len(below) and len(above):
+                name = key.split(".")[1]
+                result |= {f"low {name}": below, f"high {name}": above}
+        return result
+
+    def sketches(self) -> list[Sketch]:
+        """Parts of the report that the channels draw."""
+        problem, fit = self.found.problem, self.found.verdict.fit
+        null = problem.physical(self.found.null.x[None, :])[0]
+        extended = None if fit is None else problem.physical(fit.x[None, :])[0]
+        drawn = []
+        for number, channel in enumerate(self.combined.channels):
+            names, before = self.combined.sketch_arguments(number, null)
+            after = None
+            if extended is not None:
+                after = self.combined.sketch_arguments(number, extended)[1]
+            drawn += channel.sketches(names, before, after)
+        return drawn
+
+
+def diagnose(
+    measurement: Measurement,
+    *,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Examination:
+    """Diagnose a measurement with the simulator and its library of causes.
+
+    Parameters
+    ----------
+    measurement : Measurement
+    seed : int
+        Of all random draws; the result does not depend on `threads`.
+    threads : int, optional
+    progress : callable, optional
+        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
+
+    Returns
+    -------
+    Examination
+
+    Raises
+    ------
+    ScenarioError
+        If nothing was measured that the diagnosis can use.
+    """
+    threads = worker_count(threads, "threads")
+    conditions, velocity, index, block, order = merged_velocities(measurement)
+    channels = find_channels(measurement, threads)
+    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
+    # One error for all tables: of those that state one, the largest.
+    relative_sd = max(stated, default=math.nan)
+    uncertain = [
+        Uncertain(name, prior, parameter_unit(name))
+        for name, prior in measurement.uncertain.items()
+    ]
+    nuisance = [each for channel in channels for each in channel.nuisance]
+    causes = library(measurement.scenario, dict(measurement.uncertain), _top_voltage(measurement))
+    shared = [each.name for each in uncertain]
+    amplitudes = [parameter.name for cause in causes for parameter in cause.parameters]
+    keys = [*shared, *amplitudes]
+    names = [*shared, *(each.name for each in nuisance), *amplitudes]
+    simulator = Simulator(measurement.scenario, keys, threads)
+    middle = _nominal(simulator, conditions, uncertain, causes)
+    lost = np.flatnonzero(~np.isfinite(middle))
+    left_out = [line for channel in channels for line in channel.left_out]
+    if len(lost) and len(lost) < len(conditions):
+        kept = np.isfinite(middle)[index]
+        number = np.cumsum(np.isfinite(middle)) - 1
+        velocity, block, order = velocity[kept], block[kept], order[kept]
+        index = number[index[kept]]
+        among = varied(conditions)
+        left_out += [
+            f"{in_words(conditions[k], among)}: the stated model cannot compute it"
+            for k in lost.tolist()
+        ]
+        conditions = [each for k, each in enumerate(conditions) if k not in set(lost.tolist())]
+        middle = middle[np.isfinite(middle)]
+    computed: list[dict[str, Value]] = []
+    if conditions:
+        noise = fit_noise(velocity, index, block, relative_sd)
+        rtol = loosest_tolerances(simulator, conditions, uncertain, causes, noise, seed)
+        finest = {"solver.rtol": float(np.min(rtol))}
+        simulator = Simulator(measurement.scenario.replace(finest), keys, threads)
+        computed = [
+            {**each, "solver.rtol": float(r)} for each, r in zip(conditions, rtol, strict=True)
+        ]
+    believed = [float(measurement.scenario.get(name)) for name in keys]
+    predicted = simulator(computed, np.array([believed]))[0] if computed else np.zeros(0)
+    combined = Combined(simulator, names, keys, channels)
+    known = merged_channels(channels)
+    options: dict[str, Any] = {"seed": seed, "progress": progress}
+    if conditions:
+        options |= {"condition": index, "block": block, "order": order, "also": known}
+        options |= {"relative_sd": relative_sd}
+        options["doubt"] = wrong_size(middle, noise.mean) or wrong_sign(
+            conditions, middle, noise.mean
+        )
+    elif known is not None:
+        velocity = known.observed
+        options |= {"sd": known.covariance, "group": known.group}
+    else:
+        raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
+
+    def draft(conditions: Conditions, parameters: Array) -> Array:
+        return combined([_drafted(measurement.scenario, each) for each in conditions], parameters)
+
+    source = ["velocity"] * len(computed)
+    source += [channel.name for channel in channels for _ in channel.observed]
+    options |= {"draft": draft, "settings": smooth_settings(conditions), "source": source}
+    found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
+    notes = (*found.notes, *(line for channel in channels for line in channel.notes))
+    return Examination(
+        replace(found, notes=notes), simulator, conditions, combined, tuple(left_out), predicted
+    )
+
+
+def _nominal(
+    simulator: Simulator,
+    conditions: Conditions,
+    uncertain: Sequence[Uncertain],
+    causes: Sequence[Cause],
+) -> Array:
+    """Velocities at the middle of all priors, without any cause; NaN where there is none."""
+    if not conditions:
+        return np.zeros(0)
+    absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
+    middle = [float(each.prior.value(0.0)) for each in uncertain]
+    return np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
+
+
+def _drafted(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Value]:
+    """A condition that is computed sooner and less exactly."""
+    pulses = float(condition.get("drive.pulses", scenario.get("drive.pulses")))
+    return {
+        **condition, "solver.rtol": TOLERANCES[0], "drive.pulses": min(pulses, _DRAFT_PULSES)
+    }  # fmt: skip
+
+
+def _top_voltage(measurement: Measurement) -> float:
+    """Largest voltage that any drive asks for, V; that of the scenario if there is no drive."""
+    stated = measurement.scenario
+    drives = [
+        stated.replace({"drive.program": None, **each})
+        for data in measurement.velocity
+        for each in data.conditions
+    ]
+    drives += [run.scenario for run in measurement.tracking]
+    return max(volts for each in drives or [stated] for volts in peak_voltages(each).values())

@@ -1,0 +1,72 @@
+"""Whether measured velocities can be what the stated model speaks of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.simulator import Conditions
+
+Array = NDArray[np.float64]
+
+_SMALLEST = 0.02
+_OPPOSITE = -0.8
+_REVERSED = 3
+
+
+def wrong_size(predicted: Array, velocity: Array) -> str | None:
+    """Whether the velocities can be what the model speaks of, by their size and sign."""
+    sound = np.isfinite(predicted)
+    if not sound.any():
+        return "no condition can be simulated with the stated scenario; look at its settings"
+    usual, measured = (float(np.median(np.abs(each[sound]))) for each in (predicted, velocity))
+    if usual == 0.0 or measured == 0.0:
+        return None
+    ratio = measured / usual
+    if not _SMALLEST < ratio < 1.0 / _SMALLEST:
+        unit = ""
+        if 0.1 < ratio / 1e3 < 10.0 or 0.1 < ratio * 1e3 < 10.0:
+            unit = ", so a column may be in a unit that is wrong by 1000"
+        return (
+            f"the velocities are about {ratio:.3g} times what the stated model gives "
+            f"({measured:.3g} against {usual:.3g} m/s){unit}"
+        )
+    likeness = float(predicted[sound] @ velocity[sound])
+    likeness /= float(np.linalg.norm(predicted[sound]) * np.linalg.norm(velocity[sound]))
+    if likeness < _OPPOSITE:
+        return (
+            "the velocities have the opposite sign of the stated model's; "
+            "x, a direction or a clamp may be reversed"
+        )
+    return None
+
+
+def wrong_sign(conditions: Conditions, predicted: Array, velocity: Array) -> str | None:
+    """Whether velocities are speeds, or count forwards, or one direction or mode, the other way.
+
+    Every condition that is not slow has then the model's size, and its sign or the reverse by a
+    rule that a cause would hardly follow.
+    """
+    usual = float(np.nanmedian(np.abs(predicted)))
+    clear = np.isfinite(predicted) & (np.minimum(np.abs(predicted), np.abs(velocity)) > usual / 3)
+    ratio = np.abs(velocity[clear] / predicted[clear])
+    reversed_ = np.sign(velocity[clear]) != np.sign(predicted[clear])
+    away = np.abs(np.log(ratio))
+    if min(reversed_.sum(), (~reversed_).sum()) < _REVERSED:
+        return None
+    if max(np.median(away[reversed_]), np.median(away[~reversed_])) > np.log(1.5):
+        return None
+    if np.array_equal(reversed_, predicted[clear] < 0.0):
+        return (
+            "the velocities have the model's size without its sign: they look like speeds; a "
+            "velocity is that along +x"
+        )
+    for key in ("drive.direction", "drive.mode"):
+        words = np.array([str(each[key]) for each in conditions])[clear]
+        for word in sorted(set(words.tolist())):
+            if np.array_equal(reversed_, words == word):
+                return (
+                    f"the velocities have the model's size, and the reverse of its sign wherever "
+                    f"{key.split('.')[1]} is {word}; a velocity is that along +x"
+                )
+    return None
