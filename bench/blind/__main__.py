@@ -1,7 +1,7 @@
 """``python -m blind``: data sets of every kind, diagnosed without their answers, then scored.
 
-Each data set is a folder that says nothing of what is hidden in it; the answers lie in a file
-beside the folders. A study that was stopped goes on where it stood.
+Each data set is a folder that says nothing of what is hidden in it; the answers lie beside these
+folders. A study that was stopped goes on where it stood.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any
 
-from blind.case import study
+from blind.case import make, study
 from blind.scoring import judged, read, slim, table
 from blind.truth import KINDS
 
@@ -40,21 +40,25 @@ def main() -> None:
     parser.add_argument("--kinds", default=";".join(KINDS), help="separated by semicolons")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="data sets at a time")
     parser.add_argument("--minutes", type=float, default=600.0, help="begin none after this time")
+    parser.add_argument("--only-make", action="store_true", help="leave the diagnosis for later")
     parser.add_argument("--out", type=Path, default=Path("bench/results/blind"))
     options = parser.parse_args()
     out: Path = options.out
     out.mkdir(parents=True, exist_ok=True)
     record = out / "answers.jsonl"
     rows = read(record) if record.exists() else []
-    done = {(row["answer"]["kind"], row["answer"]["seed"]) for row in rows}
+    done = {_name(row["answer"]) for row in rows}
+    folders = _made(out)
+    used = [*folders.values(), *(row["folder"] for row in rows)]
+    number = 1 + max(map(int, used), default=-1)
     kinds = options.kinds.split(";")
     if not set(kinds) <= set(KINDS):
         parser.error(f"--kinds: allowed are {'; '.join(KINDS)}")
+    done |= set(folders) if options.only_make else set()
     waiting = [each for each in plan(options.first, options.seeds, kinds) if each not in done]
     failed: list[str] = []
     end = time.monotonic() + 60.0 * options.minutes
     running: dict[Future[dict[str, Any]], tuple[str, int]] = {}
-    number = 1 + max((int(row["folder"]) for row in rows), default=-1)
     with (
         ProcessPoolExecutor(options.jobs) as pool,
         record.open("a") as file,
@@ -62,9 +66,12 @@ def main() -> None:
         while running or waiting:
             while waiting and len(running) < options.jobs and time.monotonic() < end:
                 kind, seed = waiting.pop(0)
-                folder = out / "data" / f"{number:05d}"
-                running[pool.submit(study, folder, kind, seed)] = (kind, seed)
-                number += 1
+                if (kind, seed) not in folders:
+                    folders[kind, seed] = f"{number:05d}"
+                    number += 1
+                folder = out / "data" / folders[kind, seed]
+                task = make if options.only_make else study
+                running[pool.submit(task, folder, kind, seed)] = (kind, seed)
             if not running:
                 break
             for future in wait(running, return_when=FIRST_COMPLETED).done:
@@ -75,18 +82,35 @@ def main() -> None:
                     failed.append(f"{what[0]} {what[1]}: {error!r}")
                     print(failed[-1], flush=True)
                     continue
+                if options.only_make:
+                    continue
                 row = future.result()
                 rows.append(row)
                 file.write(json.dumps(row) + "\n")
                 file.flush()
                 print(_line(*what, row), flush=True)
+    if not options.only_make:
+        _report(out, rows)
+    if failed:
+        raise SystemExit("\n".join([f"{len(failed)} data sets failed:", *failed]))
+
+
+def _report(out: Path, rows: list[dict[str, Any]]) -> None:
     text = table(rows)
     (out / "measured.jsonl").write_text("".join(json.dumps(slim(row)) + "\n" for row in rows))
     (out / "table.md").write_text(text + "\n")
     (out / "judged.json").write_text(json.dumps(judged(rows), indent=2) + "\n")
     print(text)
-    if failed:
-        raise SystemExit("\n".join([f"{len(failed)} data sets failed:", *failed]))
+
+
+def _made(out: Path) -> dict[tuple[str, int], str]:
+    """Folders of the data sets that were made before."""
+    answers = {path.stem: json.loads(path.read_text()) for path in out.glob("sealed/*.json")}
+    return {_name(answer): folder for folder, answer in answers.items()}
+
+
+def _name(answer: dict[str, Any]) -> tuple[str, int]:
+    return answer["kind"], answer["seed"]
 
 
 def _line(kind: str, seed: int, row: dict[str, Any]) -> str:

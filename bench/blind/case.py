@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,31 @@ from stickslip.diagnosis.summary import summary
 from stickslip.measurement import read_measurement
 
 
+def sealed(folder: Path) -> Path:
+    """File of a data set's answer, which lies beside the data sets and is not read from there."""
+    return folder.parent.with_name("sealed") / f"{folder.name}.json"
+
+
+def make(folder: Path, kind: str, seed: int) -> dict[str, Any]:
+    """Make one data set and return its answer, or read that of one that was made before."""
+    path = sealed(folder)
+    if not path.exists():
+        answer = write_case(folder, kind, seed)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draft = path.with_suffix(".part")
+        draft.write_text(json.dumps(answer) + "\n")
+        draft.replace(path)
+    # Numbers and lists as a reader of the file has them, whoever made it.
+    result: dict[str, Any] = json.loads(path.read_text())
+    return result
+
+
 def study(folder: Path, kind: str, seed: int) -> dict[str, Any]:
     """Make one data set, diagnose it from its files alone, and return what was said.
 
     Near twins are measured again at the experiments that the diagnosis proposes.
     """
-    answer = write_case(folder, kind, seed)
+    answer = make(folder, kind, seed)
     row = {"folder": folder.name, "answer": answer, **_diagnosed(folder)}
     drives = [each["drive"] for each in row["said"]["next_experiments"]]
     if kind == "near twins" and drives:
