@@ -9,7 +9,7 @@ import pytest
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.constancy import changing, refit_parts
-from stickslip.diagnosis.detection import detect
+from stickslip.diagnosis.detection import detect, lack_of_fit_p
 from stickslip.diagnosis.experiments import advice
 from stickslip.diagnosis.fits import Start, make_rival
 from stickslip.diagnosis.fitting import fit_rivals
@@ -261,6 +261,23 @@ def test_an_empty_cell_of_a_set_up_leaves_the_others_known():
     noise = fit_noise(trials, index, block)
     assert noise.between == pytest.approx(2.0, abs=0.9)
     assert noise.relative == pytest.approx(0.03, rel=0.2)
+
+
+def test_pure_noise_is_as_rare_as_its_p_value_says():
+    # 2000 tables of 30 conditions, of which some are slower than the noise; three binomial standard
+    # deviations above the rates of the F law. The likeliest curve has 0.005 below 0.001.
+    random = np.random.default_rng(2)
+    level = np.geomspace(3e-6, 3e-3, 30) * (-1.0) ** np.arange(30)
+    sd, index = np.hypot(0.03 * level, 1e-5), np.repeat(np.arange(30), 3)
+    p_values = []
+    for _ in range(2000):
+        trials = level[:, None] + sd[:, None] * random.standard_normal((30, 3))
+        noise = fit_noise(trials.ravel(), index)
+        chi2 = np.sum((noise.mean - level) ** 2 / np.diag(noise.covariance))
+        p_values.append(lack_of_fit_p(float(chi2), 30, noise.dof))
+    rates = {rate: np.mean(np.array(p_values) < rate) for rate in (0.001, 0.01, 0.05)}
+    assert all(found < rate + 3.0 * math.sqrt(rate / 2000) for rate, found in rates.items())
+    assert rates[0.05] > 0.05 - 3.0 * math.sqrt(0.05 / 2000)
 
 
 def test_a_search_finds_the_deepest_of_many_valleys():

@@ -73,6 +73,26 @@ def test_a_single_wrong_unit_is_named_as_such(tmp_path):
     assert "factor of 1000" in found.left_out[0]
 
 
+def test_slow_conditions_scatter_by_more_than_their_share(tmp_path):
+    # An error of 10 um/s that does not fall with the velocity, and one of 3 %. Of 1800 normal
+    # draws none is eight standard deviations away; a trial that is 20 away is no draw of theirs.
+    random = np.random.default_rng(4)
+    frequency = np.arange(20) + 20
+    level = np.geomspace(5e-6, 2e-3, len(frequency))
+    for number in range(30):
+        trials = level + np.hypot(0.03 * level, 1e-5) * random.standard_normal((3, len(level)))
+        if number == 0:
+            trials[1, 2] += 2e-4
+        rows = [
+            f"{value!r},{trial},IPP,{pace}"
+            for trial, row in enumerate(trials.tolist())
+            for pace, value in zip(frequency, row, strict=True)
+        ]
+        text = "velocity,trial,mode,frequency\n" + "\n".join(rows) + "\n"
+        left_out = read_measurement(_write(tmp_path, text)).left_out
+        assert len(left_out) == (1 if number == 0 else 0), left_out
+
+
 def test_a_table_in_the_wrong_unit_is_refused_with_the_reason(tmp_path):
     rows = "velocity,frequency\n" + "".join(f"{900 + f},{f}\n" for f in (10, 20, 30))
     with pytest.raises(ScenarioError, match="mm/s or um/s"):

@@ -1,7 +1,7 @@
 """Noise of a trial and of a set-up, pooled over all conditions.
 
-Three trials have two degrees of freedom, so no condition has a variance of its own: one curve
-sd^2 = s0^2 + (rho v)^2 is fitted to all, and scaled to the pooled scatter.
+Three trials have two degrees of freedom, so no condition has a variance of its own: all share one
+curve sd^2 = s0^2 + (rho v)^2.
 """
 
 from __future__ import annotations
@@ -11,13 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 FEWEST_DOF = 4
 """Degrees of freedom from which on the noise is taken from the trials and not from a statement."""
+
+_LOGS = np.linspace(-4.0, 2.0, 31)
+"""Logarithms of s0, and of rho at the usual level, beside that of the pooled scatter."""
 
 
 @dataclass(frozen=True)
@@ -108,10 +110,11 @@ def fit_noise(
     # Where nothing moved, any size will do: there is no relative error of zero.
     size = float(np.sqrt(np.mean(mean**2))) or 1.0
     if dof >= FEWEST_DOF and np.any(deviation != 0.0):
-        floor, relative = _curve(deviation, leverage, mean[condition], size)
+        squares, freedom = np.zeros(m), np.zeros(m)
+        np.add.at(squares, condition, deviation**2)
+        np.add.at(freedom, condition, leverage)
+        floor, relative = _curve(squares, freedom, mean, size)
         sd = np.sqrt(floor**2 + (relative * mean) ** 2)
-        scale = math.sqrt(float(np.sum((deviation / sd[condition]) ** 2)) / dof)
-        floor, relative, sd = floor * scale, relative * scale, sd * scale
         free = float(dof)
     elif math.isfinite(stated):
         floor, relative, free = 0.1 * stated * size, stated, math.inf
@@ -173,24 +176,27 @@ def _without_blocks(
     return residual, len(value) - left.shape[1], leverage
 
 
-def _curve(deviation: Array, leverage: Array, level: Array, size: float) -> tuple[float, float]:
-    """s0 and rho by maximum likelihood of the residuals."""
+def _curve(squares: Array, freedom: Array, level: Array, size: float) -> tuple[float, float]:
+    """s0 and rho, each the root of its square's mean over their posterior.
 
-    seen = leverage > 1e-6
-    deviation, leverage, level = deviation[seen], leverage[seen], level[seen]
+    A best point would often have one of them near zero, and conditions of which that one is the
+    noise would be trusted far too much. Both are drawn flat in their logarithm.
 
-    def loss(log: Array) -> float:
-        variance = (np.exp(2 * log[0]) * size**2 + np.exp(2 * log[1]) * level**2) * leverage
-        return float(np.sum(leverage * np.log(variance) + deviation**2 / variance * leverage))
-
-    spread = float(np.sqrt(np.mean(deviation**2))) / size
-    starts = [np.log([0.7 * spread, 0.7 * spread]), np.log([0.1 * spread, spread])]
-    bounds = [(math.log(spread) - 4.0, math.log(spread) + 2.0)] * 2
-    best = min(
-        (minimize(loss, start, method="L-BFGS-B", bounds=bounds) for start in starts),
-        key=lambda found: float(found.fun),
-    )
-    return float(np.exp(best.x[0])) * size, float(np.exp(best.x[1]))
+    Parameters
+    ----------
+    squares, freedom, level : ndarray, shape (m,)
+        Of each condition: sum of its trials' squared residuals, their degrees of freedom, and mean.
+    size : float
+        Usual level.
+    """
+    spread = math.sqrt(float(np.sum(squares) / np.sum(freedom)))
+    tried = (spread * np.exp(_LOGS)) ** 2
+    floor, relative = (each.ravel() for each in np.meshgrid(tried, tried / size**2))
+    variance = floor[:, None] + relative[:, None] * level**2
+    loss = np.log(variance) @ freedom + (1.0 / variance) @ squares
+    weight = np.exp(-0.5 * (loss - np.min(loss)))
+    weight /= np.sum(weight)
+    return math.sqrt(float(weight @ floor)), math.sqrt(float(weight @ relative))
 
 
 def _between(

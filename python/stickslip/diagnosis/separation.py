@@ -111,7 +111,8 @@ def _trial_variance(found: Diagnosis, level: Array) -> Array:
 def _rivals(found: Diagnosis) -> list[Fit]:
     if not found.detection.found:
         return []
-    fits = sorted([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: -fit.log_evidence)
+    both = [*found.ranking.singles, *found.ranking.pairs]
+    fits = sorted(both, key=lambda fit: -fit.priced_evidence)
     chosen = found.verdict.fit
     if chosen is not None and found.verdict.word in ("named", "pair"):
         # What has the cause and one more says the same of it.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -190,28 +190,21 @@ def _without_outliers(
 ) -> NDArray[np.bool_]:
     """Leave out a trial that lies absurdly far from the others of its condition.
 
-    The scale is the pooled median deviation over all conditions, as three trials have none of
-    their own.
+    Three trials have no scale of their own, so all conditions share one, which has a part that does
+    not fall with the velocity: slow conditions scatter by more than their share.
     """
-    deviation = np.full(velocity.shape, np.nan)
+    deviation = np.zeros(velocity.shape)
     level = np.zeros(velocity.shape)
     for each in np.unique(condition):
         inside = condition == each
         level[inside] = np.median(velocity[inside])
         if inside.sum() >= 3:
             deviation[inside] = np.abs(velocity[inside] - level[inside])
-    usable = np.isfinite(deviation)
-    sound = np.ones(velocity.shape, dtype=bool)
-    if not usable.any():
-        return sound
-    relative = np.maximum(np.abs(level), 0.1 * np.median(np.abs(level)))
-    positive = usable & (deviation > 0.0)
-    if not positive.any():
-        return sound
-    share = deviation / np.where(relative > 0.0, relative, 1.0)
     # The median of three leaves one deviation at zero, so the rest are the scale.
-    scale = 1.48 * float(np.median(share[positive]))
-    far = usable & (share > _OUTLIER * scale)
+    positive = deviation > 0.0
+    if not positive.any():
+        return np.ones(velocity.shape, dtype=bool)
+    far = deviation > _OUTLIER * _usual(deviation[positive], level[positive])(level)
     for index in np.flatnonzero(far):
         ratio = velocity[index] / level[index] if level[index] else math.inf
         unit = " (a factor of 1000: a wrong unit?)" if 0.9e3 < abs(ratio) < 1.1e3 else ""
@@ -221,3 +214,22 @@ def _without_outliers(
             f"near {level[index]:.4g} m/s{unit}"
         )
     return np.asarray(~far)
+
+
+def _usual(
+    deviation: NDArray[np.float64], level: NDArray[np.float64]
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Standard deviation of a trial at a level, sqrt(a^2 + (b level)^2), whatever a few trials do.
+
+    The likeliest of a grid under Student's law with two degrees of freedom, which wild trials do
+    not move, made to agree with the median.
+    """
+    size = float(np.median(np.abs(level))) or 1.0
+    middle = float(np.median(deviation))
+    parts = middle * np.geomspace(0.02, 50.0, 40)
+    floor, slope = (each.ravel() for each in np.meshgrid(parts, parts / size))
+    scale = np.hypot(floor[:, None], slope[:, None] * level)
+    loss = np.sum(np.log(scale) + 1.5 * np.log1p(0.5 * (deviation / scale) ** 2), axis=1)
+    best = int(np.argmin(loss))
+    unit = 1.48 * float(np.median(deviation / scale[best]))
+    return lambda at: np.asarray(unit * np.hypot(floor[best], slope[best] * at))
