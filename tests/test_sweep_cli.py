@@ -43,8 +43,8 @@ def test_json_is_one_object_with_the_summaries_of_single_runs(scenario):
             del summary[name]
         assert point == {**changes, **summary}
     velocities = [point["mean_velocity"] for point in found["results"]]
-    assert found["fastest"]["mean_velocity"] == max(velocities)
-    assert found["slowest"]["mean_velocity"] == min(velocities)
+    assert found["highest"]["mean_velocity"] == max(velocities)
+    assert found["lowest"]["mean_velocity"] == min(velocities)
 
 
 def test_the_table_has_a_row_for_each_point(scenario):

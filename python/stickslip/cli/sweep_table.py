@@ -99,7 +99,7 @@ def _extremes(data: xarray.Dataset) -> dict[str, int]:
     velocity = data[_VELOCITY].values.ravel()
     if np.isnan(velocity).all():
         return {}
-    return {"slowest": int(np.nanargmin(velocity)), "fastest": int(np.nanargmax(velocity))}
+    return {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
 
 
 def _point(data: xarray.Dataset, index: int) -> dict[str, Any]:
