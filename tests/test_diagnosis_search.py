@@ -295,3 +295,34 @@ def test_few_velocities_are_no_trouble_beside_other_data():
     noise = fit_noise(values, index)
     assert "too few" in data_problem(values, index, noise, None)
     assert data_problem(values, index, noise, None, alone=False) is None
+
+
+def _trouble(trials, blocks):
+    """What is said of trials of shape (conditions, set-ups)."""
+    index, block = np.indices(trials.shape).reshape(2, -1)
+    block = block if blocks else None
+    return data_problem(trials.ravel(), index, fit_noise(trials.ravel(), index, block), None, block)
+
+
+def test_readings_rounded_to_more_than_their_scatter_are_no_measure_of_it():
+    # Steps of three standard deviations leave most trials alike; of half of one a share of 0.14.
+    random = np.random.default_rng(5)
+    level = np.linspace(1e-4, 1e-3, 20)[:, None]
+    trials = level + 1e-5 * random.standard_normal((20, 3))
+    assert "exactly alike" in _trouble(3e-5 * np.round(trials / 3e-5), False)
+    assert _trouble(5e-6 * np.round(trials / 5e-6), False) is None
+
+
+def test_a_set_up_that_scatters_more_than_the_others_is_told_apart_from_heavy_tails():
+    # What is left of a trial beside the mean of its condition's four: of the one that scatters four
+    # times as much sqrt(9 + 3 / 16) = 3, of the others sqrt(9 / 16 + 2 / 16 + 1) = 1.3. Where all
+    # scatter alike, with Student's four degrees of freedom, 0.002 of tables may be blamed.
+    random = np.random.default_rng(6)
+    level = np.linspace(1e-4, 1e-3, 60)[:, None]
+    blamed = 0
+    for _ in range(40):
+        trials = level * (1.0 + 0.03 * random.standard_t(4, (60, 4)))
+        blamed += _trouble(trials, True) is not None
+    assert blamed <= 1
+    trials = level * (1.0 + 0.03 * random.standard_normal((60, 4)) * np.array([1, 1, 4, 1]))
+    assert "set-up 3" in _trouble(trials, True)

@@ -6,13 +6,16 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
 from stickslip.diagnosis.noise import NoiseModel, completed
 
 Array = NDArray[np.float64]
 
-_DRIFT = 0.002
+_RARE = 0.002
+_FEWEST_PAIRS, _ALIKE = 12, 0.4
+_UNEVEN = 1.5
 
 
 def data_problem(
@@ -43,31 +46,105 @@ def data_problem(
         between = float(np.var(noise.mean))
         if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):
             return "the conditions differ by no more than their trials do: labels may be mixed up"
-    if order is None:
+    known = completed(block)
+    return (
+        _rounded(values, index)
+        or _uneven(values, index, noise, known)
+        or _drifting(values, index, noise, order, known)
+    )
+
+
+def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
+    """Whether readings are in steps so wide that the scatter of trials says nothing of the error.
+
+    Of two trials with normal errors that are rounded to steps of q, a share q / (2 sqrt(pi) sd)
+    reads alike: 0.4 of them at 1.4 sd, where rounding adds half to the variance of a mean of three.
+    """
+    pairs = alike = 0
+    for each in np.unique(index):
+        mine = values[index == each]
+        if np.all(mine == 0.0):
+            continue
+        first, second = np.triu_indices(len(mine), 1)
+        pairs += len(first)
+        alike += int(np.sum(mine[first] == mine[second]))
+    if pairs < _FEWEST_PAIRS or alike in (pairs, 0) or alike < _ALIKE * pairs:
         return None
-    place = np.asarray(order, dtype=float)
+    return (
+        f"{100.0 * alike / pairs:.0f} % of repeated trials read exactly alike: they are rounded to "
+        "steps wider than their scatter, which then says nothing of their error; give more digits"
+    )
+
+
+def _uneven(
+    values: Array, index: NDArray[np.int64], noise: NoiseModel, block: NDArray[np.int64] | None
+) -> str | None:
+    """Whether the trials of one set-up scatter more than all others.
+
+    By ranks, as heavy tails are no matter of a set-up. The true ratio is larger than that of what
+    is left beside the means of conditions, of which every set-up is a part.
+    """
+    if block is None or not noise.setups.shape[1]:
+        return None
+    design = _design(index, block, noise)
+    scatter = (values - noise.mean[index]) / noise.sd[index]
+    size = np.abs(_beyond(scatter, _basis(design)))
+    counts = np.bincount(block)
+    looked = np.flatnonzero(counts >= _FEWEST_PAIRS)
+    for each in looked.tolist():
+        mine, others = size[block == each], size[block != each]
+        ratio = float(np.median(mine) / np.median(others)) if np.median(others) > 0.0 else math.inf
+        chance = float(mannwhitneyu(mine, others, alternative="greater").pvalue)
+        if ratio > _UNEVEN and len(looked) * chance < _RARE:
+            return (
+                f"the trials of set-up {each + 1}, in the order of the table, lie {ratio:.2g} "
+                "times as far from the rest as the others do"
+            )
+    return None
+
+
+def _design(index: NDArray[np.int64], block: NDArray[np.int64] | None, noise: NoiseModel) -> Array:
+    """Levels of the conditions, and shifts and gains of the set-ups where they are known."""
+    design = np.eye(len(noise.mean))[index]
+    if block is None or not noise.setups.shape[1]:
+        return design
+    shift = np.eye(int(block.max()) + 1)[block]
+    return np.hstack([design, shift, shift * np.sign(noise.mean)[index, None]])
+
+
+def _basis(design: Array) -> Array:
+    left, singular, _ = np.linalg.svd(design, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-9 * singular[0]])
+
+
+def _beyond(values: Array, basis: Array) -> Array:
+    return np.asarray(values - basis @ (basis.T @ values))
+
+
+def _drifting(
+    values: Array,
+    index: NDArray[np.int64],
+    noise: NoiseModel,
+    order: ArrayLike | None,
+    block: NDArray[np.int64] | None,
+) -> str | None:
+    """Whether velocities change with time; what differs between set-ups is not drift."""
+    place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)
     usable = np.isfinite(place)
     if usable.sum() < 12:
         return None
-    design = np.eye(len(noise.mean))[index[usable]]
-    block = completed(block)
-    if block is not None and noise.setups.shape[1]:
-        # What differs from one set-up to the next is not drift.
-        shift = np.eye(int(block.max()) + 1)[block[usable]]
-        design = np.hstack([design, shift, shift * np.sign(noise.mean)[index[usable], None]])
-    left, singular, _ = np.linalg.svd(design, full_matrices=False)
-    basis = left[:, singular > 1e-9 * singular[0]]
-    free = len(design) - basis.shape[1] - 1
-    centred = place[usable] - basis @ (basis.T @ place[usable])
+    basis = _basis(_design(index, block, noise)[usable])
+    free = int(usable.sum()) - basis.shape[1] - 1
+    centred = _beyond(place[usable], basis)
     if free < 1 or float(centred @ centred) <= 1e-9 * float(place[usable] @ place[usable]):
         return None
     # A drift shifts all velocities alike, or all in proportion, whatever their sign.
     scatter = (values - noise.mean[index]) / noise.sd[index]
-    chances = []
-    for toward in (1.0, np.sign(noise.mean[index])):
-        residual = (scatter * toward)[usable]
-        chances.append(_drift(residual - basis @ (basis.T @ residual), centred, free))
-    if 2.0 * min(chances) < _DRIFT:
+    chances = [
+        _drift(_beyond((scatter * toward)[usable], basis), centred, free)
+        for toward in (1.0, np.sign(noise.mean[index]))
+    ]
+    if 2.0 * min(chances) < _RARE:
         return "velocities drift with the order in which they were measured"
     return None
 
