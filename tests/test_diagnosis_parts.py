@@ -8,6 +8,7 @@ import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
+from stickslip.diagnosis.conditions import one_of_a_kind
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.detection import detect, lack_of_fit_p
 from stickslip.diagnosis.experiments import advice
@@ -296,6 +297,19 @@ def test_groups_are_held_out_together():
     many = split(40, 0, np.repeat(np.arange(10), 4))
     assert set(np.bincount(many // 4, minlength=10).tolist()) <= {0, 4}
     assert {0, 39} <= set(many.tolist())
+
+
+def test_a_condition_that_is_like_no_other_is_held_out():
+    def table(**changed):
+        rows = [{"drive.mode": "IPP", "drive.hold": 1e-3, "drive.frequency": f} for f in range(12)]
+        rows[5] |= {f"drive.{key}": value for key, value in changed.items()}
+        return rows
+
+    assert one_of_a_kind(table(mode="OPP")) == 5
+    assert one_of_a_kind(table(hold=2e-3)) == 5
+    assert one_of_a_kind(table()) is None
+    usual = set(split(12, 0).tolist())
+    assert all(set(split(12, 0, unusual=k).tolist()) == usual | {k} for k in range(12))
 
 
 def test_another_instrument_is_named_where_it_would_split_a_set():

@@ -18,6 +18,7 @@ from blind.truth import KINDS, Drive, Truth, conditions, draw
 Array = NDArray[np.float64]
 
 KEYS = ("mode", "frequency", "peak", "base", "hold", "direction")
+MORE_KEYS = (*KEYS, "edge")
 
 UNCERTAIN = """
 [uncertain]
@@ -114,15 +115,18 @@ def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
 def write_more(
     folder: Path, more: Path, answer: dict[str, Any], drives: Sequence[dict[str, Any]]
 ) -> None:
-    """Write `more`: the data of `folder`, and trials of the same robot at further settings."""
+    """Write `more`: the data of `folder`, and a table of the same robot at further settings."""
     known = {each.name for each in fields(Truth)}
     truth = Truth(**{key: value for key, value in answer.items() if key in known})
-    chosen: list[Drive] = [{key: each[key] for key in KEYS} for each in drives]
+    chosen: list[Drive] = [{key: each[key] for key in MORE_KEYS} for each in drives]
     random = np.random.default_rng([answer["seed"], KINDS.index(truth.kind), 1])
     trials, _ = apparatus.read(apparatus.velocities(truth, chosen), chosen, random, False)
     shutil.copytree(folder, more, dirs_exist_ok=True)
-    with (more / "velocity.csv").open("a") as file:
-        file.write("\n".join(_rows(chosen, trials, None)) + "\n")
+    head = ",".join(["velocity", "trial", *MORE_KEYS])
+    lines = [head, *_rows(chosen, trials, None, MORE_KEYS)]
+    (more / "proposed.csv").write_text("\n".join(lines) + "\n")
+    with (more / "measurement.toml").open("a") as file:
+        file.write('\n[[velocity]]\nfile = "proposed.csv"\n')
 
 
 def write_tables(
@@ -141,12 +145,17 @@ def write_tables(
     )
 
 
-def _rows(drives: list[Drive], trials: Array, setup: NDArray[np.int64] | None) -> list[str]:
+def _rows(
+    drives: list[Drive],
+    trials: Array,
+    setup: NDArray[np.int64] | None,
+    keys: Sequence[str] = KEYS,
+) -> list[str]:
     """Lines of the table, one a trial."""
     lines = []
     for at, (drive, row) in enumerate(zip(drives, trials, strict=True)):
         for number, value in enumerate(row):
-            cells = [repr(float(value)), str(number), *(str(drive[key]) for key in KEYS)]
+            cells = [repr(float(value)), str(number), *(str(drive[key]) for key in keys)]
             if setup is not None:
                 cells.append(f"day{setup[at, number]}")
             lines.append(",".join(cells))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from stickslip.keys import Value, known_keys
@@ -15,6 +16,19 @@ def varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
         return []
     present = [key for key in known_keys() if key in conditions[0]]
     return [key for key in present if len({each.get(key) for each in conditions}) > 1]
+
+
+def one_of_a_kind(conditions: Sequence[Mapping[str, Value]]) -> int | None:
+    """The first condition that alone has its mode, direction or other word, or alone changes a
+    setting that is the same in all others."""
+    for key in varied(conditions):
+        values = [each.get(key) for each in conditions]
+        counts = Counter(values)
+        if len(counts) == 2 or isinstance(values[0], str):
+            for index, value in enumerate(values):
+                if counts[value] == 1:
+                    return index
+    return None
 
 
 def shown_unit(key: str) -> tuple[str, float]:

@@ -116,6 +116,7 @@ def diagnose_model(
     relative_sd: float = math.nan,
     sd: ArrayLike | None = None,
     group: ArrayLike | None = None,
+    unusual: int | None = None,
     also: Known | None = None,
     draft: Predict | None = None,
     settings: Settings | None = None,
@@ -150,6 +151,8 @@ def diagnose_model(
         otherwise; no noise is estimated then.
     group : array_like of int, shape (m,), optional
         Conditions that are held out together, numbered from 0; each by itself if not given.
+    unusual : int, optional
+        A condition that is like no other; it is held out too.
     also : Known, optional
         Further observables, whose errors are known; `predict` returns them after the conditions.
     draft : callable, optional
@@ -217,7 +220,7 @@ def diagnose_model(
         draft=None if draft is None else Remembered(draft),
     )
     say(0.0, "recalibrating")
-    held_out = split(len(noise.mean), seed, group)
+    held_out = split(len(noise.mean), seed, group, unusual)
     found = recalibrate(problem, seed)
     null = found.null
     if noise.between > 0.0 or noise.between_gain > 0.0:

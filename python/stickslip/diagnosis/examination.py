@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.channels import Combined, Sketch, find_channels
 from stickslip.diagnosis.comparison import Progress
-from stickslip.diagnosis.conditions import in_words, varied
+from stickslip.diagnosis.conditions import in_words, one_of_a_kind, varied
 from stickslip.diagnosis.engine import Diagnosis, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
 from stickslip.diagnosis.merging import merged_channels, merged_velocities, smooth_settings
@@ -165,7 +165,7 @@ def diagnose(
     options: dict[str, Any] = {"seed": seed, "progress": progress}
     if conditions:
         options |= {"condition": index, "block": block, "order": order, "also": known}
-        options |= {"relative_sd": relative_sd}
+        options |= {"relative_sd": relative_sd, "unusual": one_of_a_kind(conditions)}
         options["doubt"] = wrong_size(middle, noise.mean) or wrong_sign(
             conditions, middle, noise.mean
         )

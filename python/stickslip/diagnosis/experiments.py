@@ -27,6 +27,7 @@ _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.frequency": (0.5, 1.0, 1.5),
     "drive.peak": (0.7, 1.0, 1.2),
     "drive.hold": (0.7, 1.0, 1.3),
+    "drive.edge": ("rise", "fall"),
 }
 # What one look beside the drive would settle, for the causes that it sees.
 _LOOKS = (
@@ -157,9 +158,9 @@ def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Val
     frequency = float(np.median([float(each["drive.frequency"]) for each in conditions]))
     peak = float(np.median([float(each["drive.peak"]) for each in conditions]))
     found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
-    for mode, direction, pace, field, clamp in itertools.product(*_CHOICES.values()):
+    for mode, direction, pace, field, clamp, edge in itertools.product(*_CHOICES.values()):
         drive = dict(by_mode.get(mode, middle))
-        drive["drive.mode"], drive["drive.direction"] = mode, direction
+        drive["drive.mode"], drive["drive.direction"], drive["drive.edge"] = mode, direction, edge
         drive["drive.frequency"] = float(f"{frequency * float(pace):.3g}")
         top = float(f"{peak * float(field):.3g}")
         drive["drive.peak"] = max(top, float(drive["drive.base"]))

@@ -59,8 +59,11 @@ class Gain:
     predicted_after: Array
 
 
-def split(count: int, seed: int, group: ArrayLike | None = None) -> NDArray[np.int64]:
-    """Conditions to hold out: both ends of the table and a spread of interior points.
+def split(
+    count: int, seed: int, group: ArrayLike | None = None, unusual: int | None = None
+) -> NDArray[np.int64]:
+    """Conditions to hold out: both ends of the table, a spread of interior points, and an unusual
+    one.
 
     Parameters
     ----------
@@ -69,6 +72,8 @@ def split(count: int, seed: int, group: ArrayLike | None = None) -> NDArray[np.i
     seed : int
     group : array_like of int, shape (count,), optional
         Conditions that are held out together; of two to seven groups the last is held out.
+    unusual : int, optional
+        A condition that is like no other.
     """
     groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
     number = int(groups.max()) + 1 if count else 0
@@ -81,7 +86,8 @@ def split(count: int, seed: int, group: ArrayLike | None = None) -> NDArray[np.i
     inner = [
         int(random.integers(low, max(high, low + 1))) for low, high in itertools.pairwise(edges)
     ]
-    return np.flatnonzero(np.isin(groups, [0, number - 1, *inner]))
+    also = [] if unusual is None else [int(groups[unusual])]
+    return np.flatnonzero(np.isin(groups, [0, number - 1, *inner, *also]))
 
 
 def folds(count: int, group: ArrayLike | None = None) -> list[NDArray[np.int64]]:
