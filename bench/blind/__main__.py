@@ -7,6 +7,7 @@ folders. A study that was stopped goes on where it stood.
 from __future__ import annotations
 
 import argparse
+import fcntl
 import json
 import os
 import time
@@ -43,19 +44,31 @@ def main() -> None:
     parser.add_argument("--only-make", action="store_true", help="leave the diagnosis for later")
     parser.add_argument("--out", type=Path, default=Path("bench/results/blind"))
     options = parser.parse_args()
+    options.kinds = options.kinds.split(";")
+    if not set(options.kinds) <= set(KINDS):
+        parser.error(f"--kinds: allowed are {'; '.join(KINDS)}")
     out: Path = options.out
     out.mkdir(parents=True, exist_ok=True)
+    with (out / "lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            parser.error(f"--out {out}: another study is at work there")
+        _run(out, options)
+
+
+def _run(out: Path, options: argparse.Namespace) -> None:
     record = out / "answers.jsonl"
-    rows = read(record) if record.exists() else []
+    rows = _recorded(record)
     done = {_name(row["answer"]) for row in rows}
     folders = _made(out)
-    used = [*folders.values(), *(row["folder"] for row in rows)]
+    used = [path.name[:5] for path in out.glob("data/*")]
+    used += [*folders.values(), *(row["folder"] for row in rows)]
     number = 1 + max(map(int, used), default=-1)
-    kinds = options.kinds.split(";")
-    if not set(kinds) <= set(KINDS):
-        parser.error(f"--kinds: allowed are {'; '.join(KINDS)}")
     done |= set(folders) if options.only_make else set()
-    waiting = [each for each in plan(options.first, options.seeds, kinds) if each not in done]
+    waiting = [
+        each for each in plan(options.first, options.seeds, options.kinds) if each not in done
+    ]
     failed: list[str] = []
     end = time.monotonic() + 60.0 * options.minutes
     running: dict[Future[dict[str, Any]], tuple[str, int]] = {}
@@ -101,6 +114,17 @@ def _report(out: Path, rows: list[dict[str, Any]]) -> None:
     (out / "table.md").write_text(text + "\n")
     (out / "judged.json").write_text(json.dumps(judged(rows), indent=2) + "\n")
     print(text)
+
+
+def _recorded(record: Path) -> list[dict[str, Any]]:
+    """Rows of a record, which loses a last line that was not written to its end."""
+    if not record.exists():
+        return []
+    text = record.read_text()
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
+        record.write_text(whole)
+    return read(record)
 
 
 def _made(out: Path) -> dict[tuple[str, int], str]:

@@ -15,7 +15,7 @@ from stickslip.measurement import read_measurement
 
 
 def sealed(folder: Path) -> Path:
-    """File of a data set's answer, which lies beside the data sets and is not read from there."""
+    """File of a data set's answer, beside the data sets; no diagnosis reads it."""
     return folder.parent.with_name("sealed") / f"{folder.name}.json"
 
 
@@ -30,6 +30,8 @@ def make(folder: Path, kind: str, seed: int) -> dict[str, Any]:
         draft.replace(path)
     # Numbers and lists as a reader of the file has them, whoever made it.
     result: dict[str, Any] = json.loads(path.read_text())
+    if (result["kind"], result["seed"]) != (kind, seed):
+        raise RuntimeError(f"{path} is the answer of {result['kind']} {result['seed']}")
     return result
 
 

@@ -65,9 +65,9 @@ def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
         mine = values[index == each]
         if np.all(mine == 0.0):
             continue
-        first, second = np.triu_indices(len(mine), 1)
-        pairs += len(first)
-        alike += int(np.sum(mine[first] == mine[second]))
+        counts = np.unique(mine, return_counts=True)[1]
+        pairs += len(mine) * (len(mine) - 1) // 2
+        alike += int(np.sum(counts * (counts - 1) // 2))
     if pairs < _FEWEST_PAIRS or alike in (pairs, 0) or alike < _ALIKE * pairs:
         return None
     return (

@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.keys import Value, known_keys
 
+Conditions = Sequence[Mapping[str, Value]]
+"""Drive settings by dotted key, of each condition."""
+
 _SHOWN = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
 
 

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.channels import Combined, Sketch, find_channels
 from stickslip.diagnosis.comparison import Progress
-from stickslip.diagnosis.conditions import in_words, one_of_a_kind, varied
+from stickslip.diagnosis.conditions import Conditions, in_words, one_of_a_kind, varied
 from stickslip.diagnosis.engine import Diagnosis, diagnose_model
 from stickslip.diagnosis.library import library, parameter_unit
 from stickslip.diagnosis.merging import merged_channels, merged_velocities, smooth_settings
 from stickslip.diagnosis.model import Cause, Uncertain
 from stickslip.diagnosis.noise import fit_noise
 from stickslip.diagnosis.plausibility import wrong_sign, wrong_size
-from stickslip.diagnosis.simulator import TOLERANCES, Conditions, Simulator, loosest_tolerances
+from stickslip.diagnosis.simulator import TOLERANCES, Simulator, loosest_tolerances
 from stickslip.errors import ScenarioError
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement

@@ -10,8 +10,8 @@ from scipy.linalg import block_diag
 
 from stickslip.diagnosis.ceiling import Settings
 from stickslip.diagnosis.channels import Channel
+from stickslip.diagnosis.conditions import Conditions
 from stickslip.diagnosis.engine import Known
-from stickslip.diagnosis.simulator import Conditions
 from stickslip.keys import Value
 from stickslip.measurement.reading import Measurement
 

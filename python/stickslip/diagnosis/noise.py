@@ -18,8 +18,10 @@ Index = NDArray[np.int64]
 FEWEST_DOF = 4
 """Degrees of freedom from which on the noise is taken from the trials and not from a statement."""
 
-_LOGS = np.linspace(-4.0, 2.0, 31)
-"""Logarithms of s0, and of rho at the usual level, beside that of the pooled scatter."""
+_WIDEST, _POINTS = (-4.0, 2.0), 31
+_NEGLIGIBLE, _CLOSE = 1e-5, 0.5
+_ALIKE = 1e-9
+"""Part of the usual velocity by which trials differ that differ by rounding alone."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ def fit_noise(
         deviation, dof, leverage = _without_blocks(value, condition, block, mean)
     # Where nothing moved, any size will do: there is no relative error of zero.
     size = float(np.sqrt(np.mean(mean**2))) or 1.0
-    if dof >= FEWEST_DOF and np.any(deviation != 0.0):
+    if dof >= FEWEST_DOF and np.any(np.abs(deviation) > _ALIKE * size):
         squares, freedom = np.zeros(m), np.zeros(m)
         np.add.at(squares, condition, deviation**2)
         np.add.at(freedom, condition, leverage)
@@ -189,14 +191,28 @@ def _curve(squares: Array, freedom: Array, level: Array, size: float) -> tuple[f
     size : float
         Usual level.
     """
-    spread = math.sqrt(float(np.sum(squares) / np.sum(freedom)))
-    tried = (spread * np.exp(_LOGS)) ** 2
-    floor, relative = (each.ravel() for each in np.meshgrid(tried, tried / size**2))
-    variance = floor[:, None] + relative[:, None] * level**2
-    loss = np.log(variance) @ freedom + (1.0 / variance) @ squares
-    weight = np.exp(-0.5 * (loss - np.min(loss)))
-    weight /= np.sum(weight)
-    return math.sqrt(float(weight @ floor)), math.sqrt(float(weight @ relative))
+    spread = float(np.sum(squares) / np.sum(freedom))
+    low, high = np.full(2, _WIDEST[0]), np.full(2, _WIDEST[1])
+    while True:
+        # Logarithms of s0, and of rho at the usual level, beside that of the pooled scatter.
+        logs = np.linspace(low, high, _POINTS)
+        floor, relative = (
+            each.ravel() for each in np.meshgrid(*(spread * np.exp(2.0 * logs.T)), indexing="ij")
+        )
+        variance = floor[:, None] + relative[:, None] * (level / size) ** 2
+        loss = np.log(variance) @ freedom + (1.0 / variance) @ squares
+        weight = np.exp(-0.5 * (loss - np.min(loss))).reshape(_POINTS, _POINTS)
+        # Of many trials the posterior is narrower than one step, so look closer where it is.
+        width = high - low
+        for axis in range(2):
+            share = np.max(weight, axis=1 - axis)
+            seen = np.flatnonzero(share > _NEGLIGIBLE)
+            low[axis] = logs[max(seen[0] - 1, 0), axis]
+            high[axis] = logs[min(seen[-1] + 1, _POINTS - 1), axis]
+        if np.all(high - low > _CLOSE * width):
+            break
+    chance = weight.ravel() / np.sum(weight)
+    return math.sqrt(float(chance @ floor)), math.sqrt(float(chance @ relative)) / size
 
 
 def _between(

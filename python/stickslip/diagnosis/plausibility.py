@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.simulator import Conditions
+from stickslip.diagnosis.conditions import Conditions
 
 Array = NDArray[np.float64]
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.diagnosis.conditions import Conditions
 from stickslip.diagnosis.model import Cause, Uncertain
 from stickslip.diagnosis.noise import NoiseModel
 from stickslip.keys import Value
@@ -15,8 +16,6 @@ from stickslip.processors import worker_count
 from stickslip.scenario import Scenario
 
 Array = NDArray[np.float64]
-Conditions = Sequence[Mapping[str, Value]]
-
 TOLERANCES = (1e-4, 1e-5, 1e-6)
 """Of the simulator, the loosest first."""
 

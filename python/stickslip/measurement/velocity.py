@@ -227,7 +227,8 @@ def _usual(
     if len(deviation) > _ENOUGH:
         some = np.random.default_rng(0).choice(len(deviation), _ENOUGH, replace=False)
         deviation, level = deviation[some], level[some]
-    size = float(np.median(np.abs(level))) or 1.0
+    moving = np.abs(level[level != 0.0])
+    size = float(np.median(moving)) if len(moving) else 1.0
     middle = float(np.median(deviation))
     parts = middle * np.geomspace(0.02, 50.0, 40)
     floor, slope = (each.ravel() for each in np.meshgrid(parts, parts / size))
