@@ -4,6 +4,7 @@ The study itself, `make blind`, has hundreds. These seeds are fixed and the verd
 they were chosen, so this guards against falling back and gives no rate.
 """
 
+import fcntl
 import itertools
 import json
 import sys
@@ -20,7 +21,8 @@ from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
-from blind import apparatus
+from blind import apparatus, case
+from blind.__main__ import main
 from blind.case import study
 from blind.generator import make, write_case
 from blind.scoring import calibration, interval, judged, read, table
@@ -85,17 +87,16 @@ def test_exact_twins_are_never_told_apart(tmp_path):
 
 
 def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
-    row = study(tmp_path / "before", "near twins", 2011)
+    row = study(tmp_path / "data" / "before", "near twins", 2011)
     assert row["said"]["verdict"] == "ambiguous"
     assert {"surface_tilt", "friction_anisotropy"} <= set(row["said"]["cause"])
     # A condition and its mirror image say the same.
     foreseen = [[abs(p["velocity"]) for p in each["predictions"].values()]
                 for each in row["said"]["next_experiments"]]  # fmt: skip
     assert not any(np.allclose(a, b) for a, b in itertools.combinations(foreseen, 2))
-    before, after = ((tmp_path / name / "velocity.csv").read_text().splitlines()
-                     for name in ("before", "before-more"))  # fmt: skip
-    assert after[: len(before)] == before
-    assert len(after) == len(before) + 3 * apparatus.TRIALS
+    before, after = (tmp_path / "data" / name for name in ("before", "before-more"))
+    assert (after / "velocity.csv").read_bytes() == (before / "velocity.csv").read_bytes()
+    assert len((after / "proposed.csv").read_text().splitlines()) == 1 + 3 * apparatus.TRIALS
     assert row["followed"]["verdict"] == "named"
     assert row["followed"]["cause"] == "surface_tilt"
     angle = row["followed"]["parameters"]["surface_tilt.angle"]
@@ -112,6 +113,46 @@ def test_what_no_cause_makes_is_not_named(tmp_path):
     _, said, _ = _said(tmp_path, "unknown", 2003)
     assert said["verdict"] == "unexplained"
     assert said["parameters"] == {}
+
+
+def test_a_data_set_is_made_once_and_its_answer_is_its_own(tmp_path, monkeypatch):
+    made = []
+
+    def write(folder, kind, seed):
+        made.append(seed)
+        if seed == 3:
+            raise OSError("no space left")
+        return {"kind": kind, "seed": seed}
+
+    monkeypatch.setattr(case, "write_case", write)
+    folder = tmp_path / "data" / "00000"
+    assert case.make(folder, "none", 1) == case.make(folder, "none", 1)
+    assert made == [1]
+    with pytest.raises(RuntimeError, match="is the answer of none 1"):
+        case.make(folder, "single", 2)
+    other = tmp_path / "data" / "00001"
+    with pytest.raises(OSError, match="space"):
+        case.make(other, "none", 3)
+    assert not case.sealed(other).exists()
+
+
+def test_a_study_goes_on_where_it_stood(tmp_path, monkeypatch, capsys):
+    record = tmp_path / "answers.jsonl"
+    row = json.dumps(read(ROOT / "bench" / "blind" / "measured.jsonl")[0])
+    record.write_text(row + "\n" + row[:100])
+    seed = json.loads(row)["answer"]["seed"]
+    arguments = ["blind", "--first", str(seed), "--seeds", "1", "--kinds", "none"]
+    monkeypatch.setattr(sys, "argv", [*arguments, "--out", str(tmp_path)])
+    main()
+    # The row that was cut off is gone, the other one was not made again.
+    assert record.read_text() == row + "\n"
+    assert "false alarm" in capsys.readouterr().out
+    assert not (tmp_path / "data").exists()
+    with (tmp_path / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        with pytest.raises(SystemExit):
+            main()
+    assert "another study is at work there" in capsys.readouterr().err
 
 
 def test_shares_come_with_exact_intervals():
