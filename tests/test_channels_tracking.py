@@ -358,8 +358,12 @@ def test_a_tilt_is_found_in_films_of_both_directions(tmp_path):
     assert titles[:2] == ["Tracking of run0.csv", "Tracking of run1.csv"]
     both = full["channels"]["run0.csv and run1.csv: forward and reversed"]
     assert both["advance_sum"] > 10 * both["advance_sum_sd"]
+    advance = full["channels"][titles[0]]["advance"]
+    assert abs(advance["extended"] - advance["measured"]) < 4 * advance["sd"]
+    assert abs(advance["recalibrated"] - advance["measured"]) > 10 * advance["sd"]
     page = (tmp_path / "found" / "report.html").read_text()
     assert "do not cancel" in page
+    assert "A pulse moves the robot by" in page
     assert "http" not in page
 
 

@@ -147,8 +147,9 @@ def page_text(
         meanings={each.name: each.meaning for each in found.problem.causes},
         units={name: keys[name].unit for name in keys},
         shown={"m/s": ("mm/s", 1e3), "rad": ("degrees", math.degrees(1.0)), "T": ("mT", 1e3)}.get(
-            full["gain_unit"], ("SI units", 1.0)
+            full["gain_unit"]
         ),
+        held="conditions" if conditions else "readings",
         curves=figures.velocities(found, conditions, given),
         profiles=[figures.profile(each) for each in found.profiles],
         columns=[heading(key) for key in among],

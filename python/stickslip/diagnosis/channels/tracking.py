@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -184,6 +185,12 @@ class TrackingChannel:
         if not x.folded.steady.any() or len(x.observed) <= int(x.folded.bin.max()):
             return None
         return float(x.observed[0]), float(np.sqrt(x.reduction.covariance[0, 0]))
+
+    def advance_of(self, names: Sequence[str], values: Array) -> float:
+        """The same of the model at values of shape (names,), m."""
+        before = itertools.takewhile(lambda each: each.name != "x", self.quantities)
+        at = sum(len(each.observed) for each in before)
+        return float(self.predict(names, values[None, :])[0, at])
 
     def _nominal_frames(self) -> dict[str, Array] | None:
         motion = next(record(self.run.scenario, [], np.zeros((1, 0)), self.rate, 1))

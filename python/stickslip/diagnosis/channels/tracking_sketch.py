@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.channels.channel import Sketch
 from stickslip.diagnosis.channels.force_view import FEWEST_ORDERS, ForceView, Residual, force_view
-from stickslip.diagnosis.channels.tracking_words import direction_lines, view_lines
+from stickslip.diagnosis.channels.tracking_words import advance_lines, direction_lines, view_lines
 from stickslip.diagnosis.figures import png
 
 if TYPE_CHECKING:
@@ -35,9 +35,10 @@ def draw(
         )
         return [Sketch(title, "", (line,), {})]
     after = None if extended is None else force_view(channel, names, extended)
-    sketches = [
-        Sketch(title, _figure(view, after), tuple(view_lines(view, after)), _numbers(view, after))
-    ]
+    advance = _advance(channel, names, recalibrated, extended)
+    lines = [*advance_lines(advance), *view_lines(view, after)]
+    numbers = {"advance": advance, **_numbers(view, after)}
+    sketches = [Sketch(title, _figure(view, after), tuple(lines), numbers)]
     channel.last_view = view
     for other in channel.family[: channel.family.index(channel)]:
         if opposite(channel, other) and other.last_view is not None:
@@ -45,6 +46,20 @@ def draw(
             title = f"{other.run.file} and {channel.run.file}: forward and reversed"
             sketches.append(Sketch(title, "", tuple(lines), numbers))
     return sketches
+
+
+def _advance(
+    channel: TrackingChannel, names: Sequence[str], recalibrated: Array, extended: Array | None
+) -> dict[str, float] | None:
+    """Way of a pulse, m: measured, its error, and what the models make of it."""
+    measured = channel.advance
+    if measured is None:
+        return None
+    found = dict(zip(("measured", "sd"), measured, strict=True))
+    found["recalibrated"] = channel.advance_of(names, recalibrated)
+    if extended is not None:
+        found["extended"] = channel.advance_of(names, extended)
+    return found
 
 
 def opposite(one: TrackingChannel, other: TrackingChannel) -> bool:
@@ -59,38 +74,48 @@ def _figure(view: ForceView, after: ForceView | None) -> str:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    residuals = view.sticking is not None or view.slipping is not None
-    figure = Figure(figsize=(10.0, 7.6 if residuals else 2.9), layout="constrained")
+    later = (None, None) if after is None else (after.sticking, after.slipping)
+    rows = [
+        (found, extended, unit, label)
+        for found, extended, unit, label in (
+            (view.sticking, later[0], 1e12, "torque residual (pN m)\nsticking"),
+            (view.slipping, later[1], 1e9, "force residual (nN)\nslipping"),
+        )
+        if found is not None
+    ]
+    figure = Figure(figsize=(10.0, 2.9 + 2.35 * len(rows)), layout="constrained")
     FigureCanvasAgg(figure)
-    axes: Any = figure.subplots(3 if residuals else 1, 2 if not residuals else 4, squeeze=False)
-    if residuals:
+    axes: Any = figure.subplots(1 + len(rows), 4 if rows else 2, squeeze=False)
+    if rows:
         grid = axes[0, 0].get_gridspec()
         for each in axes[0]:
             each.remove()
         motion = [figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])]
     else:
         motion = list(axes[0])
-    shown = (
-        (np.degrees(view.theta), np.degrees(view.theta_model), "tilt (degrees)"),
-        (view.place * 1e6, view.place_model * 1e6, "x less its drift (um)"),
-    )
-    for each, (seen, model, label) in zip(motion, shown, strict=True):
-        each.plot(view.phase, seen, color="k", lw=1.6, label="measured, smoothed")
-        each.plot(view.phase, model, color=_BLUE, lw=1.1, ls="--", label="recalibrated")
+    models = [(view, _BLUE, "--", "recalibrated")]
+    if after is not None:
+        models.append((after, _ORANGE, ":", "with the cause"))
+    for each, seen, of_model, unit, label in (
+        (motion[0], view.theta, "theta_model", np.degrees(1.0), "tilt (degrees)"),
+        (motion[1], view.place, "place_model", 1e6, "x less its drift (um)"),
+    ):
+        each.plot(view.phase, seen * unit, color="k", lw=1.6, label="measured, smoothed")
+        for model, colour, style, name in models:
+            place = getattr(model, of_model) * unit
+            each.plot(model.phase, place, color=colour, lw=1.4, ls=style, label=name)
         each.set_xlabel("phase of the drive")
         each.set_ylabel(label)
     motion[0].legend(fontsize=8, frameon=False)
-    if residuals:
-        later = (None, None) if after is None else (after.sticking, after.slipping)
-        _row(axes[1], view, view.sticking, later[0], 1e12, "torque residual (pN m)\nsticking")
-        _row(axes[2], view, view.slipping, later[1], 1e9, "force residual (nN)\nslipping")
+    for place, (found, extended, unit, label) in zip(axes[1:], rows, strict=True):
+        _row(place, view, found, extended, unit, label)
     return png(figure)
 
 
 def _row(
     axes: Any,
     view: ForceView,
-    found: Residual | None,
+    found: Residual,
     after: Residual | None,
     unit: float,
     label: str,
@@ -110,8 +135,6 @@ def _row(
         if k:
             each.sharey(axes[0])
             each.tick_params(labelleft=False)
-        if found is None:
-            continue
         at, value, sd = _apart(view, found)
         each.errorbar(variable[at], value * unit, sd * unit, fmt="o", color=_BLUE,
                       ecolor="#9cc4de", ms=3.5, lw=1.0, label="recalibrated")  # fmt: skip
@@ -120,9 +143,7 @@ def _row(
             each.plot(variable[at], value * unit, "D", color=_ORANGE, mfc="none", ms=4,
                       label="with the cause")  # fmt: skip
     axes[0].set_ylabel(label)
-    if found is None:
-        axes[0].text(0.5, 0.5, "never for\nlong enough", ha="center", transform=axes[0].transAxes)
-    elif after is not None:
+    if after is not None:
         axes[3].legend(fontsize=7, frameon=False)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from stickslip.diagnosis.channels.force_view import FEWEST_ORDERS, ForceView, Residual, Slope
@@ -24,6 +25,18 @@ _FORCE = {
     "rate": "it goes with the rate of the tilt: the normal force is other than thought",
     "contact velocity": "it goes with the contact's velocity: drag, viscous or Stribeck friction",
 }
+
+
+def advance_lines(advance: Mapping[str, float] | None) -> list[str]:
+    """A sentence on the way of a pulse, if the film shows it."""
+    if advance is None:
+        return []
+    way = {name: value * 1e6 for name, value in advance.items()}
+    extended = f", with the cause by {way['extended']:.5g} um" if "extended" in way else ""
+    return [
+        f"A pulse moves the robot by {way['measured']:.5g} ± {way['sd']:.1g} um, the recalibrated "
+        f"model by {way['recalibrated']:.5g} um{extended}."
+    ]
 
 
 def view_lines(view: ForceView, after: ForceView | None) -> list[str]:
