@@ -10,13 +10,15 @@ import pytest
 from command_line import stickslip
 from helpers import run
 from made_measurement import write
+from stickslip.diagnosis import write_model_report
 from stickslip.diagnosis.conditions import changes, in_words, varied
 from stickslip.diagnosis.consequences import pattern, where_it_lives
 from stickslip.diagnosis.separation import separate
 from stickslip.diagnosis.standing import leading, runner_up, set_members
 from stickslip.diagnosis.words import against, headline
+from stickslip.errors import ScenarioError
 from stickslip.files import check_folder
-from toy_model import MODE, X, diagnosis, predict
+from toy_model import MODE, SIZE, X, diagnosis, predict
 
 
 @pytest.fixture(scope="module")
@@ -280,3 +282,27 @@ def test_rivals_are_compared_where_nothing_was_measured():
     noise += np.median(found.roughness) ** 2
     gap = worth.predicted[0] - worth.predicted[1]
     assert worth.chi2 == pytest.approx(gap**2 / (noise + np.sum(worth.sd**2, axis=0)))
+
+
+def test_a_model_of_the_users_own_has_a_page_too(tmp_path):
+    found = diagnosis(3, {"wave": 1.0})
+    write_model_report(tmp_path / "toy", found, "Toy", place=X, labels=("x", "y (V)"), unit="V")
+    assert sorted(each.name for each in (tmp_path / "toy").iterdir()) == [
+        "report.html",
+        "report.json",
+    ]
+    full = json.loads((tmp_path / "toy" / "report.json").read_text())
+    assert (full["verdict"], full["cause"], full["gain_unit"]) == ("named", "wave", "V")
+    page = (tmp_path / "toy" / "report.html").read_text()
+    assert "<h1>Toy</h1>" in page
+    assert "mean absolute error (V)" in page
+    assert page.count("data:image/png;base64,") >= 4
+    assert not any(word in page for word in ("extended.toml", "http", "mm/s"))
+
+
+@pytest.mark.parametrize("place", [[1.0, 2.0], np.full(SIZE, np.nan)])
+def test_a_page_with_a_wrong_abscissa_is_refused(tmp_path, place):
+    found = diagnosis(3)
+    with pytest.raises(ScenarioError, match="place: allowed is a finite number for each of 30"):
+        write_model_report(tmp_path / "toy", found, "Toy", place=place)
+    assert not (tmp_path / "toy").exists()

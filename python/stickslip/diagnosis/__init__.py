@@ -6,6 +6,7 @@ from stickslip.diagnosis.engine import Diagnosis, diagnose_model
 from stickslip.diagnosis.examination import Examination, diagnose
 from stickslip.diagnosis.experiments import Experiment, propose
 from stickslip.diagnosis.model import Cause, CauseParameter, Problem, Uncertain
+from stickslip.diagnosis.model_report import write_model_report
 from stickslip.diagnosis.report import write_report
 from stickslip.diagnosis.separation import Separation, separate
 from stickslip.diagnosis.summary import summary
@@ -28,5 +29,6 @@ __all__ = [
     "propose",
     "separate",
     "summary",
+    "write_model_report",
     "write_report",
 ]

@@ -39,8 +39,8 @@ class Examination:
     Attributes
     ----------
     found : Diagnosis
-    simulator : Simulator
-        Of mean velocities.
+    simulator : Simulator, optional
+        Of mean velocities; a user's own model has none.
     conditions : list of dict
         Drive settings by dotted key, of the first rows of `Diagnosis.problem.observed`.
     combined : Combined
@@ -52,7 +52,7 @@ class Examination:
     """
 
     found: Diagnosis
-    simulator: Simulator
+    simulator: Simulator | None
     conditions: list[dict[str, Value]]
     combined: Combined
     left_out: tuple[str, ...]

@@ -88,12 +88,13 @@ def propose(examination: Examination) -> list[Experiment]:
     Candidates are variations of what was measured; see `separate`. Of a condition and its mirror
     image one is enough.
     """
+    simulator = examination.simulator
     candidates = _candidates(examination.conditions) if examination.conditions else []
-    if not candidates:
+    if simulator is None or not candidates:
         return []
 
     def predict(drives: Any, parameters: Array) -> Array:
-        return examination.simulator(drives, examination.combined.shared(parameters))
+        return simulator(drives, examination.combined.shared(parameters))
 
     found = separate(examination.found, predict, candidates)
     if found is None:

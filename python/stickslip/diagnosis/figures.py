@@ -188,7 +188,8 @@ def ranking(found: Diagnosis) -> str | None:
 def isolability(found: Diagnosis) -> str:
     """Map of the cosines between absorbed signatures."""
     names = [cause.name for cause in found.problem.causes]
-    figure, (frame,) = axes(1, 7.5, 7.0)
+    size = 2.0 + 0.18 * len(names)
+    figure, (frame,) = axes(1, size + 0.5, size)
     image = frame.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")
     frame.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
     frame.set_yticks(range(len(names)), names, fontsize=7)

@@ -1,4 +1,4 @@
-"""The files that a diagnosis leaves behind: report.html, report.json and extended.toml."""
+"""The files that a diagnosis of a measurement leaves: report.html, report.json, extended.toml."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
@@ -18,17 +17,24 @@ from stickslip.diagnosis.conditions import changes, heading, in_words, shown_val
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.experiments import Experiment
+from stickslip.diagnosis.parameters import short
 from stickslip.diagnosis.separation import TRIALS
 from stickslip.diagnosis.standing import set_members
-from stickslip.diagnosis.summary import details, further, gain_unit, summary
+from stickslip.diagnosis.summary import Source, details, further, gain_unit, summary
 from stickslip.errors import ScenarioError
 from stickslip.files import replacing
-from stickslip.keys import Value, known_keys
+from stickslip.keys import known_keys
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario import Scenario
 from stickslip.scenario_file import write_scenario
 
-Array = NDArray[np.float64]
+_SHOWN = {
+    "m/s": ("mm/s", 1e3),
+    "rad": ("degrees", math.degrees(1.0)),
+    "T": ("mT", 1e3),
+    # Readings of several units have no mean error.
+    "SI": None,
+}
 
 
 def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
@@ -68,27 +74,36 @@ def write_report(
     """
     found = examination.found
     sketches = examination.sketches()
-    full = {
-        **summary(examination, measurement, experiments),
-        **details(examination, measurement),
-    }
-    full["channels"] = {each.title: each.numbers for each in sketches}
-    full["gain_unit"] = gain_unit(examination)
-    full |= further(examination)
     # All three are made before the first is written.
-    texts = {
-        "report.json": json_text(full) + "\n",
-        "report.html": page_text(
-            found, full, sketches, examination.conditions, examination.given, experiments
-        ),
-    }
+    texts = report_texts(examination, measurement, experiments, sketches, gain_unit(examination))
     extended = extended_scenario(found, measurement.scenario)
-    out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
+    write_texts(out, texts)
+    write_scenario(extended, Path(out) / "extended.toml", _origin(found, measurement, extended))
+
+
+def report_texts(
+    examination: Examination,
+    source: Source,
+    experiments: Sequence[Experiment],
+    sketches: Sequence[Sketch],
+    unit: str,
+) -> dict[str, str]:
+    """Contents of report.json and report.html; `unit` is that of the held-out observables."""
+    full = {**summary(examination, source, experiments), **details(examination, source)}
+    full["channels"] = {each.title: each.numbers for each in sketches}
+    full["gain_unit"] = unit
+    full |= further(examination)
+    page = page_text(examination, full, sketches, experiments)
+    return {"report.json": json_text(full) + "\n", "report.html": page}
+
+
+def write_texts(out: str | PathLike[str], texts: Mapping[str, str]) -> None:
+    """Write files into the folder `out`, which is made."""
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
-        with replacing(out / name) as temporary:
+        with replacing(folder / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
-    write_scenario(extended, out / "extended.toml", _origin(found, measurement, extended))
 
 
 def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
@@ -124,11 +139,9 @@ def _typical_error(found: Diagnosis) -> str:
 
 
 def page_text(
-    found: Diagnosis,
+    examination: Examination,
     full: Mapping[str, Any],
     sketches: Sequence[Sketch],
-    conditions: Sequence[Mapping[str, Value]],
-    given: Array,
     experiments: Sequence[Experiment],
 ) -> str:
     """The report as one page that needs no other file."""
@@ -140,17 +153,17 @@ def page_text(
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    found, conditions = examination.found, examination.conditions
     nothing = found.verdict.word == "data-problem"
     keys, among = known_keys(), varied(conditions)
     return environment.from_string(source).render(
         report=full,
         meanings={each.name: each.meaning for each in found.problem.causes},
-        units={name: keys[name].unit for name in keys},
-        shown={"m/s": ("mm/s", 1e3), "rad": ("degrees", math.degrees(1.0)), "T": ("mT", 1e3)}.get(
-            full["gain_unit"]
-        ),
+        units={short(each.name): each.unit for each in found.problem.parameters},
+        shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
+        simulated=examination.simulator is not None,
         held="conditions" if conditions else "readings",
-        curves=figures.velocities(found, conditions, given),
+        curves=figures.velocities(found, conditions, examination.given),
         profiles=[figures.profile(each) for each in found.profiles],
         columns=[heading(key) for key in among],
         settings=[[shown_value(key, each[key]) for key in among] for each in conditions],

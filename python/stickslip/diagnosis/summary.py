@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +28,26 @@ from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.standing import leading, runner_up
 from stickslip.diagnosis.verdict import share_of_ceiling
 from stickslip.diagnosis.words import headline
-from stickslip.measurement.reading import Measurement
 
 Array = NDArray[np.float64]
 
 
+class Source(Protocol):
+    """Where the data are from, such as a `Measurement`."""
+
+    @property
+    def name(self) -> str:
+        """Title of the report."""
+        ...
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What of the data was not sound."""
+        ...
+
+
 def summary(
-    examination: Examination, measurement: Measurement, experiments: Sequence[Experiment]
+    examination: Examination, measurement: Source, experiments: Sequence[Experiment]
 ) -> dict[str, Any]:
     """Keys of ``stickslip diagnose --json``; SI units."""
     found = examination.found
@@ -73,7 +86,7 @@ def summary(
     }  # fmt: skip
 
 
-def details(examination: Examination, measurement: Measurement) -> dict[str, Any]:
+def details(examination: Examination, measurement: Source) -> dict[str, Any]:
     """What was found, beyond the summary."""
     found, conditions = examination.found, examination.conditions
     problem, gain = found.problem, found.gain
