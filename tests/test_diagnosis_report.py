@@ -10,7 +10,8 @@ import pytest
 from command_line import stickslip
 from helpers import run
 from made_measurement import write
-from stickslip.diagnosis import write_model_report
+from report_page import words
+from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
 from stickslip.diagnosis.conditions import changes, in_words, varied
 from stickslip.diagnosis.consequences import pattern, where_it_lives
 from stickslip.diagnosis.separation import separate
@@ -18,7 +19,7 @@ from stickslip.diagnosis.standing import leading, runner_up, set_members
 from stickslip.diagnosis.words import against, headline
 from stickslip.errors import ScenarioError
 from stickslip.files import check_folder
-from toy_model import MODE, SIZE, X, diagnosis, predict
+from toy_model import CAUSES, MODE, SIZE, UNCERTAIN, X, diagnosis, predict
 
 
 @pytest.fixture(scope="module")
@@ -284,20 +285,53 @@ def test_rivals_are_compared_where_nothing_was_measured():
     assert worth.chi2 == pytest.approx(gap**2 / (noise + np.sum(worth.sd**2, axis=0)))
 
 
+def _page(folder, found):
+    write_model_report(folder, found, "Toy", place=X, labels=("x", "y (V)"), unit="V")
+    assert sorted(each.name for each in folder.iterdir()) == ["report.html", "report.json"]
+    text = words(folder / "report.html")
+    assert "<h1>Toy</h1>" in text
+    assert not any(word in text for word in ("extended.toml", "http", "mm/s"))
+    return json.loads((folder / "report.json").read_text()), text
+
+
 def test_a_model_of_the_users_own_has_a_page_too(tmp_path):
     found = diagnosis(3, {"wave": 1.0})
-    write_model_report(tmp_path / "toy", found, "Toy", place=X, labels=("x", "y (V)"), unit="V")
-    assert sorted(each.name for each in (tmp_path / "toy").iterdir()) == [
-        "report.html",
-        "report.json",
-    ]
-    full = json.loads((tmp_path / "toy" / "report.json").read_text())
+    full, text = _page(tmp_path / "toy", found)
     assert (full["verdict"], full["cause"], full["gain_unit"]) == ("named", "wave", "V")
-    page = (tmp_path / "toy" / "report.html").read_text()
-    assert "<h1>Toy</h1>" in page
-    assert "mean absolute error (V)" in page
-    assert page.count("data:image/png;base64,") >= 4
-    assert not any(word in page for word in ("extended.toml", "http", "mm/s"))
+    assert "mean absolute error (V)" in text
+    assert "% of the mean size" in text
+    assert f"Gain on {full['gain']['n']} held-out conditions" in text
+    data = full["channels"]["Data and models"]
+    assert data["place"] == X.tolist()
+    assert data["observed"] == found.problem.observed.tolist()
+    # The extended model is within the noise, the recalibrated one is not.
+    gap = {
+        name: np.subtract(data[name], data["observed"]) / data["sd"]
+        for name in ("recalibrated", "extended")
+    }
+    assert np.mean(gap["extended"] ** 2) < 2.0 < np.mean(gap["recalibrated"] ** 2)
+
+
+def test_each_verdict_has_a_page(tmp_path):
+    full, text = _page(tmp_path / "set", diagnosis(0, {"split": 0.4}))
+    assert full["verdict"] == "ambiguous"
+    assert "the best that explains the data" in text
+    full, text = _page(tmp_path / "none", diagnosis(3))
+    assert full["verdict"] == "none"
+    assert "Upper bounds" in text
+    lost = diagnose_model(predict, None, np.zeros(SIZE), UNCERTAIN, CAUSES)
+    full, text = _page(tmp_path / "lost", lost)
+    assert full["verdict"] == "data-problem"
+    data = full["channels"]["Data and models"]
+    assert (data["sd"], "recalibrated" in data) == (None, False)
+
+
+def test_a_model_without_suspects_has_a_page(tmp_path):
+    slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
+    found = diagnose_model(lambda x, p: p * x, X, 0.3 * X, [slope], sd=0.1)
+    full, text = _page(tmp_path / "plain", found)
+    assert full["verdict"] == "none"
+    assert "What these data can tell apart" not in text
 
 
 @pytest.mark.parametrize("place", [[1.0, 2.0], np.full(SIZE, np.nan)])

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 _RARE = 0.002
 _FEWEST_PAIRS, _ALIKE = 12, 0.4
-_UNEVEN = 1.5
+_UNEVEN, _ALONE = 1.5, 0.05
 
 
 def data_problem(
@@ -40,7 +40,8 @@ def data_problem(
     if alone and noise.dof == 0.0:
         return (
             "the noise is not known, so no misfit can be judged: repeat the trials of some "
-            "conditions, or state their error (velocity_sd in [[velocity]])"
+            "conditions, or state their error (velocity_sd in [[velocity]]; sd or relative_sd of "
+            "diagnose_model)"
         )
     if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
         between = float(np.var(noise.mean))
@@ -48,7 +49,7 @@ def data_problem(
             return "the conditions differ by no more than their trials do: labels may be mixed up"
     known = completed(block)
     return (
-        _rounded(values, index)
+        (_rounded(values, index) if noise.dof < math.inf else None)
         or _uneven(values, index, noise, known)
         or _drifting(values, index, noise, order, known)
     )
@@ -81,18 +82,21 @@ def _uneven(
 ) -> str | None:
     """Whether the trials of one set-up scatter more than all others.
 
-    By ranks, as heavy tails are no matter of a set-up. The true ratio is larger than that of what
-    is left beside the means of conditions, of which every set-up is a part.
+    By ranks, as heavy tails are no matter of a set-up. Trials that stand about alone in their
+    condition or set-up show no scatter; of others what is left is made as large as it was. The true
+    ratio is larger than that of what is left, as every set-up is a part of the means.
     """
     if block is None or not noise.setups.shape[1]:
         return None
-    design = _design(index, block, noise)
+    basis = _basis(_design(index, block, noise))
+    free = 1.0 - np.sum(basis**2, axis=1)
+    shown = free > _ALONE
     scatter = (values - noise.mean[index]) / noise.sd[index]
-    size = np.abs(_beyond(scatter, _basis(design)))
-    counts = np.bincount(block)
-    looked = np.flatnonzero(counts >= _FEWEST_PAIRS)
+    size = np.abs(_beyond(scatter, basis)) / np.sqrt(np.maximum(free, _ALONE))
+    counts = np.bincount(block[shown], minlength=int(block.max()) + 1)
+    looked = np.flatnonzero((counts >= _FEWEST_PAIRS) & (shown.sum() - counts >= _FEWEST_PAIRS))
     for each in looked.tolist():
-        mine, others = size[block == each], size[block != each]
+        mine, others = size[shown & (block == each)], size[shown & (block != each)]
         ratio = float(np.median(mine) / np.median(others)) if np.median(others) > 0.0 else math.inf
         chance = float(mannwhitneyu(mine, others, alternative="greater").pvalue)
         if ratio > _UNEVEN and len(looked) * chance < _RARE:

@@ -171,6 +171,18 @@ def against_model(
     return png(figure)
 
 
+def readings(place: Array, observed: Array, sd: Array | None, words: tuple[str, str]) -> str:
+    """Data alone, with 2 sd where it is known; `words` below and beside the axes."""
+    figure, (frame,) = axes(1, 9.0, 4.0)
+    bars = None if sd is None else 2 * sd
+    label = "measured" if sd is None else "measured (2 sd)"
+    frame.errorbar(place, observed, bars, fmt="o", color="k", ms=4, label=label)
+    frame.set_xlabel(words[0])
+    frame.set_ylabel(words[1])
+    frame.legend(fontsize=8, frameon=False)
+    return png(figure)
+
+
 def ranking(found: Diagnosis) -> str | None:
     """Log-evidence of the leading rivals above no cause, after the price of a second cause."""
     fits = leading(found)

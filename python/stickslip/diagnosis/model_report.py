@@ -6,14 +6,17 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from stickslip.diagnosis import figures
 from stickslip.diagnosis.channels import Sketch
 from stickslip.diagnosis.channels.combined import Combined
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.report import report_texts, write_texts
 from stickslip.errors import ScenarioError
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -52,34 +55,47 @@ def write_model_report(
     OSError
         If a file cannot be written.
     """
-    problem = found.problem
-    m = len(problem.observed)
+    m = len(found.noise.mean)
     at = np.arange(1.0, m + 1.0) if place is None else np.asarray(place, dtype=float)
     if at.shape != (m,) or not np.all(np.isfinite(at)):
         raise ScenarioError(f"place: allowed is a finite number for each of {m} conditions")
-    names = [
-        *(each.name for each in problem.uncertain),
-        *(each.name for each in problem.parameters),
-    ]
+    problem = found.problem
+    names = [each.name for each in problem.uncertain] + [each.name for each in problem.parameters]
     model = Combined(problem.predict, names, names, ())
     examination = Examination(found, None, [], model, (), np.zeros(0))
-    sketch = Sketch("Data and models", _figure(found, at, labels), (), {})
-    write_texts(out, report_texts(examination, _Own(title), [], [sketch], unit))
+    write_texts(out, report_texts(examination, _Own(title), [], [_sketch(found, at, labels)], unit))
 
 
-def _figure(found: Diagnosis, place: np.ndarray, labels: tuple[str, str]) -> str:
-    from stickslip.diagnosis import figures
-
-    problem, fit = found.problem, found.verdict.fit
-    points = [found.null.x] if fit is None else [found.null.x, fit.x]
-    predicted = problem.predicted(np.stack(points))
+def _sketch(found: Diagnosis, place: Array, labels: tuple[str, str]) -> Sketch:
+    """Data and models; no model where nothing was learnt, and no error where none is known."""
+    problem, fit, m = found.problem, found.verdict.fit, len(place)
+    observed = problem.observed[:m]
+    sd = problem.sd[:m] if found.noise.dof > 0.0 else None
+    points = {} if found.verdict.word == "data-problem" else {"recalibrated": found.null.x}
+    if fit is not None:
+        points["extended"] = fit.x
+    models = {name: problem.predicted(x[None, :])[0, :m] for name, x in points.items()}
     order = np.argsort(place, kind="stable")
-    return figures.against_model(
-        place[order],
-        problem.observed[order],
-        problem.sd[order],
-        predicted[0][order],
-        predicted[1][order] if len(predicted) > 1 else None,
-        labels,
-        joined=False,
-    )
+    if sd is None or not models:
+        picture = figures.readings(
+            place[order], observed[order], None if sd is None else sd[order], labels
+        )
+    else:
+        extended = models.get("extended")
+        picture = figures.against_model(
+            place[order],
+            observed[order],
+            sd[order],
+            models["recalibrated"][order],
+            None if extended is None else extended[order],
+            labels,
+            joined=False,
+        )
+    numbers: dict[str, object] = {
+        "place": place.tolist(),
+        "observed": observed.tolist(),
+        "sd": None if sd is None else sd.tolist(),
+        **{name: row.tolist() for name, row in models.items()},
+        "held_out": [] if found.gain is None else found.gain.held_out.tolist(),
+    }
+    return Sketch("Data and models", picture, (), numbers)

@@ -89,7 +89,7 @@ def report_texts(
     unit: str,
 ) -> dict[str, str]:
     """Contents of report.json and report.html; `unit` is that of the held-out observables."""
-    full = {**summary(examination, source, experiments), **details(examination, source)}
+    full = {**summary(examination, source, experiments), **details(examination, source, unit)}
     full["channels"] = {each.title: each.numbers for each in sketches}
     full["gain_unit"] = unit
     full |= further(examination)
@@ -162,7 +162,7 @@ def page_text(
         units={short(each.name): each.unit for each in found.problem.parameters},
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
         simulated=examination.simulator is not None,
-        held="conditions" if conditions else "readings",
+        held="readings" if examination.combined.channels and not conditions else "conditions",
         curves=figures.velocities(found, conditions, examination.given),
         profiles=[figures.profile(each) for each in found.profiles],
         columns=[heading(key) for key in among],
@@ -182,5 +182,5 @@ def page_text(
         typical=_typical_error(found),
         sketches=sketches,
         ranking=figures.ranking(found),
-        isolability=figures.isolability(found),
+        isolability=figures.isolability(found) if found.problem.causes else "",
     )

@@ -18,6 +18,7 @@ from stickslip.diagnosis.consequences import (
     where_it_lives,
 )
 from stickslip.diagnosis.constancy import changing, refit_parts
+from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.examination import Examination
 from stickslip.diagnosis.experiments import Experiment, advice
 from stickslip.diagnosis.fits import Fit
@@ -86,8 +87,8 @@ def summary(
     }  # fmt: skip
 
 
-def details(examination: Examination, measurement: Source) -> dict[str, Any]:
-    """What was found, beyond the summary."""
+def details(examination: Examination, measurement: Source, unit: str) -> dict[str, Any]:
+    """What was found, beyond the summary; `unit` is that of the held-out observables."""
     found, conditions = examination.found, examination.conditions
     problem, gain = found.problem, found.gain
     extended = found.verdict.fit
@@ -172,7 +173,7 @@ def details(examination: Examination, measurement: Source) -> dict[str, Any]:
             "cosines": found.cosines.tolist(),
         },
         "choice_without_held_out": None if gain is None else gain.choice,
-        "held_out_level": _level(examination),
+        "held_out_level": _level(found, unit),
         "held_out_p_value": None if gain is None else gain.p_value,
         "conditions": rows,
     }
@@ -216,12 +217,11 @@ def further(examination: Examination) -> dict[str, Any]:
     }
 
 
-def _level(examination: Examination) -> float | None:
+def _level(found: Diagnosis, unit: str) -> float | None:
     """Mean size of what is held out, where it has one unit: its error is given in per cent."""
-    gain = examination.found.gain
-    if gain is None or gain_unit(examination) == "SI":
+    if found.gain is None or unit == "SI":
         return None
-    size = float(np.mean(np.abs(examination.found.problem.observed[gain.held_out])))
+    size = float(np.mean(np.abs(found.problem.observed[found.gain.held_out])))
     return size if size > 0.0 else None
 
 

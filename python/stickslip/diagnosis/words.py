@@ -9,7 +9,7 @@ from stickslip.diagnosis.parameters import extended_parameters, short
 
 _NAMELESS = {
     "none": "Nothing beyond the recalibrated model can be seen in these data.",
-    "unexplained": "Something is there that no cause of the library and no pair of them explains.",
+    "unexplained": "Something is there that no cause that was tried and no pair of them explains.",
 }
 
 _LISTED = 6

@@ -35,7 +35,7 @@ def draw(
         )
         return [Sketch(title, "", (line,), {})]
     after = None if extended is None else force_view(channel, names, extended)
-    advance = _advance(channel, names, recalibrated, extended)
+    advance = _advance(channel, names, recalibrated, None if after is None else extended)
     lines = [*advance_lines(advance), *view_lines(view, after)]
     numbers = {"advance": advance, **_numbers(view, after)}
     sketches = [Sketch(title, _figure(view, after), tuple(lines), numbers)]
@@ -93,17 +93,19 @@ def _figure(view: ForceView, after: ForceView | None) -> str:
         motion = [figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])]
     else:
         motion = list(axes[0])
-    models = [(view, _BLUE, "--", "recalibrated")]
+    shown = [
+        (motion[0], np.degrees(1.0), "tilt (degrees)", view.theta, view.theta_model),
+        (motion[1], 1e6, "x less its drift (um)", view.place, view.place_model),
+    ]
+    # Each model has a camera of its own; the readings are drawn as the recalibrated one has them.
+    extended_rows: list[Array] = []
     if after is not None:
-        models.append((after, _ORANGE, ":", "with the cause"))
-    for each, seen, of_model, unit, label in (
-        (motion[0], view.theta, "theta_model", np.degrees(1.0), "tilt (degrees)"),
-        (motion[1], view.place, "place_model", 1e6, "x less its drift (um)"),
-    ):
+        extended_rows = [view.theta + after.theta_model - after.theta, after.place_model]
+    for k, (each, unit, label, seen, model) in enumerate(shown):
         each.plot(view.phase, seen * unit, color="k", lw=1.6, label="measured, smoothed")
-        for model, colour, style, name in models:
-            place = getattr(model, of_model) * unit
-            each.plot(model.phase, place, color=colour, lw=1.4, ls=style, label=name)
+        each.plot(view.phase, model * unit, color=_BLUE, lw=1.4, ls="--", label="recalibrated")
+        for row in extended_rows[k : k + 1]:
+            each.plot(view.phase, row * unit, color=_ORANGE, lw=1.4, ls=":", label="with the cause")
         each.set_xlabel("phase of the drive")
         each.set_ylabel(label)
     motion[0].legend(fontsize=8, frameon=False)
