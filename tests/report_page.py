@@ -3,6 +3,6 @@
 import re
 
 
-def words(path):
+def without_pictures(path):
     """The page without its pictures, whose letters mean nothing."""
     return re.sub('base64,[^"]+', "", path.read_text())

@@ -7,7 +7,7 @@ import pytest
 
 from command_line import stickslip
 from made_measurement import write
-from report_page import words
+from report_page import without_pictures
 from stickslip import Scenario
 from stickslip.cli.commands import stickslip as commands
 from stickslip.diagnosis.library import library
@@ -70,7 +70,7 @@ def test_the_extended_model_is_an_ordinary_scenario(tilted):
 
 def test_the_report_needs_no_other_file(tilted):
     folder, said = tilted
-    page = words(folder / "found" / "report.html")
+    page = without_pictures(folder / "found" / "report.html")
     assert "surface_tilt" in page
     assert "data:image/png;" in page
     assert "http" not in page
