@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.checks import data_problem
+from stickslip.diagnosis.checks import data_problem, uneven_setups
 from stickslip.diagnosis.comparison import reweighed
 from stickslip.diagnosis.fits import Start, make_rival
 from stickslip.diagnosis.fitting import fit_rivals, spread_factor
@@ -297,14 +297,16 @@ def test_few_velocities_are_no_trouble_beside_other_data():
     assert data_problem(values, index, noise, None, alone=False) is None
 
 
-def _trouble(trials, blocks):
+def _trouble(trials):
+    """What is said of trials of shape (conditions, trials)."""
+    index = np.indices(trials.shape)[0].ravel()
+    return data_problem(trials.ravel(), index, fit_noise(trials.ravel(), index), None)
+
+
+def _uneven(trials):
     """What is said of trials of shape (conditions, set-ups)."""
     index, block = np.indices(trials.shape).reshape(2, -1)
-    return _said(trials.ravel(), index, block if blocks else None)
-
-
-def _said(values, index, block):
-    return data_problem(values, index, fit_noise(values, index, block), None, block)
+    return uneven_setups(trials.ravel(), index, fit_noise(trials.ravel(), index, block), block)
 
 
 def test_readings_rounded_to_more_than_their_scatter_are_no_measure_of_it():
@@ -312,8 +314,8 @@ def test_readings_rounded_to_more_than_their_scatter_are_no_measure_of_it():
     random = np.random.default_rng(5)
     level = np.linspace(1e-4, 1e-3, 20)[:, None]
     trials = level + 1e-5 * random.standard_normal((20, 3))
-    assert "exactly alike" in _trouble(3e-5 * np.round(trials / 3e-5), False)
-    assert _trouble(5e-6 * np.round(trials / 5e-6), False) is None
+    assert "exactly alike" in _trouble(3e-5 * np.round(trials / 3e-5))
+    assert _trouble(5e-6 * np.round(trials / 5e-6)) is None
 
 
 def test_a_set_up_that_scatters_more_than_the_others_is_told_apart_from_heavy_tails():
@@ -325,10 +327,10 @@ def test_a_set_up_that_scatters_more_than_the_others_is_told_apart_from_heavy_ta
     blamed = 0
     for _ in range(40):
         trials = level * (1.0 + 0.03 * random.standard_t(4, (60, 4)))
-        blamed += _trouble(trials, True) is not None
+        blamed += _uneven(trials) is not None
     assert blamed <= 1
     trials = level * (1.0 + 0.03 * random.standard_normal((60, 4)) * np.array([1, 1, 4, 1]))
-    assert "set-up 3" in _trouble(trials, True)
+    assert "set-up 3" in _uneven(trials)
 
 
 def test_set_ups_of_unlike_sizes_are_no_trouble():
@@ -343,7 +345,8 @@ def test_set_ups_of_unlike_sizes_are_no_trouble():
     for _ in range(40):
         for at, setup in (once_then_thrice, half_empty):
             values = level[at] * (1.0 + 0.03 * random.standard_normal(len(at)))
-            blamed += _said(values, at, setup) is not None
+            noise = fit_noise(values, at, setup)
+            blamed += uneven_setups(values, at, noise, setup) is not None
     assert blamed <= 1
 
 

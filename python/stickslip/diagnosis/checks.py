@@ -47,12 +47,8 @@ def data_problem(
         between = float(np.var(noise.mean))
         if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):
             return "the conditions differ by no more than their trials do: labels may be mixed up"
-    known = completed(block)
-    return (
-        (_rounded(values, index) if noise.dof < math.inf else None)
-        or _uneven(values, index, noise, known)
-        or _drifting(values, index, noise, order, known)
-    )
+    rounded = _rounded(values, index) if noise.dof < math.inf else None
+    return rounded or _drifting(values, index, noise, order, completed(block))
 
 
 def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
@@ -77,15 +73,17 @@ def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
     )
 
 
-def _uneven(
+def uneven_setups(
     values: Array, index: NDArray[np.int64], noise: NoiseModel, block: NDArray[np.int64] | None
 ) -> str | None:
-    """Whether the trials of one set-up scatter more than all others.
+    """What to know if the trials of one set-up scatter more than all others.
 
-    By ranks, as heavy tails are no matter of a set-up. Trials that stand about alone in their
-    condition or set-up show no scatter; of others what is left is made as large as it was. The true
-    ratio is larger than that of what is left, as every set-up is a part of the means.
+    Such a set-up weighs too much, but it is no reason to say nothing. By ranks, as heavy tails are
+    no matter of a set-up. Trials that stand about alone in their condition or set-up show no
+    scatter; of others what is left is made as large as it was. The true ratio is larger than that
+    of what is left, as every set-up is a part of the means.
     """
+    block = completed(block)
     if block is None or not noise.setups.shape[1]:
         return None
     basis = _basis(_design(index, block, noise))
@@ -102,7 +100,7 @@ def _uneven(
         if ratio > _UNEVEN and len(looked) * chance < _RARE:
             return (
                 f"the trials of set-up {each + 1}, in the order of the table, lie {ratio:.2g} "
-                "times as far from the rest as the others do"
+                "times as far from the rest as the others do; all weigh alike"
             )
     return None
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
-from stickslip.diagnosis.checks import data_problem
+from stickslip.diagnosis.checks import data_problem, uneven_setups
 from stickslip.diagnosis.comparison import Progress, compare, examine
 from stickslip.diagnosis.detection import Detection
 from stickslip.diagnosis.fits import Fit, Start
@@ -235,6 +235,8 @@ def diagnose_model(
     say(0.1, "testing")
     base = examine(problem, covariance, null, seed)
     notes = list(noise.notes)
+    uneven = uneven_setups(values, index, noise, blocks)
+    notes += [] if uneven is None else [uneven]
     trouble = doubt or data_problem(values, index, noise, order, blocks, also is None)
     ranking = Ranking(base.null, (), ())
     if trouble is None and base.detection.found:
