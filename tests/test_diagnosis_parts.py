@@ -266,9 +266,8 @@ def test_an_empty_cell_of_a_set_up_leaves_the_others_known():
 
 def test_pure_noise_is_as_rare_as_its_p_value_says():
     # 4000 tables of 30 conditions, of which some are slower than the noise; three binomial standard
-    # deviations above the rates of the F law. The likeliest curve, scaled to the scatter, has twice
-    # the rate of 0.01 and four times that of 0.001. A mean variance is a little too large, so the
-    # rate of 0.05 may be less by a third.
+    # deviations above the rates of the F law. A mean variance is a little too large, so the rate of
+    # 0.05 may be less by a third.
     random = np.random.default_rng(2)
     level = np.geomspace(3e-6, 3e-3, 30) * (-1.0) ** np.arange(30)
     sd, index = np.hypot(0.03 * level, 1e-5), np.repeat(np.arange(30), 3)
@@ -293,6 +292,20 @@ def test_many_trials_tell_the_noise_as_well_as_they_can(relative):
     noise = fit_noise(trials.ravel(), np.repeat(np.arange(200), 20))
     assert np.median(noise.sd / sd) == pytest.approx(1.0, abs=0.046)
     assert noise.relative == pytest.approx(relative, rel=0.08)
+
+
+def test_few_trials_make_the_noise_too_large_and_not_too_small():
+    # Four conditions of two trials. Of one variance alone the mean is 4 / (4 - 2) = 2 times its
+    # best estimate, 1.4 in sd, and the split in two parts adds to it. The median of 400 tables is
+    # known to about 1.25 * 0.4 / sqrt(400) = 0.03.
+    random = np.random.default_rng(10)
+    level = np.geomspace(1e-4, 2e-3, 4)
+    sd, index = np.hypot(0.03 * level, 1e-5), np.repeat(np.arange(4), 2)
+    ratio = []
+    for _ in range(400):
+        trials = level[:, None] + sd[:, None] * random.standard_normal((4, 2))
+        ratio.append(np.median(fit_noise(trials.ravel(), index).sd / sd))
+    assert 1.3 < np.median(ratio) < 1.75
 
 
 def test_trials_that_differ_by_rounding_alone_are_no_measure_of_the_noise():
