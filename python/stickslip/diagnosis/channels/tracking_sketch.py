@@ -76,8 +76,8 @@ def _figure(view: ForceView, after: ForceView | None) -> str:
 
     later = (None, None) if after is None else (after.sticking, after.slipping)
     rows = [
-        (found, extended, unit, label)
-        for found, extended, unit, label in (
+        (found, found_later, unit, label)
+        for found, found_later, unit, label in (
             (view.sticking, later[0], 1e12, "torque residual (pN m)\nsticking"),
             (view.slipping, later[1], 1e9, "force residual (nN)\nslipping"),
         )
@@ -93,24 +93,25 @@ def _figure(view: ForceView, after: ForceView | None) -> str:
         motion = [figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])]
     else:
         motion = list(axes[0])
-    shown = [
-        (motion[0], np.degrees(1.0), "tilt (degrees)", view.theta, view.theta_model),
-        (motion[1], 1e6, "x less its drift (um)", view.place, view.place_model),
-    ]
     # Each model has a camera of its own; the readings are drawn as the recalibrated one has them.
-    extended_rows: list[Array] = []
+    extended: tuple[Array | None, Array | None] = (None, None)
     if after is not None:
-        extended_rows = [view.theta + after.theta_model - after.theta, after.place_model]
-    for k, (each, unit, label, seen, model) in enumerate(shown):
+        extended = (view.theta + after.theta_model - after.theta, after.place_model)
+    shown = (
+        (np.degrees(1.0), "tilt (degrees)", view.theta, view.theta_model, extended[0]),
+        (1e6, "x less its drift (um)", view.place, view.place_model, extended[1]),
+    )
+    for each, (unit, label, seen, model, later_model) in zip(motion, shown, strict=True):
         each.plot(view.phase, seen * unit, color="k", lw=1.6, label="measured, smoothed")
         each.plot(view.phase, model * unit, color=_BLUE, lw=1.4, ls="--", label="recalibrated")
-        for row in extended_rows[k : k + 1]:
-            each.plot(view.phase, row * unit, color=_ORANGE, lw=1.4, ls=":", label="with the cause")
+        if later_model is not None:
+            place = later_model * unit
+            each.plot(view.phase, place, color=_ORANGE, lw=1.4, ls=":", label="with the cause")
         each.set_xlabel("phase of the drive")
         each.set_ylabel(label)
     motion[0].legend(fontsize=8, frameon=False)
-    for place, (found, extended, unit, label) in zip(axes[1:], rows, strict=True):
-        _row(place, view, found, extended, unit, label)
+    for frames, (found, found_later, unit, label) in zip(axes[1:], rows, strict=True):
+        _row(frames, view, found, found_later, unit, label)
     return png(figure)
 
 
