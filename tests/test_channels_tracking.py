@@ -1,6 +1,7 @@
 """Tracking: observables and their errors, the force view, and what `diagnose` makes of films."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from stickslip.diagnosis.channels.contact_balance import Balance, Kinematics
 from stickslip.diagnosis.channels.folding import fold
 from stickslip.diagnosis.channels.force_view import force_view
 from stickslip.diagnosis.channels.tracking import TrackingChannel, find_tracking
+from stickslip.diagnosis.channels.tracking_sketch import traces
 from stickslip.diagnosis.channels.tracking_words import field_chain_clean, view_lines
 from stickslip.diagnosis.examination import diagnose
 from stickslip.errors import ScenarioError
@@ -225,6 +227,31 @@ def test_a_tilt_shows_while_slipping_and_is_fixed_to_the_world():
         force = view.slipping.slopes[0]
         assert sign * force.t > 3.0
         assert 0.2 * weight < sign * force.value < 1.5 * weight
+
+
+def test_the_drawn_motion_lies_on_the_readings_if_the_cause_is_right():
+    tilt = "effects.surface_tilt.angle"
+    channel = TrackingChannel(tracking_run({tilt: 0.06}, 1000.0, 0))
+    before = force_view(channel, NAMES, VALUES[0])
+    after = force_view(channel, [*NAMES, tilt], np.append(VALUES[0], 0.06))
+    place = traces(before, after)[1]
+    # A fit of 2 n + 1 harmonics to so many frames of this noise.
+    frames = 1000.0 * 9 / 30.0  # nine periods: three of twelve settle
+    noise = 1e6 * NOISE["x"] * np.sqrt((2 * before.orders + 1) / frames)
+    error = {
+        stage: np.std(place.measured - getattr(place, stage))
+        for stage in ("recalibrated", "extended")
+    }
+    assert error["extended"] < 1.5 * noise
+    assert error["recalibrated"] > 3.0 * noise
+
+
+def test_the_camera_of_another_model_moves_no_drawn_curve():
+    channel = TrackingChannel(tracking_run({}, 1000.0, 0))
+    before = force_view(channel, NAMES, VALUES[0])
+    after = replace(before, theta=before.theta + 0.02, theta_model=before.theta_model + 0.02)
+    tilt = traces(before, after)[0]
+    np.testing.assert_allclose(tilt.extended, tilt.recalibrated, atol=1e-12)
 
 
 def test_too_few_phases_are_said_and_not_drawn():

@@ -58,7 +58,7 @@ def _diagnosed(folder: Path) -> dict[str, Any]:
     gain = examination.found.gain
     return {
         "said": said,
-        "gain": None if gain is None else {"p_value": gain.p_value},
+        "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
         "cpu_seconds": time.process_time() - start,
         "simulations": examination.simulator.simulated,
     }

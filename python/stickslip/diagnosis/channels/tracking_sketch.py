@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -70,6 +71,32 @@ def opposite(one: TrackingChannel, other: TrackingChannel) -> bool:
     return same == other.run.scenario
 
 
+@dataclass(frozen=True)
+class Trace:
+    """One quantity of the folded motion as it is drawn, in the label's unit, shape (g,) each."""
+
+    label: str
+    measured: Array
+    recalibrated: Array
+    extended: Array | None
+
+
+def traces(view: ForceView, after: ForceView | None) -> tuple[Trace, Trace]:
+    """Tilt and place over the phase of the drive; `after` is the extended model's view."""
+    degree, um = np.degrees(1.0), 1e6
+    extended: tuple[Array | None, Array | None] = (None, None)
+    if after is not None:
+        # Each model has a camera of its own; the readings are drawn as the recalibrated one has
+        # them.
+        extended = (
+            (view.theta + after.theta_model - after.theta) * degree,
+            (view.place + after.place_model - after.place) * um,
+        )
+    tilt = Trace("tilt (degrees)", view.theta * degree, view.theta_model * degree, extended[0])
+    place = Trace("x less its drift (um)", view.place * um, view.place_model * um, extended[1])
+    return tilt, place
+
+
 def _figure(view: ForceView, after: ForceView | None) -> str:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -93,22 +120,15 @@ def _figure(view: ForceView, after: ForceView | None) -> str:
         motion = [figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])]
     else:
         motion = list(axes[0])
-    # Each model has a camera of its own; the readings are drawn as the recalibrated one has them.
-    extended: tuple[Array | None, Array | None] = (None, None)
-    if after is not None:
-        extended = (view.theta + after.theta_model - after.theta, after.place_model)
-    shown = (
-        (np.degrees(1.0), "tilt (degrees)", view.theta, view.theta_model, extended[0]),
-        (1e6, "x less its drift (um)", view.place, view.place_model, extended[1]),
-    )
-    for each, (unit, label, seen, model, later_model) in zip(motion, shown, strict=True):
-        each.plot(view.phase, seen * unit, color="k", lw=1.6, label="measured, smoothed")
-        each.plot(view.phase, model * unit, color=_BLUE, lw=1.4, ls="--", label="recalibrated")
-        if later_model is not None:
-            place = later_model * unit
-            each.plot(view.phase, place, color=_ORANGE, lw=1.4, ls=":", label="with the cause")
+    for each, trace in zip(motion, traces(view, after), strict=True):
+        each.plot(view.phase, trace.measured, color="k", lw=1.6, label="measured, smoothed")
+        each.plot(view.phase, trace.recalibrated, color=_BLUE, lw=1.4, ls="--",
+                  label="recalibrated")  # fmt: skip
+        if trace.extended is not None:
+            each.plot(view.phase, trace.extended, color=_ORANGE, lw=1.4, ls=":",
+                      label="with the cause")  # fmt: skip
         each.set_xlabel("phase of the drive")
-        each.set_ylabel(label)
+        each.set_ylabel(trace.label)
     motion[0].legend(fontsize=8, frameon=False)
     for frames, (found, found_later, unit, label) in zip(axes[1:], rows, strict=True):
         _row(frames, view, found, found_later, unit, label)
