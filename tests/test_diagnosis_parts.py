@@ -18,7 +18,7 @@ from stickslip.diagnosis.heldout import split
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.noise import fit_noise
 from stickslip.diagnosis.plausibility import wrong_sign
-from stickslip.diagnosis.profile import profile
+from stickslip.diagnosis.profile import profile, settled
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
 from stickslip.diagnosis.verdict import Table, contradicting
@@ -75,6 +75,45 @@ def test_the_profile_sees_steps_that_the_curvature_does_not():
     # All heights within half a step of the best one are as good, so the interval is at least 0.1
     # wide on each side of a step's middle.
     assert found.sd > 0.05
+
+
+def two_valleys(_, p):
+    """A height that hurts below 0, between 0 and 0.5 and above 1, and else shows nothing."""
+    height = p[:, 1:2]
+    ridge = 12.0 * np.sin(2.0 * math.pi * np.clip(height, 0.0, 0.5)) ** 2
+    beyond = 8.0 * (np.minimum(height, 0.0) + np.maximum(height - 1.0, 0.0))
+    return p[:, :1] * X + SD * (ridge + beyond) / math.sqrt(len(X)) * np.cos(9 * X)
+
+
+def fitted_from_nothing(given):
+    rival = make_rival(given, [WAVE])
+    (fit,) = fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)
+    assert abs(given.physical(fit.x[None, :])[0, 1]) < 0.2
+    return fit
+
+
+def test_the_size_is_as_unsure_as_the_farther_valley_makes_it():
+    given = problem(X, predict=two_valleys)
+    (found,) = profile(given, fitted_from_nothing(given))
+    # Half the square of 12 in the middle of the ridge.
+    assert np.any((found.chi2 > 9.0) & (found.value > 0.1) & (found.value < 0.4))
+    # The prior alone takes 1 at a height of 1, and 4 is reached soon after: a distance of 1 / 1 to
+    # that of 1 + sqrt(3 * 2) / 8 over 2, and straight lines between the points.
+    assert 0.6 < found.sd < 1.2
+
+
+def test_a_lower_valley_that_a_profile_sees_is_where_the_fit_goes():
+    def tilted(_, p):
+        return two_valleys(None, p) + SD * p[:, 1:2] * np.sin(4 * X)
+
+    given = problem(X + SD * np.sin(4 * X), predict=tilted)
+    fit = fitted_from_nothing(given)
+    better, (found,) = settled(given, fit)
+    # The wave's chi-square is about half the number of places; the prior takes 1 of it.
+    assert fit.chi2 - better.chi2 == pytest.approx(0.5 * len(X) - 1.0, rel=0.3)
+    assert given.physical(better.x[None, :])[0, 1] == pytest.approx(1.0, abs=0.2)
+    assert better.certified == fit.certified
+    assert found.chi2.min() == 0.0
 
 
 def test_a_constant_that_changes_is_found_and_one_that_does_not_is_not():

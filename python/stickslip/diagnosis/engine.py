@@ -20,7 +20,7 @@ from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import Gain, folds, measure_gain, predictive_gain, split
 from stickslip.diagnosis.model import Cause, Predict, Problem, Remembered, Uncertain
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
-from stickslip.diagnosis.profile import Profile, profile
+from stickslip.diagnosis.profile import Profile, profile, settled
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import (
@@ -30,7 +30,7 @@ from stickslip.diagnosis.signatures import (
     isolability,
     upper_bounds,
 )
-from stickslip.diagnosis.verdict import Table, Verdict, decide, prior_probabilities
+from stickslip.diagnosis.verdict import Table, Verdict, decide, prior_probabilities, with_fit
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -259,6 +259,14 @@ def diagnose_model(
     verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, tables)
     if trouble is not None:
         verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
+    profiles: list[Profile] = []
+    if verdict.fit is not None and verdict.word in ("named", "pair"):
+        leader, profiles = settled(problem, verdict.fit)
+        ranking = ranking.replaced(verdict.fit, leader)
+        verdict = with_fit(verdict, ranking, leader)
+    elif verdict.fit is not None:
+        # The members of a set stay as they were compared.
+        profiles = profile(problem, verdict.fit)
     gain = None
     if verdict.fit is not None:
         others = [*ranking.singles[:4], *ranking.pairs[:2]]
@@ -266,7 +274,6 @@ def diagnose_model(
     if gain is not None and verdict.fit is not None and gain.choice != verdict.fit.name:
         said = f"without the held-out conditions {gain.choice} would lead"
         verdict = replace(verdict, reasons=(*verdict.reasons, said))
-    profiles = () if verdict.fit is None else tuple(profile(problem, verdict.fit))
     bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
     rough = int(
         np.sum(
@@ -280,9 +287,10 @@ def diagnose_model(
             f"its parameters: {rough}; they count less"
         )
     say(1.0, "done")
+    alike = classes(problem, cosines)
     return Diagnosis(
         problem, noise, roughness, null, detection, signatures, ranking, cosines,
-        classes(problem, cosines), verdict, bounds, ceiling, gain, profiles, tuple(notes), seed,
+        alike, verdict, bounds, ceiling, gain, tuple(profiles), tuple(notes), seed,
     )  # fmt: skip
 
 

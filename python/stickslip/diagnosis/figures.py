@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.conditions import panel
 from stickslip.diagnosis.engine import Diagnosis
-from stickslip.diagnosis.profile import Profile
+from stickslip.diagnosis.profile import FAR, Profile
 from stickslip.diagnosis.standing import leading, set_members
 from stickslip.keys import Value
 
@@ -115,11 +115,14 @@ def profile(each: Profile) -> str:
     """Chi-square along one parameter, everything else fitted anew."""
     figure, (frame,) = axes(1, 5.0, 2.6)
     order = np.argsort(each.value)
+    # A profile goes far out to see other valleys; beyond the last of them there is nothing to see.
+    inside = np.flatnonzero(each.chi2[order] <= FAR)
+    order = order[max(inside[0] - 1, 0) : inside[-1] + 2]
     frame.plot(each.value[order], each.chi2[order], "o-", color=_ORANGE, ms=4)
     for height in (1.0, 4.0):
         frame.axhline(height, color=_GREY, lw=0.8, ls="--")
     frame.locator_params(axis="x", nbins=5)
-    frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2), 5.0, 30.0)))
+    frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2[order]), 5.0, 1.5 * FAR)))
     frame.set_xlabel(f"{each.name.removeprefix('effects.')} ({each.unit})")
     frame.set_ylabel("chi-square above the least")
     return png(figure)

@@ -1,24 +1,32 @@
 """Chi-square along one parameter of a cause, everything else fitted anew at each value.
 
-The curvature at the best fit says too little where chi-square has steps; the profile does not.
+The curvature at the best fit says too little where chi-square has steps and more than one valley;
+the profile does not.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fits import Fit, Rival, Start, fitted_parameters
+from stickslip.diagnosis.fits import Fit, Fitted, Rival, Start, fitted_parameters
 from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.model import Problem
 
 Array = NDArray[np.float64]
 
-_PLACES = (-3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0)
-_STEPS = 4
-_WIDEST = 8.0
+FAR = 9.0
+"""A profile goes on until chi-square has risen by so much at both ends."""
+
+# So far out that another valley beyond a ridge is seen.
+_PLACES = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
+_STEPS = 6
+_ROUNDS = 2
+_FURTHER, _WIDEST = 1.5, 30.0
+_LOWER = 0.1
+_CENTRES = 3
 
 
 @dataclass(frozen=True)
@@ -33,7 +41,8 @@ class Profile:
     chi2 : ndarray, shape (k,)
         Above the least of them.
     sd : float
-        Half the width of the interval in which chi-square is less than 1 above the least.
+        The largest of the distances from the fit to where chi-square crosses 1 for the last time
+        on either side, and of half those to where it crosses 4.
     """
 
     name: str
@@ -43,63 +52,136 @@ class Profile:
     sd: float
 
 
+@dataclass
+class _Line:
+    """Fits with one coordinate held at each of some values, which rise."""
+
+    u: Array
+    fits: list[Fit]
+    own: float
+
+    @property
+    def chi2(self) -> Array:
+        """With the prior's row of the coordinate that is held."""
+        return np.array([fit.chi2 for fit in self.fits]) + (self.u / self.own) ** 2
+
+
 def profile(problem: Problem, fit: Fit) -> list[Profile]:
     """Profiles of all parameters of the causes of a fit, freed constants among them."""
-    spread = np.sqrt(np.diag(fit.covariance))
-    found = []
-    for each in fitted_parameters(problem, fit):
-        if each.shape:
-            continue
-        u, chi2 = _along(problem, fit, each.column, float(spread[each.position]))
-        value = np.asarray(each.continuous(u), dtype=float)
-        found.append(Profile(each.name, each.unit, value, chi2, _half_width(value, chi2)))
-    return found
+    return [_profile(fit, each, line) for each, line in _lines(problem, fit)]
 
 
-def _along(problem: Problem, fit: Fit, column: int, spread: float) -> tuple[Array, Array]:
-    """Coordinates about the fit and their chi-squares, wider until these have risen by one."""
+def settled(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
+    """A fit's profiles, about a lower fit where they have led to one, which comes first."""
+    lines = _lines(problem, fit)
+    for _ in range(_CENTRES if lines else 0):
+        best = min((line for _, line in lines), key=lambda line: float(line.chi2.min()))
+        begin = Start(best.fits[int(np.argmin(best.chi2))].x)
+        if best.chi2.min() > fit.chi2 - _LOWER:
+            break
+        lower = fit_rivals(problem, [fit.rival], [[begin]], _STEPS)[0]
+        if lower.chi2 > fit.chi2 - _LOWER:
+            break
+        fit = replace(lower, certified=fit.certified, starts=fit.starts)
+        lines = _lines(problem, fit)
+    return fit, [_profile(fit, each, line) for each, line in lines]
+
+
+def _lines(problem: Problem, fit: Fit) -> list[tuple[Fitted, _Line]]:
+    shown = [each for each in fitted_parameters(problem, fit) if not each.shape]
+    return [(each, _along(problem, fit, each)) for each in shown]
+
+
+def _profile(fit: Fit, each: Fitted, line: _Line) -> Profile:
+    value = np.asarray(each.continuous(line.u), dtype=float)
+    here = float(np.asarray(each.continuous(fit.x[[each.column]]))[0])
+    chi2 = line.chi2 - line.chi2.min()
+    return Profile(each.name, each.unit, value, chi2, _distance(value, chi2, here))
+
+
+def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:
+    """Fits about one, on and on to either side until chi-square has risen by ``FAR``."""
+    spread = float(np.sqrt(fit.covariance[each.position, each.position]))
+    low, high = (float(end[each.column]) for end in problem.limits())
+    middle = float(fit.x[each.column])
     places = np.array(_PLACES)
-    low, high = (float(end[column]) for end in problem.limits())
+    line: _Line | None = None
     while True:
-        u = np.unique(np.clip(fit.x[column] + places * spread, low, high))
-        chi2 = _fixed(problem, fit, column, u)
-        chi2 -= chi2.min()
-        reached = chi2[0] > 1.0 or u[0] <= low, chi2[-1] > 1.0 or u[-1] >= high
-        if all(reached) or places[-1] > _WIDEST:
-            return u, chi2
-        places = places * 3.0
+        u = np.unique(np.clip(middle + places * spread, low, high))
+        line = _fixed(problem, fit, each.column, u, line)
+        chi2 = line.chi2 - line.chi2.min()
+        more = []
+        if chi2[0] < FAR and u[0] > low and -places[0] < _WIDEST:
+            more.append(_FURTHER * places[0])
+        if chi2[-1] < FAR and u[-1] < high and places[-1] < _WIDEST:
+            more.append(_FURTHER * places[-1])
+        if not more:
+            return line
+        places = np.unique([*places, *more])
 
 
-def _fixed(problem: Problem, fit: Fit, column: int, u: Array) -> Array:
-    """Chi-square with one coordinate held at each of some values."""
+def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | None = None) -> _Line:
+    """Fits with one coordinate held at each of some values, some of which are `known`.
+
+    Every one begins where the covariance leads it, where the fit is, and at a random place about
+    the first; then where its neighbours have ended, since a step of chi-square stops many a walk.
+    """
     rival = fit.rival
     keep = rival.free != column
     held = Rival(rival.causes, rival.free[keep], rival.width[keep])
     own = float(rival.width[~keep][0])
-    direction = fit.covariance[:, ~keep][:, 0]
+    slope = fit.slope[:, keep]
+    random = np.random.default_rng(29)
+    done = {} if known is None else dict(zip(known.u.tolist(), known.fits, strict=True))
     begins = []
-    for value in u:
-        x = fit.x.copy()
-        # The others follow as the covariance says.
-        step = (value - fit.x[column]) * direction / direction[~keep][0]
-        x[rival.free] += step
-        x[column] = value
-        begins.append([Start(x, fit.slope[:, keep])])
-    fits = fit_rivals(problem, [held] * len(u), begins, _STEPS, exact=False)
-    return np.array([each.chi2 for each in fits]) + (u / own) ** 2
+    for value in u.tolist():
+        if value in done:
+            begins.append([Start(done[value].x, done[value].slope)])
+            continue
+        stayed, led = fit.x.copy(), fit.x.copy()
+        step = value - fit.x[column]
+        led[rival.free] += step * fit.covariance[:, ~keep][:, 0] / fit.covariance[~keep, ~keep][0]
+        drawn = led.copy()
+        drawn[rival.free] += 2.0 * random.multivariate_normal(
+            np.zeros(len(keep)), fit.covariance, method="eigh"
+        )
+        for x in (led, stayed, drawn):
+            x[column] = value
+        begins.append([Start(x, slope) for x in (led, stayed, drawn)])
+    rivals = [held] * len(u)
+    fits = fit_rivals(problem, rivals, begins, _STEPS, exact=False)
+    for _ in range(_ROUNDS):
+        begins = [[Start(each.x, each.slope)] for each in fits]
+        for k, value in enumerate(u.tolist()):
+            for other in (k - 1, k + 1):
+                if 0 <= other < len(u):
+                    x = fits[other].x.copy()
+                    x[column] = value
+                    begins[k].append(Start(x, fits[other].slope))
+        fits = fit_rivals(problem, rivals, begins, _STEPS, exact=False)
+    return _Line(u, fits, own)
 
 
-def _half_width(value: Array, chi2: Array) -> float:
-    """Half the width in which chi-square is below 1, by straight lines between the points."""
+def _distance(value: Array, chi2: Array, here: float) -> float:
+    """The larger of the distances to where chi-square last crosses 1, and half those for 4."""
     order = np.argsort(value)
     value, chi2 = value[order], chi2[order]
-    inside = np.flatnonzero(chi2 <= 1.0)
+    return max(
+        abs(place - here) / root
+        for root in (1.0, 2.0)
+        for place in _crossings(value, chi2, root**2)
+    )
+
+
+def _crossings(value: Array, chi2: Array, level: float) -> tuple[float, float]:
+    """First and last crossing of a level, by straight lines; the end where there is none."""
+    inside = np.flatnonzero(chi2 <= level)
     first, last = int(inside[0]), int(inside[-1])
 
-    def crossing(a: int, b: int) -> float:
-        share = (1.0 - chi2[a]) / (chi2[b] - chi2[a])
+    def between(a: int, b: int) -> float:
+        share = (level - chi2[a]) / (chi2[b] - chi2[a])
         return float(value[a] + share * (value[b] - value[a]))
 
-    left = float(value[0]) if first == 0 else crossing(first, first - 1)
-    right = float(value[-1]) if last == len(value) - 1 else crossing(last, last + 1)
-    return 0.5 * (right - left)
+    left = float(value[0]) if first == 0 else between(first, first - 1)
+    right = float(value[-1]) if last == len(value) - 1 else between(last, last + 1)
+    return left, right

@@ -58,6 +58,15 @@ class Ranking:
     singles: tuple[Fit, ...]
     pairs: tuple[Fit, ...]
 
+    def replaced(self, old: Fit, new: Fit) -> Ranking:
+        """The same with a better fit of one rival."""
+
+        def ordered(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+            fits = tuple(new if fit is old else fit for fit in fits)
+            return tuple(sorted(fits, key=lambda fit: -fit.log_evidence))
+
+        return Ranking(self.null, ordered(self.singles), ordered(self.pairs))
+
 
 def adequacy(problem: Problem, fit: Fit) -> float:
     """p-value of the lack of fit of a rival.

@@ -177,13 +177,23 @@ def _decided(
     reasons = _doubts(problem, null, best, helps)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
-    second = max(
-        [null, *(fit for fit in singles if fit is not best)], key=lambda fit: fit.log_evidence
-    )
+    return Verdict("named", (best.name,), best, (_lead(ranking, best),), chance)
+
+
+def _lead(ranking: Ranking, best: Fit) -> str:
+    null = ranking.null
+    others = [null, *(fit for fit in ranking.singles if fit is not best)]
+    second = max(others, key=lambda fit: fit.log_evidence)
     name = "no cause at all" if second is null else second.name
     lead = best.log_evidence - second.log_evidence
-    said = f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
-    return Verdict("named", (best.name,), best, (said,), chance)
+    return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
+
+
+def with_fit(verdict: Verdict, ranking: Ranking, fit: Fit) -> Verdict:
+    """The same verdict `named` or `pair` with a better fit, which is in the ranking too."""
+    if verdict.word == "named":
+        return replace(verdict, fit=fit, reasons=(_lead(ranking, fit),))
+    return replace(verdict, fit=fit)
 
 
 def _doubts(
