@@ -20,14 +20,16 @@ from stickslip.diagnosis.noise import fit_noise
 from stickslip.diagnosis.plausibility import wrong_sign
 from stickslip.diagnosis.profile import profile, settled
 from stickslip.diagnosis.recalibration import recalibrate
+from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
-from stickslip.diagnosis.verdict import Table, contradicting
+from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting
 from stickslip.diagnosis.words import headline, rounded
 
 X = np.linspace(1.0, 3.0, 24)
 SD = 0.05
 SLOPE = Uncertain("slope", Prior("normal", 1.0, 0.5))
 WAVE = Cause("wave", (CauseParameter("wave.height", "-", -5.0, 5.0, 1.0),))
+BEND = Cause("bend", (CauseParameter("bend.height", "-", -5.0, 5.0, 1.0),))
 
 
 def line(_, p):
@@ -185,6 +187,20 @@ def test_each_table_is_judged_by_its_own_noise():
     assert contradicting(fit, known) == ["velocity"]
     assert contradicting(fit, [Table("velocity", rows, 8.0), known[1]]) == []
     assert contradicting(fit, known[:1]) == []
+
+
+def test_a_name_that_the_other_conditions_turn_is_none():
+    given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
+    fits = tuple(fitted(given, causes) for causes in ([WAVE], [BEND], [WAVE, BEND]))
+    ranking = Ranking(fitted(given), fits[:2], fits[2:])
+    said = Verdict("named", ("wave",), fits[0], ("why",), {})
+    assert confirmed(said, ranking, "wave") is said
+    # With one cause more it is still there.
+    more = confirmed(said, ranking, "wave + bend")
+    assert (more.word, len(more.reasons)) == ("named", 2)
+    other = confirmed(said, ranking, "bend")
+    assert (other.word, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
+    assert "bend would lead" in other.reasons[-1]
 
 
 def test_a_bound_holds_for_every_shape():

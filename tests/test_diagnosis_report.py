@@ -14,8 +14,10 @@ from report_page import without_pictures
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
 from stickslip.diagnosis.conditions import changes, in_words, varied
 from stickslip.diagnosis.consequences import pattern, where_it_lives
+from stickslip.diagnosis.experiments import _candidates
 from stickslip.diagnosis.separation import separate
 from stickslip.diagnosis.standing import leading, runner_up, set_members
+from stickslip.diagnosis.verdict import MARGIN
 from stickslip.diagnosis.words import against, headline
 from stickslip.errors import ScenarioError
 from stickslip.files import check_folder
@@ -283,6 +285,32 @@ def test_rivals_are_compared_where_nothing_was_measured():
     noise += np.median(found.roughness) ** 2
     gap = worth.predicted[0] - worth.predicted[1]
     assert worth.chi2 == pytest.approx(gap**2 / (noise + np.sum(worth.sd**2, axis=0)))
+
+
+def test_what_is_named_is_told_from_what_comes_next():
+    found = diagnosis(3, {"wave": 1.0})
+    worth = separate(found, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
+    others = [fit for fit in found.ranking.singles if fit is not found.verdict.fit]
+    best = max(others, key=lambda fit: fit.log_evidence)
+    assert worth.rivals[:2] == [found.verdict.fit, best]
+    assert all(best.log_evidence - fit.log_evidence < MARGIN for fit in worth.rivals[2:])
+    assert np.all(worth.pair[:, 0] == 0)
+
+
+def test_proposals_vary_the_middle_of_what_a_mode_was_given():
+    def condition(mode, hold, frequency):
+        return {
+            "drive.mode": mode, "drive.direction": "+x", "drive.edge": "rise", "drive.base": 0.0,
+            "drive.peak": 2.5e-3, "drive.hold": hold, "drive.frequency": frequency,
+        }  # fmt: skip
+
+    measured = [condition("OPP", 1.3e-3, 20.0)]
+    measured += [condition("OPP", 1e-3, 30.0 + k) for k in range(4)]
+    measured += [condition("IPP", 2e-3, 30.0)]
+    holds = {"OPP": set(), "IPP": set()}
+    for each in _candidates(measured):
+        holds[each["drive.mode"]].add(each["drive.hold"])
+    assert holds == {"OPP": {7e-4, 1e-3, 1.3e-3}, "IPP": {1.4e-3, 2e-3, 2.6e-3}}
 
 
 def _page(folder, found):

@@ -30,7 +30,14 @@ from stickslip.diagnosis.signatures import (
     isolability,
     upper_bounds,
 )
-from stickslip.diagnosis.verdict import Table, Verdict, decide, prior_probabilities, with_fit
+from stickslip.diagnosis.verdict import (
+    Table,
+    Verdict,
+    confirmed,
+    decide,
+    prior_probabilities,
+    with_fit,
+)
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -271,9 +278,8 @@ def diagnose_model(
     if verdict.fit is not None:
         others = [*ranking.singles[:4], *ranking.pairs[:2]]
         gain = measure_gain(problem, covariance, held_out, null, verdict.fit, others, seed)
-    if gain is not None and verdict.fit is not None and gain.choice != verdict.fit.name:
-        said = f"without the held-out conditions {gain.choice} would lead"
-        verdict = replace(verdict, reasons=(*verdict.reasons, said))
+    if gain is not None:
+        verdict = confirmed(verdict, ranking, gain.choice)
     bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
     rough = int(
         np.sum(

@@ -149,15 +149,21 @@ def _listed(names: set[str]) -> str:
     return ", ".join(first) + (f" and {more} more" if more > 0 else "")
 
 
+def _middle(conditions: Sequence[Mapping[str, Value]], key: str) -> float:
+    return float(f"{np.median([float(each[f'drive.{key}']) for each in conditions]):.3g}")
+
+
 def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:
     """Variations of the measured conditions, none of which was measured."""
     measured = {tuple(sorted(each.items())) for each in conditions}
     by_mode: dict[Value, dict[str, Value]] = {}
-    for each in conditions:
-        by_mode.setdefault(each["drive.mode"], dict(each))
+    for mode in dict.fromkeys(each["drive.mode"] for each in conditions):
+        mine = [each for each in conditions if each["drive.mode"] == mode]
+        by_mode[mode] = {
+            **mine[0], "drive.base": _middle(mine, "base"), "drive.hold": _middle(mine, "hold")
+        }  # fmt: skip
     middle = dict(conditions[len(conditions) // 2])
-    frequency = float(np.median([float(each["drive.frequency"]) for each in conditions]))
-    peak = float(np.median([float(each["drive.peak"]) for each in conditions]))
+    frequency, peak = _middle(conditions, "frequency"), _middle(conditions, "peak")
     found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
     for mode, direction, pace, field, clamp, edge in itertools.product(*_CHOICES.values()):
         drive = dict(by_mode.get(mode, middle))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Predict
+from stickslip.diagnosis.verdict import MARGIN
 
 Array = NDArray[np.float64]
 
@@ -51,9 +52,9 @@ def separate(
 ) -> Separation | None:
     """Compare what the rivals predict at conditions that were not measured.
 
-    What is named is to be told from the others, an ambiguous set's members from one another. Each
-    rival is taken as fitted, with its own uncertainty at the new condition; where nothing was
-    found, there is nothing to separate.
+    What is named is to be told from the runner-up and what is close to that, an ambiguous set's
+    members from one another. Each rival is taken as fitted, with its own uncertainty at the new
+    condition; where nothing was found, there is nothing to separate.
 
     Parameters
     ----------
@@ -117,7 +118,11 @@ def _rivals(found: Diagnosis) -> list[Fit]:
     if chosen is not None and found.verdict.word in ("named", "pair"):
         # What has the cause and one more says the same of it.
         own = set(chosen.rival.causes)
-        fits = [chosen, *(fit for fit in fits if not own <= set(fit.rival.causes))]
+        others = [fit for fit in fits if not own <= set(fit.rival.causes)]
+        # Only the runner-up and those beside it: farther ones are told apart already, however much
+        # more they would differ elsewhere.
+        first = max((fit.priced_evidence for fit in others), default=0.0)
+        fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
     if found.verdict.word == "ambiguous" and chosen is not None:
         # Only those that the verdict cannot choose between.
         names, size = set(found.verdict.causes), len(chosen.rival.causes)

@@ -196,6 +196,22 @@ def with_fit(verdict: Verdict, ranking: Ranking, fit: Fit) -> Verdict:
     return replace(verdict, fit=fit)
 
 
+def confirmed(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
+    """The verdict beside the rival that the conditions which are not held out rank first.
+
+    A name that a part of the conditions turns into another is none.
+    """
+    if verdict.fit is None or choice == verdict.fit.name:
+        return verdict
+    reasons = (*verdict.reasons, f"without the held-out conditions {choice} would lead")
+    others = [*ranking.singles, *ranking.pairs]
+    leader = next((fit for fit in others if fit.name == choice), verdict.fit)
+    names = [cause.name for cause in leader.rival.causes]
+    if verdict.word != "named" or verdict.causes[0] in names:
+        return replace(verdict, reasons=reasons)
+    return replace(verdict, word="ambiguous", causes=(*verdict.causes, *names), reasons=reasons)
+
+
 def _doubts(
     problem: Problem, null: Fit, best: Fit, helps: Callable[[Fit], bool] | None = None
 ) -> list[str]:
