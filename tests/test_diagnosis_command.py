@@ -1,11 +1,15 @@
 """``stickslip diagnose`` on data that the simulator made, from file to report."""
 
 import json
+import os
+import re
+import signal
+import subprocess
 
 import numpy as np
 import pytest
 
-from command_line import stickslip
+from command_line import COMMAND, stickslip
 from made_measurement import write
 from report_page import without_pictures
 from stickslip import Scenario
@@ -116,6 +120,25 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path, old, new, said):
     assert said in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert not (tmp_path / "found").exists()
+
+
+def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
+    path = write(tmp_path, {"effects.surface_tilt.angle": 0.04})
+    out = tmp_path / "found"
+    process = subprocess.Popen(
+        [*COMMAND, "diagnose", str(path), "--out", str(out), "--jobs", "1"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    seen = b""
+    while b"%" not in seen:
+        seen += os.read(process.stderr.fileno(), 64)
+        assert process.poll() is None, "the diagnosis ended before its bar appeared"
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=20)
+    assert (process.returncode, output) == (130, b"")
+    assert re.search(rb"stickslip: interrupted at the stage '[a-z ]+', nothing written\n$", errors)
+    assert not out.exists()
 
 
 def test_the_command_is_listed_with_an_example():

@@ -61,7 +61,7 @@ def test_no_prediction_is_made_twice():
         asked.extend(p[:, 0].tolist())
         return np.hstack([p**2, np.where(p > 2.0, np.nan, 0.0)])
 
-    remembered = Remembered(square)
+    remembered = Remembered(square, 2)
     first = remembered(None, np.array([[1.0], [3.0], [1.0]]))
     second = remembered(None, np.array([[3.0], [2.0]]))
     assert asked == [1.0, 3.0, 2.0]

@@ -135,7 +135,15 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
         (('file = "velocity.csv"', 'file = "absent.csv"'), "cannot be read"),
         (('file = "velocity.csv"', 'file = "velocity.csv"\nvelocity_sd = 2'), "velocity_sd"),
         (('scenario = "nominal.toml"', "scenario = 3"), "scenario = 3"),
-        (("[[velocity]]", "[[speed]]"), "speed"),
+        (("[[velocity]]", "[[speed]]"), "[[speed]]: there is no such entry"),
+        (
+            (
+                'file = "velocity.csv"',
+                'file = "velocity.csv"\n[[velocity]]\nfile = "./velocity.csv"',
+            ),
+            'file = "./velocity.csv" is there twice',
+        ),
+        ((TOML, " "), 'is empty; a measurement has "stickslip_measurement = 1" and "scenario"'),
         (("stickslip_measurement = 1", ""), "stickslip_measurement = 1 is missing"),
         (("stickslip_measurement = 1", "stickslip = 1"), "a scenario, not a measurement"),
         (("sd = 0.01", "std = 0.01"), "{ mean = 0.145, std = 0.01 }"),

@@ -35,7 +35,7 @@ def read_scenario(path: str | PathLike[str]) -> Scenario:
     """See `Scenario.from_toml`."""
     path = Path(path)
     try:
-        return _scenario(_document(path), path.parent)
+        return _scenario(read_document(path), path.parent)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
 
@@ -43,13 +43,22 @@ def read_scenario(path: str | PathLike[str]) -> Scenario:
 def voltage_file(path: Path) -> Path | None:
     """The CSV file that an ordinary scenario file takes its voltages from, if it does."""
     try:
-        file = _document(path).get("drive", {}).get("file") if path.is_file() else None
+        file = read_document(path).get("drive", {}).get("file") if path.is_file() else None
     except (ScenarioError, AttributeError):
         return None
     return path.parent / file if isinstance(file, str) else None
 
 
-def _document(path: Path) -> dict[str, Any]:
+def read_document(
+    path: Path, kind: str = "scenario", has: str = '"stickslip = 1" and a section [drive]'
+) -> dict[str, Any]:
+    """The TOML of a file of some kind, which has something if it is not empty.
+
+    Raises
+    ------
+    ScenarioError
+        With one line that does not name the file, if it cannot be read.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(_MOST_BYTES + 1)
@@ -57,15 +66,15 @@ def _document(path: Path) -> dict[str, Any]:
         reason = getattr(error, "strerror", None) or str(error)
         raise ScenarioError(f"cannot be read: {reason}") from None
     if len(data) > _MOST_BYTES:
-        raise ScenarioError(f"is longer than {_MOST_BYTES} bytes, so it is no scenario file")
+        raise ScenarioError(f"is longer than {_MOST_BYTES} bytes, so it is no {kind} file")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ScenarioError(
-            f"is no text: byte {error.start + 1} is not UTF-8; a scenario is a TOML file"
+            f"is no text: byte {error.start + 1} is not UTF-8; a {kind} is a TOML file"
         ) from None
     if not text.strip():
-        raise ScenarioError('is empty; a scenario has "stickslip = 1" and a section [drive]')
+        raise ScenarioError(f"is empty; a {kind} has {has}")
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:

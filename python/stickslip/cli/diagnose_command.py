@@ -44,16 +44,31 @@ def command(
         out = Path("diagnosis")
     if out is not None:
         check_folder_target("--out", out)
-    with progress_bar("diagnosing") as show:
-        examination = diagnose(
-            data, seed=seed, threads=jobs, progress=lambda done, stage: show(0.95 * done, stage)
-        )
-        found = examination.found
-        show(0.95, "next experiment")
-        experiments = propose(examination)
-        if out is not None:
-            show(0.97, "report")
-            write_report(out, examination, data, experiments)
+    now = "recalibrating"
+    try:
+        with progress_bar("diagnosing") as show:
+
+            def report(done: float, stage: str) -> None:
+                nonlocal now
+                now = stage
+                show(done, stage)
+
+            examination = diagnose(
+                data,
+                seed=seed,
+                threads=jobs,
+                progress=lambda done, stage: report(0.95 * done, stage) if done < 1.0 else None,
+            )
+            found = examination.found
+            report(0.95, "next experiment")
+            experiments = propose(examination)
+            if out is not None:
+                report(0.97, "report")
+                write_report(out, examination, data, experiments)
+    except KeyboardInterrupt:
+        kept = "" if now == "report" else ", nothing written"
+        click.echo(f"stickslip: interrupted at the stage '{now}'{kept}", err=True)
+        raise
     if as_json:
         click.echo(json_text(summary(examination, data, experiments)))
         return
@@ -66,7 +81,7 @@ def command(
         click.echo(f"  left out: {line}")
     if found.gain is not None:
         click.echo(
-            f"  chi-square of each of {len(found.gain.held_out)} held-out conditions: "
+            f"  chi-square per condition, {len(found.gain.held_out)} held out: "
             f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
         )
     for each in experiments[:1]:

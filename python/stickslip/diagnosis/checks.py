@@ -40,8 +40,8 @@ def data_problem(
     if alone and noise.dof == 0.0:
         return (
             "the noise is not known, so no misfit can be judged: repeat the trials of some "
-            "conditions, or state their error (velocity_sd in [[velocity]]; sd or relative_sd of "
-            "diagnose_model)"
+            "conditions, or state their error (velocity_sd in [[velocity]]; in diagnose_model, "
+            "condition, which says what trials are repeats, or sd, or relative_sd)"
         )
     if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
         between = float(np.var(noise.mean))

@@ -203,6 +203,7 @@ def diagnose_model(
     say = progress or (lambda fraction, stage: None)
     values, index, blocks = _checked(observed, condition, block)
     _check_lengths(values, index, order, group, source, 0 if also is None else len(also.observed))
+    _check_names(uncertain, causes)
     noise, known = _noise(values, index, blocks, relative_sd, sd)
     suspects = tuple(
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
@@ -217,15 +218,17 @@ def diagnose_model(
         # Only the trials' share of the misfit is judged by an estimated noise.
         dof *= (len(level) / len(noise.mean)) ** 2
     problem = Problem(
-        Remembered(predict),
+        Remembered(predict, len(level)),
         conditions,
         level,
         whitener(covariance),
         dof,
         tuple(uncertain),
         (*causes, *suspects),
-        draft=None if draft is None else Remembered(draft),
+        draft=None if draft is None else Remembered(draft, len(level)),
     )
+    if not np.any(np.isfinite(problem.predicted(np.zeros((1, problem.size))))):
+        raise ScenarioError("predict: with the stated parameters it computes no observable")
     say(0.0, "recalibrating")
     held_out = split(len(noise.mean), seed, group, unusual)
     found = recalibrate(problem, seed)
@@ -303,7 +306,10 @@ def diagnose_model(
 def _checked(
     observed: ArrayLike, condition: ArrayLike | None, block: ArrayLike | None
 ) -> tuple[Array, NDArray[np.int64], NDArray[np.int64] | None]:
-    values = np.asarray(observed, dtype=float)
+    try:
+        values = np.asarray(observed, dtype=float)
+    except (TypeError, ValueError):
+        values = np.zeros(0)
     if values.ndim != 1 or not len(values) or not np.all(np.isfinite(values)):
         raise ScenarioError("observed: allowed is one row of finite numbers")
     index = np.arange(len(values)) if condition is None else np.asarray(condition, dtype=np.int64)
@@ -330,6 +336,16 @@ def _check_lengths(
         raise ScenarioError("group: allowed is an index for each condition")
     if len(source) not in (0, count + beside):
         raise ScenarioError("source: allowed is a name for each observable")
+
+
+def _check_names(uncertain: Sequence[Uncertain], causes: Sequence[Cause]) -> None:
+    for key, kind, given in (("uncertain", Uncertain, uncertain), ("causes", Cause, causes)):
+        if not isinstance(given, Sequence) or not all(isinstance(each, kind) for each in given):
+            raise ScenarioError(f"{key}: allowed is a list of {kind.__name__}")
+        names = [each.name for each in given]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ScenarioError(f"{key}: {', '.join(twice)} comes twice; allowed is once")
 
 
 def _tables(source: Sequence[str], measured: int, dof: float) -> list[Table]:
@@ -362,9 +378,11 @@ def _noise(
         if stated.shape not in ((), count.shape):
             raise ScenarioError("sd: allowed is a standard deviation for each condition")
         covariance = np.diag(np.broadcast_to(stated, count.shape) ** 2)
-    known = np.sqrt(np.diag(covariance))
-    if not (np.all(np.isfinite(known)) and np.all(known > 0.0)):
+    variance = np.diag(covariance)
+    sound = np.all(stated > 0.0) if stated.ndim < 2 else np.all(variance > 0.0)
+    if not (sound and np.all(np.isfinite(variance))):
         raise ScenarioError("sd: allowed are finite numbers above 0")
+    known = np.sqrt(variance)
     mean = np.bincount(index, values) / count
     none = np.zeros((len(count), 0))
     noise = NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, 0.0, math.inf, none, ())

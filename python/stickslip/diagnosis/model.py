@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import ScenarioError
 from stickslip.measurement.priors import Prior
 
 Array = NDArray[np.float64]
@@ -30,18 +31,33 @@ class Remembered:
     ----------
     predict : callable
         Of one object of conditions, always the same.
+    count : int
+        How many observables it returns for each vector.
     """
 
-    def __init__(self, predict: Predict) -> None:
+    def __init__(self, predict: Predict, count: int) -> None:
         self._predict = predict
+        self._count = count
         self._rows: dict[bytes, Array] = {}
 
     def __call__(self, conditions: Any, parameters: Array) -> Array:
-        """Observables of shape (vectors, m)."""
+        """Observables of shape (vectors, m).
+
+        Raises
+        ------
+        ScenarioError
+            If that is not the shape that comes.
+        """
         keys = [row.tobytes() for row in np.ascontiguousarray(parameters)]
         new = {key: row for key, row in zip(keys, parameters, strict=True) if key not in self._rows}
         if new:
             predicted = np.asarray(self._predict(conditions, np.stack(list(new.values()))))
+            if predicted.shape != (len(new), self._count):
+                raise ScenarioError(
+                    f"predict: of {len(new)} vectors of parameters it returned shape "
+                    f"{predicted.shape}; allowed is (vectors, observables), here "
+                    f"{(len(new), self._count)}"
+                )
             self._rows.update(zip(new, predicted.astype(float), strict=True))
         return np.stack([self._rows[key] for key in keys])
 
@@ -88,6 +104,11 @@ class CauseParameter:
     downward : bool
         The cause grows as the parameter falls from `high`, at which it begins to act; at `absent`
         (a limit that is not there) it does nothing.
+
+    Raises
+    ------
+    ScenarioError
+        If the range is empty or the scale is not above 0.
     """
 
     name: str
@@ -99,6 +120,14 @@ class CauseParameter:
     shape: bool = False
     downward: bool = False
     negligible: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.low < self.high:
+            said = f"low = {self.low}, high = {self.high}: allowed is low < high"
+            raise ScenarioError(f"parameter {self.name}: {said}")
+        if not self.shape and not 0.0 < self.scale < np.inf:
+            said = f"scale = {self.scale}: allowed is a number above 0"
+            raise ScenarioError(f"parameter {self.name}: {said}")
 
     def value(self, u: Array) -> Array:
         """Physical value at the coordinate `u`, whose prior is standard normal."""
@@ -139,12 +168,23 @@ class Cause:
         Empty for a freed constant.
     frees : str, optional
         Name of the uncertain parameter whose prior is widened.
+
+    Raises
+    ------
+    ScenarioError
+        If `parameters` is not a tuple of them.
     """
 
     name: str
     parameters: tuple[CauseParameter, ...] = ()
     meaning: str = ""
     frees: str | None = None
+
+    def __post_init__(self) -> None:
+        each = isinstance(self.parameters, tuple)
+        if not each or not all(isinstance(one, CauseParameter) for one in self.parameters):
+            said = "parameters: allowed is a tuple of CauseParameter; of one it needs a comma"
+            raise ScenarioError(f"cause {self.name}: {said}")
 
 
 @dataclass(frozen=True)

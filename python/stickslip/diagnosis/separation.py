@@ -80,7 +80,7 @@ def separate(
                 points.append(point)
         values = found.problem.physical(np.stack(points))
         predicted = np.asarray(predict(candidates, values), dtype=float)
-        slope = (predicted[1::2] - predicted[2::2]) / (2.0 * width[:, None])
+        slope = _slopes(predicted, width[:, None])
         centre.append(predicted[0])
         spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
     level, variance = np.array(centre), np.array(spread)
@@ -99,6 +99,18 @@ def separate(
         pair[gap > chi2] = (a, b)
         chi2 = np.maximum(chi2, gap)
     return Separation(rivals, level, np.sqrt(variance), chi2, pair)
+
+
+def _slopes(predicted: Array, width: Array) -> Array:
+    """Central differences of a point and pairs about it; of one side if the other has none.
+
+    A rival may stand at an end of what the model can compute, such as a static friction that is
+    just above the kinetic one.
+    """
+    centre, up, down = predicted[0], predicted[1::2], predicted[2::2]
+    one_sided = np.where(np.isfinite(up), up - centre, centre - down) / width
+    both = np.isfinite(up) & np.isfinite(down)
+    return np.asarray(np.where(both, (up - down) / (2.0 * width), one_sided))
 
 
 def _trial_variance(found: Diagnosis, level: Array) -> Array:

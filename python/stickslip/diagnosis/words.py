@@ -48,8 +48,12 @@ def headline(found: Diagnosis) -> str:
         text = "Two of these together" if pair else "One of these"
         text += f", and these data cannot say which: {', '.join(first)}"
         text += f" and {more} more." if more > 0 else "."
-    if found.gain is not None and found.gain.interval[0] <= 0.0:
-        text += f" On {len(found.gain.held_out)} held-out conditions the gain is not certain: its "
+    gain = found.gain
+    if gain is not None and gain.chi2_after > gain.chi2_before:
+        text += f" But it predicts {len(gain.held_out)} held-out conditions worse: chi-square per "
+        text += f"condition is {gain.chi2_before:.1f} before and {gain.chi2_after:.1f} after."
+    elif gain is not None and gain.interval[0] <= 0.0:
+        text += f" On {len(gain.held_out)} held-out conditions the gain is not certain: its "
         text += "interval includes 0."
     return text
 

@@ -16,6 +16,11 @@ from stickslip.keys import shown
 
 _FORMS = "{ mean, sd }, { median, factor } or { low, high }"
 _EDGE = 5.0
+_NUMBERS: dict[Literal["normal", "log-normal", "log-uniform"], tuple[str, str]] = {
+    "normal": ("mean", "sd"),
+    "log-normal": ("median", "factor"),
+    "log-uniform": ("low", "high"),
+}
 
 
 @dataclass(frozen=True)
@@ -28,11 +33,32 @@ class Prior:
     first, second : float
         Mean and standard deviation; median and factor (one standard deviation is this factor); low
         and high end. In the parameter's unit, except the factor.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such kind, or a number makes no distribution.
     """
 
     kind: Literal["normal", "log-normal", "log-uniform"]
     first: float
     second: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in _NUMBERS:
+            allowed = ", ".join(_NUMBERS)
+            raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
+        one, two = _NUMBERS[self.kind]
+        for name, value in ((one, self.first), (two, self.second)):
+            if not math.isfinite(value):
+                raise ScenarioError(f"{name} = {value}: allowed is a number")
+        said = f"{one} = {self.first}, {two} = {self.second}"
+        if self.kind == "normal" and self.second <= 0.0:
+            raise ScenarioError(f"sd = {self.second}: allowed is a number above 0")
+        if self.kind == "log-normal" and not (self.first > 0.0 and self.second > 1.0):
+            raise ScenarioError(f"{said}: allowed is median > 0 and factor > 1")
+        if self.kind == "log-uniform" and not 0.0 < self.first < self.second:
+            raise ScenarioError(f"{said}: allowed is 0 < low < high")
 
     @property
     def has_middle(self) -> bool:
@@ -69,27 +95,14 @@ def parse_prior(key: str, table: object) -> Prior:
     """
     if not isinstance(table, Mapping):
         raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')
-    forms: dict[frozenset[str], Literal["normal", "log-normal", "log-uniform"]] = {
-        frozenset({"mean", "sd"}): "normal",
-        frozenset({"median", "factor"}): "log-normal",
-        frozenset({"low", "high"}): "log-uniform",
-    }
-    kind = forms.get(frozenset(table))
+    kind = next((kind for kind, names in _NUMBERS.items() if set(names) == set(table)), None)
     if kind is None:
         raise ScenarioError(f'[uncertain] "{key}" = {shown(dict(table))}: allowed is {_FORMS}')
-    names = {"normal": "mean sd", "log-normal": "median factor", "log-uniform": "low high"}
-    first, second = (_number(key, name, table[name]) for name in names[kind].split())
-    if kind == "normal" and second <= 0.0:
-        raise ScenarioError(f'[uncertain] "{key}" sd = {second}: allowed is a number above 0')
-    if kind == "log-normal" and not (first > 0.0 and second > 1.0):
-        raise ScenarioError(
-            f'[uncertain] "{key}" = {shown(dict(table))}: allowed is median > 0 and factor > 1'
-        )
-    if kind == "log-uniform" and not 0.0 < first < second:
-        raise ScenarioError(
-            f'[uncertain] "{key}" = {shown(dict(table))}: allowed is 0 < low < high'
-        )
-    return Prior(kind, first, second)
+    first, second = (_number(key, name, table[name]) for name in _NUMBERS[kind])
+    try:
+        return Prior(kind, first, second)
+    except ScenarioError as error:
+        raise ScenarioError(f'[uncertain] "{key}" {error}') from None
 
 
 def _number(key: str, name: str, value: Any) -> float:

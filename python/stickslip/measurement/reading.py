@@ -19,7 +19,7 @@ from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario import Scenario
-from stickslip.scenario_file import _document
+from stickslip.scenario_file import read_document
 
 FORMAT_VERSION = 1
 
@@ -84,10 +84,10 @@ def read_measurement(path: str | PathLike[str]) -> Measurement:
     """
     path = Path(path)
     try:
-        document = _document(path)
+        document = read_document(path, "measurement", '"stickslip_measurement = 1" and "scenario"')
         return _measurement(document, path)
     except ScenarioError as error:
-        text = str(error).replace("a scenario has", "a measurement has")
+        text = str(error)
         raise ScenarioError(text if text.startswith(str(path)) else f"{path}: {text}") from None
 
 
@@ -103,9 +103,8 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         )
     for key, value in document.items():
         if key not in _KNOWN:
-            raise ScenarioError(
-                f"{key} = {shown(value)}: there is no such entry; {suggestion(key, _KNOWN)}"
-            )
+            found = f"[[{key}]]" if isinstance(value, list) else f"{key} = {shown(value)}"
+            raise ScenarioError(f"{found}: there is no such entry; {suggestion(key, _KNOWN)}")
     name = document.get("name", path.stem)
     if not isinstance(name, str):
         raise ScenarioError(f"name = {shown(name)}: allowed is a text")
@@ -119,8 +118,13 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     left_out: list[str] = []
     velocity, tracking, tables = [], [], {kind: [] for kind in _COLUMNS}  # type: ignore[var-annotated]
     for kind in _ENTRIES:
+        files: set[Path] = set()
         for entry in _entries(document, kind):
             file = path.parent / entry["file"]
+            if file.resolve() in files:
+                said_twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
+                raise ScenarioError(f"{said_twice}: allowed is once, or its rows would count twice")
+            files.add(file.resolve())
             said: list[str]
             if kind == "velocity":
                 try:
