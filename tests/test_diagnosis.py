@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model, engine
 from stickslip.diagnosis.heldout import measure_gain
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
@@ -258,6 +258,10 @@ def _line(x, p):
         (_line, UNCERTAIN[:1], [CAUSES[0], CAUSES[0]], "causes: .* comes twice"),
         (_line, UNCERTAIN[:1], CAUSES[0], "allowed is a list of Cause"),
         (_line, UNCERTAIN[0], [], "allowed is a list of Uncertain"),
+        (_line, UNCERTAIN[:1], [Cause("k0", CAUSES[0].parameters)], "no uncertain parameter's"),
+        (_line, UNCERTAIN[:1], [Cause("none", CAUSES[0].parameters)], "nor none or unknown"),
+        (_line, UNCERTAIN[:1], [Cause("a", frees="b")], "frees = b"),
+        (_line, UNCERTAIN[:1], [CAUSES[0], Cause("a", CAUSES[0].parameters)], "of two causes"),
     ],
 )
 def test_a_model_that_cannot_be_one_is_refused(model, uncertain, causes, said):
@@ -272,6 +276,8 @@ def test_a_model_that_cannot_be_one_is_refused(model, uncertain, causes, said):
         (lambda: Prior("gauss", 2.0, 0.2), "normal, log-normal, log-uniform"),
         (lambda: Prior("normal", 2.0, -0.2), "sd = -0.2: allowed is a number above 0"),
         (lambda: Prior("normal", math.nan, 0.2), "mean = nan"),
+        (lambda: Prior("normal", "a", 0.2), "mean = "),
+        (lambda: CauseParameter("a", "-", 1.0, 2.0, 0.5), "absent = 0.0: allowed is 1.0 to 2.0"),
         (lambda: Prior("log-normal", 2.0, 1.0), "factor > 1"),
         (lambda: Prior("log-uniform", -1.0, 2.0), "0 < low < high"),
         (lambda: Prior("log-uniform", 3.0, 2.0), "0 < low < high"),
@@ -304,3 +310,35 @@ def test_a_cause_of_one_sign_cannot_be_fitted_with_the_other():
     down = diagnose_model(line, x, x - 0.3 * np.sin(6 * x), [slope], [only_up], sd=sd)
     assert up.verdict.causes == ("up",)
     assert down.verdict.word == "unexplained"
+
+
+def test_a_model_that_computes_nothing_is_a_problem_of_the_data_if_that_is_known():
+    x = np.linspace(1.0, 3.0, 12)
+    found = diagnose_model(
+        lambda x, p: p[:, :1] * x * math.nan, x, x, UNCERTAIN[:1], sd=np.full(12, 0.1),
+        doubt="nothing moves",
+    )  # fmt: skip
+    assert (found.verdict.word, found.verdict.reasons) == ("data-problem", ("nothing moves",))
+
+
+def test_a_name_that_the_other_conditions_do_not_give_is_none(monkeypatch):
+    def turned(*arguments):
+        return replace(measure_gain(*arguments), choice="ripple")
+
+    assert diagnosis(3, {"wave": 1.0}).verdict.word == "named"
+    monkeypatch.setattr(engine, "measure_gain", turned)
+    said = diagnosis(3, {"wave": 1.0}).verdict
+    assert (said.word, said.causes) == ("ambiguous", ("wave", "ripple"))
+
+
+def test_a_leader_that_its_profile_moves_is_judged_where_it_goes(monkeypatch):
+    def moved(problem, fit):
+        # As if there were a better place at the end of the range.
+        x = fit.x.copy()
+        x[fit.rival.free[-1]] = problem.limits()[1][fit.rival.free[-1]]
+        return replace(fit, x=x, log_evidence=fit.log_evidence + 1.0), []
+
+    monkeypatch.setattr(engine, "settled", moved)
+    said = diagnosis(3, {"wave": 1.0}).verdict
+    assert said.word == "ambiguous"
+    assert any("end of its physical range" in reason for reason in said.reasons)

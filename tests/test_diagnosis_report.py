@@ -307,8 +307,8 @@ def test_a_rival_at_the_end_of_what_can_be_computed_is_compared_too():
 
     whole = separate(found, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
     worth = separate(found, ends, np.arange(len(X)))
-    # The constant's slope changes by 0.06 over a unit, so by 0.003 over half a step of 0.1; with the
-    # others' covariances the error may be some times that.
+    # The constant's slope changes by 0.06 over a unit, so by 0.003 over half a step of 0.1; with
+    # the others' covariances the error may be some times that.
     np.testing.assert_allclose(worth.sd[0], whole.sd[0], rtol=0.02)
 
 

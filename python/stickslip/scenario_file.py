@@ -52,7 +52,7 @@ def voltage_file(path: Path) -> Path | None:
 def read_document(
     path: Path, kind: str = "scenario", has: str = '"stickslip = 1" and a section [drive]'
 ) -> dict[str, Any]:
-    """The TOML of a file of some kind, which has something if it is not empty.
+    """The TOML of a file; `kind` and `has` are words of its errors.
 
     Raises
     ------

@@ -22,7 +22,7 @@ from stickslip.diagnosis.model import Cause, Predict, Problem, Remembered, Uncer
 from stickslip.diagnosis.noise import NoiseModel, fit_noise, whitener
 from stickslip.diagnosis.profile import Profile, profile, settled
 from stickslip.diagnosis.recalibration import recalibrate
-from stickslip.diagnosis.rivals import Ranking
+from stickslip.diagnosis.rivals import Ranking, settle_null
 from stickslip.diagnosis.signatures import (
     Signatures,
     classes,
@@ -36,7 +36,6 @@ from stickslip.diagnosis.verdict import (
     confirmed,
     decide,
     prior_probabilities,
-    with_fit,
 )
 from stickslip.errors import ScenarioError
 
@@ -227,7 +226,7 @@ def diagnose_model(
         (*causes, *suspects),
         draft=None if draft is None else Remembered(draft, len(level)),
     )
-    if not np.any(np.isfinite(problem.predicted(np.zeros((1, problem.size))))):
+    if doubt is None and not np.any(np.isfinite(problem.predicted(np.zeros((1, problem.size))))):
         raise ScenarioError("predict: with the stated parameters it computes no observable")
     say(0.0, "recalibrating")
     held_out = split(len(noise.mean), seed, group, unusual)
@@ -272,11 +271,17 @@ def diagnose_model(
     profiles: list[Profile] = []
     if verdict.fit is not None and verdict.word in ("named", "pair"):
         leader, profiles = settled(problem, verdict.fit)
-        ranking = ranking.replaced(verdict.fit, leader)
-        verdict = with_fit(verdict, ranking, leader)
+        if leader is not verdict.fit:
+            # What leads elsewhere has to meet the rules there.
+            null = settle_null(problem, null, [leader])
+            ranking = replace(ranking.replaced(verdict.fit, leader), null=null)
+            verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, tables)
+            leads = verdict.fit is leader
+            profiles = profiles if leads or verdict.fit is None else profile(problem, verdict.fit)
     elif verdict.fit is not None:
         # The members of a set stay as they were compared.
         profiles = profile(problem, verdict.fit)
+    profiles = [] if verdict.fit is None else profiles
     gain = None
     if verdict.fit is not None:
         others = [*ranking.singles[:4], *ranking.pairs[:2]]
@@ -295,8 +300,8 @@ def diagnose_model(
             f"conditions where the model itself jumps by more than the noise under tiny changes of "
             f"its parameters: {rough}; they count less"
         )
-    say(1.0, "done")
     alike = classes(problem, cosines)
+    say(1.0, "done")
     return Diagnosis(
         problem, noise, roughness, null, detection, signatures, ranking, cosines,
         alike, verdict, bounds, ceiling, gain, tuple(profiles), tuple(notes), seed,
@@ -346,6 +351,20 @@ def _check_names(uncertain: Sequence[Uncertain], causes: Sequence[Cause]) -> Non
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise ScenarioError(f"{key}: {', '.join(twice)} comes twice; allowed is once")
+    constants = {each.name for each in uncertain}
+    taken = constants | {"none", "unknown"}
+    parameters: set[str] = set()
+    for cause in causes:
+        if cause.name in taken:
+            said = "allowed is a name that is no uncertain parameter's, nor none or unknown"
+            raise ScenarioError(f"cause {cause.name}: {said}")
+        if cause.frees is not None and cause.frees not in constants:
+            said = "allowed is the name of an uncertain parameter"
+            raise ScenarioError(f"cause {cause.name}: frees = {cause.frees}: {said}")
+        for each in cause.parameters:
+            if each.name in parameters:
+                raise ScenarioError(f"parameter {each.name} of two causes: allowed is one")
+            parameters.add(each.name)
 
 
 def _tables(source: Sequence[str], measured: int, dof: float) -> list[Table]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -150,29 +151,36 @@ def _listed(names: set[str]) -> str:
 
 
 def _middle(conditions: Sequence[Mapping[str, Value]], key: str) -> float:
-    return float(f"{np.median([float(each[f'drive.{key}']) for each in conditions]):.3g}")
+    return float(np.median([float(each[f"drive.{key}"]) for each in conditions]))
 
 
 def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:
     """Variations of the measured conditions, none of which was measured."""
-    measured = {tuple(sorted(each.items())) for each in conditions}
     by_mode: dict[Value, dict[str, Value]] = {}
-    for mode in dict.fromkeys(each["drive.mode"] for each in conditions):
-        mine = [each for each in conditions if each["drive.mode"] == mode]
-        by_mode[mode] = {
-            **mine[0], "drive.base": _middle(mine, "base"), "drive.hold": _middle(mine, "hold")
-        }  # fmt: skip
-    middle = dict(conditions[len(conditions) // 2])
+    for mode in _CHOICES["drive.mode"]:
+        # A mode that was not measured has what the others had.
+        mine = [each for each in conditions if each["drive.mode"] == mode] or conditions
+        middles = {f"drive.{key}": _middle(mine, key) for key in ("base", "hold")}
+        by_mode[mode] = {**mine[0], **middles}
     frequency, peak = _middle(conditions, "frequency"), _middle(conditions, "peak")
     found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
     for mode, direction, pace, field, clamp, edge in itertools.product(*_CHOICES.values()):
-        drive = dict(by_mode.get(mode, middle))
+        drive = dict(by_mode[mode])
         drive["drive.mode"], drive["drive.direction"], drive["drive.edge"] = mode, direction, edge
         drive["drive.frequency"] = float(f"{frequency * float(pace):.3g}")
         top = float(f"{peak * float(field):.3g}")
         drive["drive.peak"] = max(top, float(drive["drive.base"]))
         drive["drive.hold"] = float(f"{float(drive['drive.hold']) * float(clamp):.3g}")
-        key = tuple(sorted(drive.items()))
-        if key not in measured:
-            found[key] = drive
+        if not any(_alike(drive, each) for each in conditions):
+            found[tuple(sorted(drive.items()))] = drive
     return list(found.values())
+
+
+def _alike(one: Mapping[str, Value], other: Mapping[str, Value]) -> bool:
+    """Whether two drives are the same but for the rounding of a proposal to three digits."""
+    return all(
+        math.isclose(value, float(other[key]), rel_tol=0.005)
+        if isinstance(value, float)
+        else value == other[key]
+        for key, value in one.items()
+    )

@@ -108,7 +108,7 @@ class CauseParameter:
     Raises
     ------
     ScenarioError
-        If the range is empty or the scale is not above 0.
+        If the range is empty or without `absent`, or the scale is not above 0.
     """
 
     name: str
@@ -124,6 +124,9 @@ class CauseParameter:
     def __post_init__(self) -> None:
         if not self.low < self.high:
             said = f"low = {self.low}, high = {self.high}: allowed is low < high"
+            raise ScenarioError(f"parameter {self.name}: {said}")
+        if not self.downward and not self.low <= self.absent <= self.high:
+            said = f"absent = {self.absent}: allowed is {self.low} to {self.high}"
             raise ScenarioError(f"parameter {self.name}: {said}")
         if not self.shape and not 0.0 < self.scale < np.inf:
             said = f"scale = {self.scale}: allowed is a number above 0"
@@ -181,8 +184,9 @@ class Cause:
     frees: str | None = None
 
     def __post_init__(self) -> None:
-        each = isinstance(self.parameters, tuple)
-        if not each or not all(isinstance(one, CauseParameter) for one in self.parameters):
+        given = self.parameters
+        sound = isinstance(given, tuple)
+        if not sound or not all(isinstance(each, CauseParameter) for each in given):
             said = "parameters: allowed is a tuple of CauseParameter; of one it needs a comma"
             raise ScenarioError(f"cause {self.name}: {said}")
 

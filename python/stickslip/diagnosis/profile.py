@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.fits import Fit, Fitted, Rival, Start, fitted_parameters
-from stickslip.diagnosis.fitting import fit_rivals
+from stickslip.diagnosis.fitting import AGREE, fit_rivals
 from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.rivals import certify
 
 Array = NDArray[np.float64]
 
@@ -58,12 +59,12 @@ class _Line:
 
     u: Array
     fits: list[Fit]
-    own: float
+    prior_width: float
 
     @property
     def chi2(self) -> Array:
         """With the prior's row of the coordinate that is held."""
-        return np.array([fit.chi2 for fit in self.fits]) + (self.u / self.own) ** 2
+        return np.array([fit.chi2 for fit in self.fits]) + (self.u / self.prior_width) ** 2
 
 
 def profile(problem: Problem, fit: Fit) -> list[Profile]:
@@ -72,17 +73,24 @@ def profile(problem: Problem, fit: Fit) -> list[Profile]:
 
 
 def settled(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
-    """A fit's profiles, about a lower fit where they have led to one, which comes first."""
+    """A fit's profiles, about a better fit where they have led to one, which comes first.
+
+    A lower place that is so narrow that it has less evidence is no better one.
+    """
     lines = _lines(problem, fit)
     for _ in range(_CENTRES if lines else 0):
         best = min((line for _, line in lines), key=lambda line: float(line.chi2.min()))
-        begin = Start(best.fits[int(np.argmin(best.chi2))].x)
         if best.chi2.min() > fit.chi2 - _LOWER:
             break
+        begin = Start(best.fits[int(np.argmin(best.chi2))].x)
         lower = fit_rivals(problem, [fit.rival], [[begin]], _STEPS)[0]
-        if lower.chi2 > fit.chi2 - _LOWER:
+        if lower.log_evidence <= fit.log_evidence:
             break
-        fit = replace(lower, certified=fit.certified, starts=fit.starts)
+        # As far apart as starts that agree may end.
+        near = fit.certified and fit.chi2 - lower.chi2 < AGREE
+        checked = [replace(lower, certified=near, starts=fit.starts)]
+        certify(problem, checked, 0)
+        fit = checked[0]
         lines = _lines(problem, fit)
     return fit, [_profile(fit, each, line) for each, line in lines]
 
@@ -129,21 +137,21 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
     rival = fit.rival
     keep = rival.free != column
     held = Rival(rival.causes, rival.free[keep], rival.width[keep])
-    own = float(rival.width[~keep][0])
-    slope = fit.slope[:, keep]
+    prior_width = float(rival.width[~keep][0])
+    slope, covariance = fit.slope[:, keep], fit.covariance
     random = np.random.default_rng(29)
     done = {} if known is None else dict(zip(known.u.tolist(), known.fits, strict=True))
     begins = []
     for value in u.tolist():
         if value in done:
-            begins.append([Start(done[value].x, done[value].slope)])
+            begins.append([Start.of(done[value])])
             continue
         stayed, led = fit.x.copy(), fit.x.copy()
         step = value - fit.x[column]
-        led[rival.free] += step * fit.covariance[:, ~keep][:, 0] / fit.covariance[~keep, ~keep][0]
+        led[rival.free] += step * covariance[:, ~keep][:, 0] / covariance[~keep, ~keep][0]
         drawn = led.copy()
         drawn[rival.free] += 2.0 * random.multivariate_normal(
-            np.zeros(len(keep)), fit.covariance, method="eigh"
+            np.zeros(len(keep)), covariance, method="eigh"
         )
         for x in (led, stayed, drawn):
             x[column] = value
@@ -151,7 +159,7 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
     rivals = [held] * len(u)
     fits = fit_rivals(problem, rivals, begins, _STEPS, exact=False)
     for _ in range(_ROUNDS):
-        begins = [[Start(each.x, each.slope)] for each in fits]
+        begins = [[Start.of(each)] for each in fits]
         for k, value in enumerate(u.tolist()):
             for other in (k - 1, k + 1):
                 if 0 <= other < len(u):
@@ -159,11 +167,11 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
                     x[column] = value
                     begins[k].append(Start(x, fits[other].slope))
         fits = fit_rivals(problem, rivals, begins, _STEPS, exact=False)
-    return _Line(u, fits, own)
+    return _Line(u, fits, prior_width)
 
 
 def _distance(value: Array, chi2: Array, here: float) -> float:
-    """The larger of the distances to where chi-square last crosses 1, and half those for 4."""
+    """The largest of the distances to where chi-square last crosses 1, and half those for 4."""
     order = np.argsort(value)
     value, chi2 = value[order], chi2[order]
     return max(
@@ -174,12 +182,16 @@ def _distance(value: Array, chi2: Array, here: float) -> float:
 
 
 def _crossings(value: Array, chi2: Array, level: float) -> tuple[float, float]:
-    """First and last crossing of a level, by straight lines; the end where there is none."""
+    """First and last crossing of a level; the end where there is none.
+
+    By straight lines between the roots of chi-square, which are straight where it is a parabola.
+    """
     inside = np.flatnonzero(chi2 <= level)
     first, last = int(inside[0]), int(inside[-1])
 
     def between(a: int, b: int) -> float:
-        share = (level - chi2[a]) / (chi2[b] - chi2[a])
+        low, high = np.sqrt(chi2[[a, b]])
+        share = (np.sqrt(level) - low) / (high - low)
         return float(value[a] + share * (value[b] - value[a]))
 
     left = float(value[0]) if first == 0 else between(first, first - 1)

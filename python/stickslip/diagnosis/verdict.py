@@ -189,27 +189,24 @@ def _lead(ranking: Ranking, best: Fit) -> str:
     return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
 
 
-def with_fit(verdict: Verdict, ranking: Ranking, fit: Fit) -> Verdict:
-    """The same verdict `named` or `pair` with a better fit, which is in the ranking too."""
-    if verdict.word == "named":
-        return replace(verdict, fit=fit, reasons=(_lead(ranking, fit),))
-    return replace(verdict, fit=fit)
-
-
 def confirmed(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
     """The verdict beside the rival that the conditions which are not held out rank first.
 
-    A name that a part of the conditions turns into another is none.
+    What a part of the conditions turns into something else is not claimed. A cause fewer or more is
+    nothing else: it takes many conditions to tell.
     """
-    if verdict.fit is None or choice == verdict.fit.name:
+    fit = verdict.fit
+    if fit is None or choice == fit.name:
         return verdict
-    reasons = (*verdict.reasons, f"without the held-out conditions {choice} would lead")
-    others = [*ranking.singles, *ranking.pairs]
-    leader = next((fit for fit in others if fit.name == choice), verdict.fit)
-    names = [cause.name for cause in leader.rival.causes]
-    if verdict.word != "named" or verdict.causes[0] in names:
-        return replace(verdict, reasons=reasons)
-    return replace(verdict, word="ambiguous", causes=(*verdict.causes, *names), reasons=reasons)
+    said = f"without the held-out conditions {choice} would lead"
+    rivals = [*ranking.singles, *ranking.pairs]
+    other = next((each for each in rivals if each.name == choice), fit)
+    own, theirs = ({cause.name for cause in each.rival.causes} for each in (fit, other))
+    if verdict.word not in ("named", "pair") or own <= theirs or theirs <= own:
+        return replace(verdict, reasons=(*verdict.reasons, said))
+    # Single causes and pairs make no set together.
+    also = sorted(theirs - own) if len(own) == len(theirs) else []
+    return replace(verdict, word="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
 
 
 def _doubts(

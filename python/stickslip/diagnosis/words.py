@@ -49,7 +49,7 @@ def headline(found: Diagnosis) -> str:
         text += f", and these data cannot say which: {', '.join(first)}"
         text += f" and {more} more." if more > 0 else "."
     gain = found.gain
-    if gain is not None and gain.chi2_after > gain.chi2_before:
+    if gain is not None and gain.interval[1] < 0.0:
         text += f" But it predicts {len(gain.held_out)} held-out conditions worse: chi-square per "
         text += f"condition is {gain.chi2_before:.1f} before and {gain.chi2_after:.1f} after."
     elif gain is not None and gain.interval[0] <= 0.0:

@@ -50,8 +50,8 @@ class Prior:
             raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
         one, two = _NUMBERS[self.kind]
         for name, value in ((one, self.first), (two, self.second)):
-            if not math.isfinite(value):
-                raise ScenarioError(f"{name} = {value}: allowed is a number")
+            if not isinstance(value, int | float) or not math.isfinite(value):
+                raise ScenarioError(f"{name} = {shown(value)}: allowed is a number")
         said = f"{one} = {self.first}, {two} = {self.second}"
         if self.kind == "normal" and self.second <= 0.0:
             raise ScenarioError(f"sd = {self.second}: allowed is a number above 0")

@@ -103,7 +103,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         )
     for key, value in document.items():
         if key not in _KNOWN:
-            found = f"[[{key}]]" if isinstance(value, list) else f"{key} = {shown(value)}"
+            found = f"[[{key}]]" if _are_tables(value) else f"{key} = {shown(value)}"
             raise ScenarioError(f"{found}: there is no such entry; {suggestion(key, _KNOWN)}")
     name = document.get("name", path.stem)
     if not isinstance(name, str):
@@ -157,6 +157,10 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         left_out=tuple(left_out),
         path=path,
     )
+
+
+def _are_tables(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(each, dict) for each in value)
 
 
 def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
