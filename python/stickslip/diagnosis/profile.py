@@ -6,6 +6,7 @@ the profile does not.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +25,8 @@ FAR = 9.0
 # So far out that another valley beyond a ridge is seen.
 _PLACES = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
 _STEPS = 6
+# What is so far above the best place after two steps is not looked at any closer.
+_HOPELESS = 4.0 * FAR
 _ROUNDS = 2
 _FURTHER, _WIDEST = 1.5, 30.0
 _LOWER = 0.1
@@ -131,8 +134,8 @@ def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:
 def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | None = None) -> _Line:
     """Fits with one coordinate held at each of some values, some of which are `known`.
 
-    Every one begins where the covariance leads it, where the fit is, and at a random place about
-    the first; then where its neighbours have ended, since a step of chi-square stops many a walk.
+    Every one begins where the covariance leads it, and at a random place about that; then where its
+    neighbours have ended, since a step of chi-square stops many a walk.
     """
     rival = fit.rival
     keep = rival.free != column
@@ -146,28 +149,46 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
         if value in done:
             begins.append([Start.of(done[value])])
             continue
-        stayed, led = fit.x.copy(), fit.x.copy()
+        led = fit.x.copy()
         step = value - fit.x[column]
         led[rival.free] += step * covariance[:, ~keep][:, 0] / covariance[~keep, ~keep][0]
         drawn = led.copy()
         drawn[rival.free] += 2.0 * random.multivariate_normal(
             np.zeros(len(keep)), covariance, method="eigh"
         )
-        for x in (led, stayed, drawn):
+        for x in (led, drawn):
             x[column] = value
-        begins.append([Start(x, slope) for x in (led, stayed, drawn)])
+        begins.append([Start(x, slope) for x in (led, drawn)])
     rivals = [held] * len(u)
-    fits = fit_rivals(problem, rivals, begins, _STEPS, exact=False)
+    fits = fit_rivals(problem, rivals, begins, _STEPS, _HOPELESS, exact=False)
+    changed = list(range(len(u)))
     for _ in range(_ROUNDS):
-        begins = [[Start.of(each)] for each in fits]
-        for k, value in enumerate(u.tolist()):
-            for other in (k - 1, k + 1):
-                if 0 <= other < len(u):
-                    x = fits[other].x.copy()
-                    x[column] = value
-                    begins[k].append(Start(x, fits[other].slope))
-        fits = fit_rivals(problem, rivals, begins, _STEPS, exact=False)
+        beside = {k for other in changed for k in (other - 1, other + 1) if 0 <= k < len(u)}
+        least = min(fit.chi2 for fit in fits)
+        which = sorted(k for k in beside if fits[k].chi2 < least + _HOPELESS)
+        again, changed = _from_neighbours(problem, fits, column, u, which), []
+        for k, new in again.items():
+            if new.chi2 < fits[k].chi2 - _LOWER:
+                changed.append(k)
+                fits[k] = new
     return _Line(u, fits, prior_width)
+
+
+def _from_neighbours(
+    problem: Problem, fits: Sequence[Fit], column: int, u: Array, which: Sequence[int]
+) -> dict[int, Fit]:
+    """Fits at some of the values, begun where those beside them have ended."""
+    begins: list[list[Start]] = []
+    for k in which:
+        begins.append([])
+        for other in (k - 1, k + 1):
+            if 0 <= other < len(u):
+                x = fits[other].x.copy()
+                x[column] = u[k]
+                begins[-1].append(Start(x, fits[other].slope))
+    rivals = [fits[k].rival for k in which]
+    again = fit_rivals(problem, rivals, begins, _STEPS, _HOPELESS, exact=False)
+    return dict(zip(which, again, strict=True))
 
 
 def _distance(value: Array, chi2: Array, here: float) -> float:
