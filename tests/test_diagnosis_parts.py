@@ -7,44 +7,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
+from stickslip.diagnosis import Cause, CauseParameter, diagnose_model
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.conditions import one_of_a_kind
 from stickslip.diagnosis.constancy import changing, refit_parts
-from stickslip.diagnosis.detection import detect, lack_of_fit_p
+from stickslip.diagnosis.detection import detect
 from stickslip.diagnosis.experiments import advice
-from stickslip.diagnosis.fits import Start, make_rival
-from stickslip.diagnosis.fitting import fit_rivals
 from stickslip.diagnosis.heldout import split
-from stickslip.diagnosis.model import Problem
-from stickslip.diagnosis.noise import fit_noise
 from stickslip.diagnosis.plausibility import wrong_sign
-from stickslip.diagnosis.profile import profile, settled
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
 from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting
 from stickslip.diagnosis.words import headline, rounded
-
-X = np.linspace(1.0, 3.0, 24)
-SD = 0.05
-SLOPE = Uncertain("slope", Prior("normal", 1.0, 0.5))
-WAVE = Cause("wave", (CauseParameter("wave.height", "-", -5.0, 5.0, 1.0),))
-BEND = Cause("bend", (CauseParameter("bend.height", "-", -5.0, 5.0, 1.0),))
-
-
-def line(_, p):
-    """Slope times x and, where there is a second column, a wave."""
-    return p[:, :1] * X + (p[:, 1:2] * np.sin(4 * X) if p.shape[1] > 1 else 0.0)
-
-
-def problem(observed, causes=(WAVE,), predict=line):
-    return Problem(predict, None, observed, np.eye(len(X)) / SD, math.inf, (SLOPE,), causes)
-
-
-def fitted(given, causes=()):
-    rival = make_rival(given, causes)
-    return fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)[0]
 
 
 def test_the_fit_is_the_linear_answer():
@@ -55,70 +31,6 @@ def test_the_fit_is_the_linear_answer():
     expected = float(j @ ((observed - X) / SD) / (j @ j + 1.0))
     assert fit.x[0] == pytest.approx(expected, abs=1e-6)
     assert fit.covariance[0, 0] == pytest.approx(1.0 / (j @ j + 1.0), rel=1e-6)
-
-
-def test_the_profile_of_a_small_effect_has_the_curvature_of_the_fit():
-    given = problem(X + 0.1 * np.sin(4 * X))
-    fit = fitted(given, [WAVE])
-    (found,) = profile(given, fit)
-    # d value / d u at a small amplitude is the scale over sinh 1.
-    expected = math.sqrt(fit.covariance[1, 1]) / math.sinh(1.0)
-    # Straight lines between points half a standard deviation apart: within a tenth.
-    assert found.sd == pytest.approx(expected, rel=0.1)
-    assert found.chi2.min() == 0.0
-
-
-def test_the_profile_sees_steps_that_the_curvature_does_not():
-    def stepped(_, p):
-        return p[:, :1] * X + np.round(5.0 * p[:, 1:2]) / 5.0 * np.sin(4 * X) * 3.0
-
-    given = problem(X + 0.6 * np.sin(4 * X), predict=stepped)
-    fit = fitted(given, [WAVE])
-    (found,) = profile(given, fit)
-    # All heights within half a step of the best one are as good, so the interval is at least 0.1
-    # wide on each side of a step's middle.
-    assert found.sd > 0.05
-
-
-def two_valleys(_, p):
-    """A height that hurts below 0, between 0 and 0.5 and above 1, and else shows nothing."""
-    height = p[:, 1:2]
-    ridge = 12.0 * np.sin(2.0 * math.pi * np.clip(height, 0.0, 0.5)) ** 2
-    beyond = 8.0 * (np.minimum(height, 0.0) + np.maximum(height - 1.0, 0.0))
-    return p[:, :1] * X + SD * (ridge + beyond) / math.sqrt(len(X)) * np.cos(9 * X)
-
-
-def fitted_from_nothing(given):
-    rival = make_rival(given, [WAVE])
-    (fit,) = fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)
-    assert abs(given.physical(fit.x[None, :])[0, 1]) < 0.2
-    return fit
-
-
-def test_the_size_is_as_unsure_as_the_farther_valley_makes_it():
-    given = problem(X, predict=two_valleys)
-    (found,) = profile(given, fitted_from_nothing(given))
-    # Half the square of 12 in the middle of the ridge.
-    assert np.any((found.chi2 > 9.0) & (found.value > 0.1) & (found.value < 0.4))
-    # The prior alone takes 1 at a height of 1, where the wall begins, and the fit is near 0. Places
-    # lie a half apart there, so the crossing is seen to within half of that.
-    assert found.sd == pytest.approx(1.0, abs=0.25)
-
-
-def test_a_lower_valley_that_a_profile_sees_is_where_the_fit_goes():
-    def tilted(_, p):
-        return two_valleys(None, p) + SD * p[:, 1:2] * np.sin(4 * X)
-
-    given = problem(X + SD * np.sin(4 * X), predict=tilted)
-    fit = fitted_from_nothing(given)
-    better, (found,) = settled(given, fit)
-    # The wave's chi-square is about half the number of places; the prior takes 1 of it.
-    assert fit.chi2 - better.chi2 == pytest.approx(0.5 * len(X) - 1.0, rel=0.3)
-    assert given.physical(better.x[None, :])[0, 1] == pytest.approx(1.0, abs=0.2)
-    # Further starts about it end there too.
-    assert not fit.certified
-    assert better.certified
-    assert found.chi2.min() == 0.0
 
 
 def test_a_constant_that_changes_is_found_and_one_that_does_not_is_not():
@@ -277,111 +189,6 @@ def test_the_smallest_effect_has_the_strength_that_is_asked_for():
     expected = (threshold + 0.84) / float(np.linalg.norm(left))
     # The response is linear in the height; a row's amplitude is bent by sinh, by a fifth at most.
     assert height == pytest.approx(expected, rel=0.2)
-
-
-def test_errors_that_set_ups_share_do_not_pull_a_fit_down():
-    # All velocities of a set-up are off by the same share. The mean of the fitted slopes over many
-    # data sets is the true one, within three standard errors.
-    random = np.random.default_rng(8)
-    slopes = []
-    for seed in range(24):
-        share = 1.0 + 0.1 * random.standard_normal(4)
-        block = np.tile(np.arange(4), len(X))
-        index = np.repeat(np.arange(len(X)), 4)
-        values = X[index] * share[block] * (1.0 + 0.03 * random.standard_normal(len(index)))
-        free = Uncertain("slope", Prior("log-uniform", 0.1, 10.0))
-        found = diagnose_model(line, None, values, [free], condition=index, block=block, seed=seed)
-        slopes.append(float(free.prior.value(found.null.x[0])))
-    error = np.std(slopes, ddof=1) / math.sqrt(len(slopes))
-    assert abs(np.mean(slopes) - 1.0) < 3.0 * error
-    assert error < 0.02
-
-
-@pytest.mark.parametrize("signed", [True, False])
-def test_a_set_up_that_is_faster_is_no_noise_whatever_the_direction(signed):
-    # Both directions; set-ups scatter by 6 % as a gain or as a shift, trials by 3 %: twice a
-    # trial's error, known to 0.3 from 24 set-ups.
-    random = np.random.default_rng(3)
-    level = (1.0 + np.arange(12)) * (-1.0) ** np.arange(12)
-    index, block = np.repeat(np.arange(12), 24), np.tile(np.arange(24), 12)
-    off = 0.06 * random.standard_normal(24)[block] * (level if signed else abs(level))[index]
-    trials = level[index] + off + 0.03 * level[index] * random.standard_normal(len(index))
-    noise = fit_noise(trials, index, block)
-    assert noise.relative == pytest.approx(0.03, rel=0.2)
-    found, other = noise.between, noise.between_gain
-    if signed:
-        found, other = other, found
-    assert found == pytest.approx(2.0, abs=0.9)
-    assert other < 0.3
-    # The mean of two conditions that go opposite ways is off by a gain in opposite directions.
-    shared = noise.covariance[0, 1]
-    assert shared * (-1.0 if signed else 1.0) > 0.0
-
-
-def test_an_empty_cell_of_a_set_up_leaves_the_others_known():
-    # 24 set-ups that are off by 6 %, trials of 3 %: set-ups scatter by twice a trial's error. From
-    # 24 of them that is known to 2 / sqrt(2 * 23) = 0.3.
-    random = np.random.default_rng(12)
-    index, block = np.repeat(np.arange(12), 24), np.tile(np.arange(24), 12)
-    share = 1.0 + 0.06 * random.standard_normal(24)
-    trials = (1.0 + index) * share[block] * (1.0 + 0.03 * random.standard_normal(len(index)))
-    block = np.where(random.random(len(index)) < 0.2, -1, block)
-    noise = fit_noise(trials, index, block)
-    assert noise.between == pytest.approx(2.0, abs=0.9)
-    assert noise.relative == pytest.approx(0.03, rel=0.2)
-
-
-def test_pure_noise_is_as_rare_as_its_p_value_says():
-    # 4000 tables of 30 conditions, of which some are slower than the noise; three binomial standard
-    # deviations above the rates of the F law. A mean variance is a little too large, so the rate of
-    # 0.05 may be less by a third.
-    random = np.random.default_rng(2)
-    level = np.geomspace(3e-6, 3e-3, 30) * (-1.0) ** np.arange(30)
-    sd, index = np.hypot(0.03 * level, 1e-5), np.repeat(np.arange(30), 3)
-    p_values = []
-    for _ in range(4000):
-        trials = level[:, None] + sd[:, None] * random.standard_normal((30, 3))
-        noise = fit_noise(trials.ravel(), index)
-        chi2 = np.sum((noise.mean - level) ** 2 / np.diag(noise.covariance))
-        p_values.append(lack_of_fit_p(float(chi2), 30, noise.dof))
-    rates = {rate: np.mean(np.array(p_values) < rate) for rate in (0.001, 0.01, 0.05)}
-    assert all(found < rate + 3.0 * math.sqrt(rate / 4000) for rate, found in rates.items())
-    assert rates[0.05] > 0.05 / 1.5 - 3.0 * math.sqrt(0.05 / 4000)
-
-
-@pytest.mark.parametrize("relative", [0.03, 0.035, 0.04])
-def test_many_trials_tell_the_noise_as_well_as_they_can(relative):
-    # 200 conditions of 20 trials tell the sd to 1 / sqrt(2 * 3800) = 1.1 %; four times that.
-    random = np.random.default_rng(7)
-    level = np.geomspace(2e-5, 2e-3, 200)
-    sd = np.hypot(relative * level, 1e-5)
-    trials = level[:, None] + sd[:, None] * random.standard_normal((200, 20))
-    noise = fit_noise(trials.ravel(), np.repeat(np.arange(200), 20))
-    assert np.median(noise.sd / sd) == pytest.approx(1.0, abs=0.046)
-    assert noise.relative == pytest.approx(relative, rel=0.08)
-
-
-def test_few_trials_make_the_noise_too_large_and_not_too_small():
-    # Four conditions of two trials. Of one variance alone the mean is 4 / (4 - 2) = 2 times its
-    # best estimate, 1.4 in sd, and the split in two parts adds to it. The median of 400 tables is
-    # known to about 1.25 * 0.4 / sqrt(400) = 0.03.
-    random = np.random.default_rng(10)
-    level = np.geomspace(1e-4, 2e-3, 4)
-    sd, index = np.hypot(0.03 * level, 1e-5), np.repeat(np.arange(4), 2)
-    ratio = []
-    for _ in range(400):
-        trials = level[:, None] + sd[:, None] * random.standard_normal((4, 2))
-        ratio.append(np.median(fit_noise(trials.ravel(), index).sd / sd))
-    assert 1.3 < np.median(ratio) < 1.75
-
-
-def test_trials_that_differ_by_rounding_alone_are_no_measure_of_the_noise():
-    # A mean of three equal decimals is often off by its last bit.
-    random = np.random.default_rng(8)
-    for _ in range(20):
-        level = np.round(random.uniform(1e-4, 1e-3, 6), 6)
-        noise = fit_noise(np.repeat(level, 3), np.repeat(np.arange(6), 3), stated=0.03)
-        assert noise.relative == 0.03
 
 
 def test_a_search_finds_the_deepest_of_many_valleys():

@@ -53,12 +53,11 @@ def command(
                 now = stage
                 show(done, stage)
 
-            examination = diagnose(
-                data,
-                seed=seed,
-                threads=jobs,
-                progress=lambda done, stage: report(0.95 * done, stage) if done < 1.0 else None,
-            )
+            def diagnosing(done: float, stage: str) -> None:
+                if done < 1.0:  # two stages come after the last of these
+                    report(0.95 * done, stage)
+
+            examination = diagnose(data, seed=seed, threads=jobs, progress=diagnosing)
             found = examination.found
             report(0.95, "next experiment")
             experiments = propose(examination)

@@ -27,7 +27,7 @@ def rounded(value: float, sd: float) -> str:
 
 
 def headline(found: Diagnosis) -> str:
-    """The verdict in one sentence, and in a second one if the gain is not certain."""
+    """The verdict in one sentence, and in a second one if there is no certain gain."""
     verdict = found.verdict
     if verdict.word in _NAMELESS:
         text = _NAMELESS[verdict.word]

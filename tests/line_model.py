@@ -1,0 +1,30 @@
+"""A model whose answers are known: a line, a wave on it, and data of stated noise."""
+
+import math
+
+import numpy as np
+
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
+from stickslip.diagnosis.fits import Start, make_rival
+from stickslip.diagnosis.fitting import fit_rivals
+from stickslip.diagnosis.model import Problem
+
+X = np.linspace(1.0, 3.0, 24)
+SD = 0.05
+SLOPE = Uncertain("slope", Prior("normal", 1.0, 0.5))
+WAVE = Cause("wave", (CauseParameter("wave.height", "-", -5.0, 5.0, 1.0),))
+BEND = Cause("bend", (CauseParameter("bend.height", "-", -5.0, 5.0, 1.0),))
+
+
+def line(_, p):
+    """Slope times x and, where there is a second column, a wave."""
+    return p[:, :1] * X + (p[:, 1:2] * np.sin(4 * X) if p.shape[1] > 1 else 0.0)
+
+
+def problem(observed, causes=(WAVE,), predict=line):
+    return Problem(predict, None, observed, np.eye(len(X)) / SD, math.inf, (SLOPE,), causes)
+
+
+def fitted(given, causes=()):
+    rival = make_rival(given, causes)
+    return fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)[0]
