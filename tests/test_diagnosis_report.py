@@ -12,7 +12,7 @@ from helpers import run
 from made_measurement import write
 from report_page import without_pictures
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
-from stickslip.diagnosis.conditions import changes, in_words, varied
+from stickslip.diagnosis.conditions import changes, in_words, sorted_by_settings, varied
 from stickslip.diagnosis.consequences import pattern, where_it_lives
 from stickslip.diagnosis.experiments import _candidates
 from stickslip.diagnosis.separation import separate
@@ -173,6 +173,25 @@ def test_settings_are_said_in_laboratory_units_and_in_the_order_of_a_scenario():
     assert in_words(conditions[1], varied(conditions)) == "mode OPP, peak 3 mT"
     proposed = {"peak": 2.5e-3, "mode": "IPP", "frequency": 45.0, "hold": 0.0}
     assert changes(proposed, conditions) == "mode IPP, frequency 45 Hz, peak 2.5 mT"
+
+
+def test_conditions_are_told_apart_by_what_is_not_shown():
+    def condition(frequency, peak, hold):
+        return {"drive.frequency": frequency, "drive.peak": peak, "drive.hold": hold}
+
+    usual = [condition(f, 2e-3, 1e-3) for f in (20.0, 40.0)]
+    others = [condition(30.0, 1e-3, 1e-3), condition(20.0, 1e-3, 0.0)]
+    shown = ["drive.frequency"]
+    assert sorted_by_settings([others[0], *usual, others[1]], shown, 3) == {
+        "peak 2 mT, hold 1 mT": [1, 2],
+        "peak 1 mT": [0],
+        "peak 1 mT, hold 0 mT": [3],
+    }
+    assert sorted_by_settings([others[0], *usual, others[1]], shown, 2) == {
+        "peak 2 mT, hold 1 mT": [1, 2],
+        "other peak or hold": [0, 3],
+    }
+    assert sorted_by_settings(usual, shown, 2) == {"": [0, 1]}
 
 
 def test_what_leads_and_what_comes_next():

@@ -64,6 +64,29 @@ def in_words(settings: Mapping[str, Value], keys: Sequence[str]) -> str:
     )
 
 
+def sorted_by_settings(
+    conditions: Conditions, shown: Sequence[str], most: int
+) -> dict[str, list[int]]:
+    """Indices of the conditions of each kind, by the settings that `shown` does not hold, in words.
+
+    The commonest come first; the others say what differs from them. More than `most` kinds become
+    two: the commonest and all others.
+    """
+    keys = [key for key in varied(conditions) if key not in shown]
+    settings = [tuple(each.get(key) for key in keys) for each in conditions]
+    (usual, _), *others = Counter(settings).most_common()
+    names = {usual: in_words(conditions[settings.index(usual)], keys)}
+    for other, _ in others:
+        apart = [key for key, a, b in zip(keys, other, usual, strict=True) if a != b]
+        names[other] = in_words(conditions[settings.index(other)], apart)
+        if len(others) >= most:
+            names[other] = "other " + " or ".join(key.split(".")[1] for key in keys)
+    result: dict[str, list[int]] = {name: [] for name in names.values()}
+    for index, each in enumerate(settings):
+        result[names[each]].append(index)
+    return result
+
+
 def _with_unit(key: str, text: str, form: str) -> str:
     unit = shown_unit(key)[0]
     return text if unit in ("", "-") else form.format(text, unit)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.conditions import panel
+from stickslip.diagnosis.conditions import panel, sorted_by_settings
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.profile import FAR, Profile
 from stickslip.diagnosis.standing import leading, set_members
@@ -18,6 +18,7 @@ from stickslip.keys import Value
 
 Array = NDArray[np.float64]
 
+_MARKERS = "o^sDv"
 _BLUE, _ORANGE, _GREEN, _GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
 
 
@@ -44,7 +45,8 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], give
 
     `given` are the velocities of the scenario as it was given, m/s. Residuals are below. At
     held-out conditions the models are those that were fitted without them. Where nothing could be
-    learnt there is no model but the given one. Empty where no velocity was measured.
+    learnt there is no model but the given one. Conditions of one panel that differ in more than
+    their frequency have markers of their own. Empty where no velocity was measured.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -68,16 +70,21 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], give
     frames = figure.subplots(
         2, len(panels), sharex="col", sharey="row", squeeze=False, height_ratios=[3, 1]
     )
-    groups = [(~held, "k", "measured (2 sd)" if known else "measured")]
-    if held.any():
-        groups.append((held, "w", "held out for the gain"))
+    measured = "measured (2 sd)" if known else "measured"
+    shown = ("drive.mode", "drive.direction", "drive.frequency")
+    kinds = sorted_by_settings(conditions, shown, len(_MARKERS))
     for column, word in enumerate(panels):
         above, below = frames[:, column]
         mine = words == word
-        for group, face, label in groups:
-            chosen = mine & group
-            above.errorbar(frequency[chosen], observed[chosen], 2 * sd[chosen] if known else None,
-                           fmt="o", color="k", mfc=face, ms=4, label=label)  # fmt: skip
+        for k, (settings, indices) in enumerate(kinds.items()):
+            have = np.isin(np.arange(m), indices)
+            label = settings if k else ", ".join(filter(None, (measured, settings)))
+            for face, group, title in (("k", ~held, label), ("w", held, "held out for the gain")):
+                chosen = mine & have & group
+                if chosen.any():
+                    above.errorbar(frequency[chosen], observed[chosen],
+                                   2 * sd[chosen] if known else None, fmt=_MARKERS[k],
+                                   color="k", mfc=face, ms=4, label=title)  # fmt: skip
         above.plot(frequency[mine], given[mine] * 1e3, "x", color=_GREY, ms=5,
                    label="scenario as given")  # fmt: skip
         for (name, row), colour in zip(models.items(), (_BLUE, _ORANGE), strict=False):
@@ -88,11 +95,13 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], give
         below.set_xlabel("frequency (Hz)")
     frames[0, 0].set_ylabel("mean velocity (mm/s)")
     frames[1, 0].set_ylabel("residual / sd")
-    handles, labels = frames[0, 0].get_legend_handles_labels()
-    columns = 5 if len(panels) > 2 else 2
-    figure.legend(
-        handles, labels, loc="outside upper center", ncols=columns, fontsize=10, frameon=False
-    )
+    legend: dict[str, Any] = {}
+    for frame in frames[0]:
+        for handle, label in zip(*frame.get_legend_handles_labels(), strict=True):
+            legend.setdefault(label, handle)
+    columns = 2 if len(panels) < 3 else 5 if len(kinds) == 1 else 3
+    figure.legend(legend.values(), legend.keys(), loc="outside upper center", ncols=columns,
+                  fontsize=10, frameon=False)  # fmt: skip
     return png(figure)
 
 
@@ -158,7 +167,7 @@ def against_model(
         rows.append((extended, "extended", _ORANGE))
     width = len(names)
     data, bars = observed.reshape(-1, width), sd.reshape(-1, width)
-    for k, (name, marker) in enumerate(zip(names, "osD^v", strict=False)):
+    for k, (name, marker) in enumerate(zip(names, _MARKERS, strict=False)):
         title = f"measured {name} (2 sd)".replace("  ", " ")
         above.errorbar(place, data[:, k], 2 * bars[:, k], fmt=marker, color="k", ms=4, label=title)
         for values, model, colour in rows:
