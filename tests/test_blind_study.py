@@ -198,6 +198,7 @@ def test_the_documentation_says_what_the_record_says():
         ("single", "right when named", "rightly in {count}"),
         ("none", "false alarm", "a false alarm came in {count} of {total}"),
         ("pair", "exact pair", "pairs were found in {count} of {total}"),
+        ("weak", "detected", "were detected in {count} of {total}"),
     ):
         assert words.format(**counts[kind, what]) in said, (kind, what)
     assert f"{len(rows)} data sets" in said
