@@ -75,10 +75,8 @@ def _found(row: Row) -> bool:
 
 
 def _in_set(row: Row) -> bool:
-    """The truth is what is said or among it; of exact twins either is the truth."""
+    """The truth is what is said or among it."""
     truth = _truth(row)
-    if row["answer"]["kind"] == "exact twins":
-        return bool(_said(row) & {"length_scale", "clock_scale"})
     return bool(truth) and truth <= _said(row)
 
 
@@ -125,10 +123,6 @@ def _right_after(row: Row) -> bool:
     return _right(after)
 
 
-def _wrong_twin(row: Row) -> bool:
-    return _claimed(row) and not _in_set(row)
-
-
 # kind, what is counted, among which, share asked for, whether at most
 _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | None, float, bool],
                 ...] = (
@@ -148,12 +142,12 @@ _DEMANDS: tuple[tuple[str, str, Callable[[Row], bool], Callable[[Row], bool] | N
     ("weak", "in the set when detected", _in_set, _found, 0.92, False),
     ("weak", "wrongly named", _wrong, None, 0.02, True),
     ("near twins", "in the set or right, of detected", _in_set, _found, 0.90, False),
-    ("near twins", "wrongly named", _wrong_twin, None, 0.03, True),
+    ("near twins", "wrongly named", _wrong, None, 0.03, True),
     ("near twins", "rightly named before more experiments", _right, _followed, float("nan"), False),
     ("near twins", "rightly named after three proposed", _right_after, _followed, float("nan"),
      False),
     ("exact twins", "in the set or right, of detected", _in_set, _found, 0.90, False),
-    ("exact twins", "wrongly named", _wrong_twin, None, 0.03, True),
+    ("exact twins", "wrongly named", _wrong, None, 0.03, True),
     ("pair", "exact pair", lambda row: _verdict(row) == "pair" and _said(row) == _truth(row), None,
      0.80, False),
     ("pair", "both in what is said", _in_set, None, float("nan"), False),
