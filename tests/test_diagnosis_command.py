@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import subprocess
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,8 +15,9 @@ from made_measurement import write
 from report_page import without_pictures
 from stickslip import Scenario
 from stickslip.cli.commands import stickslip as commands
-from stickslip.diagnosis.library import library
-from stickslip.diagnosis.simulator import Simulator
+from stickslip.diagnosis import Prior, Uncertain
+from stickslip.diagnosis.library import _SHAPES, _SIZES, library
+from stickslip.diagnosis.simulator import Simulator, loosest_tolerances
 from stickslip.extensions import effects
 
 KEYS = {
@@ -94,6 +96,58 @@ def test_predictions_do_not_depend_on_threads():
     assert np.array_equal(one, three)
 
 
+TRIED = (1e-4, 1e-5, 1e-6, 1e-7)
+DRIVES = [
+    {"drive.mode": mode, "drive.frequency": f, "drive.pulses": 5, "drive.base": 0.5e-3}
+    for mode in ("IPP", "OPP")
+    for f in (25.0, 40.0, 60.0, 90.0)
+]
+
+
+def _errors(names, values):
+    """Of each tolerance against one a hundred times finer than the finest, m/s."""
+
+    def velocities(rtol):
+        return Simulator(Scenario().replace({"solver.rtol": rtol}), names)(DRIVES, values)
+
+    truth = velocities(0.01 * TRIED[-1])
+    return {rtol: np.abs(velocities(rtol) - truth) for rtol in TRIED}
+
+
+def _chosen(uncertain, sd, stated=TRIED[-1]):
+    simulator = Simulator(
+        Scenario().replace({"solver.rtol": stated}), [each.name for each in uncertain]
+    )
+    noise = SimpleNamespace(covariance=np.diag(sd**2))
+    return loosest_tolerances(simulator, DRIVES, uncertain, [], noise, 0).tolist()
+
+
+def test_each_condition_has_the_loosest_tolerance_whose_error_is_far_below_its_noise():
+    # m/s; from where the loosest will do to where none does.
+    noise = np.geomspace(1e-3, 1e-7, len(DRIVES))
+    error = {rtol: each[0] for rtol, each in _errors([], np.zeros((1, 0))).items()}
+    chosen = _chosen([], noise)
+    assert set(chosen) == set(TRIED)
+    for k, rtol in enumerate(chosen):
+        assert error[rtol][k] < noise[k] / 20.0 or rtol == TRIED[-1]
+        for looser in TRIED[: TRIED.index(rtol)]:
+            assert error[looser][k] > noise[k] / 20.0
+    # A scenario that asks for little is computed no worse than the finest that is always tried.
+    assert min(_chosen([], noise, stated=1e-3)) == TRIED[-2]
+
+
+def test_tolerances_hold_over_the_prior():
+    # Chosen by three quarters of eight draws, so of others most are as good. By the middle of the
+    # prior alone some condition would get a tolerance that is too loose for most.
+    noise = np.full(len(DRIVES), 4e-5)
+    friction = Uncertain("contact.kinetic_friction", Prior("normal", 0.145, 0.01))
+    others = friction.prior.value(np.random.default_rng(7).standard_normal((20, 1)))
+    error = _errors([friction.name], others)
+    for k, rtol in enumerate(_chosen([friction], noise)):
+        good = np.mean(error[rtol][:, k] < noise[k] / 20.0)
+        assert good > 0.5 or rtol == TRIED[-1]
+
+
 def test_nothing_is_found_where_nothing_is(tmp_path):
     done = stickslip("diagnose", write(tmp_path, {}), "--json", "--seed", 3)
     said = json.loads(done.stdout)
@@ -101,6 +155,18 @@ def test_nothing_is_found_where_nothing_is(tmp_path):
     assert said["verdict"] == "none"
     assert said["cause"] is None
     assert 0.0 < said["bounds"]["surface_tilt.angle"] < 0.1
+
+
+def test_conditions_that_do_not_move_are_no_finding(tmp_path):
+    # A pulse of 0.1 mT above the base moves the model by less than a micrometre a second.
+    path = write(tmp_path, {})
+    head, *rows = (tmp_path / "velocity.csv").read_text().split()
+    lines = [f"{head},peak", *(f"{row},2.5e-3" for row in rows)]
+    for way, f in (("+x", 60), ("+x", 90), ("-x", 60), ("-x", 90)):
+        lines += [f"{way},{f},{trial},0.0,0.6e-3" for trial in range(3)]
+    (tmp_path / "velocity.csv").write_text("\n".join(lines) + "\n")
+    said = json.loads(stickslip("diagnose", path, "--json").stdout)
+    assert (said["verdict"], said["left_out"]) == ("none", [])
 
 
 @pytest.mark.parametrize(
@@ -157,10 +223,20 @@ def test_every_extension_is_a_cause_that_starts_absent():
     assert Simulator(Scenario(), names)(drive, absent) == plain
 
 
+def test_every_extension_has_a_size_of_its_own():
+    # Else it would be guessed from its range, which is as wide as physics allows.
+    names = {key.name.removeprefix("effects.") for each in effects() for key in each.parameters}
+    assert names == {*_SIZES, *_SHAPES, "amplifier_limit.voltage"}
+
+
 def test_the_answer_does_not_depend_on_the_number_of_jobs(tilted):
     folder, said = tilted
-    done = stickslip("diagnose", folder / "m.toml", "--json", "--jobs", 1)
+    done = stickslip(
+        "diagnose", folder / "m.toml", "--out", folder / "again", "--json", "--jobs", 3
+    )
     assert json.loads(done.stdout) == said
+    first, second = (folder / name / "report.json" for name in ("found", "again"))
+    assert second.read_text() == first.read_text()
 
 
 def _scaled(folder, factor):

@@ -63,6 +63,25 @@ def test_an_empty_cell_of_a_set_up_leaves_the_others_known():
     assert noise.relative == pytest.approx(0.03, rel=0.2)
 
 
+@pytest.mark.parametrize(
+    ("block", "said"),
+    [
+        (None, "no column block"),
+        (np.full(12, -1), "no column block"),
+        (np.zeros(12, dtype=int), "one block only"),
+        (np.tile([0, 1, 2], 4), None),
+        (np.repeat([0, 1], 6), None),  # each condition in one set-up
+    ],
+)
+def test_a_scatter_of_set_ups_that_cannot_be_separated_is_said(block, said):
+    random = np.random.default_rng(4)
+    index = np.repeat(np.arange(4), 3)
+    trials = (1.0 + index) * (1.0 + 0.03 * random.standard_normal(12))
+    warnings = [each for each in fit_noise(trials, index, block).notes if "separated" in each]
+    expected = f"{said}: scatter between set-ups cannot be separated from a cause"
+    assert warnings == ([] if said is None else [expected])
+
+
 def test_pure_noise_is_as_rare_as_its_p_value_says():
     # 4000 tables of 30 conditions, of which some are slower than the noise; three binomial standard
     # deviations above the rates of the F law. A mean variance is a little too large, so the rate of
@@ -114,3 +133,31 @@ def test_trials_that_differ_by_rounding_alone_are_no_measure_of_the_noise():
         level = np.round(random.uniform(1e-4, 1e-3, 6), 6)
         noise = fit_noise(np.repeat(level, 3), np.repeat(np.arange(6), 3), stated=0.03)
         assert noise.relative == 0.03
+
+
+@pytest.mark.parametrize("setups", [False, True])
+def test_what_stands_still_tells_nothing_of_the_noise(setups):
+    # Readings of exactly zero, as below the resolution of a camera, have no scatter at all.
+    random = np.random.default_rng(21)
+    level = np.linspace(0.2e-3, 2e-3, 20)
+    index = np.repeat(np.arange(20), 3)
+    spread = np.hypot(1e-5, 0.03 * level)[index]
+    trials = level[index] + spread * random.standard_normal(60)
+    block = np.tile(np.arange(3), 20) if setups else None
+    moving = fit_noise(trials, index, block)
+    # Six that stand still, the first condition among them.
+    still = np.repeat(np.array([0, 4, 9, 14, 21, 25]), 3)
+    others = np.repeat(np.setdiff1d(np.arange(26), still), 3)
+    both = fit_noise(
+        np.concatenate([trials, np.zeros(18)]),
+        np.concatenate([others, still]),
+        None if block is None else np.tile(np.arange(3), 26),
+    )
+    assert (both.floor, both.relative, both.dof) == (moving.floor, moving.relative, moving.dof)
+    assert (both.between, both.between_gain) == (moving.between, moving.between_gain)
+    assert both.sd[still[::3]].tolist() == [moving.floor] * 6
+    assert both.sd[others[::3]].tolist() == moving.sd.tolist()
+    assert both.mean[still[::3]].tolist() == [0.0] * 6
+    assert both.count.tolist() == [3] * 26
+    np.linalg.cholesky(both.covariance)
+    assert both.setups.shape == (26, 3 if setups else 0)

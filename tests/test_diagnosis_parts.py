@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
-from stickslip.diagnosis import Cause, CauseParameter, diagnose_model
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.conditions import one_of_a_kind
+from stickslip.diagnosis.consequences import carriers
 from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.detection import detect
 from stickslip.diagnosis.experiments import advice
@@ -19,7 +20,8 @@ from stickslip.diagnosis.plausibility import wrong_sign
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
-from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting
+from stickslip.diagnosis.summary import flat_directions
+from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting, decide
 from stickslip.diagnosis.words import headline, rounded
 
 
@@ -41,6 +43,69 @@ def test_a_constant_that_changes_is_found_and_one_that_does_not_is_not():
         parts = refit_parts(given, null, halves)
         assert [part.count for part in parts] == [12, 12]
         assert len(changing(given, parts)) == said
+
+
+# What the slope of the line cannot make up for, of size 1 in errors.
+ACROSS = np.sin(4 * X) - X * (X @ np.sin(4 * X)) / (X @ X)
+ACROSS *= SD / np.linalg.norm(ACROSS)
+
+
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [
+        # Of 0.5 a + 0.4 b nothing is known along (0.4, -0.5), where b moves more.
+        (X, ["other and slope trade off"]),
+        (0.0 * X, ["the data say little about other"]),
+        # One standard deviation of its prior, 0.4, does 0.9 or 1.1 errors to the data.
+        (0.9 / 0.4 * ACROSS, ["the data say little about other"]),
+        (1.1 / 0.4 * ACROSS, []),
+    ],
+)
+def test_what_the_data_leave_open_of_the_constants_is_said(shape, said):
+    other = Uncertain("other", Prior("normal", 1.0, 0.4))
+    given = replace(
+        problem(X + shape, (), lambda _, p: p[:, :1] * X + p[:, 1:2] * shape),
+        uncertain=(SLOPE, other),
+    )
+    assert flat_directions(given, fitted(given)) == said
+    assert flat_directions(replace(given, uncertain=()), fitted(given)) == []
+
+
+def _examined(observed, shape, count=X.size):
+    """What `carriers` looks at of data with a bump of this shape, some of them conditions."""
+    bump = Cause("bump", (CauseParameter("bump.height", "-", -5.0, 5.0, 1.0),))
+    given = problem(observed, (bump,), lambda _, p: p[:, :1] * X + p[:, 1:2] * shape)
+    verdict = SimpleNamespace(fit=fitted(given, [bump]))
+    found = SimpleNamespace(problem=given, null=fitted(given), verdict=verdict)
+    return SimpleNamespace(found=found, conditions=[{}] * count)
+
+
+def test_conditions_that_carry_a_verdict_have_their_share_of_the_fall():
+    # 3 at x = 1 and -1 at x = 3 pull at no slope, so the falls of chi-square are as 9 to 1. The
+    # bump's prior takes 1e-4 of it, and a walk ends when a step would gain less than 0.02 of 4000.
+    bump = np.zeros(len(X))
+    bump[0], bump[-1] = 3.0, -1.0
+    first, second, *rest = carriers(_examined(X + bump, bump))
+    assert (first["condition"], second["condition"]) == (1, len(X))
+    assert first["share"] == pytest.approx(0.9, abs=1e-3)
+    assert second["share"] == pytest.approx(0.1, abs=1e-3)
+    assert all(each["share"] < 1e-3 for each in rest)
+    # Rows beyond the conditions, such as a film's, carry none of the velocities' fall.
+    alone, *rest = carriers(_examined(X + bump, bump, count=12))
+    assert (alone["condition"], alone["share"]) == (1, pytest.approx(1.0, abs=1e-3))
+    assert all(each["condition"] <= 12 for each in rest)
+
+
+def test_three_conditions_at_most_carry_a_verdict_and_none_where_there_is_none():
+    broad = _examined(X + np.sin(4 * X), np.sin(4 * X))
+    found = carriers(broad)
+    shares = [each["share"] for each in found]
+    assert len(found) == 3
+    assert shares == sorted(shares, reverse=True)
+    assert 3.0 / len(X) < sum(shares) < 1.0
+    broad.found.verdict.fit = None
+    assert carriers(broad) == []
+    assert carriers(_examined(X + np.sin(4 * X), np.sin(4 * X), count=0)) == []
 
 
 def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
@@ -127,6 +192,55 @@ def test_a_name_that_the_other_conditions_turn_is_none():
     assert confirmed(both, ranking, "wave").word == "pair"
 
 
+def standing(evidence, misfit, causes, like):
+    """A fit of given log-evidence whose data leave a chi-square of `misfit`."""
+    rival = replace(like.rival, causes=causes)
+    return replace(like, rival=rival, log_evidence=evidence, data_chi2=misfit, certified=True)
+
+
+@pytest.mark.parametrize(
+    ("wave", "bend", "both", "word", "said"),
+    [
+        # Log-evidence and misfit of 24 readings; above 43 (p < 0.01) it is not explained.
+        ((90.0, 20.0), (70.0, 30.0), (96.0, 18.0), "named", "bend + wave, is behind by 0.7 in"),
+        ((90.0, 20.0), (88.7, 60.0), (70.0, 18.0), "ambiguous", "does not separate them"),
+        ((90.0, 20.0), (95.0, 60.0), (70.0, 18.0), "unexplained", "than bend, which does not"),
+        ((90.0, 20.0), (92.0, 60.0), (97.5, 18.0), "unexplained", "than bend, which does not"),
+        ((90.0, 60.0), (70.0, 60.0), (95.0, 18.0), "unexplained", "leads by too little"),
+        ((90.0, 60.0), (70.0, 60.0), (97.0, 60.0), "unexplained", "no single cause and no pair"),
+        ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", "leads by 2.3 in log-evidence, but"),
+    ],
+)
+def test_the_reason_says_what_stands_against_more(wave, bend, both, word, said):
+    given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
+    singles = [standing(*at, (each,), fitted(given, [each]))
+               for at, each in ((wave, WAVE), (bend, BEND))]  # fmt: skip
+    pair = standing(*both, (BEND, WAVE), fitted(given, [BEND, WAVE]))
+    singles.sort(key=lambda fit: -fit.log_evidence)
+    ranking = Ranking(fitted(given), tuple(singles), (pair,))
+    found = SimpleNamespace(found=True)
+    verdict = decide(given, found, ranking, np.eye(2), {}, lambda fit: True)
+    assert verdict.word == word
+    assert said in verdict.reasons[0]
+
+
+def test_a_bound_of_what_acts_as_it_falls_is_one_from_below():
+    # Clipped by (30 - limit) / 5: a limit that clips more than the data allow is below the bound.
+    limit = CauseParameter("clip.volts", "V", 5.0, 30.0, 5.0, downward=True)
+
+    def predict(_, p):
+        u = np.where(p[:, 1:2] == 0.0, 0.0, (30.0 - p[:, 1:2]) / 5.0)
+        return p[:, :1] * X + 0.02 * u * np.sin(4 * X)
+
+    given = problem(X, (Cause("clip", (limit,)),), predict)
+    null = fitted(given)
+    signatures = find_signatures(given, null)
+    lowest = upper_bounds(given, signatures, null.residual)["clip.volts"]
+    size = 0.02 * float(np.linalg.norm(np.sin(4 * X))) / SD
+    # 1.96 errors above nothing; the slope absorbs a little, so it could be a little lower still.
+    assert 30.0 - 1.1 * 5.0 * 1.96 / size < lowest < 30.0 - 5.0 * 1.96 / size
+
+
 def test_a_bound_holds_for_every_shape():
     # A hump whose height at the data falls as its width's coordinate grows or shrinks.
     width = CauseParameter("hump.width", "-", 0.01, 100.0, 0.0, 1.0, shape=True)
@@ -154,6 +268,31 @@ def test_an_ambiguous_pair_is_worded_as_one():
     assert said(("a",), ("a",), "why") == "a is the best candidate, but why."
     assert said(("a", "b", "c"), ("a", "b"), "why").startswith("Two of these together")
     assert said(("a", "b"), ("a",), "why").startswith("One of these")
+
+
+NOT_CERTAIN = " On 5 held-out conditions the gain is not certain: its interval includes 0."
+
+
+@pytest.mark.parametrize(
+    ("interval", "said"),
+    [
+        ((0.5, 9.0), ""),
+        ((-0.5, 9.0), NOT_CERTAIN),
+        ((0.0, 9.0), NOT_CERTAIN),
+        (
+            (-9.0, -0.5),
+            " But it predicts 5 held-out conditions worse: chi-square per condition is 1.2 before "
+            "and 6.7 after.",
+        ),
+    ],
+)
+def test_a_gain_that_is_not_certain_is_said_in_the_headline(interval, said):
+    gain = SimpleNamespace(
+        held_out=np.arange(5), interval=interval, chi2_before=1.21, chi2_after=6.68
+    )
+    nothing = SimpleNamespace(word="none")
+    plain = headline(SimpleNamespace(verdict=nothing, gain=None))
+    assert headline(SimpleNamespace(verdict=nothing, gain=gain)) == plain + said
 
 
 def test_the_p_value_of_both_tests_is_uniform_where_nothing_is_hidden():
@@ -230,7 +369,11 @@ def test_another_instrument_is_named_where_it_would_split_a_set():
     assert said.startswith("Tilt the stage")
     assert "friction_anisotropy" in said
     assert len(advised("ambiguous", "coil_heating", "misalignment")) == 2
-    assert advised("ambiguous", "length_scale", "clock_scale") == []
+    # Each of the exact twins has a look of its own; a field at rest shows no lag of it.
+    assert [line.split(":")[0] for line in advised("ambiguous", "length_scale", "clock_scale")] == [
+        "Film a scale", "Film a clock"
+    ]  # fmt: skip
+    assert advised("ambiguous", "eddy_lag", "friction_patches") == []
     assert advised("named", "surface_tilt") == []
 
 

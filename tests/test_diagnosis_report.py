@@ -38,6 +38,24 @@ def test_parts_share_the_whole_misfit(full):
         assert sum(sums) == pytest.approx(total, rel=1e-9)
 
 
+def test_conditions_carry_what_the_table_says(full):
+    # Without errors that set-ups share, each condition has a fall of chi-square of its own.
+    def misfit(name):
+        return np.array(
+            [
+                (row["velocity"] - row[name]) ** 2 / (row["sd"] ** 2 + row["model_scatter"] ** 2)
+                for row in full["conditions"]
+            ]
+        )
+
+    fall = misfit("recalibrated") - misfit("extended")
+    found = {each["condition"]: each["share"] for each in full["carried_by"]}
+    assert list(found) == (np.argsort(-fall)[:3] + 1).tolist()
+    total = np.sum(np.maximum(fall, 0.0))
+    for number, share in found.items():
+        assert share == pytest.approx(fall[number - 1] / total, rel=1e-9)
+
+
 def test_absorption_takes_from_the_signal(full):
     strength = full["signal_to_noise"]
     chi2 = {tuple(each["causes"]): each["chi2"] for each in full["ranking"]}
@@ -255,6 +273,7 @@ def test_of_close_pairs_no_other_is_made():
     pairs = [close("a + b", 50.0), close("c + d", 48.5), close("a + c", 30.0)]
     verdict = SimpleNamespace(word="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0])
     found = SimpleNamespace(
+        problem=None,
         verdict=verdict,
         null=close("none", 0.0),
         ranking=SimpleNamespace(singles=[close("a", 20.0)], pairs=pairs),

@@ -3,6 +3,7 @@
 import importlib.metadata
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -43,6 +44,13 @@ def test_no_module_takes_the_place_of_a_public_name():
         "    assert (kind == 'module') == (name == 'plot'), (name, kind)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_the_library_does_not_need_the_command():
+    folder = Path(stickslip.__file__).parent
+    programs = [folder / "__main__.py", folder / "demo.py", *folder.glob("cli/*.py")]
+    for path in set(folder.rglob("*.py")) - set(programs):
+        assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
 
 
 def test_every_public_name_is_there():

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
+from stickslip.json_text import json_text
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -32,7 +32,7 @@ def command(
     """
     from stickslip.diagnosis.conditions import changes
     from stickslip.diagnosis.examination import diagnose
-    from stickslip.diagnosis.experiments import propose
+    from stickslip.diagnosis.experiments import advice, propose
     from stickslip.diagnosis.report import write_report
     from stickslip.diagnosis.standing import runner_up
     from stickslip.diagnosis.summary import summary
@@ -85,5 +85,7 @@ def command(
         )
     for each in experiments[:1]:
         click.echo(f"  next experiment: {changes(each.drive, examination.conditions)}; {each.why}")
+    for line in advice(found):
+        click.echo(f"  beside the drive: {line}")
     if out is not None:
         click.echo(f"  in {out}: report.html, report.json, extended.toml")

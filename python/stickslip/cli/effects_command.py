@@ -6,9 +6,9 @@ import textwrap
 
 import click
 
-from stickslip.cli.json_text import json_text
 from stickslip.errors import ScenarioError
 from stickslip.extensions import PREFIX, Effect, effects
+from stickslip.json_text import json_text
 from stickslip.keys import suggestion
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from stickslip.cli.json_text import json_text
 from stickslip.errors import ScenarioError
 from stickslip.files import check_writable, replacing
+from stickslip.json_text import json_text
 from stickslip.keys import PROGRAM, Key, known_keys
 from stickslip.scenario_file import FORMAT_VERSION
 from stickslip.sections import SECTIONS

@@ -6,8 +6,8 @@ import textwrap
 
 import click
 
-from stickslip.cli.json_text import json_text
 from stickslip.errors import ScenarioError
+from stickslip.json_text import json_text
 from stickslip.keys import FILE, Key, known_keys, section_hint, shown
 
 _FILE_MEANING = (

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
+from stickslip.json_text import json_text
 
 if TYPE_CHECKING:
     from stickslip.reproduction.study import Reproduction

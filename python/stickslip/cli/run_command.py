@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.settings import with_settings
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError
+from stickslip.json_text import json_text
 from stickslip.run import SUFFIXES
 from stickslip.scenario import Scenario
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import click
 
 from stickslip.cli.cluster import cluster
-from stickslip.cli.json_text import json_text
 from stickslip.cli.progress import count_bar
 from stickslip.cli.settings import parse_setting, with_settings
 from stickslip.cli.sweep_table import as_dict, failure, table
@@ -15,6 +14,7 @@ from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.cli.vary import parse_vary
 from stickslip.errors import ScenarioError
 from stickslip.files import NETCDF_SUFFIXES
+from stickslip.json_text import json_text
 from stickslip.scenario import Scenario
 from stickslip.sections import refuse_sawtooth
 from stickslip.sweeping.points import Points, grid

@@ -39,16 +39,19 @@ _LOOKS = (
     (
         "Measure the field at the robot for known currents: it shows {seen}, and nothing of "
         "{unseen}.",
-        ("field_gain", "ambient_field", "eddy_lag", "gradient_scale"),
+        ("field_gain", "ambient_field"),
     ),
     (
         "Tilt the stage by 2 degrees one way and the other: the velocities change alike about a "
         "surface that was level, which tells {seen} from {unseen}.",
         ("surface_tilt",),
     ),
+    ("Film a scale: it shows {seen}, and nothing of {unseen}.", ("length_scale",)),
+    ("Film a clock: it shows {seen}, and nothing of {unseen}.", ("clock_scale",)),
     (
-        "Film a scale and a clock: that shows {seen}, and nothing of {unseen}.",
-        ("length_scale", "clock_scale", "angle_offset"),
+        "Film the robot flat on the surface without a field: that shows {seen}, and nothing of "
+        "{unseen}.",
+        ("angle_offset",),
     ),
     (
         "Read the static tilt in held fields: it shows {seen}, and nothing of {unseen}.",

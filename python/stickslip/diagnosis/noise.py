@@ -7,7 +7,7 @@ curve sd^2 = s0^2 + (rho v)^2.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +82,8 @@ def fit_noise(
 ) -> NoiseModel:
     """Noise from the scatter of trials, or from a stated relative error.
 
+    Conditions whose trials all read zero tell nothing of it; theirs is that of a level of zero.
+
     Parameters
     ----------
     value : ndarray, shape (n,)
@@ -97,6 +99,23 @@ def fit_noise(
     m = int(condition.max()) + 1
     count = np.bincount(condition, minlength=m)
     mean = np.bincount(condition, value, minlength=m) / count
+    still = np.bincount(condition, value != 0.0, minlength=m) == 0
+    if still.any() and not still.all():
+        # What stands still has no scatter; taken for noise it would draw s0 to nothing.
+        used = ~still[condition]
+        moving = fit_noise(
+            value[used],
+            np.unique(condition[used], return_inverse=True)[1],
+            None if block is None else block[used],
+            stated,
+        )
+        sd = np.full(m, moving.floor)
+        sd[~still] = moving.sd
+        setups = np.zeros((m, 0))
+        if moving.setups.size:
+            assert block is not None
+            setups = _setup_shares(condition, block, count)
+        return replace(moving, mean=mean, sd=sd, count=count, setups=setups)
     known = block is not None and len(np.unique(block)) > 1
     crossed = False
     if known:
@@ -133,9 +152,7 @@ def fit_noise(
             f"set-ups: {len(np.unique(block))}; they scatter by {between:.2g} of a trial's error, "
             f"and by {gain:.2g} where all of a set-up is faster or slower"
         )
-        setups = np.zeros((m, int(block.max()) + 1))
-        np.add.at(setups, (condition, block), 1.0)
-        setups /= count[:, None]
+        setups = _setup_shares(condition, block, count)
     elif not known:
         said = "no column block" if block is None else "one block only"
         notes.append(f"{said}: scatter between set-ups cannot be separated from a cause")
@@ -144,6 +161,13 @@ def fit_noise(
     return NoiseModel(
         mean, sd, count, floor, relative, between, gain, free, setups, tuple(notes)
     )  # fmt: skip
+
+
+def _setup_shares(condition: Index, block: Index, count: Index) -> Array:
+    """Share of each condition's trials in each set-up, shape (m, set-ups)."""
+    shares = np.zeros((len(count), int(block.max()) + 1))
+    np.add.at(shares, (condition, block), 1.0)
+    return np.asarray(shares / count[:, None])
 
 
 def completed(block: Index | None) -> Index | None:

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cli.json_text import json_text
 from stickslip.diagnosis.channels import Sketch
 from stickslip.diagnosis.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.engine import Diagnosis
@@ -23,6 +22,7 @@ from stickslip.diagnosis.standing import set_members
 from stickslip.diagnosis.summary import Source, details, further, gain_unit, summary
 from stickslip.errors import ScenarioError
 from stickslip.files import replacing
+from stickslip.json_text import json_text
 from stickslip.keys import known_keys
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario import Scenario
@@ -160,6 +160,7 @@ def page_text(
         report=full,
         meanings={each.name: each.meaning for each in found.problem.causes},
         units={short(each.name): each.unit for each in found.problem.parameters},
+        downward={short(each.name) for each in found.problem.parameters if each.downward},
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
         simulated=examination.simulator is not None,
         held="readings" if examination.combined.channels and not conditions else "conditions",

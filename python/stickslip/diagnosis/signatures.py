@@ -339,9 +339,9 @@ def classes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
 def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> dict[str, float]:
     """95 % upper limit of the magnitude of every parameter of a cause, in its own unit.
 
-    From the responses that were simulated, each as if it grew with the amplitude, up to three times
-    and down to a third of its own. A parameter that these data cannot see is bounded by its
-    physical range.
+    Of one that acts as it falls, the lowest value that it could have. From the responses that were
+    simulated, each as if it grew with the amplitude, up to three times and down to a third of its
+    own. A parameter that these data cannot see is bounded by its physical range.
     """
     bounds = {}
     for index, cause in enumerate(problem.causes):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.fits import Fit
-from stickslip.diagnosis.rivals import ADEQUATE, adequacy
-from stickslip.diagnosis.verdict import MARGIN
+from stickslip.diagnosis.verdict import MARGIN, next_best
 
 _SINGLES, _PAIRS = 7, 5
 
@@ -55,14 +54,5 @@ def runner_up(found: Diagnosis) -> str:
             f"{len(found.problem.observed)} observables (recalibrated: {null.chi2:.0f})"
         )
     claimed = {fit.name for fit in set_members(found)}
-    second = max(
-        [null, *(fit for fit in fits if fit.name not in claimed)],
-        key=lambda fit: fit.priced_evidence,
-    )
-    name = "no cause at all" if second is null else second.name
-    lead = verdict.fit.priced_evidence - second.priced_evidence
-    if lead < 0.0:
-        adequate = adequacy(found.problem, second) >= ADEQUATE
-        said = f"{name} leads by {-lead:.1f} in log-evidence"
-        return said if adequate else f"{said}, but does not explain the data"
-    return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
+    others = [fit for fit in fits if fit.name not in claimed]
+    return next_best(found.problem, verdict.fit, null, others)

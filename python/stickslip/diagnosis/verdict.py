@@ -177,15 +177,19 @@ def _decided(
     reasons = _doubts(problem, null, best, helps)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
-    return Verdict("named", (best.name,), best, (_lead(ranking, best),), chance)
+    others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
+    return Verdict("named", (best.name,), best, (next_best(problem, best, null, others),), chance)
 
 
-def _lead(ranking: Ranking, best: Fit) -> str:
-    null = ranking.null
-    others = [null, *(fit for fit in ranking.singles if fit is not best)]
-    second = max(others, key=lambda fit: fit.log_evidence)
+def next_best(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> str:
+    """How the best of the others stands to what is said, after the price of a second cause."""
+    second = max([null, *others], key=lambda fit: fit.priced_evidence)
     name = "no cause at all" if second is null else second.name
-    lead = best.log_evidence - second.log_evidence
+    lead = said.priced_evidence - second.priced_evidence
+    if lead < 0.0:
+        leads = f"{name} leads by {-lead:.1f} in log-evidence"
+        explains = adequacy(problem, second) >= ADEQUATE
+        return leads if explains else f"{leads}, but does not explain the data"
     return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
 
 
@@ -237,7 +241,13 @@ def _without_single(
     adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
     if not adequate or adequate[0].log_evidence < best_single.log_evidence + PAIR_PRICE:
         reason = "no single cause and no pair brings the misfit down to the noise"
-        if adequate:
+        enough = [fit for fit in ranking.singles if adequacy(problem, fit) >= ADEQUATE]
+        if enough:
+            reason = (
+                f"{enough[0].name} brings the misfit down to the noise, but is less likely than "
+                f"{best_single.name}, which does not"
+            )
+        elif adequate:
             reason = "no single cause is adequate, and a pair leads by too little to be claimed"
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
