@@ -56,12 +56,12 @@ def write_table(path, columns):
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_films(folder, changes, rate, seed, exposure=3e-4):
-    """A measurement of the true robot with `changes`, both ways, each with a camera of its own."""
+def write_films(folder, changes, rate, seed, exposure=3e-4, ways=("+x", "-x")):
+    """A measurement of the true robot with `changes`, each way with a camera of its own."""
     (folder / "nominal.toml").write_text(NOMINAL)
     random = np.random.default_rng([seed, 1])
     text = HEAD
-    for number, way in enumerate(("+x", "-x")):
+    for number, way in enumerate(ways):
         draw = random.standard_normal(3)
         camera = Camera(exposure, 2e-4 * draw[0], 0.01 * draw[1], 1.0 + 0.005 * draw[2])
         drive = {"drive.direction": way}

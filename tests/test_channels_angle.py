@@ -68,13 +68,16 @@ def channel(path):
 @pytest.mark.parametrize("repeats", [1, 3])
 def test_a_misaligned_magnet_is_named(tmp_path, seed, repeats):
     path = laboratory(tmp_path, {"effects.misalignment.angle": 0.1}, seed, repeats)
-    found = diagnose(read_measurement(path), seed=seed).found
+    examination = diagnose(read_measurement(path), seed=seed)
+    found = examination.found
     assert (found.verdict.word, found.verdict.causes) == ("named", ("misalignment",))
     angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
     # Fourteen fields tilt it. Curvature makes the noise look larger where nothing was repeated.
     assert angle["sd"] < DEGREE * (2.5 / math.sqrt(14) if repeats == 3 else 1.0)
     assert found.gain.mae_after < found.gain.mae_before
+    (sketch,) = examination.sketches()
+    assert np.flatnonzero(sketch.numbers["held_out"]).tolist() == found.gain.held_out.tolist()
 
 
 def test_nothing_is_found_where_nothing_is(tmp_path):
@@ -127,6 +130,7 @@ def test_velocities_and_angles_together(tmp_path):
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
     (sketch,) = examination.sketches()
     assert sketch.numbers["rms_extended"] < 2 * DEGREE < sketch.numbers["rms_recalibrated"]
+    assert not any(sketch.numbers["held_out"])  # only conditions are, where there are velocities
 
 
 def test_predictions_are_those_of_the_core_with_its_keys(tmp_path):

@@ -7,9 +7,11 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
+from stickslip.coils import COIL_NAMES
 from stickslip.diagnosis.channels import find_channels
 from stickslip.diagnosis.examination import diagnose
 from stickslip.diagnosis.parameters import extended_parameters
+from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1
@@ -73,6 +75,9 @@ def test_a_clamp_that_is_stronger_than_thought_is_named(tmp_path, seed):
     (sketch,) = examination.sketches()
     assert sketch.numbers["rms_extended"] < 1.2 * NOISE < sketch.numbers["rms_recalibrated"]
     assert found.gain.mae_after < found.gain.mae_before
+    # Of each reading that is held out all three components are.
+    held_out = np.repeat(sketch.numbers["held_out"], 3)
+    assert np.flatnonzero(held_out).tolist() == found.gain.held_out.tolist()
 
 
 def test_a_field_that_no_coil_makes_is_named(tmp_path):
@@ -199,12 +204,56 @@ def test_a_dirty_table_gives_the_same_verdict(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("column", "factor", "said"), [("Bx", 1e4, "mT"), ("x", 1e3, "mm"), ("z", 1e6, "mm")]
+    ("column", "factor", "said"),
+    [
+        ("Bx", 1e4, "mT"),
+        ("x", 1e3, "mm"),
+        ("z", 1e6, "mm"),
+        ("clamp", 1e3, "2000 A in column clamp"),
+    ],
 )
 def test_a_table_in_other_units_is_refused_with_the_reason(tmp_path, column, factor, said):
     rows = probed()
     rows[:, COLUMNS.index(column)] *= factor
     refused(stickslip("diagnose", write(tmp_path, rows)), said)
+
+
+@pytest.mark.parametrize(
+    ("columns", "factor", "said"),
+    [
+        (("xp",), 1e3, "2000 A in column xp"),
+        (("clamp",), 1e3, "2000 A in column clamp"),
+        (("ym", "clamp"), 1e3, "2000 A in column"),
+        (COIL_NAMES, 1e3, "2000 A in column"),
+        (COIL_NAMES, 1e-3, "0.002 A in column"),
+    ],
+)
+def test_currents_in_a_unit_that_is_wrong_by_1000_are_refused(tmp_path, columns, factor, said):
+    rows = probed(in_plane=-0.2, clamp=0.3, ambient=(5e-5, 0.0))
+    rows[:, [COLUMNS.index(name) for name in columns]] *= factor
+    with pytest.raises(ScenarioError, match=f"{said}.*; allowed is .*wrong by 1000$"):
+        channel(write(tmp_path, rows))
+
+
+@pytest.mark.parametrize(
+    "coils",
+    [
+        {"in_plane": -2.0, "clamp": -0.5},  # reversed, and half as strong
+        {"clamp": -1.0},  # a coil that is not connected
+        {"ambient": (2e-3, 1e-3)},  # as strong as the coils
+    ],
+)
+def test_odd_coils_are_not_taken_for_a_wrong_unit(tmp_path, coils):
+    assert len(channel(write(tmp_path, probed(**coils))).fields) == len(ROWS)
+
+
+@pytest.mark.parametrize("mismatch", [0.0, 0.1])
+def test_coils_that_work_against_each_other_are_not_taken_for_a_wrong_unit(tmp_path, mismatch):
+    # 0.1 mm from the centre opposed coils leave 0.4 % of each field.
+    currents = np.outer(np.linspace(-2.0, 2.0, 9), [1.0, -1.0, 0.0, 0.0, 0.0])
+    place = np.tile([1e-4, 0.0, 0.0], (len(currents), 1))
+    field = Coils().field(place, currents * [1.0 + mismatch, 1.0, 1.0, 1.0, 1.0])
+    assert len(channel(write(tmp_path, np.hstack([currents, place, field]))).fields) == 9
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ from command_line import stickslip
 from films import NOISE, ROBOT, TRUE, film, tracking_run, write_films, write_table
 from reference import simulate_reference
 from report_page import without_pictures
-from stickslip import Scenario, Waveform
+from stickslip import Scenario, Waveform, simulate_batch
+from stickslip.diagnosis import examination
 from stickslip.diagnosis.channels.camera import Camera, noisy, record
 from stickslip.diagnosis.channels.contact_balance import Balance, Kinematics
 from stickslip.diagnosis.channels.folding import fold
@@ -20,6 +21,8 @@ from stickslip.diagnosis.channels.tracking import TrackingChannel, find_tracking
 from stickslip.diagnosis.channels.tracking_sketch import traces
 from stickslip.diagnosis.channels.tracking_words import field_chain_clean, view_lines
 from stickslip.diagnosis.examination import diagnose
+from stickslip.diagnosis.library import library
+from stickslip.diagnosis.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tracking import TrackingRun
@@ -352,6 +355,58 @@ def test_a_run_that_says_too_little_is_left_out_and_the_others_go_on(tmp_path, f
     assert "no row is sound" in said
 
 
+ALL = ("x", "theta", "z", "current_x", "current_clamp")
+
+
+@pytest.fixture(scope="module")
+def full_frames():
+    return film(TRUE, Camera(3e-4), 1000.0, 0, names=ALL)
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3])
+@pytest.mark.parametrize(
+    ("column", "verb", "whose", "unit"),
+    [
+        ("z", "spans", "theta and the stated size of the robot", "m"),
+        ("current_x", "reaches", "sends through coil xp", "A"),
+        ("current_clamp", "reaches", "sends through coil clamp", "A"),
+    ],
+)
+def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
+    tmp_path, full_frames, factor, column, verb, whose, unit
+):
+    wrong = {**full_frames, column: factor * full_frames[column]}
+    with pytest.raises(ScenarioError) as error:
+        read_measurement(write(tmp_path, a=wrong))
+    said = str(error.value)
+    assert f"a.csv: the run is left out: {column} {verb} about " in said
+    assert f" {unit}; allowed is 0.02 to 50 times), so a column may be in a unit" in said
+    assert whose in said
+    assert "\n" not in said
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        {},
+        {"mode": "OPP"},
+        {"direction": "-x"},
+        {"hold": 0.0},  # nothing but noise through the clamp coil
+        {"frequency": 150.0},  # currents lag
+    ],
+)
+def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):
+    changes = {f"drive.{key}": value for key, value in drive.items()}
+    frames = film({**TRUE, **changes}, Camera(3e-4), 1000.0, 0, names=ALL)
+    frames["z"] += 0.02  # its origin is anywhere
+    frames["z"][70] = 0.0  # lost for a frame
+    entries = ", ".join(f"{key} = {json.dumps(v)}" for key, v in drive.items())
+    toml = TOML.replace("{ frequency = 30.0 }", f"{{ {entries} }}")
+    found = read_measurement(write(tmp_path, toml, a=frames))
+    assert found.left_out == ()
+    assert len(found.tracking) == 1
+
+
 @pytest.mark.parametrize(("rate", "frames"), [(1000.0, slice(150, 175)), (70.0, slice(None))])
 def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
     run = tracking_run({}, rate, 1)
@@ -360,7 +415,8 @@ def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
     left = whitened(channel)
     assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
     assert (channel.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
-    assert channel.sketches(NAMES, VALUES[0], None)[0].lines
+    held_out = np.zeros(len(channel.observed), dtype=bool)
+    assert channel.sketches(NAMES, VALUES[0], None, held_out)[0].lines
 
 
 def test_where_nothing_sound_is_left_there_is_one_line(tmp_path, frames):
@@ -387,6 +443,7 @@ def test_a_tilt_is_found_in_films_of_both_directions(tmp_path):
     full = json.loads((tmp_path / "found" / "report.json").read_text())
     titles = list(full["channels"])
     assert titles[:2] == ["Tracking of run0.csv", "Tracking of run1.csv"]
+    assert [full["channels"][title]["held_out"] for title in titles[:2]] == [False, True]
     both = full["channels"]["run0.csv and run1.csv: forward and reversed"]
     assert both["advance_sum"] > 10 * both["advance_sum_sd"]
     advance = full["channels"][titles[0]]["advance"]
@@ -403,3 +460,41 @@ def test_aliased_films_of_the_plain_robot_name_nothing(tmp_path):
     found = diagnose(measurement).found
     assert found.verdict.word == "none"
     assert found.detection.p_value > 0.05
+
+
+def test_a_film_of_one_way_and_velocities_of_the_other_are_one_diagnosis(tmp_path, monkeypatch):
+    # What helps the robot one way hinders it the other; of either alone the constants can make up
+    # for most. Three causes are enough to choose from.
+    some = ("surface_tilt", "friction_anisotropy", "field_gain")
+    monkeypatch.setattr(
+        examination, "library", lambda *a: tuple(each for each in library(*a) if each.name in some)
+    )
+    hidden = {"effects.surface_tilt.angle": 0.04}
+    path = write_films(tmp_path, hidden, 300.0, seed=4, ways=["+x"])
+    robot = ROBOT.replace({**TRUE, **hidden, "drive.direction": "-x"})
+    paces = (30.0, 40.0, 50.0, 60.0)
+    runs = simulate_batch([robot.replace({"drive.frequency": f}) for f in paces])
+    random = np.random.default_rng(4)
+    lines = ["direction,frequency,trial,velocity"]
+    for f, run in zip(paces, runs, strict=True):
+        for trial in range(3):
+            velocity = run.mean_velocity * (1 + 0.02 * random.standard_normal())
+            lines.append(f"-x,{f},{trial},{velocity!r}")
+    (tmp_path / "velocity.csv").write_text("\n".join(lines) + "\n")
+    film = path.read_text()
+    head, _, _ = film.partition("[[tracking]]")
+    table = '\n[[velocity]]\nfile = "velocity.csv"\n'
+
+    def found(text):
+        path.write_text(text)
+        return diagnose(read_measurement(path)).found
+
+    for text in (film, head + table):
+        assert found(text).detection.p_value > 0.01
+    both = found(film + table)
+    assert (both.verdict.word, both.verdict.causes) == ("named", ("surface_tilt",))
+    angle = extended_parameters(both)["effects.surface_tilt.angle"]
+    assert abs(angle["value"] - 0.04) < 3 * angle["sd"] < 0.01
+    # Velocities are held out, and the frames are none of them.
+    assert len(both.noise.mean) == len(paces)
+    assert len(both.problem.observed) > len(paces) + 20

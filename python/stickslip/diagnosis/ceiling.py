@@ -46,6 +46,7 @@ def smooth_ceiling(problem: Problem, null: Fit, settings: Settings) -> float:
     ----------
     problem : Problem
     null : Fit
+        The recalibrated model.
     settings : Settings
     """
     n, size = len(settings.numbers), len(null.residual)

@@ -30,6 +30,26 @@ def data_problem(
 
     Few trials, or trials without repeats, are no trouble where they do not stand alone: other data
     can tell causes apart.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Trials, in the observable's unit.
+    index : ndarray of int, shape (n,)
+        Of each trial's condition, 0 to m - 1, none missing.
+    noise : NoiseModel
+        Of these trials.
+    order : array_like, shape (n,), optional
+        Place of each trial in time; NaN where it is not known.
+    block : ndarray of int, shape (n,), optional
+        Index of each trial's set-up; -1 where it is not known.
+    alone : bool
+        Whether there are no other data.
+
+    Returns
+    -------
+    str, optional
+        A reason in words.
     """
     if np.all(values == 0.0):
         return "every reading is zero: nothing moved, so nothing can be told apart"

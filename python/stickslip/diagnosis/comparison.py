@@ -41,7 +41,20 @@ _LEADERS = 2
 
 @dataclass(frozen=True)
 class Base:
-    """The recalibrated model, with errors that hold where it stands, and what is left of it."""
+    """The recalibrated model, with errors that hold where it stands, and what is left of it.
+
+    Attributes
+    ----------
+    problem : Problem
+        With these errors.
+    covariance : ndarray, shape (m, m)
+        Of the data and of the model's own scatter.
+    roughness : ndarray, shape (m,)
+        Standard deviation of that scatter, in the observable's unit.
+    null : Fit
+    signatures : Signatures
+    detection : Detection
+    """
 
     problem: Problem
     covariance: Array
@@ -72,6 +85,10 @@ def examine(problem: Problem, bare: Array, null: Fit, seed: int) -> Base:
     null : Fit
         The recalibrated model.
     seed : int
+
+    Returns
+    -------
+    Base
     """
     roughness = model_roughness(problem, null, seed)
     covariance = bare + np.diag(roughness**2)
@@ -92,12 +109,14 @@ def compare(
     Parameters
     ----------
     base : Base
+        From `examine`.
     bare : ndarray, shape (m, m)
         Covariance of the data alone.
     found : Recalibration
+        What `recalibrate` gave.
     seed : int
     say : callable
-        Told of the progress.
+        ``say(fraction, stage)`` is told the fraction that is done and what comes next.
 
     Returns
     -------

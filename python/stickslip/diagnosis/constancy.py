@@ -48,8 +48,12 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, NDArray[np.int6
     null : Fit
         Of all conditions.
     parts : dict
-        Conditions of each part, complementary ones one after the other; where one of two has fewer
-        than four, both are left out.
+        Indices of the conditions of each part, complementary ones one after the other; where one of
+        two has fewer than four, both are left out.
+
+    Returns
+    -------
+    list of Part
     """
     covariance = np.asarray(np.linalg.inv(problem.whiten.T @ problem.whiten), dtype=float)
     found = []

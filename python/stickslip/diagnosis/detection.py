@@ -68,7 +68,22 @@ def lack_of_fit_p(chi2: float, free: int, dof: float) -> float:
 
 
 def detect(problem: Problem, null: Fit, signatures: Signatures, seed: int) -> Detection:
-    """Test the recalibrated model `null`."""
+    """Test the recalibrated model: is anything left of the data?
+
+    Parameters
+    ----------
+    problem : Problem
+    null : Fit
+        The recalibrated model.
+    signatures : Signatures
+        About it, of the causes that the score looks for; there may be none.
+    seed : int
+        Of the draws of pure noise.
+
+    Returns
+    -------
+    Detection
+    """
     m, p = len(problem.observed), problem.base_count
     random = np.random.default_rng([seed, 11])
     directions = signatures.directions()

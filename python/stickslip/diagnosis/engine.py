@@ -108,6 +108,12 @@ class Diagnosis:
     notes: tuple[str, ...]
     seed: int
 
+    @property
+    def held_out(self) -> NDArray[np.bool_]:
+        """Which of the problem's observables were held out for the gain, shape (m,)."""
+        rows = () if self.gain is None else self.gain.held_out
+        return np.isin(np.arange(len(self.problem.observed)), rows)
+
 
 def diagnose_model(
     predict: Predict,

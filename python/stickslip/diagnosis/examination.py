@@ -80,13 +80,15 @@ class Examination:
         problem, fit = self.found.problem, self.found.verdict.fit
         null = problem.physical(self.found.null.x[None, :])[0]
         extended = None if fit is None else problem.physical(fit.x[None, :])[0]
+        held_out, end = self.found.held_out, len(self.conditions)
         drawn = []
         for number, channel in enumerate(self.combined.channels):
+            start, end = end, end + len(channel.observed)
             names, before = self.combined.sketch_arguments(number, null)
             after = None
             if extended is not None:
                 after = self.combined.sketch_arguments(number, extended)[1]
-            drawn += channel.sketches(names, before, after)
+            drawn += channel.sketches(names, before, after, held_out[start:end])
         return drawn
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,9 +59,7 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], give
     sd = np.sqrt(np.diag(found.noise.covariance))[:m] * 1e3
     models = _models(found, m)
     known = found.noise.dof > 0.0
-    held = np.zeros(m, dtype=bool)
-    if found.gain is not None:
-        held[found.gain.held_out] = True
+    held = found.held_out[:m]
     words = np.array([panel(each) for each in conditions])
     frequency = np.array([float(each["drive.frequency"]) for each in conditions])
     panels = list(dict.fromkeys(words.tolist()))
@@ -79,12 +77,10 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], give
         for k, (settings, indices) in enumerate(kinds.items()):
             have = np.isin(np.arange(m), indices)
             label = settings if k else ", ".join(filter(None, (measured, settings)))
-            for face, group, title in (("k", ~held, label), ("w", held, "held out for the gain")):
-                chosen = mine & have & group
-                if chosen.any():
-                    above.errorbar(frequency[chosen], observed[chosen],
-                                   2 * sd[chosen] if known else None, fmt=_MARKERS[k],
-                                   color="k", mfc=face, ms=4, label=title)  # fmt: skip
+            chosen = mine & have
+            bars = 2 * sd[chosen] if known else None
+            _measured(above, frequency[chosen], observed[chosen], bars, held[chosen], _MARKERS[k],
+                      label)  # fmt: skip
         above.plot(frequency[mine], given[mine] * 1e3, "x", color=_GREY, ms=5,
                    label="scenario as given")  # fmt: skip
         for (name, row), colour in zip(models.items(), (_BLUE, _ORANGE), strict=False):
@@ -95,14 +91,36 @@ def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], give
         below.set_xlabel("frequency (Hz)")
     frames[0, 0].set_ylabel("mean velocity (mm/s)")
     frames[1, 0].set_ylabel("residual / sd")
-    legend: dict[str, Any] = {}
-    for frame in frames[0]:
-        for handle, label in zip(*frame.get_legend_handles_labels(), strict=True):
-            legend.setdefault(label, handle)
+    legend = _legend(frames[0])
     columns = 2 if len(panels) < 3 else 5 if len(kinds) == 1 else 3
     figure.legend(legend.values(), legend.keys(), loc="outside upper center", ncols=columns,
                   fontsize=10, frameon=False)  # fmt: skip
     return png(figure)
+
+
+def _measured(
+    frame: Any,
+    place: Array,
+    data: Array,
+    bars: Array | None,
+    held_out: NDArray[np.bool_],
+    marker: str,
+    label: str,
+) -> None:
+    """Readings, hollow where they were held out; shape (m,) each."""
+    for face, chosen, title in (("k", ~held_out, label), ("w", held_out, "held out for the gain")):
+        if chosen.any():
+            frame.errorbar(place[chosen], data[chosen], None if bars is None else bars[chosen],
+                           fmt=marker, color="k", mfc=face, ms=4, label=title)  # fmt: skip
+
+
+def _legend(frames: Iterable[Any]) -> dict[str, Any]:
+    """What is drawn by its label, each label once."""
+    legend: dict[str, Any] = {}
+    for frame in frames:
+        for handle, label in zip(*frame.get_legend_handles_labels(), strict=True):
+            legend.setdefault(label, handle)
+    return legend
 
 
 def _models(found: Diagnosis, m: int) -> dict[str, Array]:
@@ -143,6 +161,7 @@ def against_model(
     sd: Array,
     recalibrated: Array,
     extended: Array | None,
+    held_out: NDArray[np.bool_],
     words: tuple[str, str],
     names: Sequence[str] = ("",),
     joined: bool = True,
@@ -154,6 +173,8 @@ def against_model(
     place : ndarray, shape (m,)
         Along the abscissa, ascending.
     observed, sd, recalibrated, extended : ndarray, shape (m,) or (m, series)
+    held_out : ndarray of bool, shape (m,)
+        Readings that were held out for the gain; they are hollow.
     words : tuple of str
         Below and beside the axes, with units.
     names : sequence of str
@@ -169,17 +190,17 @@ def against_model(
     data, bars = observed.reshape(-1, width), sd.reshape(-1, width)
     for k, (name, marker) in enumerate(zip(names, _MARKERS, strict=False)):
         title = f"measured {name} (2 sd)".replace("  ", " ")
-        above.errorbar(place, data[:, k], 2 * bars[:, k], fmt=marker, color="k", ms=4, label=title)
+        _measured(above, place, data[:, k], 2 * bars[:, k], held_out, marker, title)
         for values, model, colour in rows:
             line = values.reshape(-1, width)[:, k]
-            label = None if k else model
-            above.plot(place, line, "-_" if joined else "_", color=colour, lw=1, ms=12, label=label)
+            above.plot(place, line, "-_" if joined else "_", color=colour, lw=1, ms=12, label=model)
             below.plot(place, (data[:, k] - line) / bars[:, k], marker, color=colour, ms=3)
     below.axhspan(-2, 2, color="#dddddd", zorder=0)
     above.set_ylabel(words[1])
     below.set_ylabel("residual / sd")
     below.set_xlabel(words[0])
-    above.legend(fontsize=8, frameon=False)
+    legend = _legend([above])
+    above.legend(legend.values(), legend.keys(), fontsize=8, frameon=False)
     return png(figure)
 
 

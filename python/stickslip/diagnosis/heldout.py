@@ -167,6 +167,12 @@ def measure_gain(
     rivals : list of Fit
         Others that could have been chosen.
     seed : int
+        Of the bootstrap.
+
+    Returns
+    -------
+    Gain, optional
+        None, if nothing is held out.
     """
     if not len(held_out):
         return None

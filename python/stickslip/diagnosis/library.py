@@ -114,7 +114,7 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tu
 
 
 def _unsized(key: Key) -> CauseParameter:
-    """A parameter of a user's own effect, of which only the range is known."""
+    """A parameter without a row above, as of a user's own effect: only its range is known."""
     absent = float(key.default)
     scale = max(key.high - absent, absent - key.low) / _RANGE_SHARE
     return CauseParameter(key.name, key.unit, key.low, key.high, scale, absent)

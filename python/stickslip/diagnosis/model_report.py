@@ -88,6 +88,7 @@ def _sketch(found: Diagnosis, place: Array, labels: tuple[str, str]) -> Sketch:
             sd[order],
             models["recalibrated"][order],
             None if extended is None else extended[order],
+            found.held_out[:m][order],
             labels,
             joined=False,
         )

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.conditions import Conditions
+from stickslip.measurement.sizes import far_off
 
 Array = NDArray[np.float64]
 
-_SMALLEST = 0.02
 _OPPOSITE = -0.8
 _REVERSED = 3
 
@@ -22,15 +22,9 @@ def wrong_size(predicted: Array, velocity: Array) -> str | None:
     usual, measured = (float(np.median(np.abs(each[sound]))) for each in (predicted, velocity))
     if usual == 0.0 or measured == 0.0:
         return None
-    ratio = measured / usual
-    if not _SMALLEST < ratio < 1.0 / _SMALLEST:
-        unit = ""
-        if 0.1 < ratio / 1e3 < 10.0 or 0.1 < ratio * 1e3 < 10.0:
-            unit = ", so a column may be in a unit that is wrong by 1000"
-        return (
-            f"the velocities are about {ratio:.3g} times what the stated model gives "
-            f"({measured:.3g} against {usual:.3g} m/s){unit}"
-        )
+    far = far_off(measured, usual, "m/s", "what the stated model gives")
+    if far is not None:
+        return f"the velocities are {far}"
     likeness = float(predicted[sound] @ velocity[sound])
     likeness /= float(np.linalg.norm(predicted[sound]) * np.linalg.norm(velocity[sound]))
     if likeness < _OPPOSITE:

@@ -71,7 +71,18 @@ class _Line:
 
 
 def profile(problem: Problem, fit: Fit) -> list[Profile]:
-    """Profiles of all parameters of the causes of a fit, freed constants among them."""
+    """Profiles of all parameters of the causes of a fit, freed constants among them.
+
+    Parameters
+    ----------
+    problem : Problem
+    fit : Fit
+
+    Returns
+    -------
+    list of Profile
+        Of those that say how strong a cause is, not how it looks.
+    """
     return [_profile(fit, each, line) for each, line in _lines(problem, fit)]
 
 

@@ -59,6 +59,10 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     problem : Problem
     seed : int
         Of the scans.
+
+    Returns
+    -------
+    Recalibration
     """
     count = _SCAN if problem.base_count > 1 else 32
     scanned = scan(problem.tempered(SOFTEST), make_rival(problem), count, seed)

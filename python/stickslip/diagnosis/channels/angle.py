@@ -74,7 +74,11 @@ class AngleChannel:
         return _core.static_tilts(self._base, list(names), parameters, self.fields)
 
     def sketches(
-        self, names: Sequence[str], recalibrated: Array, extended: Array | None
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
     ) -> list[Sketch]:
         """Angles against the field, with both models."""
         from stickslip.diagnosis.figures import against_model
@@ -91,6 +95,7 @@ class AngleChannel:
             np.degrees(self.sd[order]),
             np.degrees(before[order]),
             None if after is None else np.degrees(after[order]),
+            held_out[order],
             (f"{('Bx', 'Bz')[component]} (mT)", "theta (degrees)"),
             joined=bool(np.ptp(other) <= 1e-3 * np.ptp(varied)),
         )
@@ -117,6 +122,7 @@ class AngleChannel:
             "sd": self.sd.tolist(),
             "recalibrated": before.tolist(),
             "extended": None if after is None else after.tolist(),
+            "held_out": held_out.tolist(),
             "rms_recalibrated": math.radians(error[0]),
             "rms_extended": None if after is None else math.radians(error[1]),
         }

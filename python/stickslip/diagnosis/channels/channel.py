@@ -73,7 +73,14 @@ class Channel(Protocol):
         ...
 
     def sketches(
-        self, names: Sequence[str], recalibrated: Array, extended: Array | None
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
     ) -> list[Sketch]:
-        """Parts of the report for two vectors of values, shape (names,)."""
+        """Parts of the report for two vectors of values, shape (names,).
+
+        `held_out`, shape (k,), says which observables were held out for the gain.
+        """
         ...

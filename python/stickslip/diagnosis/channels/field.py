@@ -15,6 +15,7 @@ from stickslip.diagnosis.channels.field_noise import estimate, far_rows
 from stickslip.diagnosis.channels.repeats import merge
 from stickslip.diagnosis.model import Uncertain
 from stickslip.errors import ScenarioError
+from stickslip.measurement.sizes import far_off
 from stickslip.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -39,7 +40,7 @@ class FieldChannel:
     Raises
     ------
     ScenarioError
-        If the table is in other units, or no probe is off the wires.
+        If a column is in another unit, or no probe is off the wires.
     """
 
     name = "field"
@@ -55,7 +56,9 @@ class FieldChannel:
             raise ScenarioError(f"{title}: every probe lies on the wire of a coil")
         settings, fields = settings[off], fields[off]
         count = len(COIL_NAMES)
-        far = far_rows(self._model(settings, scenario).nominal, fields)
+        shares = self._model(settings, scenario).nominal
+        far = far_rows(shares, fields)
+        _refuse_currents(settings[~far, :count], shares[~far], fields[~far], title)
         merged = merge(settings[~far], fields[~far])
         self.model = self._model(merged.settings, scenario)
         self.fields = merged.mean
@@ -85,27 +88,33 @@ class FieldChannel:
         return self.model(names, parameters).reshape(len(parameters), -1)
 
     def sketches(
-        self, names: Sequence[str], recalibrated: Array, extended: Array | None
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
     ) -> list[Sketch]:
         """Fields of all rows, with both models."""
         from stickslip.diagnosis.figures import against_model
 
         before = self.predict(names, recalibrated[None, :])[0]
         after = None if extended is None else self.predict(names, extended[None, :])[0]
+        held = held_out[::3]
         picture = against_model(
             np.arange(1, len(self.fields) + 1, dtype=float),
             self.observed * 1e3,
             self.sd * 1e3,
             before * 1e3,
             None if after is None else after * 1e3,
+            held,
             ("row, by currents and place", "field (mT)"),
             _FIELD,
             joined=False,
         )
-        error = [float(np.sqrt(np.mean((self.observed - before) ** 2)))]
+        error = [_rms(self.observed - before)]
         said = f"The recalibrated model misses these fields by {error[0] * 1e6:.3g} uT"
         if after is not None:
-            error.append(float(np.sqrt(np.mean((self.observed - after) ** 2))))
+            error.append(_rms(self.observed - after))
             said += f", the extended one by {error[1] * 1e6:.3g} uT"
         largest = float(np.max(np.abs(self.observed)))
         numbers: dict[str, object] = {
@@ -115,11 +124,16 @@ class FieldChannel:
             "sd": self.sd.tolist(),
             "recalibrated": before.reshape(-1, 3).tolist(),
             "extended": None if after is None else after.reshape(-1, 3).tolist(),
+            "held_out": held.tolist(),
             "rms_recalibrated": error[0],
             "rms_extended": error[1] if after is not None else None,
         }
         line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
         return [Sketch(self.title, picture, (line,), numbers)]
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _rows(which: NDArray[np.bool_]) -> str:
@@ -143,6 +157,33 @@ def _refuse_units(table: Mapping[str, Array], title: str) -> None:
         raise ScenarioError(
             f"{title}: a place at {farthest:.4g} m; allowed is at most {_FARTHEST:.0f} m. "
             "If places are in mm, divide them by 1e3"
+        )
+
+
+def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) -> None:
+    """Refuse currents that could not make such fields in coils like the stated ones.
+
+    Parameters
+    ----------
+    currents : ndarray, shape (n, 5)
+        A.
+    shares : ndarray, shape (n, 5, 3)
+        Field of each coil with them, T.
+    fields : ndarray, shape (n, 3)
+        T.
+    """
+    read, made, most = map(_rms, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1)))
+    if read == 0.0 or most == 0.0:
+        return
+    # Fields of coils that work against each other may cancel less than they should.
+    usual = min(max(read, made), most)
+    far = far_off(read, usual, "T", "what the stated coils make of the currents")
+    if far is not None:
+        strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
+        largest = float(np.max(np.abs(currents[:, strongest])))
+        raise ScenarioError(
+            f"{title}: currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]}; "
+            f"the fields are {far}"
         )
 
 

@@ -171,12 +171,16 @@ class TrackingChannel:
         )
 
     def sketches(
-        self, names: Sequence[str], recalibrated: Array, extended: Array | None
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
     ) -> list[Sketch]:
         """The force view of this run, and of both directions with the last of them."""
         from stickslip.diagnosis.channels.tracking_sketch import draw
 
-        return draw(self, names, recalibrated, extended)
+        return draw(self, names, recalibrated, extended, bool(held_out.all()))
 
     @property
     def advance(self) -> tuple[float, float] | None:

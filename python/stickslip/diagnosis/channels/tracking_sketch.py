@@ -24,7 +24,11 @@ _BLUE, _ORANGE, _GREY = "#0072B2", "#D55E00", "#777777"
 
 
 def draw(
-    channel: TrackingChannel, names: Sequence[str], recalibrated: Array, extended: Array | None
+    channel: TrackingChannel,
+    names: Sequence[str],
+    recalibrated: Array,
+    extended: Array | None,
+    held_out: bool,
 ) -> list[Sketch]:
     """A sketch of one run; with the last run of a pair of directions, one of their difference."""
     view = force_view(channel, names, recalibrated)
@@ -34,11 +38,11 @@ def draw(
             "No view of forces: the drive has no phase to fold on, the frames are too few, or the "
             "recalibrated model does not simulate."
         )
-        return [Sketch(title, "", (line,), {})]
+        return [Sketch(title, "", (line,), {"held_out": held_out})]
     after = None if extended is None else force_view(channel, names, extended)
     advance = _advance(channel, names, recalibrated, None if after is None else extended)
     lines = [*advance_lines(advance), *view_lines(view, after)]
-    numbers = {"advance": advance, **_numbers(view, after)}
+    numbers = {"held_out": held_out, "advance": advance, **_numbers(view, after)}
     sketches = [Sketch(title, _figure(view, after), tuple(lines), numbers)]
     channel.last_view = view
     for other in channel.family[: channel.family.index(channel)]:
