@@ -9,5 +9,5 @@ COMMAND = [sys.executable, "-m", "stickslip"]
 def stickslip(*arguments, **options):
     """The finished process, with standard output and standard error as text."""
     return subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=60, **options
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
     )

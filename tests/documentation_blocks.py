@@ -32,6 +32,8 @@ _FENCE = re.compile(r"^( *)(`{3,})(.*)$")
 _FILE_NAME = re.compile(r"# ([\w.-]+\.(?:toml|csv))$")
 _COMMAND = (sys.executable, "-m", "stickslip")
 _SHOWN = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+# s; a whole diagnosis takes some 40 on two processors, and a loaded machine has less to give.
+_LIMIT = 300
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,7 @@ def _console(block: Block, folder: Path) -> None:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=60,
+            timeout=_LIMIT,
         )
         refused = expected.startswith("stickslip: ")
         if (result.returncode == 2) != refused or result.returncode not in (0, 2):

@@ -175,6 +175,9 @@ def test_one_effect_can_be_listed():
     assert text.startswith("[effects.surface_tilt]\n")
     assert text.count("[effects.") == 1
     assert "default 0.0" in text
+    (effect,) = (each for each in effects() if each.name == "surface_tilt")
+    # Lines may break between words and at hyphens.
+    assert "".join(text.split()).endswith("".join(f"source: {effect.source}".split()))
 
 
 def test_a_failed_simulation_exits_with_one(scenario):
@@ -196,6 +199,7 @@ def test_effects_lists_every_extension():
     assert [each["name"] for each in listed["effects"]] == [each.name for each in effects()]
     for each in listed["effects"]:
         assert f"[effects.{each['name']}]" in done.stdout
+        assert each["source"]
         for parameter in each["parameters"]:
             assert {"key", "unit", "low", "high", "default", "meaning"} <= set(parameter)
 

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model, engine
+from stickslip.diagnosis.engine import Known
 from stickslip.diagnosis.heldout import measure_gain
+from stickslip.diagnosis.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
 
@@ -89,6 +91,32 @@ def test_twins_are_one_isolability_class():
     found = diagnosis(0, {"split": 0.6})
     assert any({"split", "split_twin"} <= set(group) for group in found.classes)
     assert not any({"wave", "swell"} <= set(group) for group in found.classes)
+
+
+def test_trials_and_data_of_another_kind_have_to_have_one_cause():
+    # In one mode alone the constants make up for most of a split; they cannot in both.
+    half = SIZE // 2
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        level = truth({"split": 0.6}, random.standard_normal(4))
+        values, index = trials(level, random)
+        first, mean = index < half, np.bincount(index, values)[half:] / TRIALS
+        sd = 0.03 * level[half:] / math.sqrt(TRIALS)
+        both = diagnose_model(
+            predict, None, values[first], UNCERTAIN, CAUSES, condition=index[first], seed=seed,
+            also=Known(mean, np.diag(sd**2), np.arange(half)), source=["a"] * half + ["b"] * half,
+        )  # fmt: skip
+        alone = diagnose_model(
+            lambda _, p: predict(_, p)[:, :half], None, values[first], UNCERTAIN, CAUSES,
+            condition=index[first], seed=seed,
+        ), diagnose_model(
+            lambda _, p: predict(_, p)[:, half:], None, mean, UNCERTAIN, CAUSES, sd=sd, seed=seed
+        )  # fmt: skip
+        assert set(both.verdict.causes) == {"split", "split_twin"}
+        assert both.detection.p_value < 0.1 * min(each.detection.p_value for each in alone)
+        size = extended_parameters(both)["split.size"]
+        assert abs(size["value"] - 0.6) < 3.0 * size["sd"] < 0.3
+        assert np.all(both.gain.held_out < half)
 
 
 def test_two_causes_are_a_pair():
