@@ -1,4 +1,4 @@
-"""Tracking: observables and their errors, the force view, and what `diagnose` makes of films."""
+"""Films: observables and their errors, the force view, and what `diagnose` makes of them."""
 
 import json
 from dataclasses import replace
@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import norm
 
 from command_line import stickslip
-from films import NOISE, ROBOT, TRUE, film, tracking_run, write_films, write_table
+from films import NOISE, ROBOT, TRUE, film, tracking_run, write_films
 from reference import simulate_reference
 from report_page import without_pictures
 from stickslip import Scenario, Waveform, simulate_batch
@@ -17,13 +17,12 @@ from stickslip.diagnosis.channels.camera import Camera, noisy, record
 from stickslip.diagnosis.channels.contact_balance import Balance, Kinematics
 from stickslip.diagnosis.channels.folding import fold
 from stickslip.diagnosis.channels.force_view import force_view
-from stickslip.diagnosis.channels.tracking import TrackingChannel, find_tracking
+from stickslip.diagnosis.channels.tracking import TrackingChannel
 from stickslip.diagnosis.channels.tracking_sketch import traces
 from stickslip.diagnosis.channels.tracking_words import field_chain_clean, view_lines
 from stickslip.diagnosis.examination import diagnose
 from stickslip.diagnosis.library import library
 from stickslip.diagnosis.parameters import extended_parameters
-from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tracking import TrackingRun
 
@@ -161,6 +160,18 @@ def test_a_program_of_voltages_is_binned_in_time():
     assert force_view(channel, NAMES, VALUES[0]) is None
 
 
+@pytest.mark.parametrize(("rate", "frames"), [(1000.0, slice(150, 175)), (70.0, slice(None))])
+def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
+    run = tracking_run({}, rate, 1)
+    columns = {name: column[frames] for name, column in run.columns.items()}
+    channel = TrackingChannel(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
+    left = whitened(channel)
+    assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
+    assert (channel.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
+    held_out = np.zeros(len(channel.observed), dtype=bool)
+    assert channel.sketches(NAMES, VALUES[0], None, held_out)[0].lines
+
+
 # The force view.
 
 
@@ -266,166 +277,6 @@ def test_too_few_phases_are_said_and_not_drawn():
     assert view.sticking is None
     assert view.slipping is None
     assert "rates and forces need" in view_lines(view, None)[0]
-
-
-# Tables as they come.
-
-TOML = """stickslip_measurement = 1
-scenario = "nominal.toml"
-
-[[tracking]]
-file = "a.csv"
-frame_rate = 1000.0
-exposure = 3e-4
-drive = { frequency = 30.0 }
-"""
-
-
-def write(folder, toml=TOML, **tables):
-    (folder / "nominal.toml").write_text(
-        "stickslip = 1\n[drive]\nbase = 0.5e-3\nfrequency = 30.0\npulses = 12\n"
-    )
-    (folder / "m.toml").write_text(toml)
-    for name, columns in tables.items():
-        write_table(folder / f"{name}.csv", columns)
-    return folder / "m.toml"
-
-
-@pytest.fixture(scope="module")
-def frames():
-    return film(TRUE, Camera(3e-4), 1000.0, 0)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("frequency = 30.0", "frequency = -3", "a.csv: drive.frequency = -3"),
-        ("frequency = 30.0", "frequenzy = 3", 'did you mean "drive.frequency"'),
-        ("drive = { frequency = 30.0 }", "drive = 3", "a.csv: drive = 3"),
-        ("drive = { frequency = 30.0 }", 'drive = { file = "v.csv" }', "drive.file"),
-        ("frame_rate = 1000.0", "frame_rate = 0", "a.csv: frame_rate = 0"),
-        ("frame_rate = 1000.0", 'frame_rate = "fast"', "frame_rate"),
-        ("exposure = 3e-4", "exposure = 2e-3", "0.001 s"),
-        ("exposure = 3e-4", "exposure = -1", "exposure = -1"),
-        ("exposure = 3e-4", "noise_x = 0.0", "noise_x = 0.0"),
-        ("exposure = 3e-4", "noise_theta = nan", "noise_theta"),
-        ("exposure", "exposures", 'did you mean "exposure"'),
-        ("a.csv", "absent.csv", "absent.csv"),
-    ],
-)
-def test_a_bad_entry_is_one_line(tmp_path, frames, old, new, said):
-    path = write(tmp_path, TOML.replace(old, new), a=frames)
-    with pytest.raises(ScenarioError) as error:
-        read_measurement(path)
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)
-
-
-def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
-    random = np.random.default_rng(1)
-    kept = np.flatnonzero(random.random(len(frames["t"])) > 0.15)
-    dirty = {key: column[np.append(kept, kept[7])].copy() for key, column in frames.items()}
-    dirty["theta"][11] = np.nan
-    order = random.permutation(len(dirty["t"]))
-    dirty = {key: column[order] for key, column in dirty.items()}
-    dirty["current_x"] = np.full(len(order), np.nan)
-    dirty["z"] = np.where(random.random(len(order)) < 0.05, np.nan, 5e-5)
-    found = read_measurement(write(tmp_path, a=dirty))
-    (run,) = found.tracking
-    assert len(run.columns["t"]) == len(kept) - 1
-    assert np.all(np.diff(run.columns["t"]) > 0.0)
-    said = "\n".join(found.left_out)
-    for word in ("no number", "order of time", "repeat a time", "column z", "column current_x"):
-        assert word in said, said
-    (channel,) = find_tracking(found.tracking, 1)
-    assert "current_x is not used" in "\n".join(channel.left_out)
-    assert np.all(np.isfinite(channel.predict(NAMES, VALUES)))
-
-
-def test_a_run_that_says_too_little_is_left_out_and_the_others_go_on(tmp_path, frames):
-    few = {key: column[:160] for key, column in frames.items()}
-    degrees = {**frames, "theta": np.degrees(frames["theta"])}
-    tables = "".join(TOML.split("\n\n")[1].replace("a.csv", f"{name}.csv") for name in "bcd")
-    lost = {key: np.full(30, np.nan) for key in frames}
-    found = read_measurement(write(tmp_path, TOML + tables, a=frames, b=few, c=degrees, d=lost))
-    assert [run.file for run in found.tracking] == ["a.csv"]
-    said = "\n".join(found.left_out)
-    assert "10 sound frames" in said
-    assert "degrees where rad" in said
-    assert "no row is sound" in said
-
-
-ALL = ("x", "theta", "z", "current_x", "current_clamp")
-
-
-@pytest.fixture(scope="module")
-def full_frames():
-    return film(TRUE, Camera(3e-4), 1000.0, 0, names=ALL)
-
-
-@pytest.mark.parametrize("factor", [1e3, 1e-3])
-@pytest.mark.parametrize(
-    ("column", "verb", "whose", "unit"),
-    [
-        ("z", "spans", "theta and the stated size of the robot", "m"),
-        ("current_x", "reaches", "sends through coil xp", "A"),
-        ("current_clamp", "reaches", "sends through coil clamp", "A"),
-    ],
-)
-def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
-    tmp_path, full_frames, factor, column, verb, whose, unit
-):
-    wrong = {**full_frames, column: factor * full_frames[column]}
-    with pytest.raises(ScenarioError) as error:
-        read_measurement(write(tmp_path, a=wrong))
-    said = str(error.value)
-    assert f"a.csv: the run is left out: {column} {verb} about " in said
-    assert f" {unit}; allowed is 0.02 to 50 times), so a column may be in a unit" in said
-    assert whose in said
-    assert "\n" not in said
-
-
-@pytest.mark.parametrize(
-    "drive",
-    [
-        {},
-        {"mode": "OPP"},
-        {"direction": "-x"},
-        {"hold": 0.0},  # nothing but noise through the clamp coil
-        {"frequency": 150.0},  # currents lag
-    ],
-)
-def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):
-    changes = {f"drive.{key}": value for key, value in drive.items()}
-    frames = film({**TRUE, **changes}, Camera(3e-4), 1000.0, 0, names=ALL)
-    frames["z"] += 0.02  # its origin is anywhere
-    frames["z"][70] = 0.0  # lost for a frame
-    entries = ", ".join(f"{key} = {json.dumps(v)}" for key, v in drive.items())
-    toml = TOML.replace("{ frequency = 30.0 }", f"{{ {entries} }}")
-    found = read_measurement(write(tmp_path, toml, a=frames))
-    assert found.left_out == ()
-    assert len(found.tracking) == 1
-
-
-@pytest.mark.parametrize(("rate", "frames"), [(1000.0, slice(150, 175)), (70.0, slice(None))])
-def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
-    run = tracking_run({}, rate, 1)
-    columns = {name: column[frames] for name, column in run.columns.items()}
-    channel = TrackingChannel(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
-    left = whitened(channel)
-    assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
-    assert (channel.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
-    held_out = np.zeros(len(channel.observed), dtype=bool)
-    assert channel.sketches(NAMES, VALUES[0], None, held_out)[0].lines
-
-
-def test_where_nothing_sound_is_left_there_is_one_line(tmp_path, frames):
-    few = {key: column[:160] for key, column in frames.items()}
-    done = stickslip("diagnose", write(tmp_path, a=few), "--out", tmp_path / "found")
-    assert done.returncode == 2
-    assert len(done.stderr.splitlines()) == 1
-    assert "20 are needed" in done.stderr
-    assert not (tmp_path / "found").exists()
 
 
 # From films to a verdict.
