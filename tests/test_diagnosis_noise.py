@@ -153,11 +153,28 @@ def test_what_stands_still_tells_nothing_of_the_noise(setups):
         np.concatenate([others, still]),
         None if block is None else np.tile(np.arange(3), 26),
     )
-    assert (both.floor, both.relative, both.dof) == (moving.floor, moving.relative, moving.dof)
-    assert (both.between, both.between_gain) == (moving.between, moving.between_gain)
-    assert both.sd[still[::3]].tolist() == [moving.floor] * 6
-    assert both.sd[others[::3]].tolist() == moving.sd.tolist()
+    # The same sums with zeros among them, which may be rounded otherwise.
+    same = pytest.approx
+    assert both.dof == moving.dof
+    assert (both.floor, both.relative) == same((moving.floor, moving.relative), rel=1e-9)
+    assert (both.between, both.between_gain) == same((moving.between, moving.between_gain))
+    assert both.sd[still[::3]] == same(np.full(6, moving.floor), rel=1e-9)
+    assert both.sd[others[::3]] == same(moving.sd, rel=1e-9)
     assert both.mean[still[::3]].tolist() == [0.0] * 6
     assert both.count.tolist() == [3] * 26
     np.linalg.cholesky(both.covariance)
     assert both.setups.shape == (26, 3 if setups else 0)
+
+
+def test_where_too_little_moves_the_stated_error_counts():
+    # Of three degrees of freedom where something moves, and many where nothing does.
+    index = np.repeat(np.arange(9), 3)
+    values = np.zeros(27)
+    values[[0, 1, 2]] = 1e-3, 1.05e-3, 0.98e-3
+    values[[24, 25, 26]] = -2e-3, -2.1e-3, -0.0
+    noise = fit_noise(values, index, stated=0.05)
+    assert noise.dof == 4.0
+    lone = fit_noise(values[:24], index[:24], stated=0.05)
+    # A tenth of the error of what moves.
+    assert (lone.dof, lone.floor) == (math.inf, pytest.approx(0.1 * 0.05 * 1.01e-3))
+    assert lone.sd[1:].tolist() == [lone.floor] * 7

@@ -350,6 +350,24 @@ def test_set_ups_of_unlike_sizes_are_no_trouble():
     assert blamed <= 1
 
 
+def test_what_stands_still_hides_no_uneven_set_up_and_is_no_drift():
+    # More conditions stand still than move: medians over all of them would be theirs.
+    random = np.random.default_rng(14)
+    level = np.concatenate([np.linspace(1e-4, 1e-3, 60), np.zeros(80)])[:, None]
+    trials = level * (1.0 + 0.03 * random.standard_normal((140, 4)) * np.array([1, 1, 4, 1]))
+    assert "set-up 3" in _uneven(trials)
+    # Still conditions in a row at the end know nothing of time, and count as no degrees of freedom.
+    blamed = 0
+    index = np.repeat(np.arange(24), 3)
+    for _ in range(500):
+        order = np.concatenate([random.permutation(24), np.arange(24, 72)])
+        trials = np.linspace(1e-4, 1e-3, 8)[:, None] * (1.0 + 0.03 * random.standard_normal((8, 3)))
+        values = np.concatenate([trials.ravel(), np.zeros(48)])
+        blamed += data_problem(values, index, fit_noise(values, index), order) is not None
+    # 0.002 of 500 tables is one; more than six come once in 1e4 such studies.
+    assert blamed <= 6
+
+
 def test_rounding_is_no_trouble_where_the_error_was_stated():
     x = np.linspace(1.0, 3.0, 12)
     level = 0.1 * np.round(10.0 * np.repeat(x, 3))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from command_line import stickslip
-from films import TRUE, film, write_table
+from films import NOISE, TRUE, film, write_table
 from stickslip.diagnosis.channels.camera import Camera
 from stickslip.diagnosis.channels.tracking import find_tracking
 from stickslip.errors import ScenarioError
@@ -105,26 +105,29 @@ def full_frames():
     return film(TRUE, Camera(3e-4), 1000.0, 0, names=ALL)
 
 
+def used(folder, frames, toml=TOML):
+    """Columns of the one film that the diagnosis uses, and what it leaves out."""
+    (channel,) = find_tracking(read_measurement(write(folder, toml, a=frames)).tracking, 1)
+    return {each.name for each in channel.quantities}, channel.left_out
+
+
 @pytest.mark.parametrize("factor", [1e3, 1e-3])
 @pytest.mark.parametrize(
-    ("column", "verb", "whose", "unit"),
+    ("column", "what", "unit"),
     [
-        ("z", "spans", "theta and the stated size of the robot", "m"),
-        ("current_x", "reaches", "sends through coil xp", "A"),
-        ("current_clamp", "reaches", "sends through coil clamp", "A"),
+        ("z", "its spread", "m"),
+        ("current_x", "its size", "A"),
+        ("current_clamp", "its size", "A"),
     ],
 )
 def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
-    tmp_path, full_frames, factor, column, verb, whose, unit
+    tmp_path, full_frames, factor, column, what, unit
 ):
-    wrong = {**full_frames, column: factor * full_frames[column]}
-    with pytest.raises(ScenarioError) as error:
-        read_measurement(write(tmp_path, a=wrong))
-    said = str(error.value)
-    assert f"a.csv: the run is left out: {column} {verb} about " in said
-    assert f" {unit}; allowed is 0.02 to 50 times), so a column may be in a unit" in said
-    assert whose in said
-    assert "\n" not in said
+    columns, said = used(tmp_path, {**full_frames, column: factor * full_frames[column]})
+    assert columns == set(ALL) - {column}
+    (line,) = said
+    assert line.startswith(f"a.csv: column {column} is not used: {what} is about ")
+    assert f" {unit}; allowed is 0.02 to 50 times), so a column may be in a unit" in line
 
 
 @pytest.mark.parametrize(
@@ -134,19 +137,36 @@ def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
         {"mode": "OPP"},
         {"direction": "-x"},
         {"hold": 0.0},  # nothing but noise through the clamp coil
+        {"hold": 1e-6},
         {"frequency": 150.0},  # currents lag
     ],
 )
 def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):
     changes = {f"drive.{key}": value for key, value in drive.items()}
-    frames = film({**TRUE, **changes}, Camera(3e-4), 1000.0, 0, names=ALL)
+    frames = film({**TRUE, **changes}, Camera(3e-4), 1000.0, 0, ALL, {**NOISE, "z": 5e-6})
     frames["z"] += 0.02  # its origin is anywhere
-    frames["z"][70] = 0.0  # lost for a frame
+    frames["current_clamp"] += 0.02 * np.random.default_rng(3).standard_normal(len(frames["t"]))
     entries = ", ".join(f"{key} = {json.dumps(v)}" for key, v in drive.items())
     toml = TOML.replace("{ frequency = 30.0 }", f"{{ {entries} }}")
-    found = read_measurement(write(tmp_path, toml, a=frames))
-    assert found.left_out == ()
-    assert len(found.tracking) == 1
+    assert used(tmp_path, frames, toml) == (set(ALL), ())
+
+
+def test_frames_that_were_lost_are_no_wrong_unit(tmp_path, full_frames):
+    # A camera that has lost the robot writes zeros, a logger that is late writes -9999.
+    frames = {name: column.copy() for name, column in full_frames.items()}
+    frames["z"] += 0.02
+    frames["z"][150::40] = 0.0
+    frames["current_x"][170] = -9999.0
+    columns, said = used(tmp_path, frames)
+    assert columns == set(ALL)
+    assert [line.split(" in ")[1].split(",")[0] for line in said] == ["z", "current_x"]
+
+
+def test_a_film_in_the_trough_of_its_drive_is_used(tmp_path, full_frames):
+    # 25 ms of a period of 33 ms, and those after each pulse, when little current flows.
+    late = full_frames["t"] > 0.2
+    few = {name: column[late][:25] for name, column in full_frames.items()}
+    assert used(tmp_path, few)[0] == set(ALL)
 
 
 def test_where_nothing_sound_is_left_there_is_one_line(tmp_path, frames):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.noise import NoiseModel, completed
+from stickslip.diagnosis.noise import NoiseModel, completed, moving
 
 Array = NDArray[np.float64]
 
@@ -78,10 +78,8 @@ def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
     reads alike: 0.4 of them at 1.4 sd, where rounding adds half to the variance of a mean of three.
     """
     pairs = alike = 0
-    for each in np.unique(index):
+    for each in np.unique(index[moving(values, index)]):
         mine = values[index == each]
-        if np.all(mine == 0.0):
-            continue
         counts = np.unique(mine, return_counts=True)[1]
         pairs += len(mine) * (len(mine) - 1) // 2
         alike += int(np.sum(counts * (counts - 1) // 2))
@@ -106,6 +104,8 @@ def uneven_setups(
     block = completed(block)
     if block is None or not noise.setups.shape[1]:
         return None
+    used = moving(values, index)
+    values, index, block = values[used], index[used], block[used]
     basis = _basis(_design(index, block, noise))
     free = 1.0 - np.sum(basis**2, axis=1)
     shown = free > _ALONE
@@ -152,7 +152,7 @@ def _drifting(
 ) -> str | None:
     """Whether velocities change with time; what differs between set-ups is not drift."""
     place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)
-    usable = np.isfinite(place)
+    usable = np.isfinite(place) & moving(values, index)
     if usable.sum() < 12:
         return None
     basis = _basis(_design(index, block, noise)[usable])

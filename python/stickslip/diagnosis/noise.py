@@ -7,7 +7,7 @@ curve sd^2 = s0^2 + (rho v)^2.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,12 +82,13 @@ def fit_noise(
 ) -> NoiseModel:
     """Noise from the scatter of trials, or from a stated relative error.
 
-    Conditions whose trials all read zero tell nothing of it; theirs is that of a level of zero.
+    What stands still has no scatter; taken for noise it would draw s0 to nothing. So conditions
+    whose trials all read zero tell nothing, and theirs is the noise of a level of zero.
 
     Parameters
     ----------
     value : ndarray, shape (n,)
-        Trials.
+        Trials, in the observable's unit.
     condition : ndarray, shape (n,)
         Index of each trial's condition, 0 to m - 1, none missing.
     block : ndarray, shape (n,), optional
@@ -99,41 +100,28 @@ def fit_noise(
     m = int(condition.max()) + 1
     count = np.bincount(condition, minlength=m)
     mean = np.bincount(condition, value, minlength=m) / count
-    still = np.bincount(condition, value != 0.0, minlength=m) == 0
-    if still.any() and not still.all():
-        # What stands still has no scatter; taken for noise it would draw s0 to nothing.
-        used = ~still[condition]
-        moving = fit_noise(
-            value[used],
-            np.unique(condition[used], return_inverse=True)[1],
-            None if block is None else block[used],
-            stated,
-        )
-        sd = np.full(m, moving.floor)
-        sd[~still] = moving.sd
-        setups = np.zeros((m, 0))
-        if moving.setups.size:
-            assert block is not None
-            setups = _setup_shares(condition, block, count)
-        return replace(moving, mean=mean, sd=sd, count=count, setups=setups)
-    known = block is not None and len(np.unique(block)) > 1
+    used = moving(value, condition)
+    trial, where = value[used], condition[used]
+    setup = None if block is None else block[used]
+    moved = np.unique(where)
+    known = setup is not None and len(np.unique(setup)) > 1
     crossed = False
     if known:
-        assert block is not None
-        pairs = np.unique(np.stack([condition, block]), axis=1)
-        crossed = pairs.shape[1] > m and pairs.shape[1] > len(np.unique(block)) + 1
+        assert setup is not None
+        pairs = np.unique(np.stack([where, setup]), axis=1).shape[1]
+        crossed = pairs > max(len(moved), len(np.unique(setup)) + 1)
     notes = []
-    deviation, dof = value - mean[condition], len(value) - m
-    leverage = 1.0 - 1.0 / count[condition]
+    deviation, dof = trial - mean[where], len(trial) - len(moved)
+    leverage = 1.0 - 1.0 / count[where]
     if known and crossed and dof > 0:
-        assert block is not None
-        deviation, dof, leverage = _without_blocks(value, condition, block, mean)
+        assert setup is not None
+        deviation, dof, leverage = _without_blocks(trial, where, setup, mean)
     # Where nothing moved, any size will do: there is no relative error of zero.
-    size = float(np.sqrt(np.mean(mean**2))) or 1.0
+    size = float(np.sqrt(np.mean(mean[moved] ** 2))) or 1.0
     if dof >= FEWEST_DOF and np.any(np.abs(deviation) > _ALIKE * size):
         squares, freedom = np.zeros(m), np.zeros(m)
-        np.add.at(squares, condition, deviation**2)
-        np.add.at(freedom, condition, leverage)
+        np.add.at(squares, where, deviation**2)
+        np.add.at(freedom, where, leverage)
         floor, relative = _curve(squares, freedom, mean, size)
         sd = np.sqrt(floor**2 + (relative * mean) ** 2)
         free = float(dof)
@@ -147,12 +135,15 @@ def fit_noise(
     between, gain, setups = 0.0, 0.0, np.zeros((m, 0))
     if known and crossed:
         assert block is not None
-        between, gain = _between(value, condition, block, mean, sd)
+        assert setup is not None
+        between, gain = _between(trial, where, setup, mean, sd)
         notes.append(
-            f"set-ups: {len(np.unique(block))}; they scatter by {between:.2g} of a trial's error, "
+            f"set-ups: {len(np.unique(setup))}; they scatter by {between:.2g} of a trial's error, "
             f"and by {gain:.2g} where all of a set-up is faster or slower"
         )
-        setups = _setup_shares(condition, block, count)
+        setups = np.zeros((m, int(block.max()) + 1))
+        np.add.at(setups, (condition, block), 1.0)
+        setups /= count[:, None]
     elif not known:
         said = "no column block" if block is None else "one block only"
         notes.append(f"{said}: scatter between set-ups cannot be separated from a cause")
@@ -163,11 +154,10 @@ def fit_noise(
     )  # fmt: skip
 
 
-def _setup_shares(condition: Index, block: Index, count: Index) -> Array:
-    """Share of each condition's trials in each set-up, shape (m, set-ups)."""
-    shares = np.zeros((len(count), int(block.max()) + 1))
-    np.add.at(shares, (condition, block), 1.0)
-    return np.asarray(shares / count[:, None])
+def moving(value: Array, condition: Index) -> NDArray[np.bool_]:
+    """Trials of conditions that do not all read zero, shape (n,); all of them if nothing moves."""
+    moves = np.bincount(condition, value != 0.0) > 0
+    return np.asarray(moves[condition] if moves.any() else np.ones(len(value), dtype=bool))
 
 
 def completed(block: Index | None) -> Index | None:
@@ -179,7 +169,7 @@ def completed(block: Index | None) -> Index | None:
 
 
 def whitener(covariance: Array) -> Array:
-    """Matrix that takes errors of this covariance to independent ones of variance one."""
+    """Matrix, shape (m, m), that takes errors of this covariance to independent ones of size 1."""
     lower = np.linalg.cholesky(covariance)
     return np.linalg.inv(lower)
 
@@ -190,7 +180,8 @@ def _without_blocks(
     """Residuals of a fit of one level a condition, and one shift and one gain a block."""
     m = len(mean)
     levels = np.eye(m)[condition]
-    size = np.abs(mean) + 0.1 * np.median(np.abs(mean)) + 1e-300
+    usual = np.median(np.abs(mean[np.unique(condition)]))
+    size = np.abs(mean) + 0.1 * usual + 1e-300
     shifts = np.eye(int(block.max()) + 1)[block]
     gains = shifts * np.sign(mean)[condition, None]
     design = np.hstack([levels / size[condition, None], shifts, gains])
@@ -277,4 +268,5 @@ def _centred(columns: Array, condition: Index) -> Array:
     """Columns without the mean of each condition."""
     sums = np.zeros((int(condition.max()) + 1, columns.shape[1]))
     np.add.at(sums, condition, columns)
-    return np.asarray(columns - (sums / np.bincount(condition)[:, None])[condition])
+    counts = np.maximum(np.bincount(condition), 1)
+    return np.asarray(columns - (sums / counts[:, None])[condition])

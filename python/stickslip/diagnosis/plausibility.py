@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.conditions import Conditions
-from stickslip.measurement.sizes import far_off
+from stickslip.diagnosis.sizes import far_off
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ def wrong_size(predicted: Array, velocity: Array) -> str | None:
     usual, measured = (float(np.median(np.abs(each[sound]))) for each in (predicted, velocity))
     if usual == 0.0 or measured == 0.0:
         return None
-    far = far_off(measured, usual, "m/s", "what the stated model gives")
+    far = far_off(measured, usual, "m/s")
     if far is not None:
         return f"the velocities are {far}"
     likeness = float(predicted[sound] @ velocity[sound])

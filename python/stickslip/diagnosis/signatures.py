@@ -75,7 +75,18 @@ class Signatures:
 
 
 def find_signatures(problem: Problem, base: Fit) -> Signatures:
-    """Responses of all causes at the recalibrated model, or of all others about a fit of some."""
+    """Responses of all causes at the recalibrated model, or of all others about a fit of some.
+
+    Parameters
+    ----------
+    problem : Problem
+    base : Fit
+        The recalibrated model, or a fit with some causes.
+
+    Returns
+    -------
+    Signatures
+    """
     basis = np.linalg.qr(base.jacobian)[0]
     free, m = base.rival.free, len(problem.observed)
     owner, at, amplitude, points = _plan(problem, base)
@@ -302,6 +313,14 @@ def isolability(problem: Problem, signatures: Signatures, residual: Array) -> Ar
     """Cosine between the absorbed signatures of all pairs of causes, shape (causes, causes).
 
     Each cause is taken at the amplitude that fits best; 0 for one that cannot be seen.
+
+    Parameters
+    ----------
+    problem : Problem
+    signatures : Signatures
+        About the recalibrated model.
+    residual : ndarray, shape (m + p,)
+        Whitened misfit of that one, the rows of its p constants last.
     """
     chosen = np.zeros((len(problem.causes), signatures.raw.shape[1]))
     for index in range(len(problem.causes)):

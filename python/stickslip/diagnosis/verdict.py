@@ -182,7 +182,21 @@ def _decided(
 
 
 def next_best(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> str:
-    """How the best of the others stands to what is said, after the price of a second cause."""
+    """How the best of the others stands to what is said, after the price of a second cause.
+
+    Parameters
+    ----------
+    problem : Problem
+    said, null : Fit
+        What is said, and the recalibrated model.
+    others : sequence of Fit
+        All other rivals.
+
+    Returns
+    -------
+    str
+        In words, with the lead in log-evidence.
+    """
     second = max([null, *others], key=lambda fit: fit.priced_evidence)
     name = "no cause at all" if second is null else second.name
     lead = said.priced_evidence - second.priced_evidence

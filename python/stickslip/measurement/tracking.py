@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
 from stickslip.keys import FILE, shown
-from stickslip.measurement.sizes import far_off
 from stickslip.measurement.tables import NothingSound, read_numbers
-from stickslip.run_notes import peak_voltages
 from stickslip.scenario import Scenario
 
 REQUIRED = ("t", "x", "theta")
@@ -199,32 +197,4 @@ def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) ->
         return f"x spans {way:.3g}: um or mm where m are wanted?"
     if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
         return "neither x nor theta ever changes"
-    for name in OPTIONAL:
-        if name in table and (far := _far_off(name, table, scenario)) is not None:
-            return f"{name} {far}"
     return None
-
-
-def _far_off(name: str, table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> str | None:
-    """How far z is from what theta makes of the robot's size, or a current from the drive's."""
-    finite = np.isfinite(table[name])
-    if finite.sum() < FEWEST:
-        return None
-    values = table[name][finite]
-    if name == "z":
-        robot, theta = scenario.robot, table["theta"][finite]
-        height = 0.5 * np.abs(robot.length * np.sin(theta))
-        height += 0.5 * np.abs(robot.height * np.cos(theta))
-        # The origin of z is anywhere; and the tracking may lose the robot in a frame.
-        measured, usual = (float(np.ptp(np.quantile(z, (0.05, 0.95)))) for z in (values, height))
-        verb, unit, whose = "spans", "m", "what theta and the stated size of the robot give"
-    else:
-        front = "xm" if scenario.drive.direction == "-x" else "xp"
-        coil = "clamp" if name == "current_clamp" else front
-        measured = float(np.max(np.abs(values)))
-        usual = peak_voltages(scenario).get(coil, 0.0) / scenario.coil.resistance
-        verb, unit, whose = "reaches", "A", f"what the stated drive sends through coil {coil}"
-    if measured == 0.0 or usual == 0.0:
-        return None
-    far = far_off(measured, usual, unit, whose)
-    return None if far is None else f"{verb} {far}"

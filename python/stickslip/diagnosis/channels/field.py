@@ -14,8 +14,8 @@ from stickslip.diagnosis.channels.coil_field import CoilField
 from stickslip.diagnosis.channels.field_noise import estimate, far_rows
 from stickslip.diagnosis.channels.repeats import merge
 from stickslip.diagnosis.model import Uncertain
+from stickslip.diagnosis.sizes import far_off
 from stickslip.errors import ScenarioError
-from stickslip.measurement.sizes import far_off
 from stickslip.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -173,16 +173,14 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
         T.
     """
     read, made, most = map(_rms, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1)))
-    if read == 0.0 or most == 0.0:
-        return
-    # Fields of coils that work against each other may cancel less than they should.
-    usual = min(max(read, made), most)
+    # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
+    usual = float(np.clip(read, made, most))
     far = far_off(read, usual, "T", "what the stated coils make of the currents")
     if far is not None:
         strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
         largest = float(np.max(np.abs(currents[:, strongest])))
         raise ScenarioError(
-            f"{title}: currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]}; "
+            f"{title}: with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
             f"the fields are {far}"
         )
 

@@ -26,6 +26,7 @@ from stickslip.diagnosis.channels.folding import (
     undrifted,
 )
 from stickslip.diagnosis.model import Uncertain
+from stickslip.diagnosis.sizes import far_off
 from stickslip.measurement.priors import Prior
 from stickslip.measurement.tracking import FEWEST, TrackingRun
 
@@ -41,12 +42,14 @@ _KINDS: dict[str, Kind] = {
     "current_x": "level",
     "current_clamp": "level",
 }
+_CURRENTS = ("current_x", "current_clamp")
 _WILD = 14.0
 _NEIGHBOURS = 9
 _UNLIKELY = 1e-3
 _ANGLE_OFFSET = math.radians(1.0)
 _ANGLE_SCALE = _CURRENT_SCALE = 0.01
 _TRIGGER = 3e-4
+_LEAST_RISE = 0.01
 
 
 @dataclass(frozen=True)
@@ -200,7 +203,7 @@ class TrackingChannel:
         motion = next(record(self.run.scenario, [], np.zeros((1, 0)), self.rate, 1))
         if motion is None:
             return None
-        wanted = [name for name in _KINDS if name in self.run.columns]
+        wanted = [name for name in _KINDS if name in self.run.columns or name in _CURRENTS]
         return Camera(self.run.exposure).frames(motion, self.run.columns["t"], wanted)
 
 
@@ -255,6 +258,14 @@ def _quantity(
         # jumps with every parameter, and says little; what it does from then on is smooth.
         used &= times >= run.scenario.drive.ramp
     folded = fold(times[used], run.scenario)
+    if name not in ("x", "theta") and nominal is not None:
+        # Lost frames are known in the steady walk alone.
+        sized = np.flatnonzero(used)[folded.steady if folded.steady.any() else slice(None)]
+        shown = {key: each[sized] for key, each in nominal.items()}
+        far = _odd_size(name, values[sized], shown, run.scenario.robot.height)
+        if far is not None:
+            unused.append(f"column {name} is not used: {far}")
+            return None
     residual = (values - guess)[used]
     sd = _noise(run, name, folded, residual, said)
     if quantum > math.sqrt(12.0) * sd:
@@ -269,6 +280,25 @@ def _quantity(
         said.append(f"{name}: {what} {shared:.2g} beyond the noise of frames; counted as noise")
     reduction = reduce(folded, kind, sd, shared)
     return Quantity(name, used, times[used], values[used], folded, sd, shared, reduction)
+
+
+def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> str | None:
+    """Whether z or a current is far from the stated model's, at the same frames."""
+    own = nominal[name]
+    if name == "z":
+        # The origin of z is anywhere, and a robot that hardly rises shows the tracking's noise.
+        read, own = read - np.mean(read), own - np.mean(own)
+        what, unit, largest = "its spread", "m", _LEAST_RISE * height
+    else:
+        # A coil that hardly carries a current shows the logger's noise, or what another induces.
+        what, unit, largest = "its size", "A", max(_rms(nominal[each]) for each in _CURRENTS)
+    measured, usual = _rms(read), _rms(own)
+    far = far_off(measured, float(np.clip(measured, usual, max(usual, largest))), unit)
+    return None if far is None else f"{what} is {far}"
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _quantum(values: Array) -> float:
