@@ -1,11 +1,16 @@
 """Results that several files of tests look at."""
 
 import json
+import signal
 
 import pytest
 
 from command_line import stickslip
 from made_measurement import write
+
+# Shells start what runs in the background with interrupts ignored, and so would be all commands
+# that the tests interrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

@@ -282,6 +282,15 @@ def _absurd(lines):
     return [*lines[:5], f"{rest},{40 * float(value)!r}", *lines[6:]]
 
 
+def _first_condition(factor):
+    def change(lines):
+        cells = [line.rsplit(",", 1) for line in lines[1:4]]
+        wrong = [f"{rest},{factor * float(value)!r}" for rest, value in cells]
+        return [lines[0], *wrong, *lines[4:]]
+
+    return change
+
+
 def _drifting(lines):
     # Each of three rounds over all conditions is a fifth faster than the one before.
     rows = []
@@ -303,8 +312,13 @@ def _drifting(lines):
         (lambda lines: lines[:4], ("data-problem",), "too few"),
         (_all_zero, ("data-problem",), "zero"),
         (_drifting, ("data-problem",), "drift"),
+        (_first_condition(1e3), ("none",), "4: a velocity above 1.0 m/s"),
+        (_first_condition(200.0), ("data-problem",),
+         "the velocity of direction +x, frequency 25 Hz is about"),
+        (lambda lines: [line.replace("+x", "+X") for line in lines], ("none",), ""),
     ],
-    ids=["out of order", "nan", "outlier", "no repeats", "one condition", "all zero", "drift"],
+    ids=["out of order", "nan", "outlier", "no repeats", "one condition", "all zero", "drift",
+         "in mm/s", "far too fast", "capitals"],
 )  # fmt: skip
 def test_dirty_tables_end_in_a_sound_verdict(tmp_path, change, verdicts, words):
     path = _dirty(tmp_path, change)

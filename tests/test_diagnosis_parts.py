@@ -16,7 +16,7 @@ from stickslip.diagnosis.constancy import changing, refit_parts
 from stickslip.diagnosis.detection import detect
 from stickslip.diagnosis.experiments import advice
 from stickslip.diagnosis.heldout import split
-from stickslip.diagnosis.plausibility import wrong_sign
+from stickslip.diagnosis.plausibility import standing_still, wrong_sign
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
@@ -417,3 +417,19 @@ def test_a_sign_that_follows_no_rule_is_left_to_the_causes():
     assert wrong_sign(WAYS, MODEL, np.abs(MODEL) + 2.0) is None
     # A bias, such as a tilt's, reverses the smaller half and makes the other half three times it.
     assert wrong_sign(WAYS, np.sign(MODEL), np.sign(MODEL) + 2.1) is None
+
+
+def test_what_stands_still_where_the_model_walks_is_said():
+    paces = [{"drive.frequency": float(f)} for f in range(20, 30)]
+    model = np.full(10, 1e-3)
+    model[9] = 1e-6
+    read = model.copy()
+    assert standing_still(paces, model, read) is None
+    # Where the model hardly moves either, zero is no news.
+    read[9] = 0.0
+    assert standing_still(paces, model, read) is None
+    read[:6] = 0.0
+    assert standing_still(paces, model, read) == (
+        "6 conditions read zero where the stated model moves by up to 1 mm/s: "
+        "frequency 20 Hz; frequency 21 Hz; frequency 22 Hz; frequency 23 Hz and 2 more"
+    )

@@ -84,7 +84,10 @@ def command(
             f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
         )
     for each in experiments[:1]:
-        click.echo(f"  next experiment: {changes(each.drive, examination.conditions)}; {each.why}")
+        what = f"{changes(each.drive, examination.conditions)}; {each.why}"
+        if not each.decides:
+            what = f"none that was tried tells the leading rivals apart; the best: {what}"
+        click.echo(f"  next experiment: {what}")
     for line in advice(found):
         click.echo(f"  beside the drive: {line}")
     if out is not None:

@@ -18,7 +18,7 @@ from stickslip.diagnosis.library import library, parameter_unit
 from stickslip.diagnosis.merging import merged_channels, merged_velocities, smooth_settings
 from stickslip.diagnosis.model import Cause, Uncertain
 from stickslip.diagnosis.noise import fit_noise
-from stickslip.diagnosis.plausibility import wrong_sign, wrong_size
+from stickslip.diagnosis.plausibility import standing_still, wrong_sign, wrong_size
 from stickslip.diagnosis.simulator import TOLERANCES, Simulator, loosest_tolerances
 from stickslip.errors import ScenarioError
 from stickslip.keys import Value
@@ -165,12 +165,13 @@ def diagnose(
     combined = Combined(simulator, names, keys, channels)
     known = merged_channels(channels)
     options: dict[str, Any] = {"seed": seed, "progress": progress}
+    still = None
     if conditions:
         options |= {"condition": index, "block": block, "order": order, "also": known}
         options |= {"relative_sd": relative_sd, "unusual": one_of_a_kind(conditions)}
-        options["doubt"] = wrong_size(middle, noise.mean) or wrong_sign(
-            conditions, middle, noise.mean
-        )
+        seen = (conditions, middle, noise.mean)
+        options["doubt"] = wrong_size(*seen) or wrong_sign(*seen)
+        still = standing_still(*seen)
     elif known is not None:
         velocity = known.observed
         options |= {"sd": known.covariance, "group": known.group}
@@ -184,9 +185,16 @@ def diagnose(
     source += [channel.name for channel in channels for _ in channel.observed]
     options |= {"draft": draft, "settings": smooth_settings(conditions), "source": source}
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
-    notes = (*found.notes, *(line for channel in channels for line in channel.notes))
+    notes = [*found.notes, *(line for channel in channels for line in channel.notes)]
+    if still is not None:
+        notes.insert(0, still)
     return Examination(
-        replace(found, notes=notes), simulator, conditions, combined, tuple(left_out), predicted
+        replace(found, notes=tuple(notes)),
+        simulator,
+        conditions,
+        combined,
+        tuple(left_out),
+        predicted,
     )
 
 

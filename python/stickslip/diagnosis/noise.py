@@ -131,7 +131,10 @@ def fit_noise(
         notes.append(f"too few repeats to measure the noise; the stated {stated:.3g} is used")
     else:
         floor, relative, free, sd = size, 0.0, 0.0, np.full(m, size)
-        notes.append("the noise is not known: no repeats that differ and no stated error")
+        notes.append(
+            f"the noise is not known: {dof} degrees of freedom of repeats that differ, where "
+            f"{FEWEST_DOF} are needed, and no stated error"
+        )
     between, gain, setups = 0.0, 0.0, np.zeros((m, 0))
     if known and crossed:
         assert block is not None

@@ -101,7 +101,7 @@ def details(examination: Examination, measurement: Source, unit: str) -> dict[st
     for k, each in enumerate(conditions):
         row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
         row["velocity"] = float(problem.observed[k])
-        row["sd"] = float(sd[k])
+        row["sd"] = float(sd[k]) if found.noise.dof > 0.0 else None
         row["model_scatter"] = float(found.roughness[k])
         row["trials"] = int(found.noise.count[k])
         row["given"] = float(examination.given[k])

@@ -87,7 +87,7 @@ def read_velocity(
     reasons: dict[str, list[int]] = {}
     groups: dict[tuple[tuple[str, Any], ...], int] = {}
     blocks: dict[str, int] = {}
-    kept: list[tuple[float, int, int, float]] = []
+    kept: list[tuple[float, int, int, float, int]] = []
     seen: set[tuple[str, ...]] = set()
     wrong: list[tuple[int, str]] = []
     for line, row in rows:
@@ -116,7 +116,7 @@ def read_velocity(
         seen.add(tuple(row))
         group = groups.setdefault(setting, len(groups))
         block = blocks.setdefault(cells["block"], len(blocks)) if cells.get("block") else -1
-        kept.append((velocity, group, block, number(cells.get("order", ""))))
+        kept.append((velocity, group, block, number(cells.get("order", "")), line))
     if len(wrong) > 0.5 * len(rows):
         line, other = wrong[0]
         raise ScenarioError(f"{path}: line {line}: {other}; {len(wrong)} rows are like this")
@@ -136,6 +136,14 @@ def read_velocity(
             "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
         )
     sound = _without_outliers(path.name, velocity_all, condition, left_out)
+    fast = sound & (np.abs(velocity_all) > FASTEST)
+    if fast.any():
+        lines = [each[4] for each, out in zip(kept, fast, strict=True) if out]
+        left_out.append(
+            f"{path.name} {listed(lines)}: a velocity above {FASTEST} m/s; "
+            "if it is in mm/s or um/s, divide it by 1e3 or 1e6"
+        )
+        sound &= ~fast
     numbers = {old: new for new, old in enumerate(dict.fromkeys(condition[sound].tolist()))}
     settings = list(groups)
     data = VelocityData(
@@ -160,7 +168,11 @@ def _setting(
             continue
         key = keys[f"drive.{name}"]
         value: Value = cells[name]
-        if key.kind != "word":
+        if key.kind == "word":
+            # An apparatus may write "ipp" and "+X".
+            spelt = (cells[name], cells[name].upper(), cells[name].lower())
+            value = next((each for each in spelt if f'"{each}"' in key.allowed), value)
+        else:
             value = number(cells[name])
             if not math.isfinite(value):
                 raise ScenarioError(f'{name} "{cells[name]}" is no number')
