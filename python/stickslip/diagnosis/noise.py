@@ -118,7 +118,9 @@ def fit_noise(
         deviation, dof, leverage = _without_blocks(trial, where, setup, mean)
     # Where nothing moved, any size will do: there is no relative error of zero.
     size = float(np.sqrt(np.mean(mean[moved] ** 2))) or 1.0
-    if dof >= FEWEST_DOF and np.any(np.abs(deviation) > _ALIKE * size):
+    if not np.any(np.abs(deviation) > _ALIKE * size):
+        dof = 0  # readings that are all alike tell nothing
+    if dof >= FEWEST_DOF:
         squares, freedom = np.zeros(m), np.zeros(m)
         np.add.at(squares, where, deviation**2)
         np.add.at(freedom, where, leverage)
