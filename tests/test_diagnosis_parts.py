@@ -9,6 +9,7 @@ import pytest
 
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
+from stickslip.diagnosis.bounds import smallest_effects, upper_bounds
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.conditions import one_of_a_kind
 from stickslip.diagnosis.consequences import carriers
@@ -19,7 +20,7 @@ from stickslip.diagnosis.heldout import split
 from stickslip.diagnosis.plausibility import standing_still, wrong_sign
 from stickslip.diagnosis.recalibration import recalibrate
 from stickslip.diagnosis.rivals import Ranking
-from stickslip.diagnosis.signatures import find_signatures, smallest_effects, upper_bounds
+from stickslip.diagnosis.signatures import find_signatures
 from stickslip.diagnosis.summary import flat_directions
 from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting, decide
 from stickslip.diagnosis.words import headline, rounded

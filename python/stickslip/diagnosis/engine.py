@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
+from stickslip.diagnosis.bounds import upper_bounds
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
 from stickslip.diagnosis.checks import data_problem, uneven_setups
 from stickslip.diagnosis.comparison import Progress, compare, examine
@@ -28,7 +29,6 @@ from stickslip.diagnosis.signatures import (
     classes,
     guesses,
     isolability,
-    upper_bounds,
 )
 from stickslip.diagnosis.verdict import (
     Table,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.diagnosis.bounds import smallest_effects
 from stickslip.diagnosis.consequences import (
     carriers,
     misfit_by_part,
@@ -25,7 +26,6 @@ from stickslip.diagnosis.fits import Fit
 from stickslip.diagnosis.model import Problem
 from stickslip.diagnosis.parameters import describe, extended_parameters, short
 from stickslip.diagnosis.rivals import adequacy
-from stickslip.diagnosis.signatures import smallest_effects
 from stickslip.diagnosis.standing import leading, runner_up
 from stickslip.diagnosis.verdict import share_of_ceiling
 from stickslip.diagnosis.words import headline
