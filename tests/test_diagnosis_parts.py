@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
+from line_model import SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.bounds import smallest_effects, upper_bounds
 from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
@@ -19,10 +19,8 @@ from stickslip.diagnosis.experiments import advice
 from stickslip.diagnosis.heldout import split
 from stickslip.diagnosis.plausibility import standing_still, wrong_sign
 from stickslip.diagnosis.recalibration import recalibrate
-from stickslip.diagnosis.rivals import Ranking
 from stickslip.diagnosis.signatures import find_signatures
 from stickslip.diagnosis.summary import flat_directions
-from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting, decide
 from stickslip.diagnosis.words import headline, rounded
 
 
@@ -145,84 +143,6 @@ def test_a_cause_that_leaves_much_behind_is_not_named(settings, word):
         line, None, hidden, [SLOPE], [WAVE], sd=np.full(len(X), SD), settings=given
     )
     assert found.verdict.word == word
-
-
-@pytest.mark.parametrize(("source", "word"), [((), "named"), ("a" * 12 + "b" * 12, "ambiguous")])
-def test_a_table_that_contradicts_a_cause_is_heard(source, word):
-    # Twelve residuals of 1.6 errors in one half: p = 0.002 there, and 0.2 of all 24.
-    off = np.where(np.arange(len(X)) < 12, 0.0, 1.6 * SD * (-1.0) ** np.arange(len(X)))
-    found = diagnose_model(
-        line, None, X + np.sin(4 * X) + off, [SLOPE], [WAVE],
-        sd=np.full(len(X), SD), source=source,
-    )  # fmt: skip
-    assert found.verdict.causes == ("wave",)
-    assert found.verdict.word == word
-    assert any("kind b contradicts" in each for each in found.verdict.reasons) == bool(source)
-
-
-def test_each_table_is_judged_by_its_own_noise():
-    # Eight residuals of 1.7: p = 0.003 where the noise is known, 0.08 where eight trials told it.
-    fit = SimpleNamespace(residual=np.concatenate([np.full(8, 1.7), np.full(8, 1.0)]))
-    rows = np.arange(8)
-    known = [Table("velocity", rows, math.inf), Table("angle", rows + 8, math.inf)]
-    assert contradicting(fit, known) == ["velocity"]
-    assert contradicting(fit, [Table("velocity", rows, 8.0), known[1]]) == []
-    assert contradicting(fit, known[:1]) == []
-
-
-def test_a_name_that_the_other_conditions_turn_is_none():
-    given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
-    fits = tuple(fitted(given, causes) for causes in ([WAVE], [BEND], [WAVE, BEND]))
-    ranking = Ranking(fitted(given), fits[:2], fits[2:])
-    said = Verdict("named", ("wave",), fits[0], ("why",), {})
-    assert confirmed(said, ranking, "wave") is said
-    # With one cause more it is still there.
-    more = confirmed(said, ranking, "wave + bend")
-    assert (more.word, len(more.reasons)) == ("named", 2)
-    other = confirmed(said, ranking, "bend")
-    assert (other.word, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
-    (reason,) = other.reasons
-    assert "bend would lead" in reason
-    # A pair is no member of a set of single causes.
-    rival = replace(fits[2].rival, causes=(BEND, replace(BEND, name="third")))
-    outside = replace(ranking, pairs=(replace(fits[2], rival=rival),))
-    third = confirmed(said, outside, "bend + third")
-    assert (third.word, third.causes) == ("ambiguous", ("wave",))
-    # Nor is a claimed pair turned by one of its own.
-    both = Verdict("pair", ("bend", "wave"), fits[2], ("why",), {})
-    assert confirmed(both, ranking, "wave").word == "pair"
-
-
-def standing(evidence, misfit, causes, like):
-    """A fit of given log-evidence whose data leave a chi-square of `misfit`."""
-    rival = replace(like.rival, causes=causes)
-    return replace(like, rival=rival, log_evidence=evidence, data_chi2=misfit, certified=True)
-
-
-@pytest.mark.parametrize(
-    ("wave", "bend", "both", "word", "said"),
-    [
-        # Log-evidence and misfit of 24 readings; above 43 (p < 0.01) it is not explained.
-        ((90.0, 20.0), (70.0, 30.0), (96.0, 18.0), "named", "bend + wave, is behind by 0.7 in"),
-        ((90.0, 20.0), (88.7, 60.0), (70.0, 18.0), "ambiguous", "does not separate them"),
-        ((90.0, 20.0), (95.0, 60.0), (70.0, 18.0), "unexplained", "than bend, which does not"),
-        ((90.0, 20.0), (92.0, 60.0), (97.5, 18.0), "unexplained", "than bend, which does not"),
-        ((90.0, 60.0), (70.0, 60.0), (95.0, 18.0), "unexplained", "leads by too little"),
-        ((90.0, 60.0), (70.0, 60.0), (97.0, 60.0), "unexplained", "no single cause and no pair"),
-        ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", "leads by 2.3 in log-evidence, but"),
-    ],
-)
-def test_the_reason_says_what_stands_against_more(wave, bend, both, word, said):
-    given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
-    singles = [standing(*at, (each,), fitted(given, [each]))
-               for at, each in ((wave, WAVE), (bend, BEND))]  # fmt: skip
-    pair = standing(*both, (BEND, WAVE), fitted(given, [BEND, WAVE]))
-    singles.sort(key=lambda fit: -fit.log_evidence)
-    ranking = Ranking(fitted(given), tuple(singles), (pair,))
-    found = SimpleNamespace(found=True)
-    verdict = decide(given, found, ranking, np.eye(2), {}, lambda fit: True)
-    assert verdict.word == word
-    assert said in verdict.reasons[0]
 
 
 def test_a_bound_of_what_acts_as_it_falls_is_one_from_below():
