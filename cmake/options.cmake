@@ -18,7 +18,7 @@ else()
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion
     -ffp-contract=off
     # Straight-line vectorisation packs what the stages of an integrator wrote one by one, and waits.
-    $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-slp-vectorize>
+    $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-vectorize>
   )
 endif()
 

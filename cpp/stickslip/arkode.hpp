@@ -58,7 +58,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
     constexpr auto kEvents = static_cast<std::size_t>(Phase::kEvents);
     typename Phase::Values g;
     State slope;
-    phase.rebase(tau, y);
+    phase.rebase(y);
     phase.rates(phase.field_at(tau), y, slope, g);
     if (memory.fresh) {
         for (std::size_t i = 0; i < kEvents; ++i) memory.armed[i] = g[i] > 0.0;
@@ -70,7 +70,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
     problem.rates = [&](double t, const double* at, double* dydt, double* values) {
         State state, rates;
         std::copy_n(at, state.size(), state.begin());
-        phase.rebase(t, state);
+        phase.rebase(state);
         typename Phase::Values event_values;
         phase.rates(phase.field_at(t), state, rates, event_values);
         if (dydt) std::copy_n(rates.begin(), rates.size(), dydt);
@@ -85,7 +85,8 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
     step.session = &session;
     step.phase = &phase;
     step.last = y;
-    PhaseEnd<Phase> end{Status::ok, Event::none, tau, y};
+    PhaseEnd<Phase> end{Status::ok, Event::none, tau, y,
+                        {phase.angle(y), phase.angle(y), phase.contact_x(y)}};
     while (tau < tau_end) {
         if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
             end.status = Status::interrupted;
@@ -103,6 +104,11 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         else
             tau = outcome.time;
         step.width = tau - step.start;
+        // ARKODE's last call of the rates was elsewhere.
+        const State first_rates = slope;
+        phase.rebase(step.last);
+        phase.rates(phase.field_at(tau), step.last, slope, g);
+        end.trace.step(phase, step.width, step.first, first_rates, step.last, slope);
         if (step.width > 0.0) observe(step, 1.0);
         end.tau = tau;
         end.y = step.last;
@@ -112,8 +118,6 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         }
         // ARKODE takes a function that begins at zero for inactive until it has moved, and never
         // sees one that begins at zero and falls.
-        phase.rebase(tau, step.last);
-        phase.rates(phase.field_at(tau), step.last, slope, g);
         for (std::size_t i = 0; i < kEvents && end.event == Event::none; ++i) {
             if (!memory.armed[i] && g[i] < 0.0) end.event = Phase::kEvent[i];
             memory.armed[i] = memory.armed[i] || g[i] > 0.0;
@@ -125,8 +129,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         }
     }
     session.add_counts(counts_);
-    // ARKODE's last call of the rates was elsewhere.
-    phase.rebase(end.tau, end.y);
+    phase.rebase(end.y);
     return end;
 }
 

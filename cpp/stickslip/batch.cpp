@@ -1,5 +1,4 @@
 #include "stickslip/batch.hpp"
-#include "stickslip/assembly.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -8,23 +7,21 @@
 #include <mutex>
 #include <thread>
 
+#include "stickslip/assembly.hpp"
+#include "stickslip/lanes.hpp"
+
 namespace stickslip {
 
-void run_tasks(std::size_t count, int threads, RunControl& control,
-               const std::function<void(std::size_t)>& task, const std::function<void()>& poll) {
-    std::atomic<std::size_t> next = 0;
+void run_workers(int threads, RunControl& control, const std::function<void()>& work,
+                 const std::function<void()>& poll) {
     std::mutex mutex;
     std::condition_variable finished;
     std::exception_ptr failure;
-    const auto workers = static_cast<int>(
-        std::min<std::size_t>(count, static_cast<std::size_t>(std::max(threads, 1))));
-    int running = workers;
+    int running = threads;
 
-    const auto work = [&] {
+    const auto guarded = [&] {
         try {
-            for (std::size_t index = next++; index < count && !control.stop; index = next++) {
-                task(index);
-            }
+            work();
         } catch (...) {
             const std::lock_guard lock(mutex);
             if (!failure) failure = std::current_exception();
@@ -35,9 +32,9 @@ void run_tasks(std::size_t count, int threads, RunControl& control,
     };
 
     std::vector<std::jthread> pool;
-    pool.reserve(static_cast<std::size_t>(workers));
+    pool.reserve(static_cast<std::size_t>(threads));
     try {
-        for (int i = 0; i < workers; ++i) pool.emplace_back(work);
+        for (int i = 0; i < threads; ++i) pool.emplace_back(guarded);
     } catch (...) {  // no more threads: those that run are joined as the pool is left
         control.stop = true;
         throw;
@@ -60,13 +57,60 @@ void run_tasks(std::size_t count, int threads, RunControl& control,
     if (failure) std::rethrow_exception(failure);
 }
 
+namespace {
+
+int workers_for(std::size_t count, int threads) {
+    return static_cast<int>(
+        std::min<std::size_t>(count, static_cast<std::size_t>(std::max(threads, 1))));
+}
+
+}  // namespace
+
+void run_tasks(std::size_t count, int threads, RunControl& control,
+               const std::function<void(std::size_t)>& task, const std::function<void()>& poll) {
+    std::atomic<std::size_t> next = 0;
+    run_workers(
+        workers_for(count, threads), control,
+        [&] {
+            for (std::size_t index = next++; index < count && !control.stop; index = next++) {
+                task(index);
+            }
+        },
+        poll);
+}
+
+void simulate_tasks(std::size_t count, int threads, RunControl& control,
+                    const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+                    const std::function<void(std::size_t, RunResult&&)>& done,
+                    const std::function<void()>& poll) {
+    // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache.
+    constexpr std::size_t kLanesAPlace = 4;
+    const LaneKernels& kernels = lane_kernels();
+    const int workers = workers_for(count, threads);
+    if (workers == 0) return;
+    // No thread takes so many at once that another has nothing to do.
+    const std::size_t lanes = std::clamp<std::size_t>(
+        count / static_cast<std::size_t>(workers), 1,
+        kLanesAPlace * static_cast<std::size_t>(kernels.size));
+    std::atomic<std::size_t> taken = 0;
+    const auto next = [&]() -> std::optional<LaneTask> {
+        for (std::size_t index = taken++; index < count; index = taken++) {
+            if (auto found = scenario(index)) return LaneTask{index, std::move(*found)};
+        }
+        return std::nullopt;
+    };
+    run_workers(
+        workers, control, [&] { simulate_in_lanes(kernels, lanes, next, done, control); }, poll);
+}
+
 std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, int threads,
                                       RunControl& control, const std::function<void()>& poll) {
     for (const Scenario& scenario : scenarios) check(scenario);
     std::vector<RunResult> results(scenarios.size());
-    run_tasks(
+    simulate_tasks(
         scenarios.size(), threads, control,
-        [&](std::size_t index) { results[index] = simulate(scenarios[index], &control); }, poll);
+        [&](std::size_t index) { return std::optional(scenarios[index]); },
+        [&](std::size_t index, RunResult&& result) { results[index] = std::move(result); }, poll);
     return results;
 }
 

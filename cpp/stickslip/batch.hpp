@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "stickslip/simulation.hpp"
@@ -14,6 +15,18 @@ namespace stickslip {
 /// task or of `poll` makes the others stop (control.stop) and is thrown again here.
 void run_tasks(std::size_t count, int threads, RunControl& control,
                const std::function<void(std::size_t)>& task, const std::function<void()>& poll);
+
+/// Runs `work()` on each of `threads` threads, with `poll` and exceptions as above.
+void run_workers(int threads, RunControl& control, const std::function<void()>& work,
+                 const std::function<void()>& poll);
+
+/// Simulates the tasks 0 ... count-1 on `threads` threads, in lanes. `scenario(index)` makes a
+/// task's scenario, or none for one that is refused; `done(index, result)` takes its result. Both
+/// are called on any of the threads, once for each task.
+void simulate_tasks(std::size_t count, int threads, RunControl& control,
+                    const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+                    const std::function<void(std::size_t, RunResult&&)>& done,
+                    const std::function<void()>& poll);
 
 /// Simulates all scenarios; results in their order, bit-identical for any number of threads. Throws
 /// std::invalid_argument before any run if a scenario makes no sense.

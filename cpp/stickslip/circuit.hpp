@@ -50,6 +50,9 @@ public:
     /// The currents over `segment`, going on from where the previous stretch ended.
     CurrentSegment advance(const VoltageSegment& segment);
 
+    /// Exponentials that the currents and the field are made of.
+    int exponentials() const { return groups_ + (lag_ > 0.0 ? 1 : 0); }
+
     /// Largest time constant of the modes, s.
     double slowest() const { return time_constant_.maxCoeff(); }
 

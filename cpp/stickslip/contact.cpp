@@ -61,7 +61,7 @@ private:
 
     Pose pose_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
-        dynamics_.rebase_field(tau_, body_.x, body_.z);
+        dynamics_.rebase_field(body_.x, body_.z);
         return dynamics_.rebase_angle(angle);
     }
 

@@ -18,55 +18,68 @@ struct ContactMode {
 };
 
 /// Reaction at the touching corner(s). N is compressive, before adhesion; friction along +x, in N.
-struct Reaction {
-    double normal = 0.0;
-    double friction = 0.0;
+template <class Real>
+struct ReactionOf {
+    Real normal = 0.0;
+    Real friction = 0.0;
 };
+using Reaction = ReactionOf<double>;
+
+// In what follows `robot` has the mass and the inertia: a Model or a PlainDynamics.
 
 /// A corner that neither slips nor leaves: the paper's case 3, Eqs. (10)-(14) with P fixed.
-struct CornerStick {
-    double angular_acceleration;  ///< rad/s^2
-    Reaction reaction;
+template <class Real>
+struct CornerStickOf {
+    Real angular_acceleration;  ///< rad/s^2
+    ReactionOf<Real> reaction;
 };
+using CornerStick = CornerStickOf<double>;
 
 /// per_corner_inertia: 1 / (J + m r^2), 1/(kg m^2).
-[[gnu::always_inline]] inline CornerStick corner_stick(const Model& model,
-                                                       double per_corner_inertia, const Pose& pose,
-                                                       double omega, const Load& load) {
-    const double moment = load.torque + (pose.height * load.fx + pose.lever * load.fz);
-    const double alpha = moment * per_corner_inertia;
-    const double ww = omega * omega;
-    const double ax = alpha * pose.height + ww * pose.lever;
-    const double az = alpha * pose.lever - ww * pose.height;
-    return {alpha, {model.mass * az - load.fz + load.contact_adhesion, model.mass * ax - load.fx}};
+template <class Robot, class Real>
+[[gnu::always_inline]] inline CornerStickOf<Real> corner_stick(const Robot& robot,
+                                                               Real per_corner_inertia,
+                                                               const PoseOf<Real>& pose, Real omega,
+                                                               const LoadOf<Real>& load) {
+    const Real moment = load.torque + (pose.height * load.fx + pose.lever * load.fz);
+    const Real alpha = moment * per_corner_inertia;
+    const Real ww = omega * omega;
+    const Real ax = alpha * pose.height + ww * pose.lever;
+    const Real az = alpha * pose.lever - ww * pose.height;
+    return {alpha, {robot.mass * az - load.fz + load.contact_adhesion, robot.mass * ax - load.fx}};
 }
 
 /// A corner that slips with friction -coefficient N, where `coefficient` carries the sign of the
 /// slip: the paper's case 2.
-struct CornerSlip {
-    double angular_acceleration;  ///< rad/s^2
-    double slip_acceleration;     ///< m/s^2, of the corner along x
-    double normal;                ///< N
+template <class Real>
+struct CornerSlipOf {
+    Real angular_acceleration;  ///< rad/s^2
+    Real slip_acceleration;     ///< m/s^2, of the corner along x
+    Real normal;                ///< N
     /// J + m lever (lever - coefficient height), kg m^2: a normal force that lifts the corner. At
     /// or below zero sliding has no solution or two (Painleve).
-    double effective_inertia;
+    Real effective_inertia;
 };
+using CornerSlip = CornerSlipOf<double>;
 
-inline double painleve_inertia(const Model& model, const Pose& pose, double coefficient) {
-    return model.inertia + model.mass * pose.lever * (pose.lever - coefficient * pose.height);
+template <class Robot, class Real>
+inline Real painleve_inertia(const Robot& robot, const PoseOf<Real>& pose, Real coefficient) {
+    return robot.inertia + robot.mass * pose.lever * (pose.lever - coefficient * pose.height);
 }
 
-[[gnu::always_inline]] inline CornerSlip corner_slip(const Model& model, const Pose& pose,
-                                                     double omega, const Load& load,
-                                                     double coefficient) {
-    const double ww = omega * omega;
-    const double adhesion = load.contact_adhesion;
-    const double arm = pose.lever - coefficient * pose.height;
-    const double effective = painleve_inertia(model, pose, coefficient);
-    const double rest = adhesion - model.mass * ww * pose.height - load.fz;
-    const double alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
-    const double normal = model.mass * pose.lever * alpha + rest;
-    const double ax = (load.fx - coefficient * normal) / model.mass;
+template <class Robot, class Real>
+[[gnu::always_inline]] inline CornerSlipOf<Real> corner_slip(const Robot& robot,
+                                                             const PoseOf<Real>& pose, Real omega,
+                                                             const LoadOf<Real>& load,
+                                                             Real coefficient) {
+    const Real ww = omega * omega;
+    const Real adhesion = load.contact_adhesion;
+    const Real arm = pose.lever - coefficient * pose.height;
+    const Real effective = painleve_inertia(robot, pose, coefficient);
+    const Real rest = adhesion - robot.mass * ww * pose.height - load.fz;
+    const Real alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
+    const Real normal = robot.mass * pose.lever * alpha + rest;
+    const Real ax = (load.fx - coefficient * normal) * per_mass(robot);
     return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective};
 }
 

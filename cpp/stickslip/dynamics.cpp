@@ -5,6 +5,44 @@
 
 namespace stickslip {
 
+namespace {
+
+constexpr double kStale = 1000.0;  // turns of a base pose that is of another quadrant
+
+}  // namespace
+
+Dynamics::Dynamics(const Model& model, LocalField field)
+    : model_(&model), field_(std::move(field)), extended_(model.has_force_effects()) {
+    robot_.mass = model.mass;
+    robot_.per_mass = 1.0 / model.mass;
+    robot_.inertia = model.inertia;
+    robot_.per_inertia = 1.0 / model.inertia;
+    robot_.per_corner_inertia = 1.0 / model.corner_inertia();
+    robot_.weight_x = model.mass * model.gravity_x;
+    robot_.weight_z = model.mass * model.gravity_z;
+    robot_.drag = model.translational_drag;
+    robot_.turning_drag = model.rotational_drag_linear;
+    robot_.turning_drag_quadratic = model.rotational_drag_quadratic;
+    robot_.adhesion = model.adhesion.strength;
+    robot_.static_friction = model.friction.static_coefficient;
+    robot_.kinetic_friction = model.friction.kinetic_coefficient;
+    robot_.radius = model.shape.radius();
+    set_quadrant(0);
+}
+
+void Dynamics::set_quadrant(int quadrant) {
+    if (quadrant == quadrant_) return;
+    quadrant_ = quadrant;
+    turn_ = QuarterTurns(quadrant);
+    const Model& m = *model_;
+    const double c = std::cos(m.misalignment), s = std::sin(m.misalignment);
+    robot_.base.turns = kStale;
+    robot_.half_base = m.shape.half_base(quadrant);
+    robot_.half_rise = m.shape.half_rise(quadrant);
+    robot_.moment_cosine = m.moment * (turn_.cosine * c - turn_.sine * s);
+    robot_.moment_sine = m.moment * (turn_.sine * c + turn_.cosine * s);
+}
+
 void Dynamics::extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
                       const Pose& pose, double vx, double vz, Load& load) const {
     const Model& m = *model_;
@@ -24,7 +62,7 @@ void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, 
     // The pose has lost its whole turns, which a body in flight may have made within its quadrant.
     constexpr double kTurn = 4.0 * kQuarterTurn;
     double angle = std::atan2(pose.sine, pose.cosine);
-    const double off = base_angle_ - angle;
+    const double off = robot_.base.angle - angle;
     if (std::abs(off) > 0.5 * kTurn) angle += kTurn * std::round(off / kTurn);
     const std::array<double, WrenchState::kSize> state = {
         start_ + tau, sign * x,        z,       angle + quadrant_ * kQuarterTurn, sign * vx, vz,

@@ -19,55 +19,120 @@ struct BodyState {
 };
 
 /// Forces at the centre of mass other than those of touching corners.
-struct Load {
-    double fx = 0.0, fz = 0.0;      ///< N
-    double torque = 0.0;            ///< N m about +y
-    double contact_adhesion = 0.0;  ///< N, adhesion of whatever touches
+template <class Real>
+struct LoadOf {
+    Real fx = 0.0, fz = 0.0;      ///< N
+    Real torque = 0.0;            ///< N m about +y
+    Real contact_adhesion = 0.0;  ///< N, adhesion of whatever touches
+};
+using Load = LoadOf<double>;
+
+/// A pose from which others are turned on by small angles.
+template <class Real>
+struct BasePose {
+    Real angle = 0.0;
+    Real turns;  ///< since it was last computed by sine and cosine
+    PoseOf<Real> pose;
 };
 
+/// A robot in one quadrant, without named effects: its constants, and a base angle to which others
+/// are relative, so that the inner stages need no sine and cosine.
+template <class Real>
+struct PlainDynamics {
+    Real mass, per_mass;                        ///< kg, 1/kg
+    Real inertia, per_inertia;                  ///< kg m^2, 1/(kg m^2)
+    Real per_corner_inertia;                    ///< 1/(kg m^2), of J + m r^2
+    Real weight_x, weight_z;                    ///< N
+    Real drag;                                  ///< N s/m, Eq. (18)
+    Real turning_drag, turning_drag_quadratic;  ///< N m s, N m s^2, Eq. (19)
+    Real adhesion;                              ///< N
+    Real static_friction, kinetic_friction;
+    Real radius, half_base, half_rise;  ///< m
+    // Of the magnetic moment along the body's axes, A m^2.
+    Real moment_cosine = 0.0, moment_sine = 0.0;
+
+    BasePose<Real> base;
+
+    /// Largest angle from the base, squared, at which the series of `turned` are exact to rounding.
+    static constexpr double kNearSquared = 0.015625;
+    /// Turning the last base on is quicker than sine and cosine; rounding adds up over few turns, to 1e-14.
+    static constexpr int kMostTurns = 128;
+
+    /// The base pose turned by a small angle d, with dd = d^2. Series whose next terms are below
+    /// 3e-16 at |d| = 1/8, summed in pairs for the processor to overlap.
+    [[gnu::always_inline]] PoseOf<Real> turned(Real d, Real dd) const {
+        const Real dddd = dd * dd;
+        const Real c =
+            (1.0 - dd * (1.0 / 2)) + dddd * ((1.0 / 24 - dd * (1.0 / 720)) + dddd * (1.0 / 40320));
+        const Real s =
+            d * ((1.0 - dd * (1.0 / 6)) +
+                 dddd * ((1.0 / 120 - dd * (1.0 / 5040)) + dddd * (1.0 / 362880)));
+        return base.pose.turned(c, s);
+    }
+
+    /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
+    [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field, Real mx, Real mz,
+                                             Real vx, Real vz, Real omega) const {
+        const Real turning = (turning_drag + turning_drag_quadratic * magnitude(omega)) * omega;
+        LoadOf<Real> load;
+        load.fx = mx * field.dbx_dx + mz * field.dbx_dz + weight_x - drag * vx;
+        load.fz = mx * field.dbx_dz + mz * field.dbz_dz + weight_z - drag * vz;
+        load.torque = (mz * field.bx - turning) - mx * field.bz;
+        load.contact_adhesion = adhesion;
+        return load;
+    }
+    [[gnu::always_inline]] Real moment_x(const PoseOf<Real>& pose) const {
+        return moment_cosine * pose.cosine - moment_sine * pose.sine;
+    }
+    [[gnu::always_inline]] Real moment_z(const PoseOf<Real>& pose) const {
+        return -(moment_sine * pose.cosine + moment_cosine * pose.sine);
+    }
+};
+
+template <class Real>
+inline Real per_mass(const PlainDynamics<Real>& robot) {
+    return robot.per_mass;
+}
+
 /// What is known of the robot between two events: the model, the field about the robot, the
-/// quadrant. Angles are handled relative to a base angle, so that the inner stages need no sine and
-/// cosine.
+/// quadrant.
 class Dynamics {
 public:
-    Dynamics(const Model& model, LocalField field)
-        : model_(&model), field_(std::move(field)), extended_(model.has_force_effects()) {
-        set_quadrant(0);
-    }
+    using Real = double;
+
+    Dynamics(const Model& model, LocalField field);
     Dynamics(const Model&&, LocalField) = delete;  // the model has to outlive this
 
     const Model& model() const { return *model_; }
+    const PlainDynamics<double>& robot() const { return robot_; }
     LocalField& field() { return field_; }
     const LocalField& field() const { return field_; }
     Expansion field_at(double tau) const { return field_.at(tau); }
     int quadrant() const { return quadrant_; }
 
-    void set_quadrant(int quadrant) {
-        if (quadrant == quadrant_) return;
-        quadrant_ = quadrant;
-        turns_ = kStale;
-        const QuarterTurns turn(quadrant);
-        const double c = std::cos(model_->misalignment), s = std::sin(model_->misalignment);
-        moment_cosine_ = model_->moment * (turn.cosine * c - turn.sine * s);
-        moment_sine_ = model_->moment * (turn.sine * c + turn.cosine * s);
-        turn_ = turn;
-    }
+    void set_quadrant(int quadrant);
 
     /// Takes `angle` as the base of the next step; the robot's pose there.
     Pose rebase_angle(double angle) {
-        // Turning the last base on is quicker than sine and cosine; rounding adds up over few
-        // turns.
-        constexpr int kMostTurns = 32;
-        if (++turns_ < kMostTurns && std::abs(angle - base_angle_) < 0.125) {
-            base_pose_ = pose(angle);
+        BasePose<double>& base = robot_.base;
+        base.turns += 1.0;
+        if (base.turns < PlainDynamics<double>::kMostTurns && std::abs(angle - base.angle) < 0.125) {
+            base.pose = pose(angle);
         } else {
-            base_pose_ = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));
-            turns_ = 0;
+            base.pose = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));
+            base.turns = 0.0;
         }
-        base_angle_ = angle;
-        return base_pose_;
+        base.angle = angle;
+        return base.pose;
     }
-    void rebase_field(double tau, double x, double z) { field_.rebase(tau, x, z); }
+    void rebase_field(double x, double z) { field_.rebase(x, z); }
+
+    /// Whether the formulas of a PlainDynamics are all there is to it.
+    bool is_plain() const {
+        return !extended_ && model_->adhesion.range == 0.0 && model_->friction.is_plain();
+    }
+    /// Takes over the base that a pack has moved on.
+    void set_base(const BasePose<double>& base) { robot_.base = base; }
 
     /// Time (s) since the start of the run at which the stretch begins.
     void set_start(double time) { start_ = time; }
@@ -76,9 +141,23 @@ public:
     void set_contact_age(double age) { age_ = age; }
     double contact_age() const { return age_; }
 
-    [[gnu::always_inline]] inline Pose pose(double angle) const;
+    [[gnu::always_inline]] Pose pose(double angle) const {
+        const double d = angle - robot_.base.angle;
+        const double dd = d * d;
+        if (!(dd < PlainDynamics<double>::kNearSquared)) {
+            return robot_.base.pose.turned(std::cos(d), std::sin(d));
+        }
+        return robot_.turned(d, dd);
+    }
 
-    /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
+    double static_limit(double slip, double x) const {
+        return model_->friction.static_limit(slip, x);
+    }
+    double kinetic(double slip, double slip_velocity, double x) const {
+        return model_->friction.kinetic(slip, slip_velocity, x);
+    }
+
+    /// Forces of everything but the reaction of touching corners.
     [[gnu::always_inline]] inline Load load(const Expansion& field, double x, double z,
                                             const Pose& pose, double vx, double vz,
                                             double omega) const;
@@ -106,50 +185,22 @@ private:
     LocalField field_;
     bool extended_;
     static constexpr int kNoQuadrant = 1 << 30;
-    static constexpr int kStale = 1000;  // in `turns_`: the base pose is of another quadrant
 
     int quadrant_ = kNoQuadrant;
     QuarterTurns turn_{0};
-    double moment_cosine_ = 0.0, moment_sine_ = 0.0;
     double age_ = 0.0;
     double start_ = 0.0;
-    double base_angle_ = 0.0;
-    int turns_ = kStale;
-    Pose base_pose_;
+    PlainDynamics<double> robot_;
 };
-
-inline Pose Dynamics::pose(double angle) const {
-    const double d = angle - base_angle_;
-    const double dd = d * d;
-    if (!(dd < 0.015625)) return base_pose_.turned(std::cos(d), std::sin(d));
-    // Series whose next terms are below 3e-16 at |d| = 1/8, summed in pairs for the processor to
-    // overlap.
-    const double dddd = dd * dd;
-    const double c =
-        (1.0 - dd * (1.0 / 2)) + dddd * ((1.0 / 24 - dd * (1.0 / 720)) + dddd * (1.0 / 40320));
-    const double s = d * ((1.0 - dd * (1.0 / 6)) +
-                          dddd * ((1.0 / 120 - dd * (1.0 / 5040)) + dddd * (1.0 / 362880)));
-    return base_pose_.turned(c, s);
-}
 
 inline Load Dynamics::load(const Expansion& expansion, double x, double z, const Pose& pose,
                            double vx, double vz, double omega) const {
-    const Model& m = *model_;
     const PlanarField field = expansion(x, z);
-    const double mx = moment_cosine_ * pose.cosine - moment_sine_ * pose.sine;
-    const double mz = -(moment_sine_ * pose.cosine + moment_cosine_ * pose.sine);
-    Load load;
-    load.fx =
-        mx * field.dbx_dx + mz * field.dbx_dz + m.mass * m.gravity_x - m.translational_drag * vx;
-    load.fz =
-        mx * field.dbx_dz + mz * field.dbz_dz + m.mass * m.gravity_z - m.translational_drag * vz;
-    const double turning_drag =
-        (m.rotational_drag_linear + m.rotational_drag_quadratic * std::abs(omega)) * omega;
-    load.torque = (mz * field.bx - turning_drag) - mx * field.bz;
-    load.contact_adhesion = m.adhesion.strength;
+    const double mx = robot_.moment_x(pose), mz = robot_.moment_z(pose);
+    Load load = robot_.load(field, mx, mz, vx, vz, omega);
     if (extended_) {
         extend(expansion, field, mx, mz, pose, vx, vz, load);
-        if (!m.user_effects.empty()) {
+        if (!model_->user_effects.empty()) {
             add_user_effects(expansion.tau, field, x, z, pose, vx, vz, omega, load);
         }
     }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "stickslip/pack.hpp"
+
 /// Events inside a step. Each event function is watched on its own: a minimum over several would
 /// hide the dip of one behind another of a different scale.
 namespace stickslip {
@@ -18,11 +20,57 @@ struct EventHit {
 };
 
 /// Event functions at a step's two ends and at stages between, for the search for dips.
-template <std::size_t M>
+template <std::size_t M, class Real = double>
 struct EventSamples {
-    std::array<double, M> start, end;
-    std::array<double, M> early, late;  ///< at the fractions kEarly and kLate
-    std::array<double, M> lowest;       ///< least value over all stages
+    static constexpr double kEarly = 0.161;  // two of Tsit5's stages
+    static constexpr double kLate = 0.9;
+
+    std::array<Real, M> start, end;
+    std::array<Real, M> early, late;  ///< at the fractions kEarly and kLate
+    std::array<Real, M> lowest;       ///< least value over all stages
+
+    [[gnu::always_inline]] Real start_slope(std::size_t i) const {
+        constexpr auto w = slope_weights(0.0, 0.0, kEarly, kLate);
+        return w[0] * start[i] + w[1] * early[i] + w[2] * late[i];
+    }
+    [[gnu::always_inline]] Real end_slope(std::size_t i) const {
+        constexpr auto w = slope_weights(1.0, kEarly, kLate, 1.0);
+        return w[0] * early[i] + w[1] * late[i] + w[2] * end[i];
+    }
+
+    /// Positive at both ends: could function i be negative between? Falling at the start and rising
+    /// at the end, the two tangents meet at a lower bound where the function is convex; they are
+    /// made steeper by a part for what the stages miss.
+    [[gnu::always_inline]] MaskOf<Real> may_dip(std::size_t i) const {
+        const Real slope = start_slope(i);
+        // The stages are not the solution, and the slope at the end may have the wrong sign.
+        const auto drops = (slope < 0.0) & (start[i] + slope < 0.0);
+        const Real falling = 1.25 * slope;
+        const Real rising = 1.25 * end_slope(i);
+        const auto turns = (falling < 0.0) & (rising > 0.0);
+        if (!any(turns)) return (lowest[i] < 0.0) | drops;
+        const Real meet =
+            lesser(greater((end[i] - start[i] - rising) / (falling - rising), Real(0.0)),
+                   Real(1.0));
+        const auto below = (start[i] + falling * meet < 0.0) |
+                           (end[i] - rising * (1.0 - meet) < 0.0);
+        return (lowest[i] < 0.0) | drops | (turns & below);
+    }
+
+    /// Positive at all stages after the start, and zero or positive there: function i has risen
+    /// since its phase was born, unless it may dip.
+    [[gnu::always_inline]] MaskOf<Real> rises(std::size_t i) const {
+        return (lowest[i] >= 0.0) & (early[i] > 0.0) & (late[i] > 0.0) & (end[i] > 0.0);
+    }
+
+private:
+    // Weights of the values at x0, x1, x2 in the slope at x of the parabola through them.
+    static constexpr std::array<double, 3> slope_weights(double x, double x0, double x1,
+                                                         double x2) {
+        return {(2.0 * x - x1 - x2) / ((x0 - x1) * (x0 - x2)),
+                (2.0 * x - x0 - x2) / ((x1 - x0) * (x1 - x2)),
+                (2.0 * x - x0 - x1) / ((x2 - x0) * (x2 - x1))};
+    }
 };
 
 /// Finds the first event of a step among M event functions. `value(i, s)` is event function i on
@@ -30,8 +78,7 @@ struct EventSamples {
 template <std::size_t M>
 class EventFinder {
 public:
-    static constexpr double kEarly = 0.161;  // two of Tsit5's stages
-    static constexpr double kLate = 0.9;
+    static constexpr double kEarly = EventSamples<M>::kEarly, kLate = EventSamples<M>::kLate;
     // Of a step; on the dense output, whose own error is far larger.
     static constexpr double kResolution = 1e-12;
 
@@ -47,9 +94,11 @@ public:
             if (armed[i]) {
                 if (g.end[i] < 0.0) {
                     if (!narrow(g, i, value, hit.s, bracket)) continue;
-                } else if (!may_dip(g, i) || !find_dip(g, i, value, bracket)) {
+                } else if (!g.may_dip(i) || !find_dip(g, i, value, bracket)) {
                     continue;
                 }
+            } else if (g.rises(i) && !g.may_dip(i)) {
+                continue;
             } else if (!risen(g, i, value, bracket)) {
                 if (!stalled) return {static_cast<int>(i), 0.0};
                 bracket.low = bracket.high = 1.0;
@@ -98,39 +147,9 @@ public:
     }
 
 private:
-    // Weights of the values at x0, x1, x2 in the slope at x of the parabola through them.
-    static constexpr std::array<double, 3> slope_weights(double x, double x0, double x1,
-                                                         double x2) {
-        return {(2.0 * x - x1 - x2) / ((x0 - x1) * (x0 - x2)),
-                (2.0 * x - x0 - x2) / ((x1 - x0) * (x1 - x2)),
-                (2.0 * x - x0 - x1) / ((x2 - x0) * (x2 - x1))};
-    }
-    static double start_slope(const EventSamples<M>& g, std::size_t i) {
-        constexpr auto w = slope_weights(0.0, 0.0, kEarly, kLate);
-        return w[0] * g.start[i] + w[1] * g.early[i] + w[2] * g.late[i];
-    }
-    static double end_slope(const EventSamples<M>& g, std::size_t i) {
-        constexpr auto w = slope_weights(1.0, kEarly, kLate, 1.0);
-        return w[0] * g.early[i] + w[1] * g.late[i] + w[2] * g.end[i];
-    }
     static double tangents_meet(const EventSamples<M>& g, std::size_t i, double falling,
                                 double rising) {
         return std::clamp((g.end[i] - g.start[i] - rising) / (falling - rising), 0.0, 1.0);
-    }
-
-    // Positive at both ends: could it be negative between? Falling at the start and rising at the
-    // end, the two tangents meet at a lower bound where the function is convex; they are made
-    // steeper by a part for what the stages miss.
-    static bool may_dip(const EventSamples<M>& g, std::size_t i) {
-        if (g.lowest[i] < 0.0) return true;
-        const double start = start_slope(g, i);
-        // The stages are not the solution, and the slope at the end may have the wrong sign.
-        if (start < 0.0 && g.start[i] + start < 0.0) return true;
-        const double falling = 1.25 * start;
-        const double rising = 1.25 * end_slope(g, i);
-        if (!(falling < 0.0 && rising > 0.0)) return false;
-        const double meet = tangents_meet(g, i, falling, rising);
-        return g.start[i] + falling * meet < 0.0 || g.end[i] - rising * (1.0 - meet) < 0.0;
     }
 
     // Negative at the end: is there a root before `s`? Where the stages do not simply fall, looks
@@ -143,7 +162,7 @@ private:
             bracket.at_high = value(i, s);
         }
         const bool falls = g.start[i] > g.early[i] && g.early[i] > g.late[i] &&
-                           g.late[i] > g.end[i] && start_slope(g, i) < 0.0;
+                           g.late[i] > g.end[i] && g.start_slope(i) < 0.0;
         if (falls) return bracket.at_high < 0.0;
         for (const double at : {1.0 / 3.0, 2.0 / 3.0}) {
             if (at >= bracket.high) break;
@@ -199,7 +218,7 @@ private:
     template <class Value>
     [[gnu::noinline]] static bool clearly_above(const EventSamples<M>& g, std::size_t i,
                                                 Value&& value) {
-        const double falling = start_slope(g, i), rising = end_slope(g, i);
+        const double falling = g.start_slope(i), rising = g.end_slope(i);
         if (!(falling < 0.0 && rising > 0.0)) {
             const double floor = 0.5 * std::min(g.start[i], g.end[i]);
             return g.early[i] > floor && g.late[i] > 0.0 && value(i, 0.6) > floor &&

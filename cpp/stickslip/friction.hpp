@@ -30,23 +30,25 @@ public:
           extensions_(extensions),
           plain_(extensions.absent()) {}
 
+    bool is_plain() const { return plain_; }
+
     double static_coefficient = 0.0;
     double kinetic_coefficient = 0.0;
 
-    double static_limit(int slip, double x) const {
+    double static_limit(double slip, double x) const {
         return plain_ ? static_coefficient : static_coefficient * place(slip, x);
     }
     /// Coefficient of a contact that slips at `slip_velocity` (m/s).
-    double kinetic(int slip, double slip_velocity, double x) const {
+    double kinetic(double slip, double slip_velocity, double x) const {
         return plain_ ? kinetic_coefficient : extended_kinetic(slip, slip_velocity, x);
     }
     /// Coefficient of an impulse at a contact that stuck before it, or did not.
-    double impulsive(int slip, bool stuck, double x) const {
+    double impulsive(double slip, bool stuck, double x) const {
         return (stuck ? static_coefficient : kinetic_coefficient) * (plain_ ? 1.0 : place(slip, x));
     }
 
 private:
-    [[gnu::noinline]] double extended_kinetic(int slip, double slip_velocity, double x) const {
+    [[gnu::noinline]] double extended_kinetic(double slip, double slip_velocity, double x) const {
         const FrictionExtensions& e = extensions_;
         double coefficient = kinetic_coefficient + e.viscous * std::abs(slip_velocity);
         if (e.stribeck_velocity != 0.0) {
@@ -55,7 +57,7 @@ private:
         }
         return coefficient * place(slip, x);
     }
-    double place(int slip, double x) const {
+    double place(double slip, double x) const {
         return (1.0 + extensions_.anisotropy * slip) *
                (1.0 + extensions_.patch_amplitude * std::sin(extensions_.patch_wavenumber * x));
     }

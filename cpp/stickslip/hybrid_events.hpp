@@ -181,7 +181,7 @@ Snapshot HybridLoop<Integrator>::snapshot_now(double tau) const {
     dynamics.set_quadrant(body_.quadrant);
     const auto of = [&](auto phase) {
         const auto y = phase.begin(body_);
-        phase.rebase(tau, y);
+        phase.rebase(y);
         return phase.snapshot(tau, y);
     };
     if (mode_.touch == Touch::none) return of(FlightPhase(dynamics));

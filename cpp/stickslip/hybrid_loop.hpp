@@ -22,16 +22,36 @@ public:
     HybridLoop(const Scenario& scenario, RunControl* control);
     RunResult run();
 
-private:
-    void play();
+    // The parts of `run`, for lanes, which integrate the phases of several runs together.
 
-    // One stretch of voltage.
-    void begin_segment(const VoltageSegment& voltages);
-    void run_segment();
-    double run_rest(double tau, double duration);
+    /// Plays up to the next phase that has to be integrated; false if the run is over.
+    bool next_phase();
+    /// Calls `use` with that phase.
+    void with_phase(auto&& use);
     template <class Phase>
-    double run_phase(Phase phase, double tau, double duration);
-    double run_mode(double tau, double duration);
+    void end_phase(Phase& phase, const PhaseEnd<Phase>& end);
+    RunResult take_result();
+    /// What is called for each step of a phase, see Tsit5::advance.
+    template <class Phase>
+    auto observer(Phase& phase);
+
+    /// Whether lanes can have it: no named effect, and no samples within the steps.
+    bool is_plain() const {
+        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid();
+    }
+    Integrator& integrator() { return integrator_; }
+    PhaseMemory& memory() { return memory_; }
+    Dynamics& dynamics() { return dynamics_; }
+    const BodyState& body() const { return body_; }
+    int slip() const { return mode_.slip; }
+    double tau() const { return tau_; }
+    double tau_end() const { return segment_.duration; }
+
+private:
+    bool next_segment();
+    void begin_segment(const VoltageSegment& voltages);
+    void finish();
+    void run_rest();
 
     // Events.
     void handle(Event event, double tau);
@@ -44,8 +64,8 @@ private:
     void count_change(const ContactMode& before);
     void record_events(double tau);
     Snapshot snapshot_now(double tau) const;
-    void record_last();
     void watch_progress(double tau);
+    void pass_to(double tau);
 
     void sample_until(double limit, double from, auto&& snapshot_at);
     void place_by_contact();
@@ -74,8 +94,11 @@ private:
     RunControl* control_;
     const double longest_look_;  // s, at rest
 
+    SegmentStream segments_;
     CurrentSegment segment_;
+    double tau_ = 0.0;  // s, in the segment
     double fastest_decay_ = 0.0;
+    bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     BodyState body_;
     ContactMode mode_;
     double contact_x_ = 0.0;  // m, pivot corner; kept, not derived, so that a stuck corner stays
@@ -90,6 +113,7 @@ private:
     double burst_span_;          // s, of fifty free swings
     int stalls_ = 0;
     int burst_ = 0;
+    std::int64_t segment_count_ = 0;
 };
 
 template <class Integrator>
@@ -122,6 +146,7 @@ StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const M
     StepperOptions result;
     result.tolerance = scenario.solver.rtol;
     result.max_step = scenario.solver.max_step;
+    result.most_steps = scenario.solver.max_steps;
     const double swing = std::sqrt(torque / model.corner_inertia());
     result.swing_rate = swing > 0.0 ? swing : 1.0;
     result.scales = {radius, radius * result.swing_rate, result.swing_rate};
@@ -154,6 +179,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
       longest_look_(longest_look(model_, integrator_.options())),
+      segments_(program_, hold_period_, {window_.start, window_.end}),
       burst_span_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
@@ -162,12 +188,22 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
 template <class Integrator>
 RunResult HybridLoop<Integrator>::run() {
     try {
-        play();
+        while (next_phase()) {
+            with_phase([&](auto phase) {
+                end_phase(phase, integrator_.advance(phase, memory_, tau_, segment_.duration,
+                                                     phase.begin(body_), observer(phase)));
+            });
+        }
     } catch (const WrenchNotFinite& failure) {
         result_.status = Status::not_finite;
         result_.effect = failure.effect;
         result_.summary.simulated_time = failure.time;
     }
+    return take_result();
+}
+
+template <class Integrator>
+RunResult HybridLoop<Integrator>::take_result() {
     result_.steps = integrator_.counts();
     result_.recording = recorder_.take();
     chain_.apply(result_.summary, result_.recording);
@@ -176,85 +212,83 @@ RunResult HybridLoop<Integrator>::run() {
 }
 
 template <class Integrator>
-void HybridLoop<Integrator>::play() {
-    SegmentStream cursor(program_, hold_period_, {window_.start, window_.end});
+bool HybridLoop<Integrator>::next_phase() {
+    while (result_.status == Status::ok) {
+        if (tau_ >= segment_.duration) {
+            if (!next_segment()) break;
+        } else if (mode_.touch == Touch::face && mode_.slip == 0) {
+            run_rest();
+        } else {
+            dynamics_.set_quadrant(body_.quadrant);
+            return true;
+        }
+    }
+    if (result_.status == Status::ok) finish();
+    return false;
+}
+
+template <class Integrator>
+bool HybridLoop<Integrator>::next_segment() {
+    // The integrators look too; a body at rest needs none.
+    if (control_ && control_->stop.load(std::memory_order_relaxed)) {
+        result_.status = Status::interrupted;
+        return false;
+    }
     VoltageSegment voltages;
-    bool settled = false;
+    if (!segments_.next(voltages)) return false;
+    if (++segment_count_ > integrator_.options().most_steps) {
+        result_.status = Status::too_many_steps;
+        return false;
+    }
     // Boundaries of stretches carry rounding; the window's ends are two of them.
     const double slack = 1e-9 * program_.duration();
-    bool begun = false;
-    while (result_.status == Status::ok && cursor.next(voltages)) {
-        if (!settled && voltages.start >= window_.start - slack) {
-            observer_.open(voltages.start, body_.x);
-            settled = true;
-        }
-        if (observer_.is_open() && voltages.start >= window_.end - slack) {
-            observer_.close(voltages.start, body_.x, sign_, result_.summary);
-        }
-        begin_segment(voltages);
-        if (!begun) {
-            settle(Touch::face, 0.0, 0, 0.0);  // it may not be able to lie still
-            if (recorder_.at_events()) record_events(0.0);
-            begun = true;
-        }
-        run_segment();
-        // The integrators look too; a body at rest needs none.
-        if (control_ && control_->stop.load(std::memory_order_relaxed)) {
-            result_.status = Status::interrupted;
-        }
+    if (!measured_ && voltages.start >= window_.start - slack) {
+        observer_.open(voltages.start, body_.x);
+        measured_ = true;
     }
-    if (result_.status == Status::ok) record_last();
-    if (observer_.is_open() && result_.status == Status::ok) {
-        observer_.close(program_.duration(), body_.x, sign_, result_.summary);
+    if (observer_.is_open() && voltages.start >= window_.end - slack) {
+        observer_.close(voltages.start, body_.x, sign_, result_.summary);
     }
+    begin_segment(voltages);
+    if (!begun_) {
+        settle(Touch::face, 0.0, 0, 0.0);  // it may not be able to lie still
+        if (recorder_.at_events()) record_events(0.0);
+        begun_ = true;
+    }
+    return true;
 }
 
 template <class Integrator>
 void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
     dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
     segment_ = circuit_.advance(voltages);
+    tau_ = 0.0;
     dynamics_.set_start(segment_.start);
     dynamics_.field().set_segment(segment_);
     fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
 }
 
 template <class Integrator>
-void HybridLoop<Integrator>::run_segment() {
-    double tau = 0.0;
-    while (result_.status == Status::ok && tau < segment_.duration) {
-        const double before = tau;
-        tau = run_mode(tau, segment_.duration);
-        result_.summary.simulated_time = absolute(tau);
-        if (control_) {
-            control_->simulated_time.fetch_add(tau - before, std::memory_order_relaxed);
-        }
-    }
-}
-
-// The grid's last sample may lie beyond the end by rounding.
-template <class Integrator>
-void HybridLoop<Integrator>::record_last() {
+void HybridLoop<Integrator>::finish() {
+    // The grid's last sample may lie beyond the end by rounding.
     sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
                  [&](double) { return snapshot_now(segment_.duration); });
+    if (observer_.is_open()) {
+        observer_.close(program_.duration(), body_.x, sign_, result_.summary);
+    }
 }
 
 template <class Integrator>
-double HybridLoop<Integrator>::run_mode(double tau, double duration) {
-    dynamics_.set_quadrant(body_.quadrant);
-    switch (mode_.touch) {
-        case Touch::none:
-            return run_phase(FlightPhase(dynamics_), tau, duration);
-        case Touch::corner:
-            if (mode_.slip == 0) {
-                return run_phase(CornerStickPhase(dynamics_, contact_x_), tau, duration);
-            }
-            return run_phase(CornerSlipPhase(dynamics_, contact_x_, mode_.slip, slip_velocity_),
-                             tau, duration);
-        case Touch::face:
-            if (mode_.slip == 0) return run_rest(tau, duration);
-            return run_phase(FaceSlidePhase(dynamics_, mode_.slip), tau, duration);
+void HybridLoop<Integrator>::with_phase(auto&& use) {
+    if (mode_.touch == Touch::none) {
+        use(FlightPhase(dynamics_));
+    } else if (mode_.touch == Touch::face) {
+        use(FaceSlidePhase(dynamics_, mode_.slip));
+    } else if (mode_.slip == 0) {
+        use(CornerStickPhase(dynamics_, contact_x_));
+    } else {
+        use(CornerSlipPhase(dynamics_, contact_x_, mode_.slip, slip_velocity_));
     }
-    return duration;
 }
 
 // Samples of the uniform grid in (…, limit] s of absolute time; `snapshot_at(t)` in absolute time.
@@ -269,33 +303,44 @@ void HybridLoop<Integrator>::sample_until(double limit, double from, auto&& snap
 }
 
 template <class Integrator>
-double HybridLoop<Integrator>::run_rest(double tau, double duration) {
+void HybridLoop<Integrator>::run_rest() {
     const FaceRest rest(dynamics_, body_);
-    const FaceRest::End end = rest.advance(memory_, tau, duration, fastest_decay_, longest_look_,
-                                           integrator_.options().stop);
+    const FaceRest::End end = rest.advance(memory_, tau_, segment_.duration, fastest_decay_,
+                                           longest_look_, integrator_.options().stop);
     observer_.rest(body_.theta());
-    sample_until(absolute(end.tau), absolute(tau), [&](double at) { return rest.snapshot(at); });
+    sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });
+    pass_to(end.tau);
     if (end.event != Event::none) {
         handle(end.event, end.tau);
-    } else if (end.tau < duration) {
+    } else if (end.tau < segment_.duration) {
         result_.status = Status::interrupted;
     }
-    return end.tau;
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::pass_to(double tau) {
+    result_.summary.simulated_time = absolute(tau);
+    if (control_) control_->simulated_time.fetch_add(tau - tau_, std::memory_order_relaxed);
+    tau_ = tau;
 }
 
 template <class Integrator>
 template <class Phase>
-double HybridLoop<Integrator>::run_phase(Phase phase, double tau, double duration) {
-    const auto observe = [&](const auto& step, double s) {
-        observer_.step(phase, step, s, body_.quadrant);
+auto HybridLoop<Integrator>::observer(Phase& phase) {
+    return [this, &phase](const auto& step, double s) {
         const double limit = absolute(step.start + s * step.width);
         if (recorder_.next_time() > limit) return;
         sample_until(limit, absolute(step.start), [&](double at) {
             return phase.snapshot(at, step.dense((at - step.start) / step.width));
         });
     };
-    const PhaseEnd<Phase> end =
-        integrator_.advance(phase, memory_, tau, duration, phase.begin(body_), observe);
+}
+
+template <class Integrator>
+template <class Phase>
+void HybridLoop<Integrator>::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
+    observer_.phase(phase, end, end.tau - tau_, body_.quadrant);
+    pass_to(end.tau);
     result_.status = end.status;
     body_ = phase.body(end.y);
     if constexpr (Phase::kSlips) {
@@ -308,11 +353,10 @@ double HybridLoop<Integrator>::run_phase(Phase phase, double tau, double duratio
         if (end.status == Status::step_underflow && phase.nearly_jams(end.y)) {
             result_.status = Status::ok;
             handle(Event::sliding_jams, end.tau);
-            return end.tau;
+            return;
         }
     }
     if (end.status == Status::ok && end.event != Event::none) handle(end.event, end.tau);
-    return end.tau;
 }
 
 }  // namespace stickslip

@@ -28,6 +28,7 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
     : coils_(&coils),
       reach_(std::min(
           kReach, kReachPart * std::hypot(coils.geometry().distance, 0.5 * coils.geometry().side))),
+      workspace_(kWorkspace * coils.geometry().distance),
       gain_(gain),
       ambient_x_(ambient_x),
       ambient_z_(ambient_z) {}
@@ -35,23 +36,25 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
 void LocalField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
     fading_time_ = 0.5 / *std::max_element(segment.rate.begin(), segment.rate.end());
-    base_tau_ = 0.0;
-    base_decay_.fill(1.0);
+    stretch_.rate = segment.rate[0];
     if (expanded_) combine();
 }
 
-void LocalField::rebase(double tau, double x, double z) {
-    for (std::size_t j = 0; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
-        base_decay_[j] = decay(tau, j);
-    }
-    base_tau_ = tau;
-    const double limit = kWorkspace * coils_->geometry().distance;
-    outside_ = !(std::abs(x) < limit && std::abs(z) < limit);
+void LocalField::rebase(double x, double z) {
+    outside_ = !(std::abs(x) < workspace_ && std::abs(z) < workspace_);
     if (outside_) return;
     const double half = 0.5 * reach_;
-    if (!expanded_ || std::abs(x - centre_x_) > half || std::abs(z - centre_z_) > half) {
+    if (!expanded_ || std::abs(x - stretch_.centre_x) > half ||
+        std::abs(z - stretch_.centre_z) > half) {
         expand(x, z);
         combine();
+    }
+}
+
+void LocalField::add_further(std::size_t j, double tau, Expansion& expansion) const {
+    const double fading = exponential(-segment_.rate[j] * tau);
+    for (std::size_t i = 0; i < Expansion::kTerms; ++i) {
+        expansion.terms[i] += further_basis_[j - 1][i] * fading;
     }
 }
 
@@ -83,8 +86,8 @@ void LocalField::expand(double x, double z) {
                     (up.xz - 2.0 * xz + down.xz) * per_dd,
                     (up.zz - 2.0 * zz + down.zz) * per_dd};
     }
-    centre_x_ = x;
-    centre_z_ = z;
+    stretch_.centre_x = x;
+    stretch_.centre_z = z;
     expanded_ = true;
 }
 
@@ -96,10 +99,10 @@ void LocalField::combine() {
             if (coefficient == 0.0) continue;
             for (std::size_t i = 0; i < Expansion::kTerms; ++i) sum[i] += coefficient * unit_[k][i];
         }
-        basis_[b] = sum;
+        (b < 3 ? stretch_.basis[b] : further_basis_[b - 3]) = sum;
     }
-    basis_[0][0] += ambient_x_;
-    basis_[0][1] += ambient_z_;
+    stretch_.basis[0][0] += ambient_x_;
+    stretch_.basis[0][1] += ambient_z_;
 }
 
 }  // namespace stickslip

@@ -5,27 +5,54 @@
 
 #include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/pack.hpp"
 
 namespace stickslip {
 
 /// Field and gradient in the plane of motion y = 0. The curl is zero, so dBx/dz = dBz/dx.
-struct PlanarField {
-    double bx = 0.0, bz = 0.0;                        ///< T
-    double dbx_dx = 0.0, dbx_dz = 0.0, dbz_dz = 0.0;  ///< T/m
+template <class Real>
+struct PlanarFieldOf {
+    Real bx = 0.0, bz = 0.0;                        ///< T
+    Real dbx_dx = 0.0, dbx_dz = 0.0, dbz_dz = 0.0;  ///< T/m
 };
+using PlanarField = PlanarFieldOf<double>;
 
 /// The field at one time as a polynomial in the plane of motion.
-struct Expansion {
+template <class Real>
+struct ExpansionOf {
     // bx bz | gxx gxz gzz | xxx xxz xzz zzz | xxxx xxxz xxzz xzzz zzzz: derivatives of the
     // potential.
     static constexpr std::size_t kTerms = 14;
-    using Terms = std::array<double, kTerms>;
+    using Terms = std::array<Real, kTerms>;
 
-    Terms terms = {};
-    double centre_x = 0.0, centre_z = 0.0;  ///< m
-    double tau = 0.0;                       ///< s, the time it holds for
+    Terms terms;
+    Real centre_x, centre_z;  ///< m
+    Real tau;                 ///< s, the time it holds for
 
-    [[gnu::always_inline]] inline PlanarField operator()(double x, double z) const;
+    [[gnu::always_inline]] inline PlanarFieldOf<Real> operator()(Real x, Real z) const;
+};
+using Expansion = ExpansionOf<double>;
+
+/// The field near a centre over a stretch in which the currents are a + b tau + c exp(-rate tau).
+template <class Real>
+struct FieldStretch {
+    using Terms = typename ExpansionOf<Real>::Terms;
+
+    std::array<Terms, 3> basis = {};  ///< of a, b and c
+    Real centre_x = 0.0, centre_z = 0.0;
+    Real rate = 0.0;  ///< 1/s
+
+    [[gnu::always_inline]] ExpansionOf<Real> at(Real tau) const {
+        ExpansionOf<Real> result;
+        result.centre_x = centre_x;
+        result.centre_z = centre_z;
+        result.tau = tau;
+        const Real fading = exponential(-rate * tau);
+        for (std::size_t i = 0; i < result.terms.size(); ++i) {
+            result.terms[i] = basis[0][i] + basis[1][i] * tau + basis[2][i] * fading;
+        }
+        return result;
+    }
 };
 
 /// The field of the driven coils near the robot and over one stretch of voltage.
@@ -45,9 +72,8 @@ public:
 
     void set_segment(const CurrentSegment& segment);
 
-    /// Moves the centre to the robot where it has left half the reach, and takes `tau` as the time
-    /// about which exponentials are expanded.
-    void rebase(double tau, double x, double z);
+    /// Moves the centre to the robot where it has left half the reach.
+    void rebase(double x, double z);
 
     /// How far from its centre an expansion holds, m.
     double reach() const { return reach_; }
@@ -57,72 +83,53 @@ public:
 
     /// The robot has come so near to a coil's plane that the model of the set-up ends.
     bool outside() const { return outside_; }
+    /// How far from the origin, along each axis, it may go, m.
+    double workspace() const { return workspace_; }
 
     /// The expansion at `tau` seconds into the stretch. It does not depend on the robot's state, so
     /// an integrator can have it ready before a stage begins.
-    Expansion at(double tau) const;
+    Expansion at(double tau) const {
+        Expansion result = stretch_.at(tau);
+        for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
+            add_further(j, tau, result);
+        }
+        return result;
+    }
+
+    /// The stretch as the formulas see it, where one exponential makes all of it.
+    const FieldStretch<double>& stretch() const { return stretch_; }
 
 private:
     using Terms = Expansion::Terms;
 
     void expand(double x, double z);
     void combine();
-    double decay(double tau, std::size_t j) const;
+    void add_further(std::size_t j, double tau, Expansion& expansion) const;
 
     const CoilSet* coils_;
     double reach_;
+    double workspace_;
     double fading_time_ = 0.0;
     PerCoil gain_;
     double ambient_x_, ambient_z_;
     CurrentSegment segment_;
-    double centre_x_ = 0.0, centre_z_ = 0.0;
     bool expanded_ = false;
     bool outside_ = false;
     std::array<Terms, kCoilCount> unit_ = {};  // per ampere of each coil
-    std::array<Terms, kMaxBasis> basis_ = {};  // per function of time
-    double base_tau_ = 0.0;
-    std::array<double, kMaxExponentials> base_decay_ = {};
+    FieldStretch<double> stretch_;
+    // Of the second exponential and those after it.
+    std::array<Terms, kMaxExponentials - 1> further_basis_ = {};
 };
 
-/// exp(-rate tau), from its value at the base time by a short series where the two are near.
-inline double LocalField::decay(double tau, std::size_t j) const {
-    const double u = segment_.rate[j] * (base_tau_ - tau);
-    if (std::abs(u) > 0.125) return std::exp(-segment_.rate[j] * tau);
-    // The next term, u^10/10!, is below 3e-16. Pairs are summed apart, for the processor to
-    // overlap.
-    const double uu = u * u;
-    const double even =
-        1.0 + uu * (1.0 / 2 + uu * (1.0 / 24 + uu * (1.0 / 720 + uu * (1.0 / 40320))));
-    const double odd =
-        1.0 + uu * (1.0 / 6 + uu * (1.0 / 120 + uu * (1.0 / 5040 + uu * (1.0 / 362880))));
-    return base_decay_[j] * (even + u * odd);
-}
-
-inline Expansion LocalField::at(double tau) const {
-    Expansion result;
-    result.centre_x = centre_x_;
-    result.centre_z = centre_z_;
-    result.tau = tau;
-    Terms& c = result.terms;
-    const double first = decay(tau, 0);
-    for (std::size_t i = 0; i < Expansion::kTerms; ++i) {
-        c[i] = basis_[0][i] + basis_[1][i] * tau + basis_[2][i] * first;
-    }
-    for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
-        const double further = decay(tau, j);
-        for (std::size_t i = 0; i < Expansion::kTerms; ++i) c[i] += basis_[2 + j][i] * further;
-    }
-    return result;
-}
-
-inline PlanarField Expansion::operator()(double x, double z) const {
+template <class Real>
+inline PlanarFieldOf<Real> ExpansionOf<Real>::operator()(Real x, Real z) const {
     const Terms& c = terms;
-    const double dx = x - centre_x, dz = z - centre_z;
-    const double xx = 0.5 * (dx * dx), xz = dx * dz, zz = 0.5 * (dz * dz);
+    const Real dx = x - centre_x, dz = z - centre_z;
+    const Real xx = 0.5 * (dx * dx), xz = dx * dz, zz = 0.5 * (dz * dz);
     constexpr double third = 1.0 / 3.0;
-    const double xxx = third * dx * xx, xxz = dz * xx, xzz = dx * zz, zzz = third * dz * zz;
+    const Real xxx = third * dx * xx, xxz = dz * xx, xzz = dx * zz, zzz = third * dz * zz;
     // Sums in pairs: what counts is the longest chain of dependent operations.
-    PlanarField field;
+    PlanarFieldOf<Real> field;
     field.bx =
         ((c[0] + c[2] * dx) + (c[3] * dz + c[5] * xx)) +
         ((c[6] * xz + c[7] * zz) + ((c[9] * xxx + c[10] * xxz) + (c[11] * xzz + c[12] * zzz)));

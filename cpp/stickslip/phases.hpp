@@ -17,20 +17,33 @@
 ///   rates(field, y, dydt, g)   rates and event functions
 ///   event(i, tau, y)   one event function
 ///   speed(y)           bound on the speed of the centre of mass
-///   rebase(tau, y)     the base of the next step (see Dynamics)
+///   rebase(y)          the base of the next step (see Dynamics)
+///   centre(y, pose)    the centre of mass
+///   angle, omega, contact_x(y)   what the summary watches
 ///   begin(body), body(y)     to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
+/// The formulas, rates and what they use, are written for any D: Dynamics, or the dynamics of a
+/// pack of robots (lane_kernel.hpp), whose numbers D::Real are packs. The rest is of one robot.
 namespace stickslip {
 
+template <class Real>
+struct Point {
+    Real x, z;  ///< m
+};
+
 /// What all phases share.
+template <class D>
 class PhaseBase {
 public:
-    explicit PhaseBase(Dynamics& dynamics) : dynamics_(&dynamics) {}
+    using Real = typename D::Real;
 
-    Expansion field_at(double tau) const { return dynamics_->field_at(tau); }
+    explicit PhaseBase(D& dynamics) : dynamics_(&dynamics) {}
+
+    ExpansionOf<Real> field_at(Real tau) const { return dynamics_->field_at(tau); }
     bool outside() const { return dynamics_->field().outside(); }
     double reach() const { return dynamics_->field().reach(); }
     double fading_time() const { return dynamics_->field().fading_time(); }
+    D& dynamics() const { return *dynamics_; }
 
     /// The bases and the field's expansion, to look elsewhere and come back.
     Dynamics state() const { return *dynamics_; }
@@ -38,7 +51,15 @@ public:
 
 protected:
     const Model& model() const { return dynamics_->model(); }
+    const PlainDynamics<Real>& robot() const { return dynamics_->robot(); }
     int quadrant() const { return dynamics_->quadrant(); }
+
+    template <class Phase>
+    static void rebase_to(const Phase& phase, const typename Phase::State& y) {
+        Dynamics& dynamics = phase.dynamics();
+        const Point<double> at = phase.centre(y, dynamics.rebase_angle(phase.angle(y)));
+        dynamics.rebase_field(at.x, at.z);
+    }
 
     template <class Phase>
     static double event_by_rates(const Phase& phase, std::size_t i, double tau,
@@ -49,44 +70,46 @@ protected:
         return g[i];
     }
 
-    Dynamics* dynamics_;
+    D* dynamics_;
 };
 
 /// A corner sticks: y = (angle, omega).
-class CornerStickPhase : public PhaseBase {
+template <class D>
+class CornerStickPhaseOf : public PhaseBase<D> {
+    using Base = PhaseBase<D>;
+    using Base::dynamics_, Base::model, Base::robot, Base::quadrant;
+
 public:
+    using Real = typename D::Real;
     static constexpr int kDim = 2;
     static constexpr int kEvents = 5;
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = false;
-    using State = std::array<double, kDim>;
-    using Values = std::array<double, kEvents>;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::breaks_backward,
                                                           Event::breaks_forward,
                                                           Event::behind_lands, Event::ahead_lands};
 
-    CornerStickPhase(Dynamics& dynamics, double contact_x)
-        : PhaseBase(dynamics),
-          contact_x_(contact_x),
-          per_corner_inertia_(1.0 / dynamics.model().corner_inertia()) {}
+    CornerStickPhaseOf(D& dynamics, Real contact_x) : Base(dynamics), contact_x_(contact_x) {}
 
-    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+    [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
                                       Values& g) const {
-        const CornerStick stick = solve(field, y);
+        const CornerStickOf<Real> stick = solve(field, y);
         dydt = {y[1], stick.angular_acceleration};
-        const FrictionLaw& law = model().friction;
-        const double normal = stick.reaction.normal, friction = stick.reaction.friction;
-        g = {normal, law.static_limit(-1, contact_x_) * normal - friction,
-             law.static_limit(1, contact_x_) * normal + friction, y[0], kQuarterTurn - y[0]};
+        const Real normal = stick.reaction.normal, friction = stick.reaction.friction;
+        g = {normal, dynamics_->static_limit(-1.0, contact_x_) * normal - friction,
+             dynamics_->static_limit(1.0, contact_x_) * normal + friction, y[0],
+             kQuarterTurn - y[0]};
     }
     double event(std::size_t i, double tau, const State& y) const {
         if (i == 3) return y[0];
         if (i == 4) return kQuarterTurn - y[0];
-        return event_by_rates(*this, i, tau, y);
+        return Base::event_by_rates(*this, i, tau, y);
     }
-    void rebase(double tau, const State& y) {
-        const Pose pose = dynamics_->rebase_angle(y[0]);
-        dynamics_->rebase_field(tau, contact_x_ - pose.lever, pose.height);
+    void rebase(const State& y) { Base::rebase_to(*this, y); }
+    Point<Real> centre(const State&, const PoseOf<Real>& pose) const {
+        return {contact_x_ - pose.lever, pose.height};
     }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(const State& y) const {
@@ -95,59 +118,65 @@ public:
                 y[1] * pose.lever,       y[1],        quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        return {body(y), solve(field_at(tau), y).reaction, contact_x_, 0.0};
+        return {body(y), solve(Base::field_at(tau), y).reaction, contact_x_, 0.0};
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
-    double speed(const State& y) const { return std::abs(y[1]) * model().shape.radius(); }
-    double angle(const State& y) const { return y[0]; }
-    double omega(const State& y) const { return y[1]; }
-    double contact_x(const State&) const { return contact_x_; }
+    Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
+    Real angle(const State& y) const { return y[0]; }
+    Real omega(const State& y) const { return y[1]; }
+    Real contact_x(const State&) const { return contact_x_; }
 
 private:
-    [[gnu::always_inline]] CornerStick solve(const Expansion& field, const State& y) const {
-        const Pose pose = dynamics_->pose(y[0]);
-        const Load load =
+    [[gnu::always_inline]] CornerStickOf<Real> solve(const ExpansionOf<Real>& field,
+                                                     const State& y) const {
+        const PoseOf<Real> pose = dynamics_->pose(y[0]);
+        const LoadOf<Real> load =
             dynamics_->load_near_surface(field, contact_x_ - pose.lever, pose.height, pose,
                                          y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
-        return corner_stick(model(), per_corner_inertia_, pose, y[1], load);
+        return corner_stick(robot(), robot().per_corner_inertia, pose, y[1], load);
     }
 
-    double contact_x_;
-    double per_corner_inertia_;
+    Real contact_x_;
 };
+using CornerStickPhase = CornerStickPhaseOf<Dynamics>;
 
 /// A corner slips to one side: y = (contact_x, angle, slip velocity, omega).
-class CornerSlipPhase : public PhaseBase {
+template <class D>
+class CornerSlipPhaseOf : public PhaseBase<D> {
+    using Base = PhaseBase<D>;
+    using Base::dynamics_, Base::model, Base::robot, Base::quadrant;
+
 public:
+    using Real = typename D::Real;
     static constexpr int kDim = 4;
     static constexpr int kEvents = 5;
     static constexpr bool kSlips = true;
     static constexpr bool kFlies = false;
-    using State = std::array<double, kDim>;
-    using Values = std::array<double, kEvents>;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::slip_stops,
                                                           Event::behind_lands, Event::ahead_lands,
                                                           Event::sliding_jams};
 
-    CornerSlipPhase(Dynamics& dynamics, double contact_x, int slip, double slip_velocity)
-        : PhaseBase(dynamics), contact_x_(contact_x), slip_velocity_(slip_velocity), slip_(slip) {}
+    CornerSlipPhaseOf(D& dynamics, Real contact_x, Real slip, Real slip_velocity)
+        : Base(dynamics), contact_x_(contact_x), slip_velocity_(slip_velocity), slip_(slip) {}
 
-    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+    [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
                                       Values& g) const {
-        const CornerSlip motion = solve(field, y);
+        const CornerSlipOf<Real> motion = solve(field, y);
         dydt = {y[2], y[3], motion.slip_acceleration, motion.angular_acceleration};
         g = {motion.normal, slip_ * y[2], y[1], kQuarterTurn - y[1],
-             motion.effective_inertia - kJammed * model().inertia};
+             motion.effective_inertia - kJammed * robot().inertia};
     }
     double event(std::size_t i, double tau, const State& y) const {
         if (i == 1) return slip_ * y[2];
         if (i == 2) return y[1];
         if (i == 3) return kQuarterTurn - y[1];
-        return event_by_rates(*this, i, tau, y);
+        return Base::event_by_rates(*this, i, tau, y);
     }
-    void rebase(double tau, const State& y) {
-        const Pose pose = dynamics_->rebase_angle(y[1]);
-        dynamics_->rebase_field(tau, y[0] - pose.lever, pose.height);
+    void rebase(const State& y) { Base::rebase_to(*this, y); }
+    Point<Real> centre(const State& y, const PoseOf<Real>& pose) const {
+        return {y[0] - pose.lever, pose.height};
     }
     State begin(const BodyState& body) const {
         return {contact_x_, body.angle, slip_velocity_, body.omega};
@@ -158,20 +187,20 @@ public:
                 y[3] * pose.lever, y[3],        quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        const double normal = solve(field_at(tau), y).normal;
+        const double normal = solve(Base::field_at(tau), y).normal;
         return {body(y), {normal, -coefficient(y) * normal}, y[0], y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
-    double speed(const State& y) const {
-        return std::abs(y[2]) + std::abs(y[3]) * model().shape.radius();
+    Real speed(const State& y) const {
+        return magnitude(y[2]) + magnitude(y[3]) * robot().radius;
     }
-    double angle(const State& y) const { return y[1]; }
-    double omega(const State& y) const { return y[3]; }
-    double contact_x(const State& y) const { return y[0]; }
-    double slip_velocity(const State& y) const { return y[2]; }
+    Real angle(const State& y) const { return y[1]; }
+    Real omega(const State& y) const { return y[3]; }
+    Real contact_x(const State& y) const { return y[0]; }
+    Real slip_velocity(const State& y) const { return y[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(const State& y) const {
-        const double inertia = painleve_inertia(model(), dynamics_->pose(y[1]), coefficient(y));
+        const double inertia = painleve_inertia(robot(), dynamics_->pose(y[1]), coefficient(y));
         return inertia < kNearlyJammed * model().inertia;
     }
 
@@ -181,30 +210,31 @@ private:
     static constexpr double kJammed = 1e-6;
     static constexpr double kNearlyJammed = 1e-2;
 
-    double coefficient(const State& y) const {
-        return slip_ * model().friction.kinetic(slip_, y[2], y[0]);
+    Real coefficient(const State& y) const {
+        return slip_ * dynamics_->kinetic(slip_, y[2], y[0]);
     }
-    [[gnu::always_inline]] CornerSlip solve(const Expansion& field, const State& y) const {
-        const Pose pose = dynamics_->pose(y[1]);
-        const Load load =
+    [[gnu::always_inline]] CornerSlipOf<Real> solve(const ExpansionOf<Real>& field,
+                                                    const State& y) const {
+        const PoseOf<Real> pose = dynamics_->pose(y[1]);
+        const LoadOf<Real> load =
             dynamics_->load_near_surface(field, y[0] - pose.lever, pose.height, pose,
                                          y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
-        return corner_slip(model(), pose, y[3], load, coefficient(y));
+        return corner_slip(robot(), pose, y[3], load, coefficient(y));
     }
 
-    double contact_x_, slip_velocity_;
-    int slip_;
+    Real contact_x_, slip_velocity_, slip_;
 };
+using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
 
 /// A face slides: y = (x of the centre of mass, slip velocity).
-class FaceSlidePhase : public PhaseBase {
+class FaceSlidePhase : public PhaseBase<Dynamics> {
 public:
     static constexpr int kDim = 2;
     static constexpr int kEvents = 3;
     static constexpr bool kSlips = true;
     static constexpr bool kFlies = false;
-    using State = std::array<double, kDim>;
-    using Values = std::array<double, kEvents>;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
                                                           Event::slip_stops};
 
@@ -214,16 +244,14 @@ public:
                                       Values& g) const {
         Load load;
         const FaceReaction reaction = solve(field, y, load);
-        dydt = {y[1], (load.fx + reaction.friction) / model().mass};
+        dydt = {y[1], (load.fx + reaction.friction) * robot().per_mass};
         g = {reaction.ahead, reaction.behind, slip_ * y[1]};
     }
     double event(std::size_t i, double tau, const State& y) const {
         return event_by_rates(*this, i, tau, y);
     }
-    void rebase(double tau, const State& y) {
-        dynamics_->rebase_angle(0.0);
-        dynamics_->rebase_field(tau, y[0], height());
-    }
+    void rebase(const State& y) { rebase_to(*this, y); }
+    Point<double> centre(const State& y, const Pose&) const { return {y[0], height()}; }
     State begin(const BodyState& body) const { return {body.x, body.vx}; }
     BodyState body(const State& y) const {
         return {y[0], height(), 0.0, y[1], 0.0, 0.0, quadrant()};
@@ -252,44 +280,47 @@ private:
 };
 
 /// Nothing touches: y = (x, z, angle, vx, vz, omega).
-class FlightPhase : public PhaseBase {
+template <class D>
+class FlightPhaseOf : public PhaseBase<D> {
+    using Base = PhaseBase<D>;
+    using Base::dynamics_, Base::model, Base::robot, Base::quadrant;
+
 public:
+    using Real = typename D::Real;
     static constexpr int kDim = 6;
     static constexpr int kEvents = 4;
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = true;
-    using State = std::array<double, kDim>;
-    using Values = std::array<double, kEvents>;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = {
         Event::pivot_touches, Event::behind_lands, Event::ahead_lands, Event::opposite_touches};
 
-    using PhaseBase::PhaseBase;
+    using Base::Base;
 
-    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+    [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
                                       Values& g) const {
-        const Pose pose = dynamics_->pose(y[2]);
-        const double gap = y[1] - pose.height;
+        const PoseOf<Real> pose = dynamics_->pose(y[2]);
+        const Real gap = y[1] - pose.height;
         // In flight a corner at gap zero pulls no more: adhesion without range is lost at lift-off.
-        const Load load =
+        const LoadOf<Real> load =
             dynamics_->load_near_surface(field, y[0], y[1], pose, y[3], y[4], y[5],
-                                         std::max(gap, std::numeric_limits<double>::min()));
+                                         greater(gap, Real(std::numeric_limits<double>::min())));
         dydt = {y[3],
                 y[4],
                 y[5],
-                load.fx / model().mass,
-                load.fz / model().mass,
-                load.torque / model().inertia};
-        const double behind = 2.0 * model().shape.half_base(quadrant()) * pose.sine;
-        const double ahead = 2.0 * model().shape.half_rise(quadrant()) * pose.cosine;
+                load.fx * robot().per_mass,
+                load.fz * robot().per_mass,
+                load.torque * robot().per_inertia};
+        const Real behind = 2.0 * robot().half_base * pose.sine;
+        const Real ahead = 2.0 * robot().half_rise * pose.cosine;
         g = {gap, gap + behind, gap + ahead, gap + behind + ahead};
     }
     double event(std::size_t i, double tau, const State& y) const {
-        return event_by_rates(*this, i, tau, y);
+        return Base::event_by_rates(*this, i, tau, y);
     }
-    void rebase(double tau, const State& y) {
-        dynamics_->rebase_angle(y[2]);
-        dynamics_->rebase_field(tau, y[0], y[1]);
-    }
+    void rebase(const State& y) { Base::rebase_to(*this, y); }
+    Point<Real> centre(const State& y, const PoseOf<Real>&) const { return {y[0], y[1]}; }
     State begin(const BodyState& body) const {
         return {body.x, body.z, body.angle, body.vx, body.vz, body.omega};
     }
@@ -304,9 +335,11 @@ public:
     State scale(const Scales& s) const {
         return {s.length, s.length, 1.0, s.velocity, s.velocity, s.rate};
     }
-    double speed(const State& y) const { return std::abs(y[3]) + std::abs(y[4]); }
-    double angle(const State& y) const { return y[2]; }
-    double omega(const State& y) const { return y[5]; }
+    Real speed(const State& y) const { return magnitude(y[3]) + magnitude(y[4]); }
+    Real angle(const State& y) const { return y[2]; }
+    Real omega(const State& y) const { return y[5]; }
+    Real contact_x(const State& y) const { return y[0]; }
 };
+using FlightPhase = FlightPhaseOf<Dynamics>;
 
 }  // namespace stickslip

@@ -49,6 +49,7 @@ public:
         : rate_(rate), at_events_(at_events), sign_(frame_sign) {}
 
     bool at_events() const { return at_events_; }
+    bool on_grid() const { return rate_ > 0.0; }
     /// Time of the next sample of the grid, s; infinite without a grid.
     double next_time() const {
         return rate_ > 0.0 ? static_cast<double>(count_) / rate_

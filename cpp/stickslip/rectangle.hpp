@@ -8,18 +8,20 @@ namespace stickslip {
 inline constexpr double kQuarterTurn = std::numbers::pi / 2;
 
 /// Where the pivot corner lies under the centre of mass. The pivot is at (+lever, -height) from it.
-struct Pose {
-    double cosine = 1.0;  ///< cos of the local angle
-    double sine = 0.0;
-    double lever = 0.0;   ///< m, horizontal distance from the centre of mass to the pivot, signed
-    double height = 0.0;  ///< m, height of the centre of mass above the pivot
+template <class Real>
+struct PoseOf {
+    Real cosine = 1.0;  ///< cos of the local angle
+    Real sine = 0.0;
+    Real lever = 0.0;   ///< m, horizontal distance from the centre of mass to the pivot, signed
+    Real height = 0.0;  ///< m, height of the centre of mass above the pivot
 
     /// Turned on by an angle with cosine c and sine s.
-    Pose turned(double c, double s) const {
+    PoseOf turned(Real c, Real s) const {
         return {cosine * c - sine * s, sine * c + cosine * s, lever * c - height * s,
                 height * c + lever * s};
     }
 };
+using Pose = PoseOf<double>;
 
 /// The robot's side view as a rectangle on the plane z = 0.
 ///

@@ -23,7 +23,7 @@ public:
 
     FaceRest(Dynamics& dynamics, const BodyState& body) : dynamics_(&dynamics), body_(body) {
         dynamics_->rebase_angle(0.0);
-        dynamics_->rebase_field(0.0, body.x, body.z);
+        dynamics_->rebase_field(body.x, body.z);
     }
 
     Values values(double tau) const {

@@ -83,6 +83,7 @@ struct SolverSettings {
     Method method = Method::tsit5;
     double rtol = 1e-7;
     double max_step = 0.0;  ///< s, zero: no limit
+    std::int64_t max_steps = 1'000'000'000;
 };
 
 enum class RecordKind { none, events, uniform };

@@ -29,6 +29,8 @@ const char* name(Status status) {
             return "interrupted";
         case Status::no_arkode:
             return "no_arkode";
+        case Status::too_many_steps:
+            return "too_many_steps";
     }
     return "unknown";
 }
@@ -69,6 +71,9 @@ std::string message(const RunResult& result) {
             return "this build has no arkode; use solver.method = \"tsit5\", or install SUNDIALS "
                    "and "
                    "build again";
+        case Status::too_many_steps:
+            text << "the run had taken as many steps as solver.max_steps allows";
+            break;
     }
     return text.str();
 }

@@ -91,7 +91,7 @@ private:
 
     const Model& model_;
     Dynamics dynamics_;
-    Expansion field_;
+    Expansion field_ = {};
 };
 
 double tilt(const Model& model, const CoilSet& coils, double bx, double bz) {

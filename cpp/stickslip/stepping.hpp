@@ -3,7 +3,9 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
+#include "stickslip/motion_trace.hpp"
 #include "stickslip/phase_types.hpp"
 
 /// What the two integrators share.
@@ -18,11 +20,13 @@ enum class Status {
     left_workspace,   ///< the robot reached the coils
     interrupted,      ///< stopped from outside
     no_arkode,        ///< the method `arkode` is not in this build
+    too_many_steps,   ///< more than solver.max_steps
 };
 
 struct StepperOptions {
     double tolerance = 1e-7;  ///< local error a step, relative to the scales of a phase
     double max_step = 0.0;    ///< s, zero: no limit
+    std::int64_t most_steps = std::numeric_limits<std::int64_t>::max();
     Scales scales;
     double swing_rate = 1.0;  ///< rad/s, of the fastest free swing: gives the first step of a phase
     const std::atomic<bool>* stop = nullptr;
@@ -55,6 +59,7 @@ struct PhaseEnd {
     Event event = Event::none;  ///< none: the end of the stretch was reached
     double tau = 0.0;           ///< s
     typename Phase::State y = {};
+    MotionTrace<double> trace = {};
 };
 
 }  // namespace stickslip

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "stickslip/recording.hpp"
+#include "stickslip/stepping.hpp"
 
 namespace stickslip {
 
@@ -25,7 +26,7 @@ struct Summary {
     std::array<std::int64_t, kEventKinds> events = {};
 };
 
-/// Gathers a summary step by step, in memory that does not grow.
+/// Gathers a summary phase by phase, in memory that does not grow.
 class SummaryObserver {
 public:
     void open(double t, double x) {
@@ -52,28 +53,19 @@ public:
         if (open_) see(theta);
     }
 
-    /// The part [0, s] of a step of a phase.
-    template <class Phase, class Step>
-    void step(const Phase& phase, const Step& step, double s, int quadrant) {
+    /// A phase, or its part within a stretch of voltage, that took `duration` s.
+    template <class Phase>
+    void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration, int quadrant) {
         if (!open_) return;
-        const auto last = s == 1.0 ? step.last : step.dense(s);
         const double offset = quadrant * kQuarterTurn;
-        see(offset + phase.angle(step.first));
-        see(offset + phase.angle(last));
-        const double omega_first = phase.omega(step.first), omega_last = phase.omega(last);
-        auto middle = last;
-        const bool turns = omega_first * omega_last < 0.0;
-        if (turns) {
-            middle = step.dense(turning_point(phase, step, s, omega_first, omega_last));
-            see(offset + phase.angle(middle));
-        }
+        see(offset + end.trace.lowest);
+        see(offset + end.trace.highest);
         if constexpr (Phase::kSlips) {
-            const double at_middle = phase.contact_x(middle);
-            add_slip(omega_first != 0.0 ? omega_first : omega_last,
-                     at_middle - phase.contact_x(step.first));
-            if (turns) add_slip(omega_last, phase.contact_x(last) - at_middle);
+            rising_ += end.trace.rising;
+            falling_ += end.trace.falling;
+            add_slip(phase.omega(end.y), phase.contact_x(end.y) - end.trace.contact_x);
         }
-        if constexpr (Phase::kFlies) airborne_ += s * step.width;
+        if constexpr (Phase::kFlies) airborne_ += duration;
     }
 
 private:
@@ -84,27 +76,6 @@ private:
     void add_slip(double omega, double distance) {
         (omega > 0.0 ? rising_ : omega < 0.0 ? falling_ : flat_) += distance;
     }
-    // Where omega changes sign. theta is stationary there, so a few secants find its extreme to
-    // rounding.
-    template <class Phase, class Step>
-    static double turning_point(const Phase& phase, const Step& step, double high, double at_low,
-                                double at_high) {
-        double low = 0.0, s = high;
-        for (int i = 0; i < 5; ++i) {
-            s = low + (high - low) * at_low / (at_low - at_high);
-            const double at_s = phase.omega(step.dense(s));
-            if (at_s * at_low > 0.0) {
-                low = s, at_low = at_s;
-                at_high *= 0.5;
-            } else {
-                high = s, at_high = at_s;
-                at_low *= 0.5;
-            }
-            if (at_s == 0.0) break;
-        }
-        return s;
-    }
-
     bool open_ = false;
     double start_ = 0.0, start_x_ = 0.0;
     double lowest_ = std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stickslip/assembly.hpp"
 #include "stickslip/batch.hpp"
 #include "stickslip/parameters.hpp"
 
@@ -53,26 +54,28 @@ std::vector<SweepPoint> sweep(const Scenario& base, const std::vector<std::strin
         throw std::invalid_argument("a sweep needs a row of one value a key for each point");
     }
     std::vector<SweepPoint> points(values.size() / keys.size());
-    run_tasks(
-        points.size(), threads, control,
-        [&](std::size_t index) {
-            SweepPoint& point = points[index];
-            Scenario scenario = base;
-            scenario.record = {};
-            try {
-                for (std::size_t k = 0; k < keys.size(); ++k) {
-                    setters[k](scenario, values[index * keys.size() + k]);
-                }
-                const RunResult result = simulate(scenario, &control);
-                point.status = result.status;
-                point.summary = result.summary;
-                if (result.status != Status::ok) point.message = message(result);
-            } catch (const std::logic_error& refusal) {
-                point.refused = true;
-                point.message = refusal.what();
+    const auto scenario_of = [&](std::size_t index) -> std::optional<Scenario> {
+        Scenario scenario = base;
+        scenario.record = {};
+        try {
+            for (std::size_t k = 0; k < keys.size(); ++k) {
+                setters[k](scenario, values[index * keys.size() + k]);
             }
-        },
-        poll);
+            check(scenario);
+            return scenario;
+        } catch (const std::logic_error& refusal) {
+            points[index].refused = true;
+            points[index].message = refusal.what();
+            return std::nullopt;
+        }
+    };
+    const auto done = [&](std::size_t index, RunResult&& result) {
+        SweepPoint& point = points[index];
+        point.status = result.status;
+        point.summary = result.summary;
+        if (result.status != Status::ok) point.message = message(result);
+    };
+    simulate_tasks(points.size(), threads, control, scenario_of, done, poll);
     return points;
 }
 

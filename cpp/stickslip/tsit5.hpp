@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "stickslip/event_location.hpp"
@@ -10,18 +11,23 @@
 
 namespace stickslip {
 
+template <std::size_t N>
+using Stage = std::integral_constant<std::size_t, N>;
+
 /// One step of the Runge-Kutta pair 5(4) of Ch. Tsitouras, Computers & Mathematics with
 /// Applications 62 (2011) 770-775, with its free interpolant of fourth order.
 template <class Phase>
 struct Tsit5Step {
+    using Real = typename Phase::Real;
     using State = typename Phase::State;
     static constexpr std::size_t kDim = Phase::kDim;
 
-    double start = 0.0;  ///< s
-    double width = 0.0;  ///< s
-    State first = {}, last = {};
-    std::array<State, 7> slope = {};
-    State weight = {};  ///< of each coordinate's error in the norm
+    State weight;  ///< of each coordinate's error in the norm
+    State first;
+    std::array<State, 7> slope;
+    State last;
+    Real start;  ///< s
+    Real width;  ///< s
 
     /// Coordinates at the fraction s of the step.
     State dense(double s) const {
@@ -68,65 +74,32 @@ struct Tsit5Table {
                                                     1.0 / 66.0};
 };
 
-/// Adaptive integration of a phase by Tsit5, with events located on the dense output.
-class Tsit5 {
-public:
-    explicit Tsit5(const StepperOptions& options)
-        : options_(options),
-          first_width_(0.4 * std::pow(options.tolerance / 1e-6, 0.2) / options.swing_rate) {}
-
-    const StepperOptions& options() const { return options_; }
-    const StepCounts& counts() const { return counts_; }
-
-    /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called for each
-    /// step with the fraction of it that belongs to the phase.
-    template <class Phase, class Observer>
-    PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
-                            typename Phase::State y, Observer&& observe);
-
-private:
-    template <std::size_t N>
-    using Stage = std::integral_constant<std::size_t, N>;
-
-    template <class Phase>
-    double stages(const Phase& phase, Tsit5Step<Phase>& step,
-                  EventSamples<Phase::kEvents>& samples);
-
-    double next_width(double squared_error);
-
-    StepperOptions options_;
-    StepCounts counts_;
-    double first_width_;  // s, of a phase: a part of a free swing that the tolerance allows
-    double width_ = 0.0;  // s, proposal carried along a phase
-    // The controller takes an error below 1e-4 of the tolerance for that.
-    static constexpr float kLeastLogError = -13.3f;  // base 2
-    float previous_log_error_ = kLeastLogError;
-};
-
-/// Fills the step's stages and end and returns the squared error norm (accepted if at most one).
-template <class Phase>
-double Tsit5::stages(const Phase& phase, Tsit5Step<Phase>& step,
-                     EventSamples<Phase::kEvents>& samples) {
+/// Fills the step's stages and end; the squared error norm (accepted if at most one).
+template <class Phase, class Samples>
+[[gnu::always_inline]] inline typename Phase::Real tsit5_stages(const Phase& phase,
+                                                                Tsit5Step<Phase>& step,
+                                                                Samples& samples) {
     using Table = Tsit5Table;
+    using Real = typename Phase::Real;
     using State = typename Phase::State;
-    const double h = step.width;
+    const Real h = step.width;
     // The field at the stages' times does not wait for the stages: it is had at once, and the
     // processor overlaps it with the chain of dependent stages.
-    std::array<Expansion, 5> field;
+    std::array<ExpansionOf<Real>, 5> field;
     for (std::size_t s = 0; s < 5; ++s) field[s] = phase.field_at(step.start + Table::c[s + 1] * h);
 
-    const auto stage_end = [&](auto row) {
+    const auto stage_end = [&](auto row) __attribute__((always_inline)) {
         constexpr std::size_t kStages = decltype(row)::value;
         State y = step.first;
         for (std::size_t j = 0; j < kStages; ++j) {
-            const double weight = h * Table::a[kStages - 1][j];
+            const Real weight = h * Table::a[kStages - 1][j];
             for (std::size_t i = 0; i < y.size(); ++i) y[i] += weight * step.slope[j][i];
         }
         return y;
     };
-    const auto lower = [&](const typename Phase::Values& g) {
+    const auto lower = [&](const typename Phase::Values& g) __attribute__((always_inline)) {
         for (std::size_t i = 0; i < g.size(); ++i) {
-            samples.lowest[i] = std::min(samples.lowest[i], g[i]);
+            samples.lowest[i] = lesser(samples.lowest[i], g[i]);
         }
     };
     typename Phase::Values g;
@@ -143,11 +116,10 @@ double Tsit5::stages(const Phase& phase, Tsit5Step<Phase>& step,
     lower(g);
     step.last = stage_end(Stage<6>());
     phase.rates(field[4], step.last, step.slope[6], samples.end);
-    counts_.evaluations += 6;
 
-    double sum = 0.0;
+    Real sum = 0.0;
     for (std::size_t i = 0; i < step.last.size(); ++i) {
-        double error = 0.0;
+        Real error = 0.0;
         for (std::size_t j = 0; j < 7; ++j) error += Table::error[j] * step.slope[j][i];
         error *= h * step.weight[i];
         sum += error * error;
@@ -155,37 +127,165 @@ double Tsit5::stages(const Phase& phase, Tsit5Step<Phase>& step,
     return sum;
 }
 
-/// Factor on the width after an accepted step: the controller PI of Hairer and Wanner, with
-/// exponents 0.17 and 0.04 for the fifth order. It needs no more than single precision, and the
-/// next step waits for it.
-inline double Tsit5::next_width(double squared_error) {
-    const float log_error = 0.5f * std::log2(static_cast<float>(std::max(squared_error, 1e-20)));
-    const float factor = 0.9f * std::exp2(0.04f * previous_log_error_ - 0.17f * log_error);
-    previous_log_error_ = std::max(log_error, kLeastLogError);
-    return std::clamp(static_cast<double>(factor), 0.2, 8.0);
-}
+/// Width of the steps: the controller PI of Hairer and Wanner, with exponents 0.17 and 0.04 for the
+/// fifth order. The next step waits for it, and a part in a thousand is of no importance.
+template <class Real>
+struct WidthControl {
+    Real proposal;   ///< s, width of the next step
+    Real log_error;  ///< base 2, of the last accepted step
+    Real rejected;   ///< 1 after a step that was not accepted, else 0
 
-template <class Phase, class Observer>
-PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
-                               typename Phase::State y, Observer&& observe) {
-    using Finder = EventFinder<Phase::kEvents>;
-    Tsit5Step<Phase> step;
-    EventSamples<Phase::kEvents> samples;
+    /// An error below 1e-4 of the tolerance is taken for that.
+    static constexpr double kLeastLogError = -13.3;
+
+    /// After an accepted step. `cut`: it was shortened to the end of a stretch, and its length says
+    /// nothing of the next.
+    [[gnu::always_inline]] void accept(Real width, Real squared_error, MaskOf<Real> cut) {
+        const Real now = 0.5 * rough_log2(greater(squared_error, Real(1e-20)));
+        Real factor = 0.9 * rough_exp2(0.04 * log_error - 0.17 * now);
+        factor = lesser(greater(factor, Real(0.2)), Real(8.0));
+        factor = select(rejected > 0.0, lesser(factor, Real(1.0)), factor);
+        const Real next = width * factor;
+        proposal = select(cut, greater(proposal, next), next);
+        log_error = greater(now, Real(kLeastLogError));
+        rejected = 0.0;
+    }
+    void reject(double width, double squared_error) {
+        const double factor = std::isfinite(squared_error)
+                                  ? std::max(0.2, 0.9 * rough_exp2(-0.1 * rough_log2(squared_error)))
+                                  : 0.1;
+        proposal = width * factor;
+        rejected = 1.0;
+    }
+};
+
+/// Where the integration of a phase stands. All members are numbers, so that a pack of phases has
+/// the same members as packs (lane_kernel.hpp).
+template <class Phase>
+struct Tsit5Progress {
+    using Real = typename Phase::Real;
+
+    Real tau_end;      ///< s
+    Real most_steps;   ///< that may be accepted
+    Real max_step;     ///< s, infinite for no limit
+    Real fading_time;  ///< s
+    Real half_reach;   ///< m
+    // What goes on from step to step.
+    Real tau;       ///< s
+    Real accepted;  ///< steps
+    WidthControl<Real> control;
+    MotionTrace<Real> trace;
+    Tsit5Step<Phase> step;  ///< the last attempt, `first` and the first slope of the next one
+    EventSamples<Phase::kEvents, Real> samples;  ///< of the last attempt, `start` of the next one
+    Real error;                                  ///< of the last attempt, squared
+
+    /// Chooses the next attempt's width; true where it goes to the end of the stretch.
+    [[gnu::always_inline]] MaskOf<Real> begin_step(const Phase& phase) {
+        Real width = lesser(control.proposal, max_step);
+        // The exponentials of a stretch fade from its start; a step that leaps over a fast one sees
+        // its first value alone, and the error estimate hardly notices.
+        width = lesser(width, greater(fading_time, tau));
+        // The field's expansion must hold over the step.
+        const Real speed = phase.speed(step.first);
+        const auto far = width * speed > half_reach;
+        if (any(far)) width = select(far, half_reach / speed, width);
+        const auto to_end = tau + 1.0001 * width >= tau_end;
+        step.start = tau;
+        step.width = select(to_end, tau_end - tau, width);
+        return to_end;
+    }
+    [[gnu::always_inline]] void attempt(const Phase& phase) {
+        error = tsit5_stages(phase, step, samples);
+    }
+    /// Moves on to the end of an accepted step.
+    [[gnu::always_inline]] void commit(const Phase& phase, MaskOf<Real> cut) {
+        accepted += Real(1.0);
+        control.accept(step.width, error, cut);
+        trace.step(phase, step.width, step.first, step.slope[0], step.last, step.slope[6]);
+        tau = select(cut, tau_end, tau + step.width);
+        step.first = step.last;
+        step.slope[0] = step.slope[6];
+        samples.start = samples.end;
+    }
+};
+
+/// Adaptive integration of a phase by Tsit5, with events located on the dense output.
+class Tsit5 {
+public:
+    explicit Tsit5(const StepperOptions& options)
+        : options_(options),
+          first_width_(0.4 * std::pow(options.tolerance / 1e-6, 0.2) / options.swing_rate) {}
+
+    const StepperOptions& options() const { return options_; }
+    const StepCounts& counts() const { return counts_; }
+
+    /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called
+    /// for the steps on the way, with the fraction s that belongs to the phase.
+    template <class Phase, class Observer>
+    PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+                            typename Phase::State y, Observer&& observe) {
+        Tsit5Progress<Phase> progress = begin(phase, memory, tau, tau_end, y);
+        PhaseEnd<Phase> end;
+        do {
+            if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
+                return leave(progress, {Status::interrupted, Event::none, progress.tau,
+                                        progress.step.first, progress.trace});
+            }
+            const bool to_end = progress.begin_step(phase);
+            progress.attempt(phase);
+            if (finish(phase, memory, progress, to_end, observe, end)) return end;
+        } while (true);
+    }
+
+    // The parts of `advance`, for lanes.
+
+    template <class Phase>
+    Tsit5Progress<Phase> begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+                               const typename Phase::State& y);
+
+    /// What follows an attempt: accepts the step or not, looks for events; true if the phase, or
+    /// the stretch, has ended.
+    template <class Phase, class Observer>
+    bool finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& progress, bool to_end,
+                Observer&& observe, PhaseEnd<Phase>& end);
+
+private:
+    template <class Phase>
+    PhaseEnd<Phase> leave(const Tsit5Progress<Phase>& progress, const PhaseEnd<Phase>& end) {
+        const auto accepted = static_cast<std::int64_t>(progress.accepted);
+        counts_.accepted += accepted;
+        counts_.evaluations += 6 * accepted;
+        width_ = progress.control.proposal;
+        log_error_ = progress.control.log_error;
+        return end;
+    }
+
+    StepperOptions options_;
+    StepCounts counts_;
+    double first_width_;  // s, of a phase: a part of a free swing that the tolerance allows
+    // Carried along a phase from one stretch of voltage to the next.
+    double width_ = 0.0;  // s
+    double log_error_ = WidthControl<double>::kLeastLogError;
+};
+
+template <class Phase>
+Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+                                  const typename Phase::State& y) {
+    Tsit5Progress<Phase> progress;
+    Tsit5Step<Phase>& step = progress.step;
     step.first = y;
     const typename Phase::State scale = phase.scale(options_.scales);
-    for (std::size_t i = 0; i < scale.size(); ++i) {
-        step.weight[i] =
-            1.0 / (scale[i] * options_.tolerance * std::sqrt(static_cast<double>(scale.size())));
-    }
-    phase.rebase(tau, y);
-    phase.rates(phase.field_at(tau), y, step.slope[0], samples.start);
+    const double norm = options_.tolerance * std::sqrt(static_cast<double>(scale.size()));
+    for (std::size_t i = 0; i < scale.size(); ++i) step.weight[i] = 1.0 / (scale[i] * norm);
+    phase.rebase(y);
+    phase.rates(phase.field_at(tau), y, step.slope[0], progress.samples.start);
     ++counts_.evaluations;
     if (memory.fresh) {
         // A step carried over from another phase can leap over the whole of a short one.
         width_ = first_width_;
-        previous_log_error_ = kLeastLogError;
+        log_error_ = WidthControl<double>::kLeastLogError;
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            memory.armed[i] = samples.start[i] > 0.0;
+            memory.armed[i] = progress.samples.start[i] > 0.0;
         }
         memory.fresh = false;
         // Each of two modes sends the body to the other without time going on: the mode is kept for
@@ -195,62 +295,62 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         // The same phase over a kink of the voltage, which excites the swing anew.
         width_ = std::min(width_, 2.0 * first_width_);
     }
-    const double least = 1e-15 * std::max(1e-3, tau_end);
-    bool after_rejection = false;
-    while (tau < tau_end) {
-        if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
-            return {Status::interrupted, Event::none, tau, step.first};
-        }
-        double width = options_.max_step > 0.0 ? std::min(width_, options_.max_step) : width_;
-        // The exponentials of a stretch fade from its start; a step that leaps over a fast one sees
-        // its first value alone, and the error estimate hardly notices.
-        width = std::min(width, std::max(phase.fading_time(), tau));
-        // The field's expansion must hold over the step.
-        const double speed = phase.speed(step.first);
-        if (width * speed > 0.5 * phase.reach()) width = 0.5 * phase.reach() / speed;
-        const bool to_end = tau + 1.0001 * width >= tau_end;
-        if (to_end) width = tau_end - tau;
-        step.start = tau;
-        step.width = width;
-        const double error = stages(phase, step, samples);
-        if (!(error <= 1.0)) {
-            ++counts_.rejected;
-            const double factor =
-                std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.1)) : 0.1;
-            width_ = width * factor;
-            after_rejection = true;
-            if (width_ < least) {
-                return {std::isfinite(error) ? Status::step_underflow : Status::not_finite,
-                        Event::none, tau, step.first};
-            }
-            continue;
-        }
-        ++counts_.accepted;
-        const auto value = [&](std::size_t i, double s) {
-            ++counts_.evaluations;
-            return phase.event(i, step.start + s * step.width, step.dense(s));
-        };
-        const EventHit hit = Finder::find(samples, memory.armed, memory.stalled, value);
-        memory.stalled = false;
-        if (hit) {
-            observe(step, hit.s);
-            return {Status::ok, Phase::kEvent[static_cast<std::size_t>(hit.index)],
-                    tau + hit.s * width, hit.s == 0.0 ? step.first : step.dense(hit.s)};
-        }
-        observe(step, 1.0);
-        const double factor = next_width(error);
-        // The last step of a stretch may have been cut short; its length says nothing of the next.
-        const double proposal = width * (after_rejection ? std::min(factor, 1.0) : factor);
-        width_ = to_end ? std::max(width_, proposal) : proposal;
-        after_rejection = false;
-        tau = to_end ? tau_end : tau + width;
-        step.first = step.last;
-        step.slope[0] = step.slope[6];
-        samples.start = samples.end;
-        phase.rebase(tau, step.first);
-        if (phase.outside()) return {Status::left_workspace, Event::none, tau, step.first};
+    progress.trace = {phase.angle(y), phase.angle(y), phase.contact_x(y)};
+    progress.control = {width_, log_error_, 0.0};
+    progress.tau = tau;
+    progress.tau_end = tau_end;
+    progress.accepted = 0.0;
+    progress.most_steps = static_cast<double>(options_.most_steps - counts_.accepted);
+    progress.max_step =
+        options_.max_step > 0.0 ? options_.max_step : std::numeric_limits<double>::infinity();
+    progress.fading_time = phase.fading_time();
+    progress.half_reach = 0.5 * phase.reach();
+    return progress;
+}
+
+template <class Phase, class Observer>
+bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, bool to_end,
+                   Observer&& observe, PhaseEnd<Phase>& end) {
+    using Finder = EventFinder<Phase::kEvents>;
+    const Tsit5Step<Phase>& step = p.step;
+    if (!(p.error <= 1.0)) {
+        ++counts_.rejected;
+        counts_.evaluations += 6;
+        p.control.reject(step.width, p.error);
+        if (p.control.proposal >= 1e-15 * std::max(1e-3, p.tau_end)) return false;
+        const Status why = std::isfinite(p.error) ? Status::step_underflow : Status::not_finite;
+        end = leave(p, {why, Event::none, p.tau, step.first, p.trace});
+        return true;
     }
-    return {Status::ok, Event::none, tau_end, step.first};
+    const auto value = [&](std::size_t i, double s) {
+        ++counts_.evaluations;
+        return phase.event(i, step.start + s * step.width, step.dense(s));
+    };
+    const EventHit hit = Finder::find(p.samples, memory.armed, memory.stalled, value);
+    memory.stalled = false;
+    observe(step, hit.s);
+    if (hit) {
+        const double tau = p.tau + hit.s * step.width;
+        const typename Phase::State last = hit.s == 0.0 ? step.first : step.dense(hit.s);
+        typename Phase::State rates;
+        typename Phase::Values unused;
+        phase.rates(phase.field_at(tau), last, rates, unused);
+        ++counts_.evaluations;
+        p.trace.step(phase, hit.s * step.width, step.first, step.slope[0], last, rates);
+        p.accepted += 1.0;
+        const Event event = Phase::kEvent[static_cast<std::size_t>(hit.index)];
+        end = leave(p, {Status::ok, event, tau, last, p.trace});
+        return true;
+    }
+    p.commit(phase, to_end);
+    phase.rebase(step.first);
+    const auto ended = [&](Status status) {
+        end = leave(p, {status, Event::none, p.tau, step.first, p.trace});
+        return true;
+    };
+    if (phase.outside()) return ended(Status::left_workspace);
+    if (p.accepted >= p.most_steps) return ended(Status::too_many_steps);
+    return to_end && ended(Status::ok);
 }
 
 }  // namespace stickslip

@@ -161,7 +161,7 @@ TEST_CASE("rocking: the frequency pinned at a corner and in flight") {
     CornerStickPhase pinned(dynamics, 0.0);
     const auto turning_on_corner = [&](double angle) {
         const CornerStickPhase::State y = {angle, 0.0};
-        pinned.rebase(0.0, y);
+        pinned.rebase(y);
         CornerStickPhase::State rates;
         CornerStickPhase::Values unused;
         pinned.rates(pinned.field_at(0.0), y, rates, unused);
@@ -173,7 +173,7 @@ TEST_CASE("rocking: the frequency pinned at a corner and in flight") {
     FlightPhase flight(dynamics);
     const auto turning_in_flight = [&](double angle) {
         const FlightPhase::State y = {0.0, 1e-3, angle, 0.0, 0.0, 0.0};
-        flight.rebase(0.0, y);
+        flight.rebase(y);
         FlightPhase::State rates;
         FlightPhase::Values unused;
         flight.rates(flight.field_at(0.0), y, rates, unused);

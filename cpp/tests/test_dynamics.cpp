@@ -30,7 +30,7 @@ Model magnet() {
 
 Load load_at(Dynamics& dynamics, const BodyState& body) {
     dynamics.set_quadrant(body.quadrant);
-    dynamics.rebase_field(0.0, body.x, body.z);
+    dynamics.rebase_field(body.x, body.z);
     const Pose pose = dynamics.rebase_angle(body.angle);
     return dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz,
                          body.omega);
@@ -210,7 +210,7 @@ Model sticky(double range) {
 
 Load adhesion_load(Dynamics& dynamics, int quadrant, double angle, double gap) {
     dynamics.set_quadrant(quadrant);
-    dynamics.rebase_field(0.0, 0.0, 1e-4);
+    dynamics.rebase_field(0.0, 1e-4);
     const Pose pose = dynamics.rebase_angle(angle);
     return dynamics.load_near_surface(dynamics.field_at(0.0), 0.0, pose.height + gap, pose, 0.0,
                                       0.0, 0.0, gap);

@@ -37,16 +37,19 @@ StepperOptions fixed_steps(double width) {
 
 class Setup {
 public:
-    Setup() : model_(paper_model()), dynamics_(model_, field()) {
-        model_.friction = {1e3, 1e3};     // nothing slips
-        model_.adhesion.strength = 1e-3;  // and nothing leaves
-        // Omega |omega| has no second derivative where the swing turns: no order would be seen.
-        model_.rotational_drag_quadratic = 0.0;
-        model_.rotational_drag_linear = 1e-14;
-    }
+    Setup() : model_(model()), dynamics_(model_, field()) {}
     Dynamics& dynamics() { return dynamics_; }
 
 private:
+    static Model model() {
+        Model model = paper_model();
+        model.friction = {1e3, 1e3};     // nothing slips
+        model.adhesion.strength = 1e-3;  // and nothing leaves
+        // Omega |omega| has no second derivative where the swing turns: no order would be seen.
+        model.rotational_drag_quadratic = 0.0;
+        model.rotational_drag_linear = 1e-14;
+        return model;
+    }
     static LocalField field() {
         Circuit circuit = test::equal_coils(10.0, 0.07, 0.0);
         VoltageSegment jump{0.0, 1.0, {26.0, 0.0, 0.0, 0.0, -13.0}, {26.0, 0.0, 0.0, 0.0, -13.0}};
@@ -226,7 +229,7 @@ TEST_CASE("tsit5: a slide that begins without solution jams at once") {
     Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
     CornerSlipPhase phase(dynamics, 0.0, 1, 0.05);
     const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};
-    phase.rebase(0.0, start);
+    phase.rebase(start);
     CHECK(phase.nearly_jams(start));
     BodyState body = phase.body(start);
     const Resolution found = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.05, 0);

@@ -73,7 +73,7 @@ TEST_CASE("local field: exact at its centre") {
         LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
         field.set_segment(steady(currents));
         const double x = random.between(-0.05, 0.05), z = random.between(-0.05, 0.05);
-        field.rebase(0.0, x, z);
+        field.rebase(x, z);
         const PlanarField found = field.at(0.5)(x, z);
         const FullSum full = full_sum(currents, x, z);
         // Both add the same five products.
@@ -91,7 +91,7 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
         field.set_segment(steady(currents));
         const double centre_x = random.between(-0.06, 0.06);
         const double centre_z = random.between(-0.06, 0.06);
-        field.rebase(0.0, centre_x, centre_z);
+        field.rebase(centre_x, centre_z);
         const double angle = random.between(0.0, 2.0 * std::numbers::pi);
         const double offset = LocalField::kReach * std::sqrt(random.between(0.0, 1.0));
         const double x = centre_x + offset * std::cos(angle);
@@ -123,7 +123,7 @@ TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
         LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
         field.set_segment(steady(currents));
         const double x = random.between(-0.0125, 0.0125), z = random.between(-0.0125, 0.0125);
-        field.rebase(0.0, x, z);
+        field.rebase(x, z);
         const double step = LocalField::kReach * std::numbers::sqrt2 / 2.0;
         const FullSum full = full_sum(currents, x + step, z - step);
         const PlanarField found = field.at(0.0)(x + step, z - step);
@@ -138,12 +138,12 @@ TEST_CASE("local field: follows the robot by rebase") {
     LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
     field.set_segment(steady(currents));
     double x = 0.0, z = 5e-5;
-    field.rebase(0.0, x, z);
+    field.rebase(x, z);
     CHECK(field.at(0.0).centre_x == 0.0);
     for (int n = 0; n < 500; ++n) {
         x += random.between(-1e-4, 1.5e-4);
         z += random.between(-1e-4, 1e-4);
-        field.rebase(0.0, x, z);
+        field.rebase(x, z);
         const Expansion expansion = field.at(0.0);
         CHECK(std::abs(x - expansion.centre_x) <= 0.5 * LocalField::kReach);
         CHECK(std::abs(z - expansion.centre_z) <= 0.5 * LocalField::kReach);
@@ -152,7 +152,7 @@ TEST_CASE("local field: follows the robot by rebase") {
     }
     CHECK(std::abs(x) > 10.0 * LocalField::kReach);  // the walk has gone somewhere
     const Expansion before = field.at(0.0);
-    field.rebase(0.0, before.centre_x + 0.49 * LocalField::kReach, before.centre_z);
+    field.rebase(before.centre_x + 0.49 * LocalField::kReach, before.centre_z);
     CHECK(field.at(0.0).centre_x == before.centre_x);  // not moved without need
 }
 
@@ -168,10 +168,10 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
     LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
     field.set_segment(segment);
     const double x = 1e-3, z = 2e-4;
-    field.rebase(0.0, x, z);
+    field.rebase(x, z);
     for (int n = 0; n < 2000; ++n) {
         const double base = random.between(0.0, 0.1);
-        field.rebase(base, x, z);
+        field.rebase(x, z);
         // Of either size as against 1/32 of a time constant, below which a series is used.
         const double span = random.coin() ? 1e-4 : 0.02;
         const double tau = std::clamp(base + random.between(-span, span), 0.0, 0.1);
@@ -188,7 +188,7 @@ TEST_CASE("local field: a new stretch of voltage takes effect at once") {
     LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
     const double x = 3e-3, z = 1e-3;
     field.set_segment(steady(random_currents(random)));
-    field.rebase(0.7, x, z);
+    field.rebase(x, z);
     for (int n = 0; n < 20; ++n) {
         const PerCoil currents = random_currents(random);
         field.set_segment(steady(currents));
@@ -205,7 +205,7 @@ TEST_CASE("local field: an ambient field is added, and a coil that is not driven
     LocalField field(paper_coils(), {true, false, true, true, false}, 3e-4, -2e-4);
     field.set_segment(steady(currents));
     const double x = 2e-3, z = 1e-3;
-    field.rebase(0.0, x, z);
+    field.rebase(x, z);
     const PlanarField found = field.at(0.0)(x, z);
     FullSum full = full_sum(driven_currents, x, z);
     full.field.bx += 3e-4;
@@ -219,7 +219,7 @@ TEST_CASE("local field: near the coils' planes is outside") {
     field.set_segment(steady({1.0, 0.0, 0.0, 0.0, 0.0}));
     const double limit = 0.9 * paper_coils().geometry().distance;
     const auto outside = [&](double x, double z) {
-        field.rebase(0.0, x, z);
+        field.rebase(x, z);
         return field.outside();
     };
     CHECK_FALSE(outside(0.0, 0.0));

@@ -89,12 +89,13 @@ std::vector<Tree> trees_up_to_order_five(const Tableau& t) {
 
 // A phase of seven coordinates, so that a step with unit slopes shows the interpolant's weights.
 struct SevenCoordinates {
+    using Real = double;
     static constexpr int kDim = 7;
     using State = std::array<double, 7>;
 };
 
 Row dense_weights(double s) {
-    Tsit5Step<SevenCoordinates> step;
+    Tsit5Step<SevenCoordinates> step = {};
     step.width = 1.0;
     for (std::size_t j = 0; j < kStages; ++j) step.slope[j][j] = 1.0;
     return step.dense(s);

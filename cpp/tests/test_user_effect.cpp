@@ -196,7 +196,7 @@ TEST_CASE("user effect: position, velocity and field as the wrench's own argumen
             const auto load = [&](Dynamics& dynamics) {
                 dynamics.set_start(10.0);
                 dynamics.set_quadrant(quadrant);
-                dynamics.rebase_field(0.25, 1e-5, 6e-5);
+                dynamics.rebase_field(1e-5, 6e-5);
                 const Pose pose = dynamics.rebase_angle(angle);
                 return dynamics.load(dynamics.field_at(0.25), 1e-5, 6e-5, pose, 1e-3, 2e-3, 5.0);
             };
