@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, fixed_point
 
 from helpers import HEIGHT, LENGTH, MOMENT, RADIUS, WEIGHT, program, run, volts
 from stickslip import Coils, Waveform
@@ -89,8 +89,12 @@ def integrated(pieces, at, resistance=RESISTANCE, coupling=0.0, lag=0.0, limit=n
     return result, y[10:] / pieces[-1][1]
 
 
-def heated(mean_square, coefficient):
-    return RESISTANCE * (1.0 + coefficient * RESISTANCE * mean_square)
+def heated(mean_square_at, coefficient):
+    """Resistances R = R0 (1 + k R <I^2>), with the mean square <I^2> (A^2) as a function of R."""
+    return fixed_point(
+        lambda r: RESISTANCE * (1.0 + coefficient * r * mean_square_at(r)),
+        np.full(5, RESISTANCE), xtol=1e-10,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("coupling", [0.0, 0.2, -0.15])
@@ -104,8 +108,7 @@ def test_currents_with_lag_heating_and_coupling_are_those_of_the_circuit(lag, he
     }
     waveform = 4 * BUSY
     of = run(HELD, keys, program(waveform), rate=2e3)
-    _, mean_square = integrated(pieces_of(waveform), of.t, coupling=coupling)
-    resistance = heated(mean_square, heating)
+    resistance = heated(lambda r: integrated(pieces_of(waveform), of.t, r, coupling)[1], heating)
     currents, _ = integrated(pieces_of(waveform), of.t, resistance, coupling)
     lagging, _ = integrated(pieces_of(waveform), of.t, resistance, coupling, lag)
     # A lag of just L/R is moved by 1e-6 of itself: t/T exp(-t/T) then changes by 1e-6 at most.
@@ -120,13 +123,19 @@ def test_currents_with_lag_heating_and_coupling_are_those_of_the_circuit(lag, he
 
 @pytest.mark.parametrize("seconds", [0.02, 0.5, 4.0])
 def test_heated_coil_has_the_resistance_of_its_mean_power(seconds):
-    # One step to V: nominal I = (V/R)(1 - e^(-t/T)), whose mean square is a closed form.
+    # One step to V: I = (V/R)(1 - e^(-t/T)) with T = L/R of the warm coil, whose mean square is a
+    # closed form.
     level, coefficient = 50.0, 0.01
-    fading = SLOW * (1.0 - np.exp(-seconds / SLOW))
-    twice = 0.5 * SLOW * (1.0 - np.exp(-2.0 * seconds / SLOW))
-    mean_square = (level / RESISTANCE) ** 2 * (seconds - 2.0 * fading + twice) / seconds
-    warm = heated(mean_square, coefficient)
-    assert warm > 1.5 * RESISTANCE
+
+    def mean_square(resistance):
+        slow = INDUCTANCE / resistance
+        fading = slow * (1.0 - np.exp(-seconds / slow))
+        twice = 0.5 * slow * (1.0 - np.exp(-2.0 * seconds / slow))
+        return (level / resistance) ** 2 * (seconds - 2.0 * fading + twice) / seconds
+
+    warm = heated(mean_square, coefficient)[0]
+    # Held for ever: R^2 - R0 R = k R0 V^2, 21.6 ohm. (The cold coil's power would make it 35.)
+    assert 1.4 * RESISTANCE < warm < 2.16 * RESISTANCE
     waveform = Waveform.hold(seconds, {"xp": level})
     keys = {"effects.coil_heating.coefficient": coefficient}
     of = run(HELD, keys, program(waveform), rate=200.0 / seconds)
@@ -142,8 +151,8 @@ def test_pulsed_coils_are_heated_by_all_their_pulses(frequency, pulses):
     waveform = Waveform.ipp(**drive)
     keys = {"effects.coil_heating.coefficient": 0.03}
     of = run(HELD, keys, mode="IPP", rate=500.0, **drive)
-    _, mean_square = integrated(pieces_of(waveform), of.t)
-    expected, _ = integrated(pieces_of(waveform), of.t, heated(mean_square, 0.03))
+    warm = heated(lambda r: integrated(pieces_of(waveform), of.t, r)[1], 0.03)
+    expected, _ = integrated(pieces_of(waveform), of.t, warm)
     assert of.current == pytest.approx(expected, abs=3e-5)  # 1e-5 of the largest, 2.6 A
 
 
@@ -154,9 +163,11 @@ def test_fast_pulses_heat_a_coil_as_their_mean_voltage_does():
     tooth = Waveform.sawtooth(period, {}, {"xp": 60.0})
     keys = {"effects.coil_heating.coefficient": coefficient}
     of = run(HELD, keys, program(round(seconds / period) * tooth), rate=1.0 / period)
-    mean_square = 3.0**2 * (1.0 - 1.5 * SLOW / seconds)  # of the step of 30 V
+    warm = heated(  # by the step of 30 V
+        lambda r: (30.0 / r) ** 2 * (1.0 - 1.5 * INDUCTANCE / r / seconds), coefficient
+    )[XP]
     pulse = of.current[(of.t > seconds - 1.5 * period) & (of.t < seconds - 0.5 * period), XP]
-    mean = 30.0 / heated(mean_square, coefficient)
+    mean = 30.0 / warm
     # A sample each pulse, at its start: half of the current's swing below the mean.
     swing = 30.0 / INDUCTANCE * period / 4.0
     assert pulse == pytest.approx(mean - swing, abs=swing)

@@ -120,3 +120,14 @@ def test_mean_velocity_with_an_effect(effect, mode):
     # surface, so restitution has nothing to act on.
     if (effect, mode) != ("restitution", "IPP"):
         assert abs(run(**drive).mean_velocity / velocity - 1.0) > 5 * AGREEMENT
+
+
+@pytest.mark.parametrize("restitution", [0.9, 1.0])
+def test_mean_velocity_where_the_restitution_is_bounded(restitution):
+    # Some 300 rebounds of corners with much friction, of which Newton's law would make energy: the
+    # velocity would be 0.69 instead of 0.78 mm/s, and -0.30 instead of 0.74 with full restitution.
+    drive = {**BASES["OPP"], "hold": 2.5e-3, "frequency": 60.0, "pulses": 6}
+    contact = {"static_friction": 1.0, "kinetic_friction": 0.7, "restitution": restitution}
+    velocity = run({f"contact.{key}": value for key, value in contact.items()}, **drive)
+    reference = simulate_reference(drive, contact=contact, dt=STEP)
+    assert velocity.mean_velocity == pytest.approx(reference.mean_velocity, rel=AGREEMENT)

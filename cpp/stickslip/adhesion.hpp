@@ -1,13 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace stickslip {
 
 /// Adhesion of the corners to the surface: `strength` in all, shared equally by the corners that
 /// touch, zero at those that do not. With a finite `range` it fades linearly to zero at that gap,
-/// and a corner near the surface takes its share.
+/// and corners near the surface share it so that it has a potential (docs/theory/contact.md).
 struct Adhesion {
     double strength = 0.0;     ///< N
     double range = 0.0;        ///< m, zero: contact only
@@ -25,12 +27,44 @@ struct Adhesion {
         return result;
     }
 
+    /// The same's derivative by theta, N/rad.
+    double slope_of_contact(double sine, double cosine, double age) const {
+        return -2.0 * angle_loss * sine * cosine * of_contact(0.0, age);
+    }
+
     /// Weight of a corner at `gap` m above the surface, one at contact.
     double weight(double gap) const {
         return range > 0.0 ? std::clamp(1.0 - gap / range, 0.0, 1.0) : (gap <= 0.0 ? 1.0 : 0.0);
     }
-    /// Part of the strength that acts at a corner of `weight` when all weights add up to `total`.
-    static double share(double weight, double total) { return weight / std::max(1.0, total); }
+
+    struct Shares {
+        std::array<double, 4> pull = {};  ///< of each corner, over the strength
+        double energy = 0.0;              ///< potential energy over -strength range
+    };
+    /// Corners whose weights add up to no more than one pull by their weights; else each gives up
+    /// the same, down to nothing, until the pulls add up to one. These pulls f are the nearest to
+    /// the weights w among those that may be, so they are the gradient of max(f.w - f.f/2), and the
+    /// force field is conservative.
+    static Shares shares(const std::array<double, 4>& weights) {
+        // Michelot's projection on a simplex (1986): each pass but the last drops a corner.
+        double level = 0.0;
+        for (std::size_t pass = 0; pass < weights.size(); ++pass) {
+            double excess = -1.0, count = 0.0;
+            for (const double weight : weights) {
+                excess += weight > level ? weight : 0.0;
+                count += weight > level ? 1.0 : 0.0;
+            }
+            if (excess <= count * level) break;
+            level = excess / count;
+        }
+        Shares result;
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            const double pull = std::max(weights[i] - level, 0.0);
+            result.pull[i] = pull;
+            result.energy += pull * (weights[i] - 0.5 * pull);
+        }
+        return result;
+    }
 };
 
 }  // namespace stickslip

@@ -141,11 +141,7 @@ Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
     parameters.coupling = e.mutual_inductance_coupling;
     parameters.lag = e.eddy_lag_time;
     if (e.coil_heating_coefficient != 0.0) {
-        const PerCoil squared = mean_square_currents(program, parameters);
-        for (std::size_t k = 0; k < kCoilCount; ++k) {
-            const double power = s.coil.resistance * squared[k];
-            parameters.resistance[k] *= 1.0 + e.coil_heating_coefficient * power;
-        }
+        parameters.resistance = warm_resistances(program, parameters, e.coil_heating_coefficient);
     }
     return Circuit(parameters);
 }

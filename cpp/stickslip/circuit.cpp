@@ -27,12 +27,13 @@ double squared_integral(const CurrentSegment& segment, std::size_t coil) {
     double sum = d * (a * a + d * (a * b + d * b * b / 3.0));
     for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
         const double c = segment.coil[2 + j][coil], rate = segment.rate[j];
+        if (c == 0.0) continue;  // of another coil
         const double decay = std::exp(-rate * d);
         sum += 2.0 * a * c * (-std::expm1(-rate * d) / rate) +
                2.0 * b * c * (-std::expm1(-rate * d) - rate * d * decay) / (rate * rate);
         for (std::size_t i = 0; i < static_cast<std::size_t>(segment.exponentials); ++i) {
-            const double both = rate + segment.rate[i];
-            sum += c * segment.coil[2 + i][coil] * (-std::expm1(-both * d) / both);
+            const double other = segment.coil[2 + i][coil], both = rate + segment.rate[i];
+            if (other != 0.0) sum += c * other * (-std::expm1(-both * d) / both);
         }
     }
     return sum;
@@ -163,6 +164,71 @@ PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParamet
     }
     for (double& value : sum) value /= program.duration();
     return sum;
+}
+
+namespace {
+
+using Ratios = Eigen::Matrix<double, kCoilCount, 1>;  // R0/R of each coil
+
+PerCoil resistances(const CircuitParameters& cold, const Ratios& ratio) {
+    PerCoil result = cold.resistance;
+    for (int k = 0; k < kCoilCount; ++k) result[static_cast<std::size_t>(k)] /= ratio(k);
+    return result;
+}
+
+// R = R0 (1 + k R <I^2>) as what has to vanish coil by coil, R0/R + k R0 <I^2> - 1.
+Ratios heating_defect(const VoltageProgram& program, const CircuitParameters& cold,
+                      double coefficient, const Ratios& ratio) {
+    CircuitParameters warm = cold;
+    warm.resistance = resistances(cold, ratio);
+    const PerCoil squared = mean_square_currents(program, warm);
+    Ratios result;
+    for (int k = 0; k < kCoilCount; ++k) {
+        const auto u = static_cast<std::size_t>(k);
+        result(k) = ratio(k) - 1.0 + coefficient * cold.resistance[u] * squared[u];
+    }
+    return result;
+}
+
+}  // namespace
+
+// Newton's method with damping. There is one solution, and the Jacobian is never singular: with the
+// sensitivities J of the currents to a change r of the resistances, L dJ/dt + R J = -r I, the
+// change of the mean squares has sum_k r_k <2 I_k J_k> = -2 <J.(L dJ/dt + R J)> < 0, so that the
+// defect, as a function of the resistances, is strictly monotone.
+PerCoil warm_resistances(const VoltageProgram& program, const CircuitParameters& cold,
+                         double coefficient) {
+    constexpr int kMostSteps = 100;
+    constexpr double kDifference = 1e-6, kLastStep = 1e-9;  // the next would be their product
+    const auto defect_at = [&](const Ratios& ratio) {
+        return heating_defect(program, cold, coefficient, ratio);
+    };
+    Ratios ratio = Ratios::Ones();
+    Ratios defect = defect_at(ratio);
+    const auto idle = (defect.array() == 0.0).eval();  // no current at any resistance
+    double relative = 1.0;
+    for (int n = 0; n < kMostSteps && relative > kLastStep; ++n) {
+        Eigen::Matrix<double, kCoilCount, kCoilCount> jacobian = decltype(jacobian)::Identity();
+        for (int k = 0; k < kCoilCount; ++k) {
+            if (idle(k)) continue;
+            Ratios moved = ratio;
+            moved(k) *= 1.0 - kDifference;
+            jacobian.col(k) = (defect_at(moved) - defect) / (moved(k) - ratio(k));
+        }
+        const Ratios step = jacobian.partialPivLu().solve(defect);
+        relative = 0.0;  // where no part of the step helps, what is left is rounding
+        for (double part = 1.0; part > kDifference; part *= 0.5) {
+            const Ratios next = ratio - part * step;
+            if (!(next.minCoeff() > 0.0)) continue;
+            const Ratios left = defect_at(next);
+            if (!(left.norm() <= defect.norm())) continue;
+            relative = step.cwiseQuotient(ratio).cwiseAbs().maxCoeff();
+            ratio = next;
+            defect = left;
+            break;
+        }
+    }
+    return resistances(cold, ratio);
 }
 
 }  // namespace stickslip

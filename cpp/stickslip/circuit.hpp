@@ -82,4 +82,9 @@ Eigen::Matrix<double, kCoilCount, kCoilCount> mutual_inductance(double coupling)
 /// stand for the others.
 PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParameters& parameters);
 
+/// Resistances (ohm) of coils that their mean power P heats, R = R0 (1 + coefficient P), with the
+/// currents of the warm coils. `coefficient` in 1/W; the resistances of `cold` are R0.
+PerCoil warm_resistances(const VoltageProgram& program, const CircuitParameters& cold,
+                         double coefficient);
+
 }  // namespace stickslip

@@ -79,7 +79,7 @@ void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, 
     }
 }
 
-void Dynamics::add_ranged_adhesion(const Pose& pose, double gap, Load& load) const {
+void Dynamics::add_ranged_adhesion(double tau, const Pose& pose, double gap, Load& load) const {
     const Adhesion& adhesion = model_->adhesion;
     const double base = 2.0 * model_->shape.half_base(quadrant_);
     const double rise = 2.0 * model_->shape.half_rise(quadrant_);
@@ -91,22 +91,21 @@ void Dynamics::add_ranged_adhesion(const Pose& pose, double gap, Load& load) con
                                           pose.lever + along_rise,
                                           pose.lever - along_base + along_rise};
     std::array<double, 4> weights;
-    double total = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) total += weights[i] = adhesion.weight(gaps[i]);
+    for (std::size_t i = 0; i < 4; ++i) weights[i] = adhesion.weight(gaps[i]);
+    const Adhesion::Shares shares = Adhesion::shares(weights);
 
     const bool flies = gap > 0.0;
-    if (flies) {
-        // What is not in contact does not age.
-        const double sine = turn_.sine * pose.cosine + turn_.cosine * pose.sine;
-        load.contact_adhesion = adhesion.of_contact(sine, 0.0);
-    }
-    const double strength = load.contact_adhesion;
-    load.contact_adhesion = flies ? 0.0 : strength * Adhesion::share(weights[0], total);
+    const double age = flies ? 0.0 : age_ + tau;  // what is not in contact does not age
+    const double sine = turn_.sine * pose.cosine + turn_.cosine * pose.sine;
+    const double cosine = turn_.cosine * pose.cosine - turn_.sine * pose.sine;
+    const double strength = adhesion.of_contact(sine, age);
+    load.contact_adhesion = flies ? 0.0 : strength * shares.pull[0];
     for (std::size_t i = flies ? 0 : 1; i < 4; ++i) {
-        const double pull = strength * Adhesion::share(weights[i], total);
+        const double pull = strength * shares.pull[i];
         load.fz -= pull;
         load.torque += levers[i] * pull;
     }
+    load.torque += adhesion.slope_of_contact(sine, cosine, age) * adhesion.range * shares.energy;
 }
 
 }  // namespace stickslip

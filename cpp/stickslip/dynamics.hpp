@@ -168,7 +168,7 @@ public:
                                                   const Pose& pose, double vx, double vz,
                                                   double omega, double gap) const {
         Load result = load(field, x, z, pose, vx, vz, omega);
-        if (model_->adhesion.range > 0.0) add_ranged_adhesion(pose, gap, result);
+        if (model_->adhesion.range > 0.0) add_ranged_adhesion(field.tau, pose, gap, result);
         return result;
     }
 
@@ -179,7 +179,7 @@ private:
     /// The same of a user's effects; throws WrenchNotFinite.
     void add_user_effects(double tau, const PlanarField& field, double x, double z,
                           const Pose& pose, double vx, double vz, double omega, Load& load) const;
-    void add_ranged_adhesion(const Pose& pose, double gap, Load& load) const;
+    void add_ranged_adhesion(double tau, const Pose& pose, double gap, Load& load) const;
 
     const Model* model_;
     LocalField field_;

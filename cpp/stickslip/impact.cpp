@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace stickslip {
 namespace {
@@ -42,9 +43,28 @@ public:
         contacts_[count_++] = contact;
     }
 
+    // Newton's restitution, or the largest part of it with which the kinetic energy does not grow:
+    // with friction it can grow, without restitution it cannot (docs/theory/contact.md).
+    bool solve() {
+        if (!solve_newton(1.0)) return false;
+        if (!gains_energy()) return true;
+        double kept = 0.0, too_much = 1.0;
+        for (int bit = 0; bit < std::numeric_limits<double>::digits; ++bit) {
+            const double middle = 0.5 * (kept + too_much);
+            (solve_newton(middle) && !gains_energy() ? kept : too_much) = middle;
+        }
+        return solve_newton(kept);
+    }
+
+    bool closed(std::size_t i) const { return acting_[i] && !(rebound(i) > 0.0); }
+    const BodyState& after() const { return after_; }
+    double slip_velocity() const { return slip_velocity_; }
+
+private:
     // Tries the sets of acting corners, all first, then those that arrive; the complementarity
     // problem has one solution but for ties, where the larger set keeps what touches touching.
-    bool solve() {
+    bool solve_newton(double part) {
+        part_ = part;
         if (count_ == 1) return try_set({true, false});
         if (try_set({true, true})) return true;
         for (const bool arriving : {true, false}) {
@@ -55,11 +75,18 @@ public:
         return false;
     }
 
-    bool closed(std::size_t i) const { return acting_[i] && !(contacts_[i].restitution > 0.0); }
-    const BodyState& after() const { return after_; }
-    double slip_velocity() const { return slip_velocity_; }
+    double rebound(std::size_t i) const { return part_ * contacts_[i].restitution; }
 
-private:
+    double kinetic_energy(const BodyState& body) const {
+        return 0.5 * model_.mass * (body.vx * body.vx + body.vz * body.vz) +
+               0.5 * model_.inertia * body.omega * body.omega;
+    }
+    bool gains_energy() const {
+        // Of an impulse from a system whose condition is about 100.
+        constexpr double kRounding = 1e-13;
+        return kinetic_energy(after_) > kinetic_energy(before_) * (1.0 + kRounding);
+    }
+
     // Velocities that `impulse` gives.
     BodyState apply(const Impulse& impulse) const {
         BodyState body = before_;
@@ -93,7 +120,7 @@ private:
                 a(i, j) = acting[v] ? per_mass + lever * contacts_[v].lever * per_inertia : 0.0;
             }
             a(i, 2) = lever * height_ * per_inertia;
-            b(i) = -(1.0 + contacts_[u].restitution) * contacts_[u].approach;
+            b(i) = -(1.0 + rebound(u)) * contacts_[u].approach;
             if (slip == 0) {
                 a(2, i) = lever * height_ * per_inertia;
             } else {
@@ -133,7 +160,7 @@ private:
             if (!(impulse.normal[i] >= 0.0)) return false;
             if (acting[i]) continue;
             const double leaving = body.vz - body.omega * contacts_[i].lever;
-            if (leaving < -contacts_[i].restitution * contacts_[i].approach) return false;
+            if (leaving < -rebound(i) * contacts_[i].approach) return false;
         }
         return true;
     }
@@ -149,6 +176,7 @@ private:
     BodyState before_;
     std::array<ImpactContact, 2> contacts_ = {};
     std::size_t count_ = 0;
+    double part_ = 1.0;  // of the restitution
     std::array<bool, 2> acting_ = {};
     BodyState after_;
     double slip_velocity_ = 0.0;

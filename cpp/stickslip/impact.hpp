@@ -21,13 +21,14 @@ struct ImpactResult {
 };
 
 /// Impact of the quadrant's lowest corner out of flight: Newton restitution with impulsive Coulomb
-/// friction (kinetic coefficient).
+/// friction (kinetic coefficient). Where that would raise the kinetic energy, the restitution is
+/// reduced to the largest for which it does not.
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before);
 
 /// Impact of a face at angle 0 of `before.quadrant`, both corners solved together as one
-/// complementarity problem: the arriving corner has the kinetic coefficient and the restitution,
-/// the one that already touched has the static coefficient where it stuck (`old_slips` false), else
-/// the kinetic.
+/// complementarity problem: the arriving corner has the kinetic coefficient and the restitution
+/// (both reduced as above by one factor), the one that already touched has the static coefficient
+/// where it stuck (`old_slips` false), else the kinetic.
 ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
                          bool old_slips);
 

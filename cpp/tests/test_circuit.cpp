@@ -173,3 +173,75 @@ TEST_CASE("circuit: a lag that is far shorter than anything else is no lag") {
         CHECK(std::abs(difference) < 1.01 * 1e-9 * 70.0 / kInductance);
     }
 }
+
+namespace {
+
+CircuitParameters table_one(double inductance = kInductance, double coupling = 0.0) {
+    CircuitParameters parameters;
+    parameters.resistance.fill(kResistance);
+    parameters.inductance = inductance;
+    parameters.coupling = coupling;
+    return parameters;
+}
+
+VoltageProgram played(std::vector<VoltagePoint> points, std::int64_t repeats = 1) {
+    return VoltageProgram({{std::move(points), repeats}});
+}
+
+// |R/R0 - 1 - k P| of the coil where it is largest, over R/R0; P from the currents of warm coils.
+double heating_error(const VoltageProgram& program, CircuitParameters parameters,
+                     double coefficient) {
+    const PerCoil warm = warm_resistances(program, parameters, coefficient);
+    parameters.resistance = warm;
+    const PerCoil squared = mean_square_currents(program, parameters);
+    double worst = 0.0;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const double ratio = warm[k] / kResistance;
+        const double error = ratio - 1.0 - coefficient * warm[k] * squared[k];
+        worst = std::max(worst, std::abs(error) / ratio);
+    }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("heated coils: at a constant voltage the resistance solves a quadratic") {
+    // R/R0 = 1 + k V^2/R, and L/R = 1e-10 s takes no part of a second.
+    PerCoil volts = {50.0, 0.0, 0.0, -70.0, 10.0};
+    const VoltageProgram program = played({{0.0, volts}, {1.0, volts}});
+    for (const double coefficient : {0.0, 1e-4, 0.01, 1.0, 1000.0}) {
+        const PerCoil warm = warm_resistances(program, table_one(1e-9), coefficient);
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            const double power = volts[k] * volts[k] / kResistance;
+            const double ratio = 0.5 + std::sqrt(0.25 + coefficient * power);
+            CHECK(warm[k] == doctest::Approx(kResistance * ratio).epsilon(1e-9));
+        }
+        CHECK(heating_error(program, table_one(1e-9), coefficient) < 1e-12);
+    }
+}
+
+TEST_CASE("heated coils: the power is that of the warm coils, pulsed, coupled or both") {
+    // Faster and slower than L/R. (Currents over stretches far shorter than L/R are small
+    // differences, whose squares carry rounding of (L/R over the stretch)^2.)
+    for (const double period : {2e-3, 0.02, 1.0}) {
+        const PerCoil off = {}, on = {60.0, -20.0, 0.0, 5.0, 40.0};
+        const VoltageProgram program =
+            played({{0.0, off}, {0.3 * period, on}, {0.3 * period, off}, {period, on}}, 50);
+        for (const double coupling : {0.0, 0.2, -0.15}) {
+            for (const double coefficient : {1e-3, 0.02, 5.0, 1000.0}) {
+                CAPTURE(period);
+                CAPTURE(coupling);
+                CAPTURE(coefficient);
+                CHECK(heating_error(program, table_one(kInductance, coupling), coefficient) <
+                      1e-12);
+            }
+        }
+    }
+}
+
+TEST_CASE("heated coils: a coil without current stays cold") {
+    const VoltageProgram program = played({{0.0, {30.0}}, {1.0, {30.0}}});
+    const PerCoil warm = warm_resistances(program, table_one(), 0.05);
+    CHECK(warm[0] > 1.5 * kResistance);
+    for (std::size_t k = 1; k < kCoilCount; ++k) CHECK(warm[k] == kResistance);
+}

@@ -166,6 +166,27 @@ TEST_CASE("flat landing with restitution: leaves at e times the speed it came wi
     CHECK(std::abs(result.body.omega) < 1e-13 * 0.1 / b);
 }
 
+TEST_CASE("corner impact: a corner that sticks rebounds no faster than its energy allows") {
+    // With inverse masses g at the corner, E = u'G^-1 u/2 and the tangential velocity t stopped, a
+    // normal velocity n can at most come back as w^2 = n^2 - 2 n t g_nt/g_tt + t^2 g_nn/g_tt. At
+    // theta + phi = 45 degrees m g = 5/2, 5/2 and 3/2, so t = 3/5 n gives w = 4/5 n.
+    Model model = paper_model();
+    model.friction = {50.0, 50.0};
+    model.restitution = 1.0;
+    const double phi = std::atan2(h, b), angle = kQuarterTurn / 2 - phi;
+    const Pose pose = model.shape.pose(0, std::cos(angle), std::sin(angle));
+    BodyState before;
+    before.angle = angle;
+    before.vz = -0.1;
+    for (const double slip : {-0.06, 0.06}) {
+        before.vx = slip;
+        const ImpactResult result = corner_impact(model, pose, before);
+        CHECK(result.slip_velocity == 0.0);
+        CHECK(corner_velocity_z(pose, result.body.vz, result.body.omega) ==
+              doctest::Approx(slip < 0.0 ? 0.08 : 0.1).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("impact: below the capture speed nothing rebounds") {
     Model model = paper_model();
     model.restitution = 1.0;

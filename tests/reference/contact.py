@@ -7,8 +7,9 @@ impulses with
     0 <= Pn,  un >= target,  Pn (un - target) = 0,
     stick: ut = 0 and |Pt| <= (bound) Pn,   slip: Pt = -sign(ut) (kinetic) Pn.
 
-`target` is 0, or -e times the approach speed at a corner that lands. States and outcomes share the
-same numbers: OPEN, STICK, and +1 / -1 for the sign of the slip velocity.
+`target` is 0, or -e times the approach speed at a corner that lands; `stepper.march` reduces e
+where the kinetic energy would grow. States and outcomes share the same numbers: OPEN, STICK, and
++1 / -1 for the sign of the slip velocity.
 """
 
 from collections import namedtuple

@@ -95,6 +95,21 @@ def _pick_corners(z, vz, omega, step, touching, rz_now, rx_mid, chosen, old):
 
 
 @njit
+def _impact_gains(before, push, end, after, im, ij):
+    """Whether an impact raises the kinetic energy, from (vx, vz, omega) at the ends of the step.
+
+    push: at the end if nothing touched. after: part of the step that follows the impact; what the
+    forces of the step do before and after it is taken out of the velocities.
+    """
+    gain = 0.0
+    for i in range(3):
+        force = push[i] - before[i]
+        arriving, leaving = before[i] + (1.0 - after) * force, end[i] - after * force
+        gain += (leaving * leaving - arriving * arriving) / (ij if i == 2 else im)
+    return gain > 0.0
+
+
+@njit
 def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sample_rate, samples):
     """Integrate from rest, lying flat with its centre at x = 0.
 
@@ -157,7 +172,10 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         corner_offsets(theta + 0.5 * step * omega, half_length, half_height, rx, rz)
         n = _pick_corners(z, vz, omega, step, touching, rz_now, rx, chosen, old)
         new_vx, new_vz, new_omega = push_x, push_z, push_omega
-        landing = 0.0
+        landing = after = 0.0
+        # Where Newton's law would create energy, bisection finds the largest restitution that does
+        # not: `least` does not, `most` may.
+        restitution, least, most = model.restitution, 0.0, model.restitution
 
         while n > 0:
             impact = not old[0] or (n == 2 and not old[1])
@@ -190,11 +208,11 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                     # Landing on a second corner only redistributes what the first already holds.
                     share_given[i] = after if held == 0 else 0.0
                     # A hop shorter than one step cannot be followed: the corner stays down.
-                    if -model.restitution * approach > 0.5 * abs(gain):
+                    if -restitution * approach > 0.5 * abs(gain):
                         share_given[i] = 0.0
-                        target[j] = -model.restitution * approach
+                        target[j] = -restitution * approach
                         if n == 1:
-                            target[j] += (after - model.restitution * (1.0 - after)) * gain
+                            target[j] += (after - restitution * (1.0 - after)) * gain
                     pull = hold * share_given[i] / n
                 free_z -= im * pull
                 free_omega += ij * pull * rx[i]
@@ -223,6 +241,15 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                 )  # fmt: skip
                 load[chosen[0]] = load[chosen[1]] = 1.0
             new_vx, new_vz, new_omega = s.vx, s.vz, s.omega
+            if impact and most > least:
+                gains = _impact_gains(
+                    (vx, vz, omega), (push_x, push_z, push_omega), (s.vx, s.vz, s.omega),
+                    after if n == 1 else 0.0, im, ij,
+                )  # fmt: skip
+                least, most = (least, restitution) if gains else (restitution, most)
+                if most - least > 1e-9:
+                    restitution = 0.5 * (least + most)
+                    continue
             outcome[0], outcome[1] = s.outcome0, s.outcome1
             counts[IRREGULAR] += int(s.irregular)
             left0 = old[0] and outcome[0] == OPEN
@@ -241,6 +268,7 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                 push_x += im * due_t
                 push_z += im * due_n
                 push_omega += ij * (rz[i] * due_t - rx[i] * due_n)
+            restitution, least, most = model.restitution, 0.0, model.restitution
             if left0 and not left1:
                 chosen[0], old[0] = chosen[1], old[1]
             n = n - int(left0) - int(left1)
