@@ -263,7 +263,9 @@ public:
     static constexpr std::array<Event, kEvents> kEvent = {
         Event::pivot_touches, Event::behind_lands, Event::ahead_lands, Event::opposite_touches};
 
-    using PhaseBase::PhaseBase;
+    explicit FlightPhase(Dynamics& dynamics)
+        : PhaseBase(dynamics),
+          rounding_(64.0 * std::numeric_limits<double>::epsilon() * model().shape.radius()) {}
 
     [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
                                       Values& g) const {
@@ -281,7 +283,8 @@ public:
                 load.torque / model().inertia};
         const double behind = 2.0 * model().shape.half_base(quadrant()) * pose.sine;
         const double ahead = 2.0 * model().shape.half_rise(quadrant()) * pose.cosine;
-        g = {gap, gap + behind, gap + ahead, gap + behind + ahead};
+        const double below = gap + rounding_;
+        g = {below, below + behind, below + ahead, below + behind + ahead};
     }
     double event(std::size_t i, double tau, const State& y) const {
         return event_by_rates(*this, i, tau, y);
@@ -307,6 +310,12 @@ public:
     double speed(const State& y) const { return std::abs(y[3]) + std::abs(y[4]); }
     double angle(const State& y) const { return y[2]; }
     double omega(const State& y) const { return y[5]; }
+
+private:
+    // A touch-down is a gap that rounding cannot make, m, since a corner that has just left has
+    // none. The gap is the difference of two heights of the body's size, of which one comes from a
+    // pose that has been turned on some ten times since its last sine and cosine.
+    double rounding_;
 };
 
 }  // namespace stickslip

@@ -184,10 +184,7 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         // A step carried over from another phase can leap over the whole of a short one.
         width_ = first_width_;
         previous_log_error_ = kLeastLogError;
-        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            memory.armed[i] = samples.start[i] > 0.0;
-        }
-        memory.fresh = false;
+        memory.begin(samples.start);
         // Each of two modes sends the body to the other without time going on: the mode is kept for
         // the shortest step that is far above the resolution of time.
         if (memory.stalled) width_ = std::min(width_, kShortestStep);
@@ -210,6 +207,7 @@ PhaseEnd<Phase> Tsit5::advance(Phase& phase, PhaseMemory& memory, double tau, do
         if (width * speed > 0.5 * phase.reach()) width = 0.5 * phase.reach() / speed;
         const bool to_end = tau + 1.0001 * width >= tau_end;
         if (to_end) width = tau_end - tau;
+        if (!(tau + width > tau)) return {Status::step_underflow, Event::none, tau, step.first};
         step.start = tau;
         step.width = width;
         const double error = stages(phase, step, samples);
