@@ -343,7 +343,7 @@ def test_bounces_do_not_depend_on_the_tolerance():
             for rtol in (1e-7, 1e-8, 1e-9, 1e-10)
         )
         apart.append(np.ptp([default, *finer]) / max(abs(finer[-1]), 1e-4))
-    # What remains are bifurcations, where a corner just lands or just does not.
+    # What remains are long trains of bounces, which multiply the errors of the steps.
     assert np.nanquantile(apart, 0.9) < 2e-4
     assert np.nanmean(np.array(apart) > 1e-3) <= 0.05
 
@@ -379,6 +379,6 @@ def test_both_integrators_agree_on_random_drives():
             run(keys, {"solver.rtol": 1e-10, "solver.method": method}, **drive).mean_velocity
             for method in ("tsit5", "arkode")
         )
-        # The difference of two runs, each good to 1e-10 a step; a net motion that nearly cancels has
-        # an error of its own size.
+        # Two runs, each good to 1e-10 a step; a net motion that nearly cancels has an error of the
+        # size of its parts.
         assert ours == pytest.approx(theirs, rel=2e-6, abs=1e-11), drive

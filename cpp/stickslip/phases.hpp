@@ -15,7 +15,7 @@
 ///   kEvent             what each event function is; it fires when its function falls through zero
 ///   field_at(tau)      the field's expansion, apart from the state
 ///   rates(field, y, dydt, g)   rates and event functions
-///   event(i, tau, y)   one event function
+///   event(i, tau, y)   one event function; y is a State, or has its coordinates one by one
 ///   speed(y)           bound on the speed of the centre of mass
 ///   rebase(tau, y)     the base of the next step (see Dynamics)
 ///   begin(body), body(y)     to coordinates and back
@@ -79,7 +79,7 @@ public:
         g = {normal, law.static_limit(-1, contact_x_) * normal - friction,
              law.static_limit(1, contact_x_) * normal + friction, y[0], kQuarterTurn - y[0]};
     }
-    double event(std::size_t i, double tau, const State& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
         if (i == 3) return y[0];
         if (i == 4) return kQuarterTurn - y[0];
         return event_by_rates(*this, i, tau, y);
@@ -139,7 +139,7 @@ public:
         g = {motion.normal, slip_ * y[2], y[1], kQuarterTurn - y[1],
              motion.effective_inertia - kJammed * model().inertia};
     }
-    double event(std::size_t i, double tau, const State& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
         if (i == 1) return slip_ * y[2];
         if (i == 2) return y[1];
         if (i == 3) return kQuarterTurn - y[1];
@@ -217,7 +217,8 @@ public:
         dydt = {y[1], (load.fx + reaction.friction) / model().mass};
         g = {reaction.ahead, reaction.behind, slip_ * y[1]};
     }
-    double event(std::size_t i, double tau, const State& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
+        if (i == 2) return slip_ * y[1];
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(double tau, const State& y) {
@@ -281,13 +282,11 @@ public:
                 load.fx / model().mass,
                 load.fz / model().mass,
                 load.torque / model().inertia};
-        const double behind = 2.0 * model().shape.half_base(quadrant()) * pose.sine;
-        const double ahead = 2.0 * model().shape.half_rise(quadrant()) * pose.cosine;
-        const double below = gap + rounding_;
-        g = {below, below + behind, below + ahead, below + behind + ahead};
+        g = gaps(gap, pose);
     }
-    double event(std::size_t i, double tau, const State& y) const {
-        return event_by_rates(*this, i, tau, y);
+    double event(std::size_t i, double, const auto& y) const {
+        const Pose pose = dynamics_->pose(y[2]);
+        return gaps(y[1] - pose.height, pose)[i];
     }
     void rebase(double tau, const State& y) {
         dynamics_->rebase_angle(y[2]);
@@ -312,6 +311,13 @@ public:
     double omega(const State& y) const { return y[5]; }
 
 private:
+    Values gaps(double gap, const Pose& pose) const {
+        const double behind = 2.0 * model().shape.half_base(quadrant()) * pose.sine;
+        const double ahead = 2.0 * model().shape.half_rise(quadrant()) * pose.cosine;
+        const double below = gap + rounding_;
+        return {below, below + behind, below + ahead, below + behind + ahead};
+    }
+
     // A touch-down is a gap that rounding cannot make, m, since a corner that has just left has
     // none. The gap is the difference of two heights of the body's size, of which one comes from a
     // pose that has been turned on some ten times since its last sine and cosine.
