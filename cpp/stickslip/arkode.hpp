@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "stickslip/arkode_session.hpp"
+#include "stickslip/event_location.hpp"
 #include "stickslip/stepping.hpp"
 
 namespace stickslip {
@@ -32,9 +33,8 @@ struct ArkodeStep {
 };
 
 /// Adaptive integration of a phase by SUNDIALS ARKODE's ERKStep with the pair of Dormand and Prince
-/// (7 stages, orders 4 and 5) and ARKODE's own root finding: the independent check of Tsit5. Roots
-/// are seen where an event function changes sign over a step, so a dip inside one needs a smaller
-/// max_step.
+/// (7 stages, orders 4 and 5): the independent check of Tsit5. Events are looked for on ARKODE's
+/// interpolant, since its own root finding sees only what changes sign over a step.
 class Arkode {
 public:
     explicit Arkode(const StepperOptions& options) : options_(options) {}
@@ -47,40 +47,81 @@ public:
                             typename Phase::State y, Observer&& observe);
 
 private:
+    template <class Phase>
+    ArkodeSession begin(Phase& phase, bool stalled, double tau, double tau_end,
+                        const typename Phase::State& y) const;
+    template <class Phase>
+    EventHit find_event(Phase& phase, PhaseMemory& memory, const ArkodeStep<Phase>& step,
+                        typename Phase::Values& at_start);
+
     StepperOptions options_;
     StepCounts counts_;
 };
 
-template <class Phase, class Observer>
-PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
-                                typename Phase::State y, Observer&& observe) {
-    using State = typename Phase::State;
-    constexpr auto kEvents = static_cast<std::size_t>(Phase::kEvents);
-    typename Phase::Values g;
-    State slope;
-    phase.rebase(y);
-    phase.rates(phase.field_at(tau), y, slope, g);
-    if (memory.fresh) {
-        for (std::size_t i = 0; i < kEvents; ++i) memory.armed[i] = g[i] > 0.0;
-        memory.fresh = false;
+/// Rates and event functions somewhere.
+template <class Phase>
+struct ArkodeLook {
+    typename Phase::State rates;
+    typename Phase::Values events;
+
+    ArkodeLook(Phase& phase, double tau, const typename Phase::State& y) {
+        phase.rebase(y);
+        phase.rates(phase.field_at(tau), y, rates, events);
     }
+};
+
+template <class Phase>
+ArkodeSession Arkode::begin(Phase& phase, bool stalled, double tau, double tau_end,
+                            const typename Phase::State& y) const {
+    using State = typename Phase::State;
     ArkodeProblem problem;
     problem.dimension = Phase::kDim;
-    problem.events = Phase::kEvents;
-    problem.rates = [&](double t, const double* at, double* dydt, double* values) {
+    problem.rates = [&phase](double t, const double* at, double* dydt) {
         State state, rates;
         std::copy_n(at, state.size(), state.begin());
         phase.rebase(state);
-        typename Phase::Values event_values;
-        phase.rates(phase.field_at(t), state, rates, event_values);
-        if (dydt) std::copy_n(rates.begin(), rates.size(), dydt);
-        if (values) std::copy_n(event_values.begin(), event_values.size(), values);
+        typename Phase::Values unused;
+        phase.rates(phase.field_at(t), state, rates, unused);
+        std::copy_n(rates.begin(), rates.size(), dydt);
     };
     State tolerance = phase.scale(options_.scales);
     for (double& value : tolerance) value *= options_.tolerance;
+    // A fast exponential of the currents would be leapt over, as in Tsit5.
+    double first = std::min(0.02 / options_.swing_rate, std::max(phase.fading_time(), tau));
+    if (stalled) first = std::min(first, kShortestStep);
+    return ArkodeSession(problem, tau, y.data(), tolerance.data(), tau_end, options_.max_step,
+                         first);
+}
 
-    ArkodeSession session(problem, tau, y.data(), tolerance.data(), tau_end, options_.max_step,
-                          0.02 / options_.swing_rate);
+/// The first event of the step; `at_start` becomes the event functions at its end.
+template <class Phase>
+EventHit Arkode::find_event(Phase& phase, PhaseMemory& memory, const ArkodeStep<Phase>& step,
+                            typename Phase::Values& at_start) {
+    using Finder = EventFinder<Phase::kEvents>;
+    const auto values = [&](double s) {
+        return ArkodeLook<Phase>(phase, step.start + s * step.width, step.dense(s)).events;
+    };
+    EventSamples<Phase::kEvents> samples;
+    samples.start = samples.lowest = at_start;
+    samples.early = values(Finder::kEarly);
+    samples.late = values(Finder::kLate);
+    samples.end = at_start = values(1.0);
+    for (const auto& g : {samples.early, values(0.4), values(0.65), samples.late, samples.end}) {
+        for (std::size_t i = 0; i < g.size(); ++i) {
+            samples.lowest[i] = std::min(samples.lowest[i], g[i]);
+        }
+    }
+    return Finder::find(samples, memory.armed, memory.stalled,
+                        [&](std::size_t i, double s) { return values(s)[i]; });
+}
+
+template <class Phase, class Observer>
+PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+                                typename Phase::State y, Observer&& observe) {
+    ArkodeLook<Phase> look(phase, tau, y);
+    typename Phase::Values g = look.events;
+    if (memory.fresh) memory.begin(g);
+    ArkodeSession session = begin(phase, memory.stalled, tau, tau_end, y);
     ArkodeStep<Phase> step;
     step.session = &session;
     step.phase = &phase;
@@ -95,40 +136,31 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         step.start = tau;
         step.first = step.last;
         const ArkodeSession::Outcome outcome = session.step(tau, step.last.data());
-        if (outcome.failed) {
+        if (outcome.failed || !(outcome.time > tau)) {
             end.status = Status::step_underflow;
             break;
         }
-        if (outcome.time >= tau_end)
-            tau = tau_end;
-        else
-            tau = outcome.time;
+        tau = std::min(outcome.time, tau_end);
         step.width = tau - step.start;
-        // ARKODE's last call of the rates was elsewhere.
-        const State first_rates = slope;
-        phase.rebase(step.last);
-        phase.rates(phase.field_at(tau), step.last, slope, g);
-        end.trace.step(phase, step.width, step.first, first_rates, step.last, slope);
-        if (step.width > 0.0) observe(step, 1.0);
-        end.tau = tau;
-        end.y = step.last;
-        if (outcome.root >= 0) {
-            end.event = Phase::kEvent[static_cast<std::size_t>(outcome.root)];
+        const EventHit hit = find_event(phase, memory, step, g);
+        memory.stalled = false;
+        observe(step, hit.s);
+        end.tau = hit ? step.start + hit.s * step.width : tau;
+        end.y = step.dense(hit.s);
+        const ArkodeLook<Phase> before = look;
+        look = ArkodeLook<Phase>(phase, end.tau, end.y);
+        end.trace.step(phase, end.tau - step.start, step.first, before.rates, end.y, look.rates);
+        if (hit) {
+            end.event = Phase::kEvent[static_cast<std::size_t>(hit.index)];
             break;
         }
-        // ARKODE takes a function that begins at zero for inactive until it has moved, and never
-        // sees one that begins at zero and falls.
-        for (std::size_t i = 0; i < kEvents && end.event == Event::none; ++i) {
-            if (!memory.armed[i] && g[i] < 0.0) end.event = Phase::kEvent[i];
-            memory.armed[i] = memory.armed[i] || g[i] > 0.0;
-        }
-        if (end.event != Event::none) break;
         if (phase.outside()) {
             end.status = Status::left_workspace;
             break;
         }
     }
     session.add_counts(counts_);
+    // ARKODE's last call of the rates was elsewhere.
     phase.rebase(end.y);
     return end;
 }

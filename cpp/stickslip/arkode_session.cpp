@@ -7,7 +7,6 @@
 #include <sundials/sundials_config.h>
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -21,9 +20,9 @@ struct Callback {
 
     // An exception must not pass through the C code of SUNDIALS: it is kept, and thrown again on
     // the near side.
-    int call(double t, const double* y, double* dydt, double* values) {
+    int call(double t, const double* y, double* dydt) {
         try {
-            problem.rates(t, y, dydt, values);
+            problem.rates(t, y, dydt);
             return 0;
         } catch (...) {
             failure = std::current_exception();
@@ -36,12 +35,7 @@ struct Callback {
 };
 
 int rates_callback(sunrealtype t, N_Vector y, N_Vector dydt, void* data) {
-    return static_cast<Callback*>(data)->call(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dydt),
-                                              nullptr);
-}
-
-int events_callback(sunrealtype t, N_Vector y, sunrealtype* values, void* data) {
-    return static_cast<Callback*>(data)->call(t, N_VGetArrayPointer(y), nullptr, values);
+    return static_cast<Callback*>(data)->call(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dydt));
 }
 
 void require(int flag, const char* what) {
@@ -72,8 +66,7 @@ ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const doubl
                              double first_step)
     : handles_(std::make_unique<Handles>()),
       t_stop_(t_stop),
-      dimension_(problem.dimension),
-      events_(problem.events) {
+      dimension_(problem.dimension) {
     Handles& h = *handles_;
     h.callback.problem = problem;
 #if SUNDIALS_VERSION_MAJOR >= 7
@@ -97,11 +90,6 @@ ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const doubl
     require(ERKStepSetInitStep(h.memory, std::min(first_step, t_stop - t)), "first step");
     require(ERKStepSetMaxNumSteps(h.memory, -1), "step limit");
     if (max_step > 0.0) require(ERKStepSetMaxStep(h.memory, max_step), "longest step");
-    require(ERKStepRootInit(h.memory, events_, events_callback), "events");
-    std::array<int, PhaseMemory::kMost> falling;
-    falling.fill(-1);
-    require(ERKStepSetRootDirection(h.memory, falling.data()), "event directions");
-    require(ERKStepSetNoInactiveRootWarn(h.memory), "warnings");
 #if SUNDIALS_VERSION_MAJOR < 7
     // What goes wrong is a status of the run, not a line on stderr.
     require(ERKStepSetErrFile(h.memory, nullptr), "error file");
@@ -119,13 +107,6 @@ ArkodeSession::Outcome ArkodeSession::step(double t, double* y) {
     outcome.time = reached;
     outcome.failed = flag < 0;
     std::copy_n(N_VGetArrayPointer(h.y), dimension_, y);
-    if (flag == ARK_ROOT_RETURN) {
-        std::array<int, PhaseMemory::kMost> found = {};
-        ERKStepGetRootInfo(h.memory, found.data());
-        for (int i = events_ - 1; i >= 0; --i) {
-            if (found[static_cast<std::size_t>(i)] != 0) outcome.root = i;
-        }
-    }
     return outcome;
 }
 

@@ -7,16 +7,15 @@
 
 namespace stickslip {
 
-/// Rates and event functions of one phase for ARKODE; either output may be null.
+/// Rates of one phase for ARKODE.
 struct ArkodeProblem {
     int dimension = 0;
-    int events = 0;
     /// What it throws is thrown by ArkodeSession::step and interpolate.
-    std::function<void(double t, const double* y, double* dydt, double* values)> rates;
+    std::function<void(double t, const double* y, double* dydt)> rates;
 };
 
-/// One integration by SUNDIALS ERKStep, from a start to an event or an end; hides the C interface
-/// of SUNDIALS 6 and 7. Throws std::runtime_error if SUNDIALS refuses to be set up.
+/// One integration by SUNDIALS ERKStep; hides the C interface of SUNDIALS 6 and 7. Throws
+/// std::runtime_error if SUNDIALS refuses to be set up.
 class ArkodeSession {
 public:
     ArkodeSession(const ArkodeProblem& problem, double t, const double* y, const double* tolerance,
@@ -27,10 +26,9 @@ public:
 
     struct Outcome {
         double time = 0.0;
-        int root = -1;  ///< event function that fell through zero
         bool failed = false;
     };
-    /// One internal step, cut at a root.
+    /// One internal step.
     Outcome step(double t, double* y);
 
     /// Coordinates at a time within the last step.
@@ -42,7 +40,7 @@ private:
     struct Handles;
     std::unique_ptr<Handles> handles_;
     double t_stop_;
-    int dimension_, events_;
+    int dimension_;
 };
 
 }  // namespace stickslip

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "stickslip/pack.hpp"
 
@@ -85,27 +86,31 @@ public:
     /// armed: whether each event function has been positive in this phase, brought up to date. A
     /// function that is zero at the phase's birth (a slip that has just begun) can fire only after
     /// it has risen; one that does not rise fires at once, at s = 0, or, where the last events
-    /// brought the time no further (`stalled`), at the end of the step.
+    /// brought the time no further (`stalled`), at the end of the step. An armed one that is not
+    /// positive as the step begins (forces may jump between two stretches) fires at once too.
     template <class Armed, class Value>
     static EventHit find(const EventSamples<M>& g, Armed& armed, bool stalled, Value&& value) {
         EventHit hit;
         for (std::size_t i = 0; i < M; ++i) {
+            const int index = static_cast<int>(i);
             Bracket bracket{0.0, 1.0, g.start[i], g.end[i]};
             if (armed[i]) {
-                if (g.end[i] < 0.0) {
-                    if (!narrow(g, i, value, hit.s, bracket)) continue;
+                if (g.start[i] <= 0.0) return {index, 0.0};
+                if (g.end[i] <= 0.0) {
+                    narrow(g, i, value, hit.s, bracket);
                 } else if (!g.may_dip(i) || !find_dip(g, i, value, bracket)) {
                     continue;
                 }
             } else if (g.rises(i) && !g.may_dip(i)) {
                 continue;
             } else if (!risen(g, i, value, bracket)) {
-                if (!stalled) return {static_cast<int>(i), 0.0};
-                bracket.low = bracket.high = 1.0;
+                if (!stalled) return {index, 0.0};
+                if (!hit) hit = {index, 1.0};
+                continue;
             }
-            if (!(bracket.at_high < 0.0) || bracket.low >= hit.s) continue;
-            const double s = bracket.low < bracket.high ? locate(i, bracket, value) : bracket.high;
-            if (!hit || s < hit.s) hit = {static_cast<int>(i), s};
+            if (bracket.low >= hit.s) continue;
+            const std::optional<double> s = locate(i, bracket, value);
+            if (s && (!hit || *s < hit.s)) hit = {index, *s};
         }
         if (!hit) {
             for (std::size_t i = 0; i < M; ++i) armed[i] = armed[i] || g.end[i] > 0.0;
@@ -113,18 +118,26 @@ public:
         return hit;
     }
 
-    /// Positive at `low`, zero or negative at `high`.
     struct Bracket {
         double low, high, at_low, at_high;
+
+        /// A zero is a root.
+        bool holds_root() const { return at_low > 0.0 && at_high <= 0.0; }
     };
 
-    /// Root of function i in the bracket, to kResolution: its far side. The method is that of
-    /// Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
+    /// Root of function i in the bracket, to kResolution: its far side; none where the bracket's
+    /// ends do not have a root between them. The method is that of Chandrupatla, Advances in
+    /// Engineering Software 28 (1997) 145-149. After more iterations than it ever needs it bisects,
+    /// which ends whatever the function.
     template <class Value>
-    [[gnu::noinline]] static double locate(std::size_t i, const Bracket& bracket, Value&& value) {
+    [[gnu::noinline]] static std::optional<double> locate(std::size_t i, const Bracket& bracket,
+                                                          Value&& value) {
+        constexpr int kUsual = 80, kMost = kUsual + 50;  // 40 halvings reach the resolution
+        if (!bracket.holds_root()) return std::nullopt;
         double x1 = bracket.high, f1 = bracket.at_high, x2 = bracket.low, f2 = bracket.at_low;
+        if (f1 == 0.0) return x1;
         double part = f1 / (f1 - f2);
-        while (true) {
+        for (int k = 0; k < kMost; ++k) {
             const double x = x1 + part * (x2 - x1);
             const double f = value(i, x);
             double x3 = x1, f3 = f1;
@@ -137,6 +150,7 @@ public:
             if (f1 == 0.0) return x1;
             if (least > 0.5) return f1 > 0.0 ? x2 : x1;
             part = 0.5;
+            if (k >= kUsual) continue;
             const double xi = (x1 - x2) / (x3 - x2), phi = (f1 - f2) / (f3 - f2);
             if (phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi) {
                 part = f1 / (f2 - f1) * f3 / (f2 - f3) +
@@ -144,6 +158,7 @@ public:
             }
             part = std::clamp(part, least, 1.0 - least);
         }
+        return f1 > 0.0 ? x2 : x1;
     }
 
 private:
@@ -152,10 +167,10 @@ private:
         return std::clamp((g.end[i] - g.start[i] - rising) / (falling - rising), 0.0, 1.0);
     }
 
-    // Negative at the end: is there a root before `s`? Where the stages do not simply fall, looks
-    // on the way, so that of several roots the first is found.
+    // Not positive at the end: where may a root before `s` be? Where the stages do not simply fall,
+    // looks on the way, so that of several roots the first is found.
     template <class Value>
-    [[gnu::noinline]] static bool narrow(const EventSamples<M>& g, std::size_t i, Value&& value,
+    [[gnu::noinline]] static void narrow(const EventSamples<M>& g, std::size_t i, Value&& value,
                                          double s, Bracket& bracket) {
         if (s < 1.0) {
             bracket.high = s;
@@ -163,36 +178,35 @@ private:
         }
         const bool falls = g.start[i] > g.early[i] && g.early[i] > g.late[i] &&
                            g.late[i] > g.end[i] && g.start_slope(i) < 0.0;
-        if (falls) return bracket.at_high < 0.0;
+        if (falls) return;
         for (const double at : {1.0 / 3.0, 2.0 / 3.0}) {
             if (at >= bracket.high) break;
             const double there = value(i, at);
             (there > 0.0 ? bracket.low : bracket.high) = at;
             (there > 0.0 ? bracket.at_low : bracket.at_high) = there;
         }
-        return bracket.at_high < 0.0;
     }
 
-    // Born at zero or below: false if it falls from there. Where it rises and falls again, the
-    // bracket holds its root; where it does not, the bracket's high end is not negative.
+    // Born at zero or below: false if it falls from there. Where it rises and falls
+    // again, the bracket holds its root; where it does not, the bracket holds none.
     template <class Value>
     [[gnu::noinline]] static bool risen(const EventSamples<M>& g, std::size_t i, Value&& value,
                                         Bracket& bracket) {
-        bracket.low = 0.0;
+        bracket.at_low = 0.0;
         for (const double at : {1.0 / 3.0, 2.0 / 3.0, 1.0}) {
             const double there = at == 1.0 ? g.end[i] : value(i, at);
+            const bool has_risen = bracket.low > 0.0;
             if (there > 0.0) {
                 bracket.low = at;
                 bracket.at_low = there;
-            } else if (there < 0.0 && there > g.start[i] && bracket.low == 0.0) {
-                continue;  // below by more than rounding, but on its way up
-            } else if (there < 0.0) {
+            } else if (!has_risen && (there == 0.0 || there > g.start[i])) {
+                continue;  // below by more than rounding, it may be on its way up
+            } else {
                 bracket.high = at;
                 bracket.at_high = there;
-                return bracket.low > 0.0 || rises_briefly(i, value, bracket);
+                return has_risen || rises_briefly(i, value, bracket);
             }
         }
-        bracket.at_high = 0.0;
         return true;
     }
 
@@ -233,8 +247,8 @@ private:
         return g.start[i] - b * b / (4.0 * c) > 0.5 * middle;
     }
 
-    // Looks for a negative value on the dense output, by samples and then by closing in on the
-    // least.
+    // Looks for a value that is not positive on the dense output, by samples and then by closing in
+    // on the least.
     template <class Value>
     [[gnu::noinline]] static bool find_dip(const EventSamples<M>& g, std::size_t i, Value&& value,
                                            Bracket& bracket) {
@@ -247,7 +261,7 @@ private:
         std::size_t least = g.start[i] < g.end[i] ? 0 : kSamples;
         for (std::size_t j = 1; j < kSamples; ++j) {
             sample[j] = value(i, at(j));
-            if (sample[j] < 0.0) {
+            if (sample[j] <= 0.0) {
                 bracket = {at(j - 1), at(j), sample[j - 1], sample[j]};
                 return true;
             }
@@ -258,7 +272,7 @@ private:
         return close_in(i, value, {at(before), at(after), sample[before], sample[after]}, bracket);
     }
 
-    // Golden section, until a value is negative or the curvature leaves no room for one.
+    // Golden section, until a value is not positive or the curvature leaves no room for one.
     template <class Value>
     [[gnu::noinline]] static bool close_in(std::size_t i, Value&& value, Bracket around,
                                            Bracket& bracket) {
@@ -268,8 +282,9 @@ private:
         double c = a + kGolden * (b - a), d = b - kGolden * (b - a);
         double at_c = value(i, c), at_d = value(i, d);
         for (int iteration = 0; iteration < kMost; ++iteration) {
-            if (at_c < 0.0 || at_d < 0.0) {
-                bracket = {around.low, at_c < 0.0 ? c : d, around.at_low, at_c < 0.0 ? at_c : at_d};
+            if (at_c <= 0.0 || at_d <= 0.0) {
+                const bool first = at_c <= 0.0;
+                bracket = {around.low, first ? c : d, around.at_low, first ? at_c : at_d};
                 return true;
             }
             const double left = ((at_d - at_c) / (d - c) - (at_c - at_a) / (c - a)) / (d - a);

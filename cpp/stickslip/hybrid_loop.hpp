@@ -294,7 +294,8 @@ void HybridLoop<Integrator>::with_phase(auto&& use) {
 // Samples of the uniform grid in (…, limit] s of absolute time; `snapshot_at(t)` in absolute time.
 template <class Integrator>
 void HybridLoop<Integrator>::sample_until(double limit, double from, auto&& snapshot_at) {
-    for (double t = recorder_.next_time(); t <= limit; t = recorder_.next_time()) {
+    const auto stopped = [&] { return control_ && control_->stop.load(std::memory_order_relaxed); };
+    for (double t = recorder_.next_time(); t <= limit && !stopped(); t = recorder_.next_time()) {
         const double tau = std::max(t, from) - segment_.start;
         const Snapshot snapshot = snapshot_at(tau);
         recorder_.add(t, snapshot, mode_, dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),

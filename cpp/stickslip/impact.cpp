@@ -14,7 +14,7 @@ struct ImpactContact {
     double backward = 0.0, forward = 0.0;  // coefficients of the impulse by the way of the slip
     double restitution = 0.0;
     double approach = 0.0;  // m/s, normal velocity before
-    bool arriving = false;
+    bool arriving = false;  // it meets the surface newly, and approaches it
 
     double friction(int slip) const { return slip > 0 ? forward : backward; }
 };
@@ -37,7 +37,8 @@ public:
         ImpactContact contact{
             lever, law.impulsive(-1, stuck, x_),       law.impulsive(1, stuck, x_),
             0.0,   before_.vz - before_.omega * lever, arriving};
-        if (arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
+        contact.arriving = arriving && contact.approach < 0.0;
+        if (contact.arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
             contact.restitution = model_.restitution;
         }
         contacts_[count_++] = contact;
@@ -191,12 +192,32 @@ ImpactResult laid_down(const BodyState& before, double slip_velocity) {
     return result;
 }
 
+// A face whose ends `ahead` and `behind` touch after the impact, or leave.
+ImpactResult touching(const Model& model, const BodyState& after, double slip_velocity, bool ahead,
+                      bool behind) {
+    if (ahead && behind) return laid_down(after, slip_velocity);
+    ImpactResult result{after, Touch::none, slip_velocity};
+    if (!ahead && !behind) return result;
+    const double base = model.shape.half_base(after.quadrant);
+    const double rise = model.shape.half_rise(after.quadrant);
+    result.touch = Touch::corner;
+    if (behind) {
+        result.body.quadrant -= 1;
+        result.body.angle = kQuarterTurn;
+    }
+    const double lever = ahead ? base : -base;
+    result.body.vz = result.body.omega * lever;
+    result.body.vx = result.body.omega * rise + result.slip_velocity;
+    return result;
+}
+
 }  // namespace
 
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before) {
     ImpactProblem problem(model, pose.height, before.x + pose.lever, before);
     problem.add(pose.lever, true, false);
     ImpactResult result{before, Touch::none, 0.0};
+    if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;
     // With one corner that approaches the problem always has a solution; one that does not approach
     // has arrived by rounding and needs no impulse.
     if (!problem.solve()) {
@@ -221,29 +242,21 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
     const double slip_before = before.vx - before.omega * rise;
 
-    const double fastest =
-        std::max(-(before.vz - before.omega * base), -(before.vz + before.omega * base));
+    const double ahead_leaves = before.vz - before.omega * base;
+    const double behind_leaves = before.vz + before.omega * base;
     const bool slides = old_slips || arrival == Arrival::both;
-    if (fastest <= kCaptureSpeed) return laid_down(before, slides ? slip_before : 0.0);
+    if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {
+        return touching(model, before, slides ? slip_before : 0.0, ahead_leaves <= kCaptureSpeed,
+                        behind_leaves <= kCaptureSpeed);
+    }
 
     ImpactProblem problem(model, rise, before.x, before);
     problem.add(base, new_ahead, !new_ahead && !old_slips);
     problem.add(-base, new_behind, !new_behind && !old_slips);
     if (!problem.solve()) return laid_down(before, 0.0);
 
-    const bool ahead = problem.closed(0), behind = problem.closed(1);
-    ImpactResult result{problem.after(), Touch::none, problem.slip_velocity()};
-    if (ahead && behind) return laid_down(result.body, result.slip_velocity);
-    if (!ahead && !behind) return result;
-    result.touch = Touch::corner;
-    if (behind) {
-        result.body.quadrant -= 1;
-        result.body.angle = kQuarterTurn;
-    }
-    const double lever = ahead ? base : -base;
-    result.body.vz = result.body.omega * lever;
-    result.body.vx = result.body.omega * rise + result.slip_velocity;
-    return result;
+    return touching(model, problem.after(), problem.slip_velocity(), problem.closed(0),
+                    problem.closed(1));
 }
 
 }  // namespace stickslip

@@ -72,9 +72,10 @@ LaneRound lane_step(double* memory) {
 
     // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
     // event; a base that has to be computed anew.
-    auto flagged = (!(p.error <= 1.0)) | to_end | far | (p.accepted + 1.0 >= p.most_steps);
+    auto flagged = (!(p.error <= 1.0)) | to_end | far | (p.accepted + 1.0 >= p.most_steps) |
+                   (!(p.tau + p.step.width > p.tau));
     for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
-        flagged = flagged | (p.samples.end[i] < 0.0) | p.samples.may_dip(i) |
+        flagged = flagged | (p.samples.end[i] <= 0.0) | p.samples.may_dip(i) |
                   ((n.unarmed > 0.0) & !p.samples.rises(i));
     }
     flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});

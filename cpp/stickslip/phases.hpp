@@ -15,7 +15,7 @@
 ///   kEvent             what each event function is; it fires when its function falls through zero
 ///   field_at(tau)      the field's expansion, apart from the state
 ///   rates(field, y, dydt, g)   rates and event functions
-///   event(i, tau, y)   one event function
+///   event(i, tau, y)   one event function; y is a State, or has its coordinates one by one
 ///   speed(y)           bound on the speed of the centre of mass
 ///   rebase(y)          the base of the next step (see Dynamics)
 ///   centre(y, pose)    the centre of mass
@@ -102,7 +102,7 @@ public:
              dynamics_->static_limit(1.0, contact_x_) * normal + friction, y[0],
              kQuarterTurn - y[0]};
     }
-    double event(std::size_t i, double tau, const State& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
         if (i == 3) return y[0];
         if (i == 4) return kQuarterTurn - y[0];
         return Base::event_by_rates(*this, i, tau, y);
@@ -168,7 +168,7 @@ public:
         g = {motion.normal, slip_ * y[2], y[1], kQuarterTurn - y[1],
              motion.effective_inertia - kJammed * robot().inertia};
     }
-    double event(std::size_t i, double tau, const State& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
         if (i == 1) return slip_ * y[2];
         if (i == 2) return y[1];
         if (i == 3) return kQuarterTurn - y[1];
@@ -247,7 +247,8 @@ public:
         dydt = {y[1], (load.fx + reaction.friction) * robot().per_mass};
         g = {reaction.ahead, reaction.behind, slip_ * y[1]};
     }
-    double event(std::size_t i, double tau, const State& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
+        if (i == 2) return slip_ * y[1];
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to(*this, y); }
@@ -312,12 +313,11 @@ public:
                 load.fx * robot().per_mass,
                 load.fz * robot().per_mass,
                 load.torque * robot().per_inertia};
-        const Real behind = 2.0 * robot().half_base * pose.sine;
-        const Real ahead = 2.0 * robot().half_rise * pose.cosine;
-        g = {gap, gap + behind, gap + ahead, gap + behind + ahead};
+        g = gaps(gap, pose);
     }
-    double event(std::size_t i, double tau, const State& y) const {
-        return Base::event_by_rates(*this, i, tau, y);
+    double event(std::size_t i, double, const auto& y) const {
+        const Pose pose = dynamics_->pose(y[2]);
+        return gaps(y[1] - pose.height, pose)[i];
     }
     void rebase(const State& y) { Base::rebase_to(*this, y); }
     Point<Real> centre(const State& y, const PoseOf<Real>&) const { return {y[0], y[1]}; }
@@ -339,6 +339,19 @@ public:
     Real angle(const State& y) const { return y[2]; }
     Real omega(const State& y) const { return y[5]; }
     Real contact_x(const State& y) const { return y[0]; }
+
+private:
+    // A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that
+    // has just left has none. The gap is the difference of two heights of the body's size, of which
+    // one comes from a pose that has been turned on some times since its last sine and cosine.
+    static constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
+
+    [[gnu::always_inline]] Values gaps(Real gap, const PoseOf<Real>& pose) const {
+        const Real behind = 2.0 * robot().half_base * pose.sine;
+        const Real ahead = 2.0 * robot().half_rise * pose.cosine;
+        const Real below = gap + kRounding * robot().radius;
+        return {below, below + behind, below + ahead, below + behind + ahead};
+    }
 };
 using FlightPhase = FlightPhaseOf<Dynamics>;
 

@@ -5,7 +5,7 @@ namespace stickslip {
 const char* name(EventKind kind) {
     static constexpr std::array<const char*, kEventKinds> names = {
         "slip_start", "stick", "reversal",  "lift_off", "touch_down",
-        "landing",    "tip",   "roll_over", "painleve"};
+        "landing",    "tip",   "roll_over", "rebound",  "painleve"};
     return names[static_cast<std::size_t>(kind)];
 }
 

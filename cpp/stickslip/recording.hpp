@@ -18,9 +18,10 @@ enum class EventKind {
     landing,     ///< a body on one corner comes to lie on a face
     tip,         ///< a body on a face goes to one corner
     roll_over,   ///< a body on one corner goes to the next at once, as the face between lands
+    rebound,     ///< the second corner of a body on one corner meets the surface and bounces off
     painleve,    ///< sliding had no solution and was stopped by an impulse
 };
-inline constexpr std::size_t kEventKinds = 9;
+inline constexpr std::size_t kEventKinds = 10;
 const char* name(EventKind kind);
 
 /// Names of the contact modes, indexed by `contact_code`.

@@ -53,10 +53,7 @@ public:
                 double longest = std::numeric_limits<double>::infinity(),
                 const std::atomic<bool>* stop = nullptr) const {
         Values start = values(tau);
-        if (memory.fresh) {
-            for (std::size_t i = 0; i < kEvents; ++i) memory.armed[i] = start[i] > 0.0;
-            memory.fresh = false;
-        }
+        if (memory.fresh) memory.begin(start);
         while (tau < tau_end) {
             if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
             // The exponentials of a stretch die out from its start, so the search may widen with

@@ -17,6 +17,7 @@ constexpr int kQuadrants = 4;
 // most; what else may act is looked for on this many intervals.
 constexpr int kIntervals = 16;
 constexpr double kTolerance = 1e-12;  // rad
+constexpr int kMostIterations = 200;
 
 /// The robot at rest in one field.
 class AtRest {
@@ -63,12 +64,13 @@ public:
     }
 
 private:
-    /// Zero of the moment, positive at `near` and not at `far`, by the Illinois rule.
+    /// Zero of the moment, positive at `near` and not at `far`, by the Illinois rule, which needs
+    /// some ten iterations; a moment that jumps may make it creep.
     double zero_between(int quadrant, int sense, double near, double turning, double far,
                         double holding) {
         double last = far;
         int side = 0;
-        while (holding < 0.0) {
+        for (int k = 0; k < kMostIterations && holding < 0.0; ++k) {
             const double middle = (near * holding - far * turning) / (holding - turning);
             if (std::abs(middle - last) < kTolerance) return middle;
             last = middle;

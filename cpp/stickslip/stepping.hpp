@@ -48,7 +48,12 @@ struct PhaseMemory {
     static constexpr std::size_t kMost = 8;
     std::array<bool, kMost> armed = {};
     bool fresh = true;
-    bool stalled = false;  ///< the last events brought the time no further
+    bool stalled = false;  ///< the last events hardly brought the time further
+
+    void begin(const auto& values) {
+        for (std::size_t i = 0; i < values.size(); ++i) armed[i] = values[i] > 0.0;
+        fresh = false;
+    }
 };
 
 /// How a phase, or its part within a stretch of voltage, ended.

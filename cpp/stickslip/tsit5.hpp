@@ -29,8 +29,32 @@ struct Tsit5Step {
     Real start;  ///< s
     Real width;  ///< s
 
-    /// Coordinates at the fraction s of the step.
-    State dense(double s) const {
+    /// Coordinates at a fraction of the step, each had where it is asked for: most event functions
+    /// need one or two.
+    class At {
+    public:
+        At(const Tsit5Step& step, double s) : step_(step), b_(weights(s)) {}
+        double operator[](std::size_t i) const {
+            const auto& k = step_.slope;
+            return step_.first[i] + step_.width * (b_[0] * k[0][i] + b_[1] * k[1][i] +
+                                                   b_[2] * k[2][i] + b_[3] * k[3][i] +
+                                                   b_[4] * k[4][i] + b_[5] * k[5][i] +
+                                                   b_[6] * k[6][i]);
+        }
+        operator State() const {
+            State y;
+            for (std::size_t i = 0; i < kDim; ++i) y[i] = (*this)[i];
+            return y;
+        }
+
+    private:
+        const Tsit5Step& step_;
+        std::array<double, 7> b_;
+    };
+
+    State dense(double s) const { return At(*this, s); }
+
+    static std::array<double, 7> weights(double s) {
         const double ss = s * s;
         const double b1 = -1.0530884977290216 * s * (s - 1.3299890189751412) *
                           (ss - 1.4364028541716351 * s + 0.7139816917074209);
@@ -43,13 +67,7 @@ struct Tsit5Step {
             47.37952196281928122 * (s - 1.203071208372362603) * (s - 0.658047292653547382) * ss;
         const double b6 = -34.87065786149660974 * (s - 1.2) * (s - 0.666666666666666667) * ss;
         const double b7 = 2.5 * (s - 1.0) * (s - 0.6) * ss;
-        State y;
-        for (std::size_t i = 0; i < kDim; ++i) {
-            y[i] = first[i] + width * (b1 * slope[0][i] + b2 * slope[1][i] + b3 * slope[2][i] +
-                                       b4 * slope[3][i] + b5 * slope[4][i] + b6 * slope[5][i] +
-                                       b7 * slope[6][i]);
-        }
-        return y;
+        return {b1, b2, b3, b4, b5, b6, b7};
     }
 };
 
@@ -284,10 +302,7 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
         // A step carried over from another phase can leap over the whole of a short one.
         width_ = first_width_;
         log_error_ = WidthControl<double>::kLeastLogError;
-        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            memory.armed[i] = progress.samples.start[i] > 0.0;
-        }
-        memory.fresh = false;
+        memory.begin(progress.samples.start);
         // Each of two modes sends the body to the other without time going on: the mode is kept for
         // the shortest step that is far above the resolution of time.
         if (memory.stalled) width_ = std::min(width_, kShortestStep);
@@ -313,18 +328,22 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
                    Observer&& observe, PhaseEnd<Phase>& end) {
     using Finder = EventFinder<Phase::kEvents>;
     const Tsit5Step<Phase>& step = p.step;
+    const auto ended = [&](Status status) {
+        end = leave(p, {status, Event::none, p.tau, step.first, p.trace});
+        return true;
+    };
+    if (!(p.tau + step.width > p.tau)) return ended(Status::step_underflow);
     if (!(p.error <= 1.0)) {
         ++counts_.rejected;
         counts_.evaluations += 6;
         p.control.reject(step.width, p.error);
         if (p.control.proposal >= 1e-15 * std::max(1e-3, p.tau_end)) return false;
-        const Status why = std::isfinite(p.error) ? Status::step_underflow : Status::not_finite;
-        end = leave(p, {why, Event::none, p.tau, step.first, p.trace});
-        return true;
+        return ended(std::isfinite(p.error) ? Status::step_underflow : Status::not_finite);
     }
     const auto value = [&](std::size_t i, double s) {
         ++counts_.evaluations;
-        return phase.event(i, step.start + s * step.width, step.dense(s));
+        const typename Tsit5Step<Phase>::At at(step, s);
+        return phase.event(i, step.start + s * step.width, at);
     };
     const EventHit hit = Finder::find(p.samples, memory.armed, memory.stalled, value);
     memory.stalled = false;
@@ -344,10 +363,6 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
     }
     p.commit(phase, to_end);
     phase.rebase(step.first);
-    const auto ended = [&](Status status) {
-        end = leave(p, {status, Event::none, p.tau, step.first, p.trace});
-        return true;
-    };
     if (phase.outside()) return ended(Status::left_workspace);
     if (p.accepted >= p.most_steps) return ended(Status::too_many_steps);
     return to_end && ended(Status::ok);

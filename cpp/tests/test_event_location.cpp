@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
+#include <limits>
+#include <utility>
 
 #include "stickslip/event_location.hpp"
 
@@ -57,6 +60,12 @@ Step<1> single(Function function) {
 
 Function parabola(double bottom, double depth) {
     return [=](double s) { return (s - bottom) * (s - bottom) - depth; };
+}
+
+double locate(const EventFinder<1>::Bracket& bracket, auto&& value) {
+    const std::optional<double> root = EventFinder<1>::locate(0, bracket, value);
+    REQUIRE(root);
+    return *root;
 }
 
 // Far side, and as near to the root as the finder promises: its last bracket is shorter than twice
@@ -142,16 +151,47 @@ TEST_CASE("events: a triple root is found, at its flat") {
     check_hit(step.find(), 0, 0.4, cubic);
 }
 
-TEST_CASE("events: exactly at the end of a step, found once, at the start of the next") {
-    const Function line = [](double s) { return 1.0 - s; };
-    Step<1> first = single(line);
-    CHECK_FALSE(first.find());
-    CHECK(first.armed[0]);
-    Step<1> second = single([&](double s) { return line(1.0 + s); });
-    second.armed = first.armed;
-    const EventHit hit = second.find();
+TEST_CASE("events: exactly at the end of a step") {
+    Step<1> step = single([](double s) { return 1.0 - s; });
+    const EventHit hit = step.find();
     REQUIRE(hit);
-    CHECK(hit.s == 0.0);
+    CHECK(hit.s == 1.0);
+}
+
+TEST_CASE("events: a look inside the step that meets zero exactly is a root") {
+    // The looks of a function that does not simply fall are at the thirds of a step.
+    for (const double root : {1.0 / 3.0, 2.0 / 3.0}) {
+        CAPTURE(root);
+        const Function flat = [=](double s) { return s < root ? 1.0 : s == root ? 0.0 : -1.0; };
+        Step<1> step = single(flat);
+        check_hit(step.find(), 0, root, flat);
+    }
+    // Those of a dip at the eighths, at any of which it may end.
+    const Function dip = [](double s) { return std::abs(s - 0.5) < 0.3 ? 0.0 : 1.0; };
+    Step<1> step = single([&](double s) { return s == 0.327 ? -1.0 : dip(s); });
+    const EventHit hit = step.find();
+    REQUIRE(hit);
+    CHECK(dip(hit.s) == 0.0);
+}
+
+TEST_CASE("events: born on the surface, risen, and zero at the step's end") {
+    const Function arch = [](double s) { return s * (1.0 - s); };
+    Step<1> step = single(arch);
+    step.armed = {false};
+    check_hit(step.find(), 0, 1.0, arch);
+}
+
+TEST_CASE("events: armed, and on the far side already as the step begins") {
+    // Forces that jump between two stretches of voltage, or rounding about a new base.
+    for (const double start : {0.0, -1e-20, -1.0}) {
+        CAPTURE(start);
+        for (const double slope : {-1.0, 0.0, 3.0}) {
+            Step<1> step = single([=](double s) { return start + slope * s; });
+            const EventHit hit = step.find();
+            REQUIRE(hit);
+            CHECK(hit.s == 0.0);
+        }
+    }
 }
 
 TEST_CASE("events: just before and just after the end of a step") {
@@ -278,7 +318,7 @@ TEST_CASE("locate: returns the far side, at any shape, in few evaluations") {
             ++evaluations;
             return function(s);
         };
-        const double s = EventFinder<1>::locate(0, {0.0, 1.0, function(0.0), function(1.0)}, value);
+        const double s = locate({0.0, 1.0, function(0.0), function(1.0)}, value);
         CHECK(function(s) <= 0.0);
         // The fifth power is below 1e-80 in the last 1e-16: no flatter root is told apart.
         CHECK(std::abs(s - root) <= 2.0 * EventFinder<1>::kResolution);
@@ -289,7 +329,40 @@ TEST_CASE("locate: returns the far side, at any shape, in few evaluations") {
 TEST_CASE("locate: where the dense output ends short of a zero that the step has passed") {
     // By rounding: the bracket's far end is known to be past zero, the interpolant is not.
     const auto value = [](std::size_t, double s) { return 1.0 + 1e-15 - s; };
-    const double s = EventFinder<1>::locate(0, {0.0, 1.0, 1.0, -1e-16}, value);
+    const double s = locate({0.0, 1.0, 1.0, -1e-16}, value);
     CHECK(s >= 1.0 - EventFinder<1>::kResolution);
     CHECK(s <= 1.0);
+}
+
+TEST_CASE("locate: refuses a bracket without a change of sign") {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& [low, high] : std::initializer_list<std::pair<double, double>>{
+             {-1.0, -2.0}, {-1.0, 2.0}, {1.0, 2.0}, {0.0, -1.0}, {-1.0, 0.0}, {none, -1.0},
+             {1.0, none}}) {
+        CAPTURE(low);
+        CAPTURE(high);
+        int evaluations = 0;
+        const auto value = [&](std::size_t, double s) {
+            ++evaluations;
+            return low + s * (high - low);
+        };
+        CHECK_FALSE(EventFinder<1>::locate(0, {0.0, 1.0, low, high}, value));
+        CHECK(evaluations == 0);
+    }
+}
+
+TEST_CASE("locate: ends whatever the function does") {
+    for (const double odd : {0.0, 1.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+        CAPTURE(odd);
+        int evaluations = 0;
+        const auto value = [&](std::size_t, double s) {
+            ++evaluations;
+            return evaluations % 3 == 0 ? 1e-300 * s : odd;
+        };
+        const double s = locate({0.0, 1.0, 1e-300, -1e300}, value);
+        CHECK(s >= 0.0);
+        CHECK(s <= 1.0);
+        CHECK(evaluations <= 130);
+    }
 }

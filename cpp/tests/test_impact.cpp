@@ -48,13 +48,15 @@ void check_face_impact(const FaceImpact& impact) {
     double seen = 1.0;
     for (const double lever : {impact.base, -impact.base}) {
         if (lever > 0.0 ? !impact.ahead_arrives() : !impact.behind_arrives()) continue;
+        if (speed(impact.before, lever) >= 0.0) continue;
         seen = std::min(seen, -speed(after, lever) / speed(impact.before, lever));
     }
     const double restitution = reduced(model.restitution, seen, model, impact.before, after);
     // Signorini with Newton's restitution at either end: only one of impulse and speed above that
     // of the rebound can be positive.
     const auto check_end = [&](double lever, bool arrives, double normal) {
-        const double rebound = arrives ? -restitution * speed(impact.before, lever) : 0.0;
+        const double approach = std::min(speed(impact.before, lever), 0.0);
+        const double rebound = arrives ? -restitution * approach : 0.0;
         const double excess = speed(after, lever) - rebound;
         CHECK(excess >= -kSpeedTolerance);
         CHECK(std::min(excess, normal / model.mass) <= 1e-12);
@@ -231,6 +233,53 @@ TEST_CASE("face impact: the mirror image of an impact is the impact of the mirro
         CHECK(std::abs(a.body.omega + b.body.omega) < 1e-9);
         CHECK(std::abs(a.slip_velocity + b.slip_velocity) < 1e-13);
     }
+}
+
+TEST_CASE("impact: what separates takes no impulse and leaves") {
+    Random random(8);
+    for (int n = 0; n < 2000; ++n) {
+        const double restitution = random.coin() ? 0.0 : random.between(0.01, 0.9);
+        CornerImpact corner(random, 3.0, restitution);
+        corner.before.vz -= 2.0 * corner_velocity_z(corner.pose, corner.before.vz,
+                                                    corner.before.omega);
+        const ImpactResult one = corner_impact(corner.model, corner.pose, corner.before);
+        CHECK(one.touch == Touch::none);
+        CHECK(one.body.vz == corner.before.vz);
+
+        FaceImpact face(random, 3.0, restitution);
+        face.before.vz = random.between(0.1, 1.0);
+        face.before.omega = random.between(-0.9, 0.9) * face.before.vz / face.base;
+        const ImpactResult two = face_impact(face.model, face.before, face.arrival, face.old_slips);
+        CHECK(two.touch == Touch::none);
+        CHECK(two.body.vx == face.before.vx);
+        CHECK(two.body.vz == face.before.vz);
+        CHECK(two.body.omega == face.before.omega);
+    }
+}
+
+TEST_CASE("face impact: one end separates while the other arrives") {
+    Random random(9);
+    for (int n = 0; n < 2000; ++n) {
+        CAPTURE(n);
+        FaceImpact face(random, 1.3, random.coin() ? 0.0 : random.between(0.01, 1.0));
+        face.arrival = Arrival::both;
+        const double leaves = random.between(1e-3, 1.0), arrives = random.between(-1.0, -1e-3);
+        face.before.vz = 0.5 * (leaves + arrives);
+        face.before.omega = (random.coin() ? 0.5 : -0.5) * (leaves - arrives) / face.base;
+        check_face_impact(face);
+    }
+}
+
+TEST_CASE("face impact: one end separates, the other touches without approaching") {
+    const Model model = paper_model();
+    BodyState before;
+    before.omega = 100.0;
+    before.vz = before.omega * model.shape.half_base(0);
+    before.vx = before.omega * model.shape.half_rise(0);
+    const ImpactResult result = face_impact(model, before, Arrival::behind, false);
+    CHECK(result.touch == Touch::corner);
+    CHECK(result.body.omega == before.omega);
+    CHECK(result.slip_velocity == 0.0);
 }
 
 TEST_CASE("corner impact: one that does not approach has arrived by rounding") {

@@ -277,6 +277,20 @@ TEST_CASE("simulation: a recording of events does not change a bit of the motion
     }
 }
 
+TEST_CASE("simulation: coils without delay") {
+    // The current follows a jump of the voltage within 1e-13 s, and steps begin as short as that.
+    for (const double inductance : {1e-13, 1e-12, 1e-11}) {
+        CAPTURE(inductance);
+        Scenario scenario;
+        scenario.drive.base = 0.5e-3;
+        scenario.drive.pulses = 20;
+        scenario.coil.inductance = inductance;
+        const RunResult result = simulate(scenario);
+        CHECK(result.status == Status::ok);
+        CHECK(result.steps.accepted < 100000);
+    }
+}
+
 TEST_CASE("simulation: a corner that touches neither sinks nor creeps") {
     Scenario scenario = check_numbers()[3].scenario;
     scenario.record = {RecordKind::uniform, 20000.0};

@@ -86,8 +86,9 @@ class Run:
     ``reversal``, a slip stops and goes on the other way; ``lift_off``, the last contact is lost;
     ``touch_down``, a corner meets the surface out of flight; ``landing``, a body on one corner
     comes to lie on a face; ``tip``, a body on a face goes to one corner; ``roll_over``, a body on
-    one corner goes to the next at once, as the face between lands; ``painleve``, a slip had no
-    solution and was stopped by an impulse.
+    one corner goes to the next at once, as the face between lands; ``rebound``, the second corner
+    of a body on one corner meets the surface and bounces off; ``painleve``, a slip had no solution
+    and was stopped by an impulse.
     """
 
     contact_names = _core.contact_names

@@ -42,6 +42,7 @@ Events that the summary counts:
   landing     a body on one corner comes to lie on a face
   tip         a body on a face goes to one corner
   roll_over   a body on one corner goes to the next at once, as the face between lands
+  rebound     the second corner of a body on one corner meets the surface and bounces off
   painleve    a slip had no solution and was stopped by an impulse
 
 \b
