@@ -11,6 +11,7 @@ from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
 from stickslip.json_text import json_text
+from stickslip.plain_text import printable
 
 if TYPE_CHECKING:
     from stickslip.reproduction.study import Reproduction
@@ -70,5 +71,8 @@ def _table(result: Reproduction) -> str:
         lines.append(f"{each.name:<4} {each.text}")
         lines.append(f"     {'; '.join(filter(None, [each.verdict.text, holds]))}")
         lines.append(f"     {each.numbers}")
-    lines += ["", f"{len(result.figures)} figures in {result.seconds:.0f} s: {result.page}"]
+    lines += [
+        "",
+        f"{len(result.figures)} figures in {result.seconds:.0f} s: {printable(result.page)}",
+    ]
     return "\n".join(lines)
