@@ -17,6 +17,7 @@ from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
+from stickslip.plain_text import quoted
 
 Value = float | int | str
 """What a scalar key of a scenario can hold."""
@@ -133,7 +134,7 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         text = "true" if value else "false"
     elif isinstance(value, str):
-        text = json.dumps(value, ensure_ascii=False)
+        text = quoted(value)
     elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
         text = repr(float(value))
     elif isinstance(value, Mapping):

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
+from stickslip.files import read_bytes
 from stickslip.keys import suggestion
 
-_MOST_ROWS, _MOST_BYTES = 2_000_000, 1 << 28
+_MOST_ROWS, _MOST_BYTES = 2_000_000, 1 << 26
 
 
 class NothingSound(ScenarioError):
@@ -32,13 +33,9 @@ def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         If the file cannot be read, is empty, has a column twice or other separators than commas.
     """
     try:
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ScenarioError(f"{path}: cannot be read: {reason}") from None
-    if len(data) > _MOST_BYTES:
-        raise ScenarioError(f"{path}: is longer than {_MOST_BYTES} bytes, so it is no table")
+        data = read_bytes(path, _MOST_BYTES, "table")
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
