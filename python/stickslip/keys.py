@@ -198,7 +198,7 @@ def checked(name: str, value: object) -> Value:
         converted = _as_number(key, value)
     try:
         _core.Scenario().set(name, converted)
-    except ValueError:
+    except (ValueError, TypeError):  # the latter of a word that is not UTF-8
         refuse(name, value, key.allowed)
     return int(converted) if key.kind == "whole" else converted
 

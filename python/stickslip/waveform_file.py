@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 COLUMNS = ("t", *COIL_NAMES)
 
-# Rows of full precision have some 130 bytes, so what is written can be read.
-_MOST_ROWS, _MOST_BYTES = 2_000_000, 1 << 28
+_MOST_ROWS = 2_000_000
+# The longest number has 24 characters, so what is written can be read.
+_MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
 _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
 
 

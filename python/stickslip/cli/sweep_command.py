@@ -43,9 +43,7 @@ from stickslip.sweeping.run_sweep import sweep_points
 @click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: processors.")
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write the results to a netCDF file.")
-@click.option(
-    "--resume", is_flag=True, help="Go on with the sweep that --out holds, if any."
-)
+@click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as one JSON object.")
 def command(
     scenario: Path,
