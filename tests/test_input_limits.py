@@ -143,6 +143,11 @@ def test_a_file_that_is_too_long_is_refused(tmp_path, read):
     refused(path, "is longer than", "bytes", read=read)
 
 
+def test_a_table_of_endless_columns_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text(",".join(map(str, range(200_000))) + "\n1\n")
+    refused(tmp_path / "a.csv", "200000 columns; allowed are 1000", read=read_rows)
+
+
 def test_voltages_that_are_written_can_be_read(tmp_path):
     from stickslip import waveform_file
 
@@ -167,7 +172,10 @@ def test_a_file_that_is_read_only_is_not_replaced(tmp_path):
     (tmp_path / "m.toml").write_text(f'{MEASUREMENT}[[velocity]]\nfile = "velocity.csv"\n')
     done = stickslip("diagnose", "m.toml", "--out", ".", cwd=tmp_path)
     check(done, "--out", "report.html", "read-only")
-    for name in ("a.nc", "a.csv", "a.png", "report.html"):
+    (tmp_path / "a.png").rename(tmp_path / "fig8.png")
+    done = stickslip("reproduce", "--only=fig8", "--out", ".", cwd=tmp_path)
+    check(done, "--out", "fig8.png", "read-only")
+    for name in ("a.nc", "a.csv", "fig8.png", "report.html"):
         assert (tmp_path / name).read_text() == "mine"
 
 

@@ -44,12 +44,13 @@ def command(
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
     reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
     """
-    from stickslip.reproduction.study import reproduce
+    from stickslip.reproduction.study import FIGURES, PAGE, reproduce
 
     names = None if only is None else [name.strip() for name in only.split(",") if name.strip()]
     if names == []:
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
-    check_folder_target("--out", out)
+    figures = [f"{name}{suffix}" for name in names or FIGURES for suffix in (".png", ".csv")]
+    check_folder_target("--out", out, [PAGE, "settings.csv", *figures])
     with progress_bar("reproducing") as show:
         result = reproduce(
             out,
