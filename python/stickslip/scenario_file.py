@@ -140,11 +140,16 @@ def write_scenario(
     return text
 
 
+def voltages_beside(path: Path) -> Path:
+    """Where the voltages of a scenario that is written to `path` go."""
+    return path.with_name(f"{path.stem}.voltages.csv")
+
+
 def scenario_writers(
     scenario: Scenario, path: Path, comments: Sequence[str] = ()
 ) -> tuple[str, dict[Path, Callable[[Path], object]]]:
     """The text of a scenario's file, and what `write_together` needs for all its files."""
-    voltages = path.with_name(f"{path.stem}.voltages.csv")
+    voltages = voltages_beside(path)
     text = "".join(f"# {printable(line)}\n" for line in comments)
     text += scenario_text(scenario, voltages.name)
     writers = {path: text_writer(text)}

@@ -10,6 +10,7 @@ from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.json_text import json_text
+from stickslip.scenario_file import voltages_beside
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -34,7 +35,7 @@ def command(
     from stickslip.diagnosis.conditions import changes
     from stickslip.diagnosis.examination import diagnose
     from stickslip.diagnosis.experiments import advice, propose
-    from stickslip.diagnosis.report import FILES, write_report
+    from stickslip.diagnosis.report import EXTENDED, FILES, write_report
     from stickslip.diagnosis.standing import runner_up
     from stickslip.diagnosis.summary import summary
     from stickslip.diagnosis.words import headline
@@ -44,7 +45,7 @@ def command(
     if out is None and not as_json:
         out = Path("diagnosis")
     if out is not None:
-        check_folder_target("--out", out, FILES)
+        check_folder_target("--out", out, [*FILES, voltages_beside(Path(EXTENDED)).name])
     now = "recalibrating"
     try:
         with progress_bar("diagnosing") as show:
