@@ -13,7 +13,9 @@ import xarray
 from xarray.backends import H5NetCDFStore
 
 from stickslip import _core
+from stickslip.checksum import append_checksum, check_checksum
 from stickslip.coils import COIL_NAMES
+from stickslip.errors import ScenarioError
 from stickslip.files import replacing
 from stickslip.run import COLUMNS, Run
 
@@ -76,10 +78,14 @@ def open_run(path: str | PathLike[str]) -> xarray.Dataset:
     Raises
     ------
     ValueError
-        If the file holds no run.
+        If the file holds no run, or is not as it was written.
     OSError
         If it cannot be read, or is no netCDF file.
     """
+    try:
+        check_checksum(path)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
     with xarray.open_dataset(path, engine="h5netcdf") as file:
         data = file.load()
     if SAMPLES not in data.coords or "scenario" not in data.attrs:
@@ -88,7 +94,7 @@ def open_run(path: str | PathLike[str]) -> xarray.Dataset:
 
 
 def write_netcdf(data: xarray.Dataset, path: str | PathLike[str]) -> None:
-    """Write a netCDF file, whole or not at all.
+    """Write a netCDF file with its checksum, whole or not at all.
 
     Raises
     ------
@@ -99,5 +105,6 @@ def write_netcdf(data: xarray.Dataset, path: str | PathLike[str]) -> None:
     image = io.BytesIO()
     with h5netcdf.File(image, "w") as file:
         data.dump_to_store(H5NetCDFStore(file))
+    append_checksum(image)
     with replacing(path) as temporary:
         temporary.write_bytes(image.getbuffer())

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from stickslip.plain_text import printable
+
 
 class ScenarioError(ValueError):
     """A scenario, or a file that belongs to one, that cannot be simulated.
 
     The message is one line that names the file (if there is one), the key or row, the value and
-    what is allowed.
+    what is allowed. Characters of a file that a terminal would obey are escaped in it.
     """
+
+    def __init__(self, message: object) -> None:
+        super().__init__(printable(message))

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from typing import Any
+
+_UNUSUAL = re.compile(r"[^\n -~]")
 
 
 def json_text(value: Any) -> str:
-    """One JSON text; a number that is not finite is null."""
-    return json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
+    """One JSON text; a number that is not finite is null.
+
+    Whatever is not shown is escaped: JSON itself lets DEL and the other half of the control
+    characters pass, which a terminal obeys.
+    """
+    text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
+    return _UNUSUAL.sub(lambda each: _shown(each[0]), text)
+
+
+def _shown(character: str) -> str:
+    return character if character.isprintable() else json.dumps(character)[1:-1]
 
 
 def _finite(value: Any) -> Any:

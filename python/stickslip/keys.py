@@ -17,6 +17,7 @@ from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
+from stickslip.plain_text import quoted
 
 Value = float | int | str
 """What a scalar key of a scenario can hold."""
@@ -133,7 +134,7 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         text = "true" if value else "false"
     elif isinstance(value, str):
-        text = json.dumps(value, ensure_ascii=False)
+        text = quoted(value)
     elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
         text = repr(float(value))
     elif isinstance(value, Mapping):
@@ -197,7 +198,7 @@ def checked(name: str, value: object) -> Value:
         converted = _as_number(key, value)
     try:
         _core.Scenario().set(name, converted)
-    except ValueError:
+    except (ValueError, TypeError):  # the latter of a word that is not UTF-8
         refuse(name, value, key.allowed)
     return int(converted) if key.kind == "whole" else converted
 

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-import json
-import sys
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import ScenarioError
 from stickslip.extensions import EffectSettings
-from stickslip.files import replacing
+from stickslip.files import read_bytes, text_writer, write_together
 from stickslip.keys import PROGRAM, PROGRAM_HINT, Value, known_keys, shown, suggestion
+from stickslip.plain_text import printable, quoted
 from stickslip.scenario import Scenario
 from stickslip.sections import SAWTOOTH, SECTIONS, refuse_sawtooth
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from stickslip.toml_text import parse_toml
 
 if TYPE_CHECKING:
     from stickslip.waveform import Waveform
@@ -59,14 +55,7 @@ def read_document(
     ScenarioError
         With one line that does not name the file, if it cannot be read.
     """
-    try:
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ScenarioError(f"cannot be read: {reason}") from None
-    if len(data) > _MOST_BYTES:
-        raise ScenarioError(f"is longer than {_MOST_BYTES} bytes, so it is no {kind} file")
+    data = read_bytes(path, _MOST_BYTES, f"{kind} file")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -75,11 +64,7 @@ def read_document(
         ) from None
     if not text.strip():
         raise ScenarioError(f"is empty; a {kind} has {has}")
-    try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        reason = " ".join(str(error).split())
-        raise ScenarioError(f"is not valid TOML: {reason}") from None
+    return parse_toml(text)
 
 
 def _scenario(document: dict[str, Any], folder: Path) -> Scenario:
@@ -150,15 +135,30 @@ def write_scenario(
 
     `comments` are lines at its top, without their ``#``.
     """
-    path = Path(path)
-    voltages = path.with_name(f"{path.stem}.voltages.csv")
-    text = "".join(f"# {line}\n" for line in comments)
-    text += scenario_text(scenario, voltages.name)
-    if scenario.drive.program is not None:
-        scenario.drive.program.to_csv(voltages)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    text, writers = scenario_writers(scenario, Path(path), comments)
+    write_together(writers)
     return text
+
+
+def voltages_beside(path: Path) -> Path:
+    """Where the voltages of a scenario that is written to `path` go."""
+    return path.with_name(f"{path.stem}.voltages.csv")
+
+
+def scenario_writers(
+    scenario: Scenario, path: Path, comments: Sequence[str] = ()
+) -> tuple[str, dict[Path, Callable[[Path], object]]]:
+    """The text of a scenario's file, and what `write_together` needs for all its files."""
+    voltages = voltages_beside(path)
+    text = "".join(f"# {printable(line)}\n" for line in comments)
+    text += scenario_text(scenario, voltages.name)
+    writers = {path: text_writer(text)}
+    program = scenario.drive.program
+    if program is not None:
+        from stickslip.waveform_file import write_rows
+
+        writers[voltages] = functools.partial(write_rows, program)
+    return text, writers
 
 
 def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
@@ -182,6 +182,6 @@ def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
 
 
 def _line(name: str, value: Value, unit: str) -> str:
-    text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+    text = quoted(value) if isinstance(value, str) else repr(value)
     comment = "" if unit == "-" or isinstance(value, str) else f"  # {unit}"
     return f"{name} = {text}{comment}"

@@ -180,7 +180,7 @@ class Waveform:
         Raises
         ------
         ValueError
-            If that would be more than ten million rows.
+            If that would be more than two million rows.
         OSError
             If the file cannot be written; nothing is left half-written.
         """

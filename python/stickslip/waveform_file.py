@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
+from array import array
 from collections.abc import Iterable, Iterator
 from os import PathLike
 from pathlib import Path
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip.coils import COIL_NAMES
 from stickslip.errors import ScenarioError
-from stickslip.files import replacing
+from stickslip.files import read_bytes, replacing
 from stickslip.keys import shown
 
 if TYPE_CHECKING:
@@ -22,7 +24,9 @@ if TYPE_CHECKING:
 
 COLUMNS = ("t", *COIL_NAMES)
 
-_MOST_ROWS = 10_000_000
+_MOST_ROWS = 2_000_000
+# The longest number has 24 characters, so what is written can be read.
+_MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
 _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
 
 
@@ -30,27 +34,32 @@ def read_points(
     path: str | PathLike[str],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times (n,) in s and voltages (n, 5) in V; see `Waveform.from_csv`."""
-    path = Path(path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        data = io.BytesIO(read_bytes(path, _MOST_BYTES, "file of voltages"))
+        with io.TextIOWrapper(data, encoding="utf-8-sig", newline="") as file:
             table = _table(_numbered(file))
     except UnicodeDecodeError:
         raise ScenarioError(f"{path}: is no text in UTF-8; voltages are a CSV file") from None
-    except (OSError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ScenarioError(f"{path}: cannot be read: {reason}") from None
-    except ValueError as error:
+    except csv.Error as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from None
+    except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
     return table[:, 0].copy(), table[:, 1:].copy()
 
 
 def write_points(waveform: Waveform, path: str | PathLike[str]) -> None:
     """See `Waveform.to_csv`."""
+    with replacing(path) as temporary:
+        write_rows(waveform, temporary)
+
+
+def write_rows(waveform: Waveform, path: Path) -> None:
+    """The same, without regard to what is there."""
     rows = sum(len(t) * repeats for t, _, repeats in waveform.blocks)
     if rows > _MOST_ROWS:
-        raise ValueError(f"{path}: {rows} rows: allowed are at most {_MOST_ROWS}")
+        raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
     t, v = waveform.points()
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+    with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows(np.column_stack([t, v]).tolist())
@@ -69,7 +78,7 @@ def _table(rows: Iterator[tuple[int, list[str]]]) -> NDArray[np.float64]:
     if not any(cell.strip() for cell in header):
         raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
     order = _column_order([cell.strip() for cell in header])
-    table: list[list[float]] = []
+    table = array("d")
     line = 1
     for line, row in rows:
         if not any(cell.strip() for cell in row):
@@ -78,12 +87,15 @@ def _table(rows: Iterator[tuple[int, list[str]]]) -> NDArray[np.float64]:
             raise ScenarioError(f"row {line} has {len(row)} cells: allowed are {len(COLUMNS)}")
         values = [_cell(row[index], name, line) for name, index in zip(COLUMNS, order, strict=True)]
         _check_time(values[0], table, line)
-        table.append(values)
-    if len(table) < 2:
-        raise ScenarioError(f"has {len(table)} row(s) of voltages: allowed are two or more")
-    if table[-1][0] == 0.0:
+        table.extend(values)
+        if len(table) > _MOST_ROWS * len(COLUMNS):
+            raise ScenarioError(f"row {line}: allowed are at most {_MOST_ROWS} rows of voltages")
+    points = np.frombuffer(table).reshape(-1, len(COLUMNS))
+    if len(points) < 2:
+        raise ScenarioError(f"has {len(points)} row(s) of voltages: allowed are two or more")
+    if points[-1, 0] == 0.0:
         raise ScenarioError(f"row {line}, column t = 0.0: the last time has to be above 0")
-    return np.array(table)
+    return points
 
 
 def _column_order(header: list[str]) -> list[int]:
@@ -112,12 +124,12 @@ def _cell(text: str, column: str, row: int) -> float:
     return value
 
 
-def _check_time(time: float, table: list[list[float]], row: int) -> None:
+def _check_time(time: float, table: array[float], row: int) -> None:
     if not table:
         if time != 0.0:
             raise ScenarioError(f"row {row}, column t = {time!r}: the first time has to be 0 s")
-    elif time < table[-1][0]:
+    elif time < table[-len(COLUMNS)]:
         raise ScenarioError(
-            f"row {row}, column t = {time!r}: allowed is {table[-1][0]!r} s, "
+            f"row {row}, column t = {time!r}: allowed is {table[-len(COLUMNS)]!r} s, "
             "the time of the row before, or later"
         )

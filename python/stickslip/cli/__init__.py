@@ -7,6 +7,8 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
+from stickslip.plain_text import printable
+
 BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130
@@ -60,7 +62,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 
 def _one_line(message: object) -> str:
-    return " ".join(str(message).split())
+    return printable(" ".join(str(message).split()))
 
 
 def _leave(code: int) -> NoReturn:

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import click
 
+from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.json_text import json_text
+from stickslip.scenario_file import voltages_beside
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -33,7 +35,7 @@ def command(
     from stickslip.diagnosis.conditions import changes
     from stickslip.diagnosis.examination import diagnose
     from stickslip.diagnosis.experiments import advice, propose
-    from stickslip.diagnosis.report import write_report
+    from stickslip.diagnosis.report import EXTENDED, FILES, write_report
     from stickslip.diagnosis.standing import runner_up
     from stickslip.diagnosis.summary import summary
     from stickslip.diagnosis.words import headline
@@ -43,7 +45,7 @@ def command(
     if out is None and not as_json:
         out = Path("diagnosis")
     if out is not None:
-        check_folder_target("--out", out)
+        check_folder_target("--out", out, [*FILES, voltages_beside(Path(EXTENDED)).name])
     now = "recalibrating"
     try:
         with progress_bar("diagnosing") as show:
@@ -66,20 +68,20 @@ def command(
                 write_report(out, examination, data, experiments)
     except KeyboardInterrupt:
         kept = "" if now == "report" else ", nothing written"
-        click.echo(f"stickslip: interrupted at the stage '{now}'{kept}", err=True)
+        say(f"stickslip: interrupted at the stage '{now}'{kept}", err=True)
         raise
     if as_json:
         click.echo(json_text(summary(examination, data, experiments)))
         return
-    click.echo(f"{found.verdict.word}: {headline(found)}")
+    say(f"{found.verdict.word}: {headline(found)}")
     reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
     second = runner_up(found)
     for line in (*reasons, *([second] if second else []), *found.notes):
-        click.echo(f"  {line}")
+        say(f"  {line}")
     for line in (*data.left_out, *examination.left_out):
-        click.echo(f"  left out: {line}")
+        say(f"  left out: {line}")
     if found.gain is not None:
-        click.echo(
+        say(
             f"  chi-square per condition, {len(found.gain.held_out)} held out: "
             f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
         )
@@ -87,8 +89,8 @@ def command(
         what = f"{changes(each.drive, examination.conditions)}; {each.why}"
         if not each.decides:
             what = f"none that was tried tells the leading rivals apart; the best: {what}"
-        click.echo(f"  next experiment: {what}")
+        say(f"  next experiment: {what}")
     for line in advice(found):
-        click.echo(f"  beside the drive: {line}")
+        say(f"  beside the drive: {line}")
     if out is not None:
-        click.echo(f"  in {out}: report.html, report.json, extended.toml")
+        say(f"  in {out}: {', '.join(FILES)}")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from stickslip.cli.lines import say
 from stickslip.errors import ScenarioError
 from stickslip.files import check_writable, replacing
 from stickslip.json_text import json_text
@@ -51,7 +52,7 @@ def command(file: Path) -> None:
     text = commented_defaults()
     with replacing(file) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    click.echo(f"wrote {file}")
+    say(f"wrote {file}")
 
 
 def commented_defaults() -> str:

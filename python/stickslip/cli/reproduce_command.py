@@ -11,6 +11,7 @@ from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
 from stickslip.json_text import json_text
+from stickslip.plain_text import printable
 
 if TYPE_CHECKING:
     from stickslip.reproduction.study import Reproduction
@@ -43,12 +44,13 @@ def command(
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
     reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
     """
-    from stickslip.reproduction.study import reproduce
+    from stickslip.reproduction.study import FIGURES, PAGE, reproduce
 
     names = None if only is None else [name.strip() for name in only.split(",") if name.strip()]
     if names == []:
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
-    check_folder_target("--out", out)
+    figures = [f"{name}{suffix}" for name in names or FIGURES for suffix in (".png", ".csv")]
+    check_folder_target("--out", out, [PAGE, "settings.csv", *figures])
     with progress_bar("reproducing") as show:
         result = reproduce(
             out,
@@ -70,5 +72,8 @@ def _table(result: Reproduction) -> str:
         lines.append(f"{each.name:<4} {each.text}")
         lines.append(f"     {'; '.join(filter(None, [each.verdict.text, holds]))}")
         lines.append(f"     {each.numbers}")
-    lines += ["", f"{len(result.figures)} figures in {result.seconds:.0f} s: {result.page}"]
+    lines += [
+        "",
+        f"{len(result.figures)} figures in {result.seconds:.0f} s: {printable(result.page)}",
+    ]
     return "\n".join(lines)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.settings import with_settings
 from stickslip.cli.summary_table import summary_table
@@ -101,7 +102,7 @@ def command(
         _draw(run, plot, start, stop)
     click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
     if not run.ok:
-        click.echo(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
+        say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
         return 1
     return 0
 
@@ -120,7 +121,7 @@ def _simulated(scenario: Scenario) -> Run:
 
             return simulate(scenario, progress=report)
     except KeyboardInterrupt:
-        click.echo(f"stickslip: interrupted at {100.0 * done:.0f} %, nothing written", err=True)
+        say(f"stickslip: interrupted at {100.0 * done:.0f} %, nothing written", err=True)
         raise
 
 
@@ -130,7 +131,7 @@ def _draw(run: Run, path: Path, start: float | None, stop: float | None) -> None
     try:
         figure = drawing.run(run, start, stop)
     except ValueError as error:  # a run that failed before `start`, say
-        click.echo(f"stickslip: --plot: nothing drawn: {error}", err=True)
+        say(f"stickslip: --plot: nothing drawn: {error}", err=True)
         return
     drawing.save(figure, path)
 
@@ -163,7 +164,7 @@ def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
 
 
 def _note(text: str) -> None:
-    click.echo(f"stickslip: note: record.rate: {text}", err=True)
+    say(f"stickslip: note: record.rate: {text}", err=True)
 
 
 def _check_stretch(

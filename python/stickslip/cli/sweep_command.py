@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from stickslip.cli.cluster import cluster
+from stickslip.cli.lines import say
 from stickslip.cli.progress import count_bar
 from stickslip.cli.settings import parse_setting, with_settings
 from stickslip.cli.sweep_table import as_dict, failure, table
@@ -42,7 +43,7 @@ from stickslip.sweeping.run_sweep import sweep_points
 @click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: processors.")
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write the results to a netCDF file.")
-@click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds.")
+@click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as one JSON object.")
 def command(
     scenario: Path,
@@ -59,8 +60,8 @@ def command(
     Prints the summaries; what the scenario records is ignored. A point that fails is a status in
     the results: the command still succeeds, and says on standard error how many there are.
 
-    --out is written every few seconds and on Ctrl-C, so that --resume can go on with it after
-    whatever stopped the sweep, without simulating a finished point again.
+    --out is written after half a second, then every second or more, and on Ctrl-C, so that --resume
+    can go on with it after whatever stopped the sweep, without simulating a finished point again.
     """
     points = _points(scenario, vary, settings)
     if resume and out is None:
@@ -83,13 +84,18 @@ def command(
                 points, jobs=jobs, executor=executor, out=out, resume=resume, progress=report
             )
     except KeyboardInterrupt:
-        kept = "nothing written" if out is None else f"--resume goes on with {out}"
-        click.echo(f"stickslip: interrupted at {100.0 * done:.0f} %, {kept}", err=True)
+        there = out is not None and out.is_file()
+        kept = f"--resume goes on with {out}" if there else "nothing written"
+        say(f"stickslip: interrupted at {100.0 * done:.0f} %, {kept}", err=True)
         raise
+    except (FileExistsError, PermissionError) as error:
+        if error.errno:  # of the system, in the midst of the work
+            raise
+        raise ScenarioError(f"--out: {error}") from None
     click.echo(json_text(as_dict(data)) if as_json else table(data))
     said = failure(data)
     if said:
-        click.echo(f"stickslip: {said}", err=True)
+        say(f"stickslip: {said}", err=True)
 
 
 def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) -> Points:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from stickslip.cli.settings import split_setting
@@ -51,8 +51,8 @@ def check_target(
             raise ScenarioError(f"{option}: {error}") from None
 
 
-def check_folder_target(option: str, path: Path) -> None:
-    """Refuse a folder that cannot be made or written to.
+def check_folder_target(option: str, path: Path, files: Iterable[str] = ()) -> None:
+    """Refuse a folder that cannot be made or written to, or in which one of `files` cannot.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def check_folder_target(option: str, path: Path) -> None:
         Naming the option and the path.
     """
     try:
-        check_folder(path)
+        check_folder(path, files)
     except OSError as error:
         raise ScenarioError(f"{option}: {error}") from None
 
@@ -69,5 +69,5 @@ def same_file(one: Path, other: Path) -> bool:
     """Whether two paths are one file, by whatever name or link."""
     try:
         return one.resolve() == other.resolve() or one.samefile(other)
-    except (OSError, RuntimeError):  # one of them is not there, or a link leads in a circle
+    except (OSError, RuntimeError, ValueError):  # not there, links in a circle, or no name at all
         return False

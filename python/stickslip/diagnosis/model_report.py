@@ -13,7 +13,7 @@ from stickslip.diagnosis.channels import Sketch
 from stickslip.diagnosis.channels.combined import Combined
 from stickslip.diagnosis.engine import Diagnosis
 from stickslip.diagnosis.examination import Examination
-from stickslip.diagnosis.report import report_texts, write_texts
+from stickslip.diagnosis.report import report_texts, write_files
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def write_model_report(
     names = [each.name for each in problem.uncertain] + [each.name for each in problem.parameters]
     model = Combined(problem.predict, names, names, ())
     examination = Examination(found, None, [], model, (), np.zeros(0))
-    write_texts(out, report_texts(examination, _Own(title), [], [_sketch(found, at, labels)], unit))
+    write_files(out, report_texts(examination, _Own(title), [], [_sketch(found, at, labels)], unit))
 
 
 def _sketch(found: Diagnosis, place: Array, labels: tuple[str, str]) -> Sketch:

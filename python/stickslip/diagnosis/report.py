@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import resources
 from os import PathLike
 from pathlib import Path
@@ -21,12 +21,16 @@ from stickslip.diagnosis.separation import TRIALS
 from stickslip.diagnosis.standing import set_members
 from stickslip.diagnosis.summary import Source, details, further, gain_unit, summary
 from stickslip.errors import ScenarioError
-from stickslip.files import replacing
+from stickslip.files import text_writer, write_together
 from stickslip.json_text import json_text
 from stickslip.keys import known_keys
 from stickslip.measurement.reading import Measurement
+from stickslip.plain_text import printable_lines
 from stickslip.scenario import Scenario
-from stickslip.scenario_file import write_scenario
+from stickslip.scenario_file import scenario_writers
+
+PAGE, JSON, EXTENDED = FILES = "report.html", "report.json", "extended.toml"
+"""Names of what a report consists of."""
 
 _SHOWN = {
     "m/s": ("mm/s", 1e3),
@@ -77,8 +81,8 @@ def write_report(
     # All three are made before the first is written.
     texts = report_texts(examination, measurement, experiments, sketches, gain_unit(examination))
     extended = extended_scenario(found, measurement.scenario)
-    write_texts(out, texts)
-    write_scenario(extended, Path(out) / "extended.toml", _origin(found, measurement, extended))
+    origin = _origin(found, measurement, extended)
+    write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
 
 
 def report_texts(
@@ -94,16 +98,19 @@ def report_texts(
     full["gain_unit"] = unit
     full |= further(examination)
     page = page_text(examination, full, sketches, experiments)
-    return {"report.json": json_text(full) + "\n", "report.html": page}
+    return {JSON: json_text(full) + "\n", PAGE: page}
 
 
-def write_texts(out: str | PathLike[str], texts: Mapping[str, str]) -> None:
-    """Write files into the folder `out`, which is made."""
+def write_files(
+    out: str | PathLike[str],
+    texts: Mapping[str, str],
+    others: Mapping[Path, Callable[[Path], object]] | None = None,
+) -> None:
+    """Write files of one age into the folder `out`, which is made: texts by name, and others."""
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        with replacing(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    texts_by_path = {folder / name: text_writer(text) for name, text in texts.items()}
+    write_together({**texts_by_path, **(others or {})})
 
 
 def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
@@ -151,7 +158,11 @@ def page_text(
 
     source = resources.files("stickslip.diagnosis").joinpath("page.html").read_text("utf-8")
     environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=lambda each: printable_lines(each) if isinstance(each, str) else each,
     )
     found, conditions = examination.found, examination.conditions
     nothing = found.verdict.word == "data-problem"

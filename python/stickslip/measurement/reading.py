@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -13,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
+from stickslip.files import check_name
 from stickslip.keys import find_key, known_keys, shown, suggestion
 from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
+from stickslip.plain_text import printable
 from stickslip.scenario import Scenario
 from stickslip.scenario_file import read_document
 
@@ -88,7 +91,9 @@ def read_measurement(path: str | PathLike[str]) -> Measurement:
         return _measurement(document, path)
     except ScenarioError as error:
         text = str(error)
-        raise ScenarioError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+        raise ScenarioError(
+            text if text.startswith(printable(path)) else f"{path}: {text}"
+        ) from None
 
 
 def _measurement(document: dict[str, Any], path: Path) -> Measurement:
@@ -118,13 +123,13 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     left_out: list[str] = []
     velocity, tracking, tables = [], [], {kind: [] for kind in _COLUMNS}  # type: ignore[var-annotated]
     for kind in _ENTRIES:
-        files: set[Path] = set()
+        files: set[str] = set()
         for entry in _entries(document, kind):
             file = path.parent / entry["file"]
-            if file.resolve() in files:
+            if os.path.realpath(file) in files:
                 said_twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
                 raise ScenarioError(f"{said_twice}: allowed is once, or its rows would count twice")
-            files.add(file.resolve())
+            files.add(os.path.realpath(file))
             said: list[str]
             if kind == "velocity":
                 try:
@@ -154,7 +159,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         tracking=tuple(tracking),
         angle=tuple(tables["angle"]),
         field=tuple(tables["field"]),
-        left_out=tuple(left_out),
+        left_out=tuple(map(printable, left_out)),
         path=path,
     )
 
@@ -204,6 +209,10 @@ def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
             raise ScenarioError(
                 f"[[{kind}]] file = {shown(entry['file'])}: allowed is the path of a CSV file"
             )
+        try:
+            check_name(entry["file"])
+        except OSError as error:
+            raise ScenarioError(f"[[{kind}]] file = {shown(entry['file'])}: {error}") from None
     return entries
 
 

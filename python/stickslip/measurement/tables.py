@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import difflib
 import math
+import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -12,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import suggestion
+from stickslip.files import read_bytes
+from stickslip.keys import shown, suggestion
 
-_MOST_ROWS, _MOST_BYTES = 2_000_000, 1 << 28
+_MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
 
 
 class NothingSound(ScenarioError):
@@ -32,13 +34,9 @@ def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         If the file cannot be read, is empty, has a column twice or other separators than commas.
     """
     try:
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ScenarioError(f"{path}: cannot be read: {reason}") from None
-    if len(data) > _MOST_BYTES:
-        raise ScenarioError(f"{path}: is longer than {_MOST_BYTES} bytes, so it is no table")
+        data = read_bytes(path, _MOST_BYTES, "table")
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -66,9 +64,11 @@ def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     for separator, name in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and separator in header[0]:
             raise ScenarioError(f"{path}: columns are separated by {name}; allowed are commas")
+    if len(header) > _MOST_COLUMNS:
+        raise ScenarioError(f"{path}: {len(header)} columns; allowed are {_MOST_COLUMNS}")
     twice = sorted({name for name in header if header.count(name) > 1})
     if twice:
-        raise ScenarioError(f'{path}: column "{twice[0]}" is there twice')
+        raise ScenarioError(f"{path}: column {shown(twice[0])} is there twice")
     return header, rows[1:]
 
 
@@ -90,10 +90,9 @@ def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) ->
     for name in required:
         if name not in header:
             near = difflib.get_close_matches(name, header, n=1, cutoff=0.6)
-            meant = f', and "{near[0]}" may be meant as it' if near else ""
-            raise ScenarioError(
-                f'{path}: column "{name}" is missing; there are {", ".join(header)}{meant}'
-            )
+            meant = f", and {shown(near[0])} may be meant as it" if near else ""
+            there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
+            raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
 
 
 def refuse_unknown(path: Path, header: Sequence[str], known: Sequence[str]) -> None:
@@ -106,7 +105,8 @@ def refuse_unknown(path: Path, header: Sequence[str], known: Sequence[str]) -> N
     """
     for name in header:
         if name not in known:
-            raise ScenarioError(f'{path}: column "{name}" is not known; {suggestion(name, known)}')
+            hint = suggestion(name, known)
+            raise ScenarioError(f"{path}: column {shown(name)} is not known; {hint}")
 
 
 def number(cell: str) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import Value, known_keys
+from stickslip.keys import Value, known_keys, shown
 from stickslip.measurement.tables import (
     NothingSound,
     check_columns,
@@ -97,7 +97,7 @@ def read_velocity(
         cells = dict(zip(header, row, strict=True))
         velocity = number(cells["velocity"])
         if not math.isfinite(velocity):
-            said = f'velocity "{cells["velocity"]}" is no number'
+            said = f"velocity {shown(cells['velocity'])} is no number"
             reasons.setdefault(said, []).append(line)
             continue
         if tuple(row) in seen and ("trial" in cells or "order" in cells):
@@ -175,7 +175,7 @@ def _setting(
         else:
             value = number(cells[name])
             if not math.isfinite(value):
-                raise ScenarioError(f'{name} "{cells[name]}" is no number')
+                raise ScenarioError(f"{name} {shown(cells[name])} is no number")
             if key.kind == "whole" and value == int(value):
                 value = int(value)
         changes[key.name] = value

@@ -12,17 +12,21 @@ import h5netcdf
 import numpy as np
 
 from stickslip import _core
+from stickslip.checksum import check_checksum
 from stickslip.dataset import write_netcdf
 from stickslip.errors import ScenarioError
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import NOT_RUN, NUMBERS, Results
 
-_INTERVAL = 5.0
-"""Time between two checkpoints, s."""
+_FIRST = 0.5
+"""Time to the first checkpoint, s: it costs what the last one does, which there is in any case."""
 
-_MOST_SHARE = 0.05
-"""Share of the time that may go into writing."""
+_INTERVAL = 1.0
+"""Least time between two checkpoints, s."""
+
+_MOST_SHARE = 0.03
+"""Share of the time that may go into writing the others."""
 
 
 class Checkpoint:
@@ -33,7 +37,7 @@ class Checkpoint:
         self._points = points
         self._results = results
         self._written = results.finished
-        self._next = time.monotonic() + _INTERVAL
+        self._next = time.monotonic() + _FIRST
 
     def write(self) -> None:
         """Write all results that there are.
@@ -66,9 +70,15 @@ def read(path: str | PathLike[str], points: Points) -> Results:
     Raises
     ------
     ScenarioError
-        If the file is none of a sweep, or one of another sweep or version.
+        If the file is none of a sweep, or one of another sweep or version, or not as it was
+        written.
     """
     try:
+        if not check_checksum(path):
+            raise ScenarioError(
+                "it is no file of a sweep, of an earlier version, damaged, or rewritten by another "
+                "program: there is no checksum at its end"
+            )
         with h5netcdf.File(os.fspath(path), "r") as file:
             _check_same({name: file.attrs[name] for name in file.attrs}, points)
             return _results(file, points)

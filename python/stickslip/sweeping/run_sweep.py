@@ -17,6 +17,7 @@ from stickslip.simulation import Progress
 from stickslip.sweeping.checkpoint import Checkpoint, read
 from stickslip.sweeping.crew import Crew, Threads, Workers
 from stickslip.sweeping.dataset import dataset
+from stickslip.sweeping.lock import held
 from stickslip.sweeping.points import Points, from_changes, from_scenarios, grid
 from stickslip.sweeping.results import Results
 from stickslip.sweeping.schedule import compute
@@ -61,8 +62,9 @@ def sweep(
         (mpi4py), Dask (``Client.get_executor()``). It stays open. Points of a worker that dies are
         given to another, up to three times.
     out : path-like, optional
-        netCDF file for the result. It is written every few seconds, and when the sweep is stopped
-        by an interrupt or an error; whole or not at all.
+        netCDF file for the result. It is written after half a second, then every second or more,
+        such that writing takes at most 3 % of the time, and when the sweep is stopped by an
+        interrupt or an error; whole or not at all, with a checksum at its end.
     resume : bool
         Go on with the sweep whose file is `out`: points that it has are not simulated again. It is
         begun where there is no such file. A file that is complete is read and left alone.
@@ -86,8 +88,9 @@ def sweep(
     Raises
     ------
     ScenarioError
-        If there is no point, a key is unknown, a value not allowed or twice on one axis; or if
-        `resume` meets a file that is not of this sweep.
+        If there is no point, a key is unknown, a value not allowed or twice on one axis; if
+        `resume` meets a file that is not of this sweep, or not as it was written; or if another
+        sweep is writing `out`.
     ValueError
         If `jobs` is not a whole number above zero, or `resume` comes without `out`.
     FileExistsError
@@ -131,12 +134,13 @@ def sweep_points(
     count = worker_count(jobs, "jobs")
     if resume and out is None:
         raise ValueError("resume = True: allowed with a file `out` only, which it goes on with")
-    results = _begun(points, out, resume)
-    if not results.complete:
-        crew = Threads(count) if executor is None else Workers(executor, jobs)
-        _run(points, results, crew, out, progress)
-    elif progress is not None:
-        progress(1.0)
+    with held(out):
+        results = _begun(points, out, resume)
+        if not results.complete:
+            crew = Threads(count) if executor is None else Workers(executor, jobs)
+            _run(points, results, crew, out, progress)
+        elif progress is not None:
+            progress(1.0)
     return dataset(points, results)
 
 

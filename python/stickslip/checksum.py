@@ -1,0 +1,59 @@
+"""A line with the checksum of a netCDF file at its end, where HDF5 does not look.
+
+HDF5 trusts what it opens: damaged bytes make it loop for ever, or pass as other values. A file is
+therefore compared with its checksum before HDF5 sees it. Other programs read it as it is; one that
+writes to it leaves a file whose checksum is wrong or gone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+from os import PathLike
+
+from stickslip.errors import ScenarioError
+
+_MARK = b"\nstickslip sha256 "
+_LENGTH = len(_MARK) + 2 * hashlib.sha256().digest_size + 1
+_PIECE = 1 << 20
+
+
+def append_checksum(image: io.BytesIO) -> None:
+    """Add the line to the bytes of a file."""
+    digest = hashlib.sha256(image.getbuffer())
+    image.seek(0, io.SEEK_END)
+    image.write(_line(digest.hexdigest()))
+
+
+def check_checksum(path: str | PathLike[str]) -> bool:
+    """Whether the file has the line.
+
+    Raises
+    ------
+    ScenarioError
+        If it has one that is not its own, without the name of the file.
+    OSError
+        If the file cannot be read.
+    """
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:
+        left = max(os.fstat(file.fileno()).st_size - _LENGTH, 0)
+        file.seek(left)
+        line = file.read(_LENGTH)
+        if not line.startswith(_MARK):
+            return False
+        file.seek(0)
+        while left:
+            piece = file.read(min(_PIECE, left))
+            if not piece:
+                break
+            digest.update(piece)
+            left -= len(piece)
+    if line != _line(digest.hexdigest()):
+        raise ScenarioError("its checksum is another: it is damaged, or a program has changed it")
+    return True
+
+
+def _line(digest: str) -> bytes:
+    return _MARK + digest.encode("ascii") + b"\n"

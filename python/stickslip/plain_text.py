@@ -1,0 +1,37 @@
+"""Text from a user's files, as a terminal, a page and a TOML file can take it.
+
+Names of keys, columns and files can hold what steers a terminal, or ends the line of a comment.
+"""
+
+from __future__ import annotations
+
+import json
+
+
+def printable(text: object) -> str:
+    """The text with escapes for all that is not shown: control characters, line ends, directions.
+
+    A text that went through it once stays as it is.
+    """
+    text = str(text)
+    if text.isprintable():
+        return text
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode() for each in text
+    )
+
+
+def printable_lines(text: str) -> str:
+    """The same, but for the ends of lines, which stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def quoted(text: str) -> str:
+    """The text as a TOML string in double quotes.
+
+    It has what JSON escapes, and the other control characters too: TOML has no bare DEL.
+    """
+    return "".join(
+        each if each.isprintable() else f"\\U{ord(each):08x}"
+        for each in json.dumps(text, ensure_ascii=False)
+    )

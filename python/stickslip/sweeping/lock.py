@@ -1,0 +1,56 @@
+"""One sweep at a time for a file."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+
+from stickslip.errors import ScenarioError
+
+
+@contextlib.contextmanager
+def held(path: str | PathLike[str] | None) -> Iterator[None]:
+    """Keep every other sweep from writing the file `path`, if there is one.
+
+    The lock is the kernel's, on a file ``.NAME.lock`` beside it, and ends with the process however
+    that ends: what a killed sweep leaves there is in nobody's way. On a file system without locks
+    there is none.
+
+    Raises
+    ------
+    ScenarioError
+        If another sweep writes the file.
+    """
+    target = Path(os.path.realpath(path or ""))
+    # Where nothing can be written, no other sweep writes, and a file that is complete can be read.
+    if path is None or not os.access(target.parent, os.W_OK):
+        yield
+        return
+    lock = target.with_name(f".{target.name}.lock")
+    descriptor = _locked(lock, path)
+    try:
+        yield
+    finally:
+        lock.unlink(missing_ok=True)
+        os.close(descriptor)
+
+
+def _locked(lock: Path, path: str | PathLike[str]) -> int:
+    while True:
+        descriptor = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(descriptor)
+            raise ScenarioError(f"{path}: another sweep is writing this file") from None
+        except OSError:
+            return descriptor
+        # Between the two calls its owner may have removed it, and another made a new one.
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.stat(lock), os.fstat(descriptor)):
+                return descriptor
+        os.close(descriptor)

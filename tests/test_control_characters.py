@@ -1,0 +1,131 @@
+"""Characters that steer a terminal, or end a line, come out of no file that a user was given."""
+
+import json
+
+import numpy as np
+import pytest
+
+from command_line import stickslip
+from stickslip import Drive, Scenario, ScenarioError, Waveform
+from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
+from stickslip.diagnosis.report import write_files
+from stickslip.files import write_together
+from stickslip.json_text import json_text
+from stickslip.measurement import read_measurement
+from stickslip.plain_text import printable, printable_lines, quoted
+from stickslip.scenario_file import write_scenario
+from stickslip.toml_text import parse_toml
+
+# Red letters in both spellings of a control sequence, DEL, ends of lines, and text from the right.
+WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"
+EVERY = "".join(map(chr, [*range(1, 0x3000), 0xFEFF, 0x1F916, 0xE0001]))
+
+
+def test_nothing_that_is_printed_steers_the_terminal():
+    assert printable(EVERY).isprintable()
+    assert printable(printable(EVERY)) == printable(EVERY)
+    assert printable("90° ± 0.1 µm, naïve 机器人 🤖 \\n") == "90° ± 0.1 µm, naïve 机器人 🤖 \\n"
+    assert printable("\x1b\n\udce9") == r"\x1b\n\udce9"
+
+
+def test_texts_come_back_from_toml_and_json():
+    assert quoted(EVERY).isprintable()
+    assert parse_toml(f"text = {quoted(EVERY)}") == {"text": EVERY}
+    text = json_text({EVERY: [EVERY]})
+    assert text.replace("\n", "").isprintable()
+    assert json.loads(text) == {EVERY: [EVERY]}
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        "[drive]\n{name} = 1\n",
+        "[{name}]\n[drive]\n",
+        "[drive]\nmode = {name}\n",
+        "[drive]\n[effects.{name}]\n",
+        "[drive]\n[effects.surface_tilt]\n{name} = 1\n",
+        "[drive]\npeak = {{ {name} = {name} }}\n",
+        '[drive]\nmode = "program"\nfile = {name}\n',
+    ],
+)
+def test_errors_of_a_scenario(tmp_path, document):
+    path = tmp_path / WILD
+    path.write_text("stickslip = 1\n" + document.format(name=quoted(WILD)))
+    with pytest.raises(ScenarioError) as error:
+        Scenario.from_toml(path)
+    assert str(error.value).isprintable()
+    assert str(error.value).startswith(printable(path))
+
+
+def test_the_command_prints_one_line_of_letters(tmp_path):
+    for arguments in (["run", WILD], ["keys", WILD], [WILD], ["keys", f"--{WILD}"]):
+        done = stickslip(*arguments, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.endswith("\n")
+        assert done.stderr[:-1].isprintable()
+    done = stickslip("init", WILD, cwd=tmp_path)
+    assert done.stdout == f"wrote {printable(WILD)}\n"
+    assert (tmp_path / WILD).is_file()
+
+
+def test_what_is_left_out_of_a_measurement(tmp_path):
+    (tmp_path / "s.toml").write_text("stickslip = 1\n[drive]\n")
+    path = tmp_path / "m.toml"
+    path.write_text(
+        f"stickslip_measurement = 1\nscenario = 's.toml'\n[[velocity]]\nfile = {quoted(WILD)}\n"
+    )
+    cells = WILD.replace("\r\n\u2028", "")
+    (tmp_path / WILD).write_text(f"velocity,mode\n1e-3,IPP\n{cells},IPP\n1e-3,{cells}\n")
+    left_out = read_measurement(path).left_out
+    assert len(left_out) >= 2
+    assert all(line.isprintable() for line in left_out)
+    (tmp_path / WILD).write_text(f"velocity,{cells}\n1e-3,IPP\n")
+    with pytest.raises(ScenarioError, match="is not known") as error:
+        read_measurement(path)
+    assert str(error.value).isprintable()
+
+
+def test_a_scenario_that_is_written_is_read_back_whatever_it_is_called(tmp_path):
+    drive = Drive(mode="program", program=Waveform.ipp(base=0.5e-3, pulses=2))
+    scenario = Scenario(drive=drive)
+    path = tmp_path / f'{WILD}"\\.toml'
+    text = write_scenario(scenario, path, [f"from {WILD}", "gravity = 0\n[environment]"])
+    assert all(line.isprintable() for line in text.split("\n"))
+    again = Scenario.from_toml(path)
+    assert again.to_toml() == scenario.to_toml()
+    for k in (0, 1):
+        read, written = (each.drive.program.points()[k] for each in (again, scenario))
+        np.testing.assert_array_equal(read, written)
+
+
+def test_a_page_has_none_and_no_markup_of_a_name(tmp_path):
+    slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
+    x = np.linspace(0.2, 1.0, 12)
+    found = diagnose_model(lambda x, p: p * x, x, 0.3 * x, [slope], sd=0.1)
+    write_model_report(tmp_path / "out", found, f"<b>{WILD}")
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert all(line.isprintable() for line in page.split("\n"))
+    assert f"<h1>&lt;b&gt;{printable_lines(WILD)}</h1>" in page
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["name"] == f"<b>{WILD}"
+
+
+def test_files_that_belong_together_are_of_one_age(tmp_path):
+    names = ["report.json", "report.html", "extended.toml"]
+    for name in names:
+        (tmp_path / name).write_text("old")
+
+    def full(path):
+        path.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    others = {tmp_path / "extended.toml": full}
+    with pytest.raises(OSError, match=r"cannot write .*extended\.toml: No space left") as error:
+        write_files(tmp_path, dict.fromkeys(names[:2], "new"), others)
+    assert str(error.value).count("cannot write") == 1
+    assert {each.name: each.read_text() for each in tmp_path.iterdir()} == dict.fromkeys(
+        names, "old"
+    )
+    write_together({tmp_path / name: lambda path: path.write_text("new") for name in names})
+    assert {each.name: each.read_text() for each in tmp_path.iterdir()} == dict.fromkeys(
+        names, "new"
+    )
