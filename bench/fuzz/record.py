@@ -139,12 +139,14 @@ def natural_swing(scenario: Scenario, run: Run) -> float:
     return float(np.sqrt((moment * field + weight * radius) / inertia))
 
 
-def damping(scenario: Scenario) -> float:
-    """Rate at which drag takes velocity, 1/s, without its growth with speed."""
+def damping(scenario: Scenario, turning: float) -> float:
+    """Rate at which drag takes velocity, 1/s, while the body turns with `turning` rad/s."""
     robot = scenario.robot
     inertia = robot.mass * (robot.length**2 + robot.height**2) / 12.0
     linear = scenario.drag.linear * (1.0 + abs(scenario.get("effects.angle_drag.strength")))
-    return linear / robot.mass + scenario.get("effects.rotational_drag.coefficient") / inertia
+    rotational = float(scenario.get("effects.rotational_drag.coefficient"))
+    rotational += scenario.drag.rotational * turning
+    return linear / robot.mass + rotational / inertia
 
 
 def recorded(scenario: Scenario, rtol: float | None = None) -> tuple[Record | None, Run]:
@@ -156,10 +158,12 @@ def recorded(scenario: Scenario, rtol: float | None = None) -> tuple[Record | No
     ended = events.summary()["simulated_time"]
     if not ended > 0.0:
         return None, events
-    turning = np.max(np.abs(events.omega), initial=0.0)
+    turning = float(np.max(np.abs(events.omega), initial=0.0))
     swing = float(max(natural_swing(scenario, events), turning, _SLOWEST))
-    fastest = swing + damping(scenario)
-    rate = min(fastest / _WANTED_PHASE, _MOST_SAMPLES / scenario.duration)
+    fastest = swing + damping(scenario, turning)
+    # The currents' own rate is followed where there are samples enough: a faster change is a jump.
+    wanted = fastest + scenario.coil.resistance / scenario.coil.inductance
+    rate = min(wanted / _WANTED_PHASE, _MOST_SAMPLES / scenario.duration)
     grid = simulate(scenario.replace({"record.rate": rate}))
     return _merged(grid, events, fastest / rate <= _MOST_PHASE, swing), events
 

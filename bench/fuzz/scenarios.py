@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip import Scenario, ScenarioError, Waveform
+from stickslip import Robot, Scenario, ScenarioError, Waveform
 from stickslip.keys import Key, known_keys
 
 POPULATIONS = ("paper", "wild", "extreme")
@@ -130,7 +130,7 @@ def _wild(draw: Draw) -> Scenario:
     if draw.chance(0.2):
         keys["solver.rtol"] = draw.decades(1e-10, 1e-4)
     if draw.chance(0.3):
-        keys.update(_wild_body(draw))
+        keys.update(_wild_body(draw, keys))
     if draw.chance(0.3):
         keys.update(_wild_coils(draw))
     if draw.chance(0.15):
@@ -142,14 +142,22 @@ def _wild(draw: Draw) -> Scenario:
     return Scenario().replace(keys)
 
 
-def _wild_body(draw: Draw) -> Keys:
+def _wild_body(draw: Draw, keys: Keys) -> Keys:
+    """A body of another size, in a fluid that damps it as much in its own time."""
     length = draw.decades(2e-5, 2e-3)
     width, height = (length * draw.decades(0.1, 3.0) for _ in range(2))
+    mass = length * width * height * draw.decades(1e3, 1e4)
+    usual = Robot()
+    heavier = mass / usual.mass
+    larger = (length**2 + height**2) / (usual.length**2 + usual.height**2)
     return {
+        "drag.linear": keys["drag.linear"] * heavier,
+        "drag.rotational": keys["drag.rotational"] * heavier * larger,
+        "contact.adhesion": keys["contact.adhesion"] * heavier,
         "robot.length": length,
         "robot.width": width,
         "robot.height": height,
-        "robot.mass": length * width * height * draw.decades(1e3, 1e4),
+        "robot.mass": mass,
         "robot.magnetization": draw.decades(1e4, 1.2e6),
     }
 
