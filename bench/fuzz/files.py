@@ -171,6 +171,8 @@ def _become(folder: Path, arguments: tuple[str, ...]) -> None:
     os.chdir(folder)
     for stream, name in ((1, "stdout"), (2, "stderr")):
         os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT), stream)
+        # Where these were something else than the streams of the process, as within pytest.
+        setattr(sys, name, os.fdopen(stream, "w", closefd=False))
     code = 70
     try:
         cli.main(arguments)
