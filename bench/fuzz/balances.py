@@ -20,6 +20,13 @@ from fuzz.record import Array, Record, magnetic_load
 _TOLERANCE_FACTOR = 1e4
 _ROUNDING = 1e-9
 
+# m/s, of a face or a corner that comes to rest without an impulse: the core's own limit, by which
+# each of three velocities may be off.
+_CAPTURE = 1e-6
+
+# Of the natural speed; a body that moves less has no energy to speak of.
+_SLOW = 1e-3
+
 
 def violations(record: Record) -> list[str]:
     """What in a record no force can have done; empty for a sound one, and for a coarse one."""
@@ -94,7 +101,10 @@ def kinetic_and_weight(record: Record) -> Array:
 
 def _energies(record: Record, load: tuple[Array, Array, Array]) -> list[str]:
     energy = kinetic_and_weight(record)
-    scale = record.scenario.robot.mass * record.fastest**2
+    # The error of a velocity is relative to the natural one, and the energy's is that by momentum.
+    scale = record.scenario.robot.mass * record.fastest * float(np.max(record.pace))
+    if scale == 0.0:
+        return []
     found = []
     if record.scenario.contact.adhesion_range == 0.0:
         drag, turning = _drag(record)
@@ -107,7 +117,7 @@ def _energies(record: Record, load: tuple[Array, Array, Array]) -> list[str]:
 
 def _unbalanced(name: str, record: Record, content: Array, rate: Array, scale: float) -> str:
     """A line for the stretch in which `content` changes most against the integral of `rate`."""
-    floor = (_TOLERANCE_FACTOR * record.scenario.solver.rtol + _ROUNDING) * scale
+    floor = _relative(record) * scale
     worst, line = 0.0, ""
     for first, last in stretches(record):
         t, r = record.t[first : last + 1], rate[first : last + 1]
@@ -117,10 +127,14 @@ def _unbalanced(name: str, record: Record, content: Array, rate: Array, scale: f
         if not off <= worst:
             worst = off
             line = (
-                f"{name} is not balanced from t = {record.t[first]!r} to {record.t[last]!r} in "
+                f"{name} is not balanced from t = {float(t[0])!r} to {float(t[-1])!r} in "
                 f"mode {record.contact[first]}: off by {off / scale:.3g} of the natural size"
             )
     return line
+
+
+def _relative(record: Record) -> float:
+    return _TOLERANCE_FACTOR * record.scenario.solver.rtol + _ROUNDING
 
 
 def _rule_error(t: Array, rate: Array) -> float:
@@ -142,29 +156,32 @@ def _gained(record: Record, energy: Array, load: tuple[Array, Array, Array], sca
         work += 0.5 * (force[1:] + force[:-1]) * step
         # Exact for a force that rises or falls all the way along the step.
         error += 0.5 * np.abs(np.diff(force) * step)
-    floor = (_TOLERANCE_FACTOR * record.scenario.solver.rtol + _ROUNDING) * scale
     ledger = np.append(0.0, np.cumsum(np.diff(energy) - work))
+    # What a torque does that turns within the step.
+    natural = record.scenario.robot.mass * record.fastest
+    error = 3.0 * error + natural * record.fastest * np.abs(np.diff(record.theta)) ** 3 / 12.0
+    pace = np.maximum(record.pace[1:], record.pace[:-1])
+    floor = _relative(record) * natural * (pace + _SLOW * record.fastest)
+    floor += 3.0 * _CAPTURE * record.scenario.robot.mass * pace
     if record.scenario.contact.adhesion_range > 0.0:
         # Adhesion gives back what it took only where the body lies as it lay.
-        return _gained_between_faces(record, ledger, np.append(0.0, np.cumsum(error)), floor, scale)
-    # What a force does that turns within the step.
-    bend = (record.swing * np.diff(record.t)) ** 3 / 12.0 * scale
-    gain = np.diff(ledger) - 3.0 * error - bend - floor
+        doubt = np.append(0.0, np.cumsum(error + floor))
+        return _gained_between_faces(record, ledger, doubt, scale)
+    gain = np.diff(ledger) - error - floor
     return _gain_line(record, np.where(record.after_event[1:], gain, -1.0), scale)
 
 
-def _gained_between_faces(
-    record: Record, ledger: Array, error: Array, floor: float, scale: float
-) -> str:
+def _gained_between_faces(record: Record, ledger: Array, doubt: Array, scale: float) -> str:
     quarter = np.round(record.theta / (0.5 * np.pi)).astype(int) % 2
     for kind in (0, 1):
         lying: NDArray[np.int64] = np.flatnonzero(record.on_face & (quarter == kind))
-        gain = np.diff(ledger[lying]) - 3.0 * np.diff(error[lying]) - floor
+        gain = np.diff(ledger[lying]) - np.diff(doubt[lying])
         if len(gain) and gain.max() > 0.0:
             worst = int(np.argmax(gain))
+            first, last = record.t[lying[worst : worst + 2]].tolist()
             return (
-                f"energy is gained between two times on one face, t = {record.t[lying[worst]]!r} "
-                f"and {record.t[lying[worst + 1]]!r}: {gain[worst] / scale:.3g} of the natural size"
+                f"energy is gained between two times on one face, t = {first!r} and {last!r}: "
+                f"{gain[worst] / scale:.3g} of the natural size"
             )
     return ""
 
@@ -174,6 +191,6 @@ def _gain_line(record: Record, gain: Array, scale: float) -> str:
         return ""
     worst = int(np.argmax(gain))
     return (
-        f"energy is gained across an event at t = {record.t[worst + 1]!r}: "
+        f"energy is gained across an event at t = {float(record.t[worst + 1])!r}: "
         f"{gain[worst] / scale:.3g} of the natural size, {np.sum(gain > 0.0)} times"
     )

@@ -118,7 +118,7 @@ def _line(what: str, amount: Array, seen: Array, record: Record) -> str:
     worst = int(np.argmax(np.where(bad, amount, -np.inf)))
     return (
         f"{what}: {bad.sum()} of {len(bad)} samples, worst by {amount[worst]:.3g} at "
-        f"t = {record.t[worst]!r} in mode {record.contact[worst]}"
+        f"t = {float(record.t[worst])!r} in mode {record.contact[worst]}"
     )
 
 

@@ -102,7 +102,7 @@ def _begin(name: Any, task: Callable[[], Any]) -> _Child:
     code = 1
     try:
         os.close(reading)
-        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, resource.RLIM_INFINITY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         result = task()
         with os.fdopen(writing, "w") as out:

@@ -108,10 +108,14 @@ class Record:
         return volume * robot.magnetization * (1.0 + self.effect("magnetization_scale.fraction"))
 
     @property
+    def pace(self) -> Array:
+        """Speed of the centre of mass and of the corners about it together, m/s."""
+        return np.hypot(self.vx, self.vz) + self.radius * np.abs(self.omega)
+
+    @property
     def fastest(self) -> float:
         """The natural speed of a corner, or the largest seen, m/s."""
-        seen = np.max(np.hypot(self.vx, self.vz) + self.radius * np.abs(self.omega))
-        return float(max(seen, self.radius * self.swing))
+        return float(max(np.max(self.pace), self.radius * self.swing))
 
     @property
     def force(self) -> float:
