@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench blind bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -103,6 +103,17 @@ BLIND_ARGS ?= --seeds 4
 
 blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--seeds 200 --minutes 600")
 	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m blind $(BLIND_ARGS)
+
+FUZZ_ARGS ?= --minutes 5 --seed 0
+
+fuzz: install ## random scenarios and damaged files, into bench/results/fuzz/ (FUZZ_ARGS="--minutes 60 --seed 1")
+	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m fuzz $(FUZZ_ARGS)
+
+fuzz-sanitized: install ## the same scenarios through the core under the sanitizers
+	@mkdir -p build
+	@cmake --preset asan >build/asan-configure.log 2>&1 || { cat build/asan-configure.log; exit 1; }
+	@cmake --build --preset asan --target stickslip_fuzz
+	@PYTHONPATH=bench $(RUN) -m fuzz --check sanitized --out bench/results/fuzz-sanitized $(FUZZ_ARGS)
 
 # The peers have an environment of their own; bench/peers/README.md says what is measured.
 BENCH_VENV := .venv-bench

@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 
 import stickslip
-from stickslip import Coil, Contact, Drive, Record, Scenario, ScenarioError, Waveform, load
+from stickslip import (
+    Coil,
+    Contact,
+    Drive,
+    Record,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    load,
+    simulate,
+)
 from stickslip.keys import known_keys
 
 
@@ -121,6 +131,48 @@ def test_scenarios_pickle():
     scenario = every_key_changed()
     assert pickle.loads(pickle.dumps(scenario)) == scenario
     assert pickle.loads(pickle.dumps(scenario)).effects == scenario.effects
+
+
+ONE_OF_EACH_KIND = {
+    "drive.mode": "OPP",
+    "drive.hold": 2.5e-3,
+    "drive.direction": "-x",
+    "drive.pulses": 5,
+    "contact.kinetic_friction": 0.1,
+    "effects.surface_tilt.angle": 0.03,
+    "solver.rtol": 1e-6,
+    "record.rate": "events",
+}
+
+
+@pytest.mark.parametrize("key", ONE_OF_EACH_KIND)
+def test_a_replaced_scenario_simulates_as_one_that_is_made_anew(key):
+    # Keys change one by one and back: what the core keeps of it has to follow each time.
+    changed = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 4})
+    for name, value in {**ONE_OF_EACH_KIND, key: changed.get(key)}.items():
+        changed = changed.replace({name: value})
+        anew = pickle.loads(pickle.dumps(changed))
+        assert anew == changed
+        assert repr(anew) == repr(changed)
+        assert simulate(anew).summary() == simulate(changed).summary()
+        assert simulate(anew).recorded == simulate(changed).recorded
+
+
+def test_a_program_comes_and_goes():
+    waveform = Waveform.hold(0.1, {"xp": 5.0})
+    played = Scenario().replace({"drive.mode": "program", "drive.program": waveform})
+    assert (played.duration, played.window) == (0.1, (0.0, 0.1))
+    assert played.replace({"drag.linear": 0.0}).duration == 0.1
+    pulsed = played.replace({"drive.mode": "IPP", "drive.program": None})
+    assert pulsed == Scenario()
+    assert pulsed.duration == Scenario().duration
+    with pytest.raises(ScenarioError, match='allowed is "program"'):
+        played.replace({"drive.mode": "IPP"})
+
+
+def test_an_unknown_key_is_answered_with_the_nearest_one():
+    with pytest.raises(ScenarioError, match=r'^drive\.frequncy: .*did you mean "drive\.frequency"'):
+        Scenario().get("drive.frequncy")
 
 
 def test_nothing_can_be_assigned():

@@ -86,7 +86,7 @@ def test_it_is_listed_and_checked_like_the_others(tmp_path):
     assert Scenario.keys() == keys
     with pytest.raises(ScenarioError, match="has to be registered first"):
         Scenario.from_toml(tmp_path / "own.toml")
-    with pytest.raises(ValueError, match=r"effects\.own\.k: there is no such numeric key"):
+    with pytest.raises(ValueError, match=r"effects\.own\.k = 0\.5: there is no such key"):
         simulate(changed)
 
 

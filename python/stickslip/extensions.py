@@ -128,6 +128,19 @@ class EffectSettings(Mapping[str, Mapping[str, float]]):
     def __reduce__(self) -> tuple[Any, ...]:
         return EffectSettings, (dict(self.items()),)
 
+    def with_values(self, values: Mapping[str, float]) -> EffectSettings:
+        """A copy with other values, by ``name.parameter``, that are checked already."""
+        settings = {f"{PREFIX}{key}": value for key, value in values.items()}
+        settings = {**self.flat(), **settings}
+        grouped: dict[str, list[tuple[str, float]]] = {}
+        for key, value in sorted(settings.items()):
+            if value != known_keys()[key].default:
+                _, name, parameter = key.split(".", 2)
+                grouped.setdefault(name, []).append((parameter, value))
+        made = object.__new__(EffectSettings)
+        made._values = tuple((name, tuple(each)) for name, each in grouped.items())
+        return made
+
     def flat(self) -> dict[str, float]:
         """The settings by dotted key, such as ``"effects.surface_tilt.angle"``."""
         return {

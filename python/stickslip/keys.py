@@ -169,27 +169,34 @@ def section_hint(section: str) -> str:
     return suggestion(section, dict.fromkeys(each.partition(".")[0] for each in sections))
 
 
-def find_key(name: str, value: object) -> Key:
-    """The key of that name, or an error that names the nearest one."""
+def find_key(name: str, *value: object) -> Key:
+    """The key of that name, or an error that names the nearest one, and the value if there is."""
     keys = known_keys()
     if name in keys:
         return keys[name]
+    given = " = ".join([name, *map(shown, value)])
     if name == FILE:
-        raise ScenarioError(f"{name} = {shown(value)}: there is no such key here; {_FILE_HINT}")
+        raise ScenarioError(f"{given}: there is no such key here; {_FILE_HINT}")
     section = name.rpartition(".")[0]
     siblings = [key.name for key in keys.values() if key.section == section]
     if siblings or difflib.get_close_matches(name, keys, n=1, cutoff=0.6):
         hint = suggestion(name, siblings or keys)
     else:
         hint = section_hint(section)
-    raise ScenarioError(f"{name} = {shown(value)}: there is no such key; {hint}")
+    raise ScenarioError(f"{given}: there is no such key; {hint}")
 
 
-def checked(name: str, value: object) -> Value:
-    """The value of a key, converted to float, int or str, if the core allows it."""
+def checked(name: str, value: object, core: _core.Scenario | None = None) -> Value:
+    """The value of a key, converted to float, int or str, if the core allows it.
+
+    `core`, if given, gets it too.
+    """
+    core = _core.Scenario() if core is None else core
     key = find_key(name, value)
     if key.kind == "rate":
-        return _checked_rate(key, value)
+        rate = _checked_rate(key, value)
+        set_rate(core, rate)
+        return rate
     if key.kind == "word":
         if not isinstance(value, str):
             refuse(name, value, key.allowed)
@@ -197,10 +204,20 @@ def checked(name: str, value: object) -> Value:
     else:
         converted = _as_number(key, value)
     try:
-        _core.Scenario().set(name, converted)
+        core.set(name, converted)
     except (ValueError, TypeError):  # the latter of a word that is not UTF-8
         refuse(name, value, key.allowed)
     return int(converted) if key.kind == "whole" else converted
+
+
+def set_rate(core: _core.Scenario, rate: Value) -> None:
+    """Give the core what `RECORD_RATE` holds."""
+    if rate == "events":
+        core.record_events()
+    elif isinstance(rate, float):
+        core.record_uniform(rate)
+    else:
+        core.record_nothing()
 
 
 def _as_number(key: Key, value: object) -> float:

@@ -16,7 +16,16 @@ from typing import Any
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.extensions import PREFIX, EffectSettings
-from stickslip.keys import PROGRAM, RECORD_RATE, Value, find_key, known_keys, shown
+from stickslip.keys import (
+    PROGRAM,
+    RECORD_RATE,
+    Value,
+    checked,
+    find_key,
+    known_keys,
+    set_rate,
+    shown,
+)
 from stickslip.sections import (
     SECTIONS,
     Coil,
@@ -75,13 +84,17 @@ class Scenario:
                 raise ScenarioError(f"{name} = {shown(value)}: allowed is a {section.__name__}")
         if not isinstance(self.effects, EffectSettings):
             object.__setattr__(self, "effects", EffectSettings(self.effects))
+        self._check()
+
+    def _check(self) -> None:
+        """Refuse values that are allowed, but not together."""
         if self.drive.program is not None and self.drive.mode != "program":
             raise ScenarioError(
                 f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
                 "by drive.file or a waveform"
             )
         try:
-            self.to_core().check()
+            self._kept_core().check()
         except ValueError as error:
             raise ScenarioError(str(error)) from None
 
@@ -143,7 +156,7 @@ class Scenario:
         ScenarioError
             If there is no such key.
         """
-        known = find_key(key, "?")
+        known = find_key(key)
         if key.startswith(PREFIX):
             _, name, parameter = key.split(".", 2)
             return self.effects.get(name, {}).get(parameter, known.default)
@@ -168,27 +181,40 @@ class Scenario:
         ScenarioError
             If a key is unknown or a value not allowed.
         """
-        by_section: dict[str, dict[str, Any]] = {}
-        effects = {name: dict(parameters) for name, parameters in self.effects.items()}
         for key, value in changes.items():
             if key != PROGRAM:
                 find_key(key, value)
+        # The core's scenario checks a value as it takes it. A copy of it and of the sections that
+        # change is a tenth of the work of making all of them anew.
+        core = self.to_core()
+        by_section: dict[str, dict[str, Any]] = {}
+        for key, value in changes.items():
             section, name = key.split(".", 1)
-            if section == "effects":
-                name, parameter = name.split(".", 1)
-                effects.setdefault(name, {})[parameter] = value
-            else:
-                by_section.setdefault(section, {})[name] = value
-        sections = {
-            section: dataclasses.replace(getattr(self, section), **values)
-            for section, values in by_section.items()
-        }
-        return dataclasses.replace(self, **sections, effects=EffectSettings(effects))
+            given = value if key == PROGRAM else checked(key, value, core)
+            by_section.setdefault(section, {})[name] = given
+        parts = {section: self._changed(section, values) for section, values in by_section.items()}
+        made = object.__new__(type(self))
+        vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)
+        if PROGRAM not in changes:
+            vars(made)[_KEPT] = (known_keys(), core)
+        made._check()
+        return made
+
+    def _changed(self, section: str, values: dict[str, Any]) -> Any:
+        """A copy of a section with values that are checked already, but for a program."""
+        before = getattr(self, section)
+        if section == "effects":
+            return before.with_values(values)
+        if "program" in values:
+            return dataclasses.replace(before, **values)
+        after = object.__new__(type(before))
+        vars(after).update(vars(before), **values)
+        return after
 
     @property
     def duration(self) -> float:
         """Simulated time from start to end, s."""
-        return self.to_core().duration
+        return self._kept_core().duration
 
     @property
     def window(self) -> tuple[float, float]:
@@ -197,24 +223,40 @@ class Scenario:
         From the end of the third pulse to the end of the last; from the end of the ramp with three
         pulses or fewer; all of a program.
         """
-        return self.to_core().window
+        return self._kept_core().window
 
     def to_core(self) -> _core.Scenario:
-        """The same scenario as the compiled core takes it."""
+        """The same scenario as the compiled core takes it; the caller's own."""
+        return _core.Scenario(self._kept_core())
+
+    def _kept_core(self) -> _core.Scenario:
+        """The same, shared and not to be changed; made anew once an effect was registered."""
+        kept = vars(self).get(_KEPT)
+        if kept is None or kept[0] is not known_keys():
+            kept = vars(self)[_KEPT] = (known_keys(), self._make_core())
+        core: _core.Scenario = kept[1]
+        return core
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {each.name: getattr(self, each.name) for each in _FIELDS}
+
+    def _make_core(self) -> _core.Scenario:
         core = _core.Scenario()
         for key, section, name in _core_keys():
             core.set(key, getattr(getattr(self, section), name))
         assert isinstance(self.effects, EffectSettings)
         for key, value in self.effects.flat().items():
-            core.set(key, value)
+            checked(key, value, core)  # an effect of the user may be gone
         if self.drive.program is not None:
             core.set_program(self.drive.program.to_core())
-        rate = self.record.rate
-        if rate == "events":
-            core.record_events()
-        elif isinstance(rate, float):
-            core.record_uniform(rate)
+        set_rate(core, self.record.rate)
         return core
+
+
+_FIELDS = dataclasses.fields(Scenario)
+
+_KEPT = "_kept"
+"""Where an instance keeps its core, with the table of keys that it was made for."""
 
 
 @functools.cache

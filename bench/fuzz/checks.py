@@ -1,0 +1,128 @@
+"""What is asked of one scenario. Each check returns a `Found`, as a dict that JSON can hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from fuzz import balances, contact_laws
+from fuzz.record import moving_alone, recorded
+from fuzz.scenarios import Identity, scenario
+from stickslip import Scenario, _core, simulate
+
+TIGHT = 1e-10
+"""Relative tolerance at which balances are looked at."""
+
+REFERENCE = 1e-11
+"""Relative tolerance that the default one is compared with."""
+
+FLOOR = 1e-6
+"""m/s: a thousandth of the paper's speed. Below it a difference is taken relative to this."""
+
+LARGE, NOTICEABLE = 1e-2, 1e-3
+"""Relative differences of the mean velocity that are counted."""
+
+# Statuses that a sound core may give a sound scenario of these populations.
+_FINE = ("ok", "left_workspace")
+
+Found = dict[str, Any]
+
+
+def found(failures: list[str], kind: str = "", **more: Any) -> Found:
+    return {"failures": failures, "kind": kind, **more}
+
+
+def check_status(identity: Identity) -> Found:
+    """The run ends, with a status that is known, a message, and finite numbers."""
+    given = scenario(identity)
+    run = simulate(given)
+    summary = run.summary()
+    failures = []
+    if run.status not in _core.status_names:
+        failures.append(f"unknown status {run.status!r}")
+    if not run.message.strip():
+        failures.append(f"status {run.status} has no message")
+    if run.ok:
+        infinite = [
+            name
+            for name, value in summary.items()
+            if isinstance(value, float) and not math.isfinite(value)
+        ]
+        failures += [f"{name} is not finite" for name in infinite]
+    elif run.status not in _FINE and identity.population != "extreme":
+        failures.append(f"status {run.status}: {run.message}")
+    return found(failures, run.status)
+
+
+def check_invariants(identity: Identity) -> Found:
+    """Contact laws at the scenario's own tolerance and a tight one; balances at the tight one."""
+    given = scenario(identity)
+    failures = []
+    kind = ""
+    for rtol in (None, TIGHT):
+        record, run = recorded(given, rtol)
+        if record is None:
+            return found([], run.status)
+        prefix = "tight: " if rtol else "default: "
+        failures += [prefix + line for line in contact_laws.violations(record)]
+        if rtol:
+            failures += balances.violations(record)
+            kind = "balanced" if record.fine else "laws alone"
+    return found(failures, kind)
+
+
+def check_tolerance(identity: Identity) -> Found:
+    """The default tolerance against a tight one."""
+    given = moving_alone(scenario(identity))
+    return _compared(given.replace({"solver.rtol": 1e-7}), _tight(given))
+
+
+def check_integrators(identity: Identity) -> Found:
+    """Both integrators at a tight tolerance."""
+    given = _tight(moving_alone(scenario(identity)))
+    return _compared(given.replace({"solver.method": "arkode"}), given)
+
+
+def _tight(given: Scenario, rtol: float = REFERENCE) -> Scenario:
+    return given.replace({"solver.rtol": rtol, "solver.method": "tsit5", "solver.max_step": 0.0})
+
+
+def _compared(tried: Scenario, reference: Scenario) -> Found:
+    """Kinds: "close", "noticeable", "large"; "sensitive" where the reference itself is unsure.
+
+    A motion that amplifies every error, such as a tumbling block, has no mean velocity to compare:
+    the reference at a tenth of its tolerance is as far off.
+    """
+    first, second = simulate(tried), simulate(reference)
+    if not (first.ok and second.ok):
+        same = first.status == second.status
+        failures = [] if same else [f"status {first.status} against {second.status}"]
+        return found(failures, "not compared")
+    difference = relative(first.mean_velocity, second.mean_velocity)
+    more = {"difference": difference, "velocity": second.mean_velocity}
+    if difference <= NOTICEABLE:
+        return found([], "close", **more)
+    again = simulate(_tight(reference, 0.1 * reference.solver.rtol))
+    if not again.ok or relative(again.mean_velocity, second.mean_velocity) > 0.1 * difference:
+        return found([], "sensitive", **more)
+    kind = "large" if difference > LARGE else "noticeable"
+    line = f"mean velocity off by {difference:.3g} of {second.mean_velocity:.4g} m/s"
+    return found([line], kind, **more)
+
+
+def relative(value: float, reference: float) -> float:
+    """Difference of two velocities (m/s) relative to the second, or to `FLOOR` if that is more."""
+    return abs(value - reference) / max(abs(reference), FLOOR)
+
+
+CHECKS: dict[str, Callable[[Identity], Found]] = {
+    "status": check_status,
+    "invariants": check_invariants,
+    "tolerance": check_tolerance,
+    "integrators": check_integrators,
+}
+"""By name, in the order in which they are tried."""
+
+EXTREME_CHECKS = ("status",)
+"""Of the population `extreme`, in which forces may be beyond any scale."""

@@ -1,0 +1,292 @@
+"""Populations of random scenarios. (population, seed, number) alone determine a scenario.
+
+`paper`  near the paper's: what it states is drawn within a factor of about two.
+`wild`   wide ranges of every key, with the corners of the model (no drag, no adhesion, no friction,
+         elastic impacts, all named extensions) likely.
+`extreme` any allowed value of any key, the ends of its range among them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip import Robot, Scenario, ScenarioError, Waveform
+from stickslip.keys import Key, known_keys
+
+POPULATIONS = ("paper", "wild", "extreme")
+
+Keys = dict[str, Any]
+
+# Of a recording of `extreme`: enough to be seen, and in no danger of filling the memory.
+_MOST_SAMPLES = 1e5
+
+
+class Identity(NamedTuple):
+    """What names a scenario, written ``population:seed:number``."""
+
+    population: str
+    seed: int
+    number: int
+
+    def __str__(self) -> str:
+        return f"{self.population}:{self.seed}:{self.number}"
+
+    @staticmethod
+    def parse(text: str) -> Identity:
+        population, seed, number = text.split(":")
+        return Identity(population, int(seed), int(number))
+
+
+class Draw:
+    """Draws by name of the distribution."""
+
+    def __init__(self, identity: Identity) -> None:
+        index = POPULATIONS.index(identity.population)
+        self.random = np.random.default_rng([index, identity.seed, identity.number])
+
+    def uniform(self, low: float, high: float) -> float:
+        return float(self.random.uniform(low, high))
+
+    def decades(self, low: float, high: float) -> float:
+        """Uniform in the logarithm."""
+        return float(low * (high / low) ** self.random.random())
+
+    def chance(self, probability: float) -> bool:
+        return bool(self.random.random() < probability)
+
+    def word(self, *words: str) -> str:
+        return words[self.random.integers(len(words))]
+
+    def whole(self, low: int, high: int) -> int:
+        return int(self.random.integers(low, high + 1))
+
+    def corner(self, value: float, other: float, probability: float = 0.2) -> float:
+        """`value` with the probability, else `other`."""
+        return value if self.chance(probability) else other
+
+
+def scenario(identity: Identity) -> Scenario:
+    """The scenario of that name."""
+    draw = Draw(identity)
+    make = {"paper": _paper, "wild": _wild, "extreme": _extreme}[identity.population]
+    return make(draw)
+
+
+def _words(draw: Draw) -> Keys:
+    return {
+        "drive.mode": draw.word("IPP", "OPP"),
+        "drive.clamp": draw.word("down", "up"),
+        "drive.edge": draw.word("rise", "fall"),
+        "drive.direction": draw.word("+x", "-x"),
+    }
+
+
+def _paper(draw: Draw) -> Scenario:
+    peak = draw.decades(1e-3, 6e-3)
+    static = draw.decades(0.1, 0.4)
+    keys = {
+        **_words(draw),
+        "drive.frequency": draw.decades(5.0, 200.0),
+        "drive.peak": peak,
+        "drive.base": draw.corner(0.0, draw.uniform(0.0, 0.5) * peak),
+        "drive.hold": draw.decades(0.5e-3, 5e-3),
+        "drive.pulses": draw.whole(10, 20),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.uniform(0.6, 0.9),
+        "contact.adhesion": draw.decades(0.11e-6, 0.44e-6),
+        "drag.linear": draw.decades(0.5e-5, 2e-5),
+        "drag.rotational": draw.decades(4.5e-17, 18e-17),
+    }
+    return Scenario().replace(keys)
+
+
+def _wild(draw: Draw) -> Scenario:
+    frequency = draw.decades(1.0, 1e3)
+    base = draw.corner(0.0, draw.uniform(-2e-3, 5e-3))
+    static = draw.corner(0.0, draw.decades(0.01, 10.0), 0.1)
+    keys = {
+        **_words(draw),
+        "drive.frequency": frequency,
+        "drive.base": base,
+        "drive.peak": max(base, 0.0) + draw.decades(1e-4, 1e-2),
+        "drive.hold": draw.corner(0.0, draw.decades(1e-4, 1e-2)),
+        "drive.edge_time": draw.corner(0.0, draw.uniform(0.0, 0.5) / frequency, 0.7),
+        "drive.ramp": draw.corner(0.0, draw.decades(1e-3, 0.1)),
+        "drive.ramp_down": draw.corner(0.0, draw.decades(1e-3, 0.1), 0.7),
+        "drive.pulses": draw.whole(1, 12),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.corner(1.0, draw.random.random()),
+        "contact.adhesion": draw.corner(0.0, draw.decades(1e-9, 1e-5)),
+        "contact.adhesion_range": draw.corner(0.0, draw.decades(1e-9, 4e-5), 0.8),
+        "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.random.random(), 0.1), 0.5),
+        "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-3)),
+        "drag.rotational": draw.corner(0.0, draw.decades(1e-19, 1e-12)),
+        "environment.gravity": draw.corner(9.81, draw.corner(0.0, draw.decades(0.1, 100.0)), 0.8),
+    }
+    if draw.chance(0.2):
+        keys["solver.rtol"] = draw.decades(1e-10, 1e-4)
+    if draw.chance(0.3):
+        keys.update(_wild_body(draw, keys))
+    if draw.chance(0.3):
+        keys.update(_wild_coils(draw))
+    if draw.chance(0.15):
+        keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
+        keys.update(_wild_program(draw))
+    for name in draw.random.permutation(list(_EFFECTS))[: draw.whole(0, 3)]:
+        keys.update({f"effects.{name}.{key}": value for key, value in _EFFECTS[name](draw).items()})
+    keys = _allowed_together(keys)
+    return Scenario().replace(keys)
+
+
+def _wild_body(draw: Draw, keys: Keys) -> Keys:
+    """A body of another size, in a fluid that damps it as much in its own time."""
+    length = draw.decades(2e-5, 2e-3)
+    width, height = (length * draw.decades(0.1, 3.0) for _ in range(2))
+    mass = length * width * height * draw.decades(1e3, 1e4)
+    usual = Robot()
+    heavier = mass / usual.mass
+    larger = (length**2 + height**2) / (usual.length**2 + usual.height**2)
+    return {
+        "drag.linear": keys["drag.linear"] * heavier,
+        "drag.rotational": keys["drag.rotational"] * heavier * larger,
+        "contact.adhesion": keys["contact.adhesion"] * heavier,
+        "robot.length": length,
+        "robot.width": width,
+        "robot.height": height,
+        "robot.mass": mass,
+        "robot.magnetization": draw.decades(1e4, 1.2e6),
+    }
+
+
+def _wild_coils(draw: Draw) -> Keys:
+    return {
+        "coil.resistance": draw.decades(1.0, 100.0),
+        "coil.inductance": draw.decades(1e-6, 1.0),
+        "coil.side": draw.decades(0.05, 0.5),
+        "coil.distance": draw.decades(0.04, 0.4),
+        "coil.turns": draw.decades(50.0, 2000.0),
+    }
+
+
+def _wild_program(draw: Draw) -> Keys:
+    """Straight lines between random voltages, some of them jumps, played a few times."""
+    count = draw.whole(2, 12)
+    steps = [draw.corner(0.0, draw.decades(1e-4, 0.05), 0.3) for _ in range(count - 1)]
+    steps[-1] = steps[-1] or draw.decades(1e-4, 0.05)
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    voltages = draw.random.normal(0.0, 20.0, (count, 5)) * draw.random.integers(0, 2, (1, 5))
+    waveform = Waveform([(times, voltages, draw.whole(1, 4))])
+    return {
+        "drive.mode": "program",
+        "drive.program": waveform,
+        "drive.direction": draw.word("+x", "-x"),
+    }
+
+
+# Values of the named extensions at which each of them counts.
+_EFFECTS = {
+    "coil_heating": lambda d: {"coefficient": d.decades(1e-4, 1.0)},
+    "amplifier_limit": lambda d: {"voltage": d.decades(1.0, 100.0)},
+    "eddy_lag": lambda d: {"time": d.decades(1e-6, 0.1)},
+    "sample_hold": lambda d: {"period": d.decades(1e-4, 1e-2)},
+    "edge_time": lambda d: {"time": d.decades(1e-5, 5e-4)},
+    "mutual_inductance": lambda d: {"coupling": d.uniform(-0.24, 0.24)},
+    "gradient_scale": lambda d: {"fraction": d.uniform(-0.5, 1.0)},
+    "field_gain": lambda d: {"in_plane": d.uniform(-0.3, 0.3), "clamp": d.uniform(-0.3, 0.3)},
+    "misalignment": lambda d: {"angle": d.uniform(-1.0, 1.0)},
+    "magnetization_scale": lambda d: {"fraction": d.uniform(-0.5, 0.5)},
+    "ambient_field": lambda d: {"Bx": d.uniform(-1e-3, 1e-3), "Bz": d.uniform(-1e-3, 1e-3)},
+    "stribeck_friction": lambda d: {"velocity": d.decades(1e-5, 1e-1)},
+    "viscous_friction": lambda d: {"coefficient": d.decades(1e-2, 1e2)},
+    "friction_anisotropy": lambda d: {"fraction": d.uniform(-1.0, 1.0)},
+    "angle_adhesion": lambda d: {"strength": d.uniform(-2.0, 1.0)},
+    "adhesion_ageing": lambda d: {"rate": d.decades(1e-2, 2.0), "time": d.decades(1e-5, 1e-1)},
+    "restitution": lambda d: {"coefficient": d.uniform(0.0, 0.9)},
+    "angle_drag": lambda d: {"strength": d.uniform(-0.9, 5.0)},
+    "quadratic_drag": lambda d: {"coefficient": d.decades(1e-7, 1e-3)},
+    "rotational_drag": lambda d: {"coefficient": d.decades(1e-16, 1e-11)},
+    "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
+    "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
+    "length_scale": lambda d: {"fraction": d.uniform(-0.1, 0.1)},
+    "clock_scale": lambda d: {"fraction": d.uniform(-0.1, 0.1)},
+    "angle_offset": lambda d: {"angle": d.uniform(-0.1, 0.1)},
+}
+
+
+def _extreme(draw: Draw) -> Scenario:
+    keys: Keys = {}
+    share = draw.random.random()
+    for key in known_keys().values():
+        if key.kind != "rate" and draw.chance(share):
+            keys[key.name] = _any_value(draw, key)
+    if keys.get("drive.mode") == "program":
+        keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
+        keys.update(_wild_program(draw))
+    keys = _allowed_together(keys)
+    # What the ranges of single keys do not say is refused; the refusal is a draw's end too, but
+    # tells little: such keys are left out one by one.
+    while True:
+        try:
+            made = Scenario().replace(keys)
+            rate = draw.word("none", "events", "grid")
+            if rate == "grid":
+                rate = draw.decades(1.0, _MOST_SAMPLES) / max(made.duration, 1e-300)
+            return made.replace({"record.rate": rate})
+        except ScenarioError as error:
+            named = [key for key in keys if key in str(error)]
+            keys.pop(named[0] if named else next(iter(keys)))
+
+
+# A key without an upper end gets this much, in its unit.
+_LARGE = 1e6
+
+
+def _any_value(draw: Draw, key: Key) -> float | int | str:
+    if key.kind == "word":
+        return draw.word(*json.loads(f"[{key.allowed.removeprefix('one of ')}]"))
+    low, high = key.low, key.high if math.isfinite(key.high) else _LARGE
+    if key.kind == "whole":
+        choices = [low, high, draw.decades(max(low, 1.0), high), draw.uniform(1.0, 30.0)]
+        return round(choices[draw.whole(0, 3)])
+    above = math.nextafter(low, high)
+    choices = [
+        low if "from" in key.allowed else above,
+        above,
+        high,
+        draw.uniform(low, high),
+        draw.decades(max(abs(low), 1e-12 * high), high),
+        float(key.default) * draw.decades(0.01, 100.0),
+    ]
+    return min(max(choices[draw.whole(0, 5)], choices[0]), high)
+
+
+def _allowed_together(keys: Keys) -> Keys:
+    """The draws with what excludes each other brought into order."""
+    result = dict(keys)
+
+    def limit(key: str, most: float) -> None:
+        if key in result:
+            result[key] = min(result[key], most)
+
+    def get(key: str) -> Any:
+        return result.get(key, known_keys()[key].default)
+
+    limit("contact.kinetic_friction", get("contact.static_friction"))
+    if get("contact.kinetic_friction") > get("contact.static_friction"):
+        result["contact.kinetic_friction"] = get("contact.static_friction")
+    limit("contact.adhesion_range", min(get("robot.length"), get("robot.height")))
+    limit("effects.restitution.coefficient", 1.0 - get("contact.restitution"))
+    if get("drive.mode") == "program":
+        return result
+    if get("drive.peak") < get("drive.base"):
+        result["drive.peak"], result["drive.base"] = max(get("drive.base"), 0.0), get("drive.peak")
+    period = 1.0 / get("drive.frequency")
+    limit("drive.edge_time", 0.5 * period)
+    limit("effects.edge_time.time", 0.4 * period)
+    if 0.0 < get("solver.max_step") < 1e-9:
+        result["solver.max_step"] = 1e-9
+    return result
