@@ -233,7 +233,7 @@ def run_until_the_bar(scenario, *settings):
 @pytest.mark.parametrize(
     "settings",
     [
-        pytest.param(["solver.max_step=1e-7", "drive.pulses=100000"], id="moving"),
+        pytest.param(["solver.max_step=1e-7", "drive.pulses=5000"], id="moving"),
         pytest.param(["drive.peak=0.6e-3", "drive.hold=1e-6", "drive.pulses=1e12"], id="at rest"),
     ],
 )

@@ -144,7 +144,7 @@ def test_what_progress_raises_stops_the_sweep(jobs):
     def stop(fraction):
         raise RuntimeError("enough")
 
-    endless = BASE.replace({"solver.max_step": 1e-7, "drive.pulses": 10_000})
+    endless = BASE.replace({"solver.max_step": 1e-7, "drive.pulses": 5_000})
     with pytest.raises(RuntimeError, match="enough"):
         sweep(endless, {"drive.frequency": [30.0, 100.0]}, progress=stop, jobs=jobs)
 

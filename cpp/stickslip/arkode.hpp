@@ -120,7 +120,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
                                 typename Phase::State y, Observer&& observe) {
     ArkodeLook<Phase> look(phase, tau, y);
     typename Phase::Values g = look.events;
-    if (memory.fresh) memory.begin(g);
+    if (memory.fresh) memory.begin(g, phase.event_rounding());
     ArkodeSession session = begin(phase, memory.stalled, tau, tau_end, y);
     ArkodeStep<Phase> step;
     step.session = &session;

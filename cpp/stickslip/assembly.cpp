@@ -43,6 +43,26 @@ double pulsing_time(const Drive& drive) {
     return static_cast<double>(drive.pulses) / drive.frequency;
 }
 
+// What needs more steps than a run may have, however the robot moves.
+void check_work(const Scenario& s, double duration) {
+    const auto most = static_cast<double>(s.solver.max_steps);
+    const auto refuse_span = [&](const char* key, double value, const char* zero) {
+        if (value > 0.0 && duration / value > most) {
+            refuse(key, value,
+                   std::string(zero) + "at least " + digits(duration / most) +
+                       " s in a run of " + digits(duration) + " s with solver.max_steps = " +
+                       digits(most));
+        }
+    };
+    refuse_span("solver.max_step", s.solver.max_step, "0 (no limit) or ");
+    refuse_span("effects.sample_hold.period", s.effects.sample_hold_period, "0 (none) or ");
+    // A pulse has two straight parts at least.
+    if (s.drive.mode != DriveMode::program && 2.0 * static_cast<double>(s.drive.pulses) > most) {
+        refuse("drive.pulses", static_cast<double>(s.drive.pulses),
+               "at most " + digits(0.5 * most) + " with solver.max_steps = " + digits(most));
+    }
+}
+
 }  // namespace
 
 void check(const Scenario& s) {
@@ -80,6 +100,7 @@ void check(const Scenario& s) {
         }
     }
     const double longest = make_program(s).duration();  // refuses voltages that are not finite
+    check_work(s, longest);
     if (s.record.kind == RecordKind::uniform && s.record.rate * longest > kMostSamples) {
         refuse("record.rate", s.record.rate,
                "at most 1e7 samples in all, here " + digits(kMostSamples / longest) + " Hz");

@@ -58,8 +58,8 @@ struct EventSamples {
         return (lowest[i] < 0.0) | drops | (turns & below);
     }
 
-    /// Positive at all stages after the start, and zero or positive there: function i has risen
-    /// since its phase was born, unless it may dip.
+    /// Zero or positive throughout, and positive at some stages and the end: function i, which was
+    /// born at zero, has risen. What lies between is not looked at, as in EventFinder::risen.
     [[gnu::always_inline]] MaskOf<Real> rises(std::size_t i) const {
         return (lowest[i] >= 0.0) & (early[i] > 0.0) & (late[i] > 0.0) & (end[i] > 0.0);
     }
@@ -101,7 +101,7 @@ public:
                 } else if (!g.may_dip(i) || !find_dip(g, i, value, bracket)) {
                     continue;
                 }
-            } else if (g.rises(i) && !g.may_dip(i)) {
+            } else if (g.rises(i)) {
                 continue;
             } else if (!risen(g, i, value, bracket)) {
                 if (!stalled) return {index, 0.0};

@@ -150,6 +150,13 @@ StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const M
     const double swing = std::sqrt(torque / model.corner_inertia());
     result.swing_rate = swing > 0.0 ? swing : 1.0;
     result.scales = {radius, radius * result.swing_rate, result.swing_rate};
+    // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
+    // proportion to the damping, the error of a run goes with rtol whatever the drag.
+    constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
+    const double damping = std::min(model.translational_drag / model.mass / result.swing_rate, kForgetting);
+    constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
+    result.tolerance = std::max(
+        scenario.solver.rtol * std::max(damping / kForgetting, kLeastPart), std::min(scenario.solver.rtol, kLeastTolerance));
     result.stop = control ? &control->stop : nullptr;
     return result;
 }

@@ -73,10 +73,11 @@ LaneRound lane_step(double* memory) {
     // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
     // event; a base that has to be computed anew.
     auto flagged = (!(p.error <= 1.0)) | to_end | far | (p.accepted + 1.0 >= p.most_steps) |
-                   (!(p.tau + p.step.width > p.tau));
+                   (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0);
     for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
-        flagged = flagged | (p.samples.end[i] <= 0.0) | p.samples.may_dip(i) |
-                  ((n.unarmed > 0.0) & !p.samples.rises(i));
+        const auto unarmed = n.unarmed[i] > 0.0;
+        flagged = flagged | ((!unarmed) & ((p.samples.end[i] <= 0.0) | p.samples.may_dip(i))) |
+                  (unarmed & !p.samples.rises(i));
     }
     flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});
     const Point<Real> centre = phase.centre(p.step.last, pose);
@@ -95,7 +96,7 @@ LaneRound lane_step(double* memory) {
     blend<Real>(done, n.robot.base, base);
     p.accepted = select(done, p.accepted + 1.0, p.accepted);
     p.tau = select(done, p.tau + p.step.width, p.tau);
-    n.unarmed = select(done, Real(0.0), n.unarmed);
+    for (Real& unarmed : n.unarmed) unarmed = select(done, Real(0.0), unarmed);
     blend<Real>(done, p.step.first, p.step.last);
     blend<Real>(done, p.step.slope[0], p.step.slope[6]);
     blend<Real>(done, p.samples.start, p.samples.end);

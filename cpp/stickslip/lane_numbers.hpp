@@ -20,7 +20,8 @@ struct LaneNumbers {
     FieldStretch<Real> field;
     Real contact_x, slip;  ///< of a phase that has them, see make_phase
     Real workspace;        ///< m, how far the robot may go
-    Real unarmed;          ///< 1 while an event function has not been positive yet, else 0
+    std::array<Real, Phase::kEvents> unarmed;  ///< 1 while a function has not been positive, else 0
+    Real stalled;                              ///< PhaseMemory::stalled
 };
 
 /// The phase of these numbers.

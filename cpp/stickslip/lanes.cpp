@@ -84,16 +84,17 @@ private:
                 numbers.contact_x = phase.contact_x(numbers.progress.step.first);
                 numbers.slip = loop.slip();
                 numbers.workspace = loop.dynamics().field().workspace();
-                numbers.unarmed = unarmed(loop.memory());
+                set_memory(numbers, loop.memory());
                 write(numbers, place, {kAll});
             }
         });
     }
 
-    static double unarmed(const PhaseMemory& memory) {
-        const auto begin = memory.armed.begin();
-        const bool all = std::all_of(begin, begin + Phase::kEvents, [](bool each) { return each; });
-        return all && !memory.stalled ? 0.0 : 1.0;
+    static void set_memory(N& numbers, const PhaseMemory& memory) {
+        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+            numbers.unarmed[i] = memory.armed[i] ? 0.0 : 1.0;
+        }
+        numbers.stalled = memory.stalled ? 1.0 : 0.0;
     }
 
     // What only one run can do: accepts the attempt or not, looks for events. True if the phase has
@@ -102,8 +103,8 @@ private:
         Loop& loop = lane.loop;
         N numbers = read(place, {kProgress, kBase, kCentre, kUnarmed});
         loop.dynamics().set_base(numbers.robot.base);
-        if (numbers.unarmed == 0.0) {
-            std::fill_n(loop.memory().armed.begin(), Phase::kEvents, true);
+        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+            loop.memory().armed[i] = numbers.unarmed[i] == 0.0;
         }
         bool ended = false;
         loop.with_phase([&](auto phase) {
@@ -124,7 +125,7 @@ private:
     void go_on(Loop& loop, N& numbers, std::size_t place) {
         const FieldStretch<double>& field = loop.dynamics().field().stretch();
         numbers.robot.base = loop.dynamics().robot().base;
-        numbers.unarmed = unarmed(loop.memory());
+        set_memory(numbers, loop.memory());
         write(numbers, place, {kState, kStart, kStartEvents, kBase, kUnarmed});
         if (field.centre_x != numbers.field.centre_x || field.centre_z != numbers.field.centre_z) {
             numbers.field = field;

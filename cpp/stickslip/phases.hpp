@@ -20,6 +20,7 @@
 ///   rebase(y)          the base of the next step (see Dynamics)
 ///   centre(y, pose)    the centre of mass
 ///   angle, omega, contact_x(y)   what the summary watches
+///   event_rounding()   see PhaseBase
 ///   begin(body), body(y)     to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
 /// The formulas, rates and what they use, are written for any D: Dynamics, or the dynamics of a
@@ -43,6 +44,9 @@ public:
     bool outside() const { return dynamics_->field().outside(); }
     double reach() const { return dynamics_->field().reach(); }
     double fading_time() const { return dynamics_->field().fading_time(); }
+    /// An event function that is born above this has risen since; others may be zero but for
+    /// rounding.
+    double event_rounding() const { return 0.0; }
     D& dynamics() const { return *dynamics_; }
 
     /// The bases and the field's expansion, to look elsewhere and come back.
@@ -339,6 +343,7 @@ public:
     Real angle(const State& y) const { return y[2]; }
     Real omega(const State& y) const { return y[5]; }
     Real contact_x(const State& y) const { return y[0]; }
+    double event_rounding() const { return 2.0 * kRounding * robot().radius; }
 
 private:
     // A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that

@@ -53,7 +53,7 @@ public:
                 double longest = std::numeric_limits<double>::infinity(),
                 const std::atomic<bool>* stop = nullptr) const {
         Values start = values(tau);
-        if (memory.fresh) memory.begin(start);
+        if (memory.fresh) memory.begin(start, 0.0);
         while (tau < tau_end) {
             if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
             // The exponentials of a stretch die out from its start, so the search may widen with

@@ -81,7 +81,7 @@ enum class Method { tsit5, arkode };
 
 struct SolverSettings {
     Method method = Method::tsit5;
-    double rtol = 1e-7;
+    double rtol = 1e-8;
     double max_step = 0.0;  ///< s, zero: no limit
     std::int64_t max_steps = 1'000'000'000;
 };

@@ -24,7 +24,7 @@ enum class Status {
 };
 
 struct StepperOptions {
-    double tolerance = 1e-7;  ///< local error a step, relative to the scales of a phase
+    double tolerance = 1e-8;  ///< local error a step, relative to the scales of a phase
     double max_step = 0.0;    ///< s, zero: no limit
     std::int64_t most_steps = std::numeric_limits<std::int64_t>::max();
     Scales scales;
@@ -50,8 +50,9 @@ struct PhaseMemory {
     bool fresh = true;
     bool stalled = false;  ///< the last events hardly brought the time further
 
-    void begin(const auto& values) {
-        for (std::size_t i = 0; i < values.size(); ++i) armed[i] = values[i] > 0.0;
+    /// `least`: what a value has to exceed to be positive by more than rounding.
+    void begin(const auto& values, double least) {
+        for (std::size_t i = 0; i < values.size(); ++i) armed[i] = values[i] > least;
         fresh = false;
     }
 };

@@ -302,7 +302,7 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
         // A step carried over from another phase can leap over the whole of a short one.
         width_ = first_width_;
         log_error_ = WidthControl<double>::kLeastLogError;
-        memory.begin(progress.samples.start);
+        memory.begin(progress.samples.start, phase.event_rounding());
         // Each of two modes sends the body to the other without time going on: the mode is kept for
         // the shortest step that is far above the resolution of time.
         if (memory.stalled) width_ = std::min(width_, kShortestStep);

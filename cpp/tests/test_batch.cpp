@@ -101,7 +101,7 @@ TEST_CASE("batch: an exception of poll stops the tasks and is thrown again") {
 TEST_CASE("batch: an exception of poll ends simulations that would take long") {
     Scenario scenario;
     scenario.drive.base = 0.5e-3;
-    scenario.drive.pulses = 1'000'000'000;
+    scenario.drive.pulses = 100'000'000;
     RunControl control;
     const auto poll = [] { throw std::runtime_error("stop"); };
     CHECK_THROWS_WITH_AS(simulate_batch({scenario, scenario}, 2, control, poll), "stop",

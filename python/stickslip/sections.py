@@ -249,11 +249,15 @@ class Solver:
         Local error a step, relative to the natural scales of the motion.
     max_step : float
         Longest step, s; 0: no limit.
+    max_steps : int
+        Most steps of a run. One that needs more ends with the status "too_many_steps", whose message
+        names the key that makes the steps short.
     """
 
     method: Literal["tsit5", "arkode"] = "tsit5"
-    rtol: float = 1e-7
+    rtol: float = 1e-8
     max_step: float = 0.0
+    max_steps: int = 1_000_000_000
 
     def __post_init__(self) -> None:
         _check_fields("solver", self)
