@@ -106,10 +106,10 @@ blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND
 
 FUZZ_ARGS ?= --minutes 5 --seed 0
 
-fuzz: install ## random scenarios and damaged files, into bench/results/fuzz/ (FUZZ_ARGS="--minutes 60 --seed 1")
+fuzz: install ## random scenarios and damaged files, into bench/results/fuzz/
 	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m fuzz $(FUZZ_ARGS)
 
-fuzz-sanitized: install ## the same scenarios through the core under the sanitizers
+fuzz-sanitized: install # the same scenarios through the core under the sanitizers
 	@mkdir -p build
 	@cmake --preset asan >build/asan-configure.log 2>&1 || { cat build/asan-configure.log; exit 1; }
 	@cmake --build --preset asan --target stickslip_fuzz

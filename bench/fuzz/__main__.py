@@ -34,6 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Search; the exit status."""
     options = _options(arguments)
     if options.toml:
+        options.toml.mkdir(parents=True, exist_ok=True)
         for name in options.only:
             scenario(Identity.parse(name)).to_toml(options.toml / f"{name.replace(':', '-')}.toml")
         return 0

@@ -51,8 +51,8 @@ scenario = "scenario.toml"
 
 _TABLES = {
     "velocity": '[[velocity]]\nfile = "velocity.csv"\nvelocity_sd = 0.02\n',
-    "tracking": '[[tracking]]\nfile = "tracking.csv"\nframe_rate = 500.0\nnoise_x = 1e-6\n'
-    "noise_theta = 1e-2\n",
+    "tracking": '[[tracking]]\nfile = "tracking.csv"\nframe_rate = 2000.0\nnoise_x = 1e-6\n'
+    "noise_theta = 1e-2\ndrive = { pulses = 8 }\n",
     "angle": '[[angle]]\nfile = "angle.csv"\n',
     "field": '[[field]]\nfile = "field.csv"\n',
 }
@@ -123,7 +123,7 @@ def _tables() -> dict[str, str]:
     random = np.random.default_rng(0)
     frequencies = np.array([25.0, 50.0, 75.0, 100.0])
     runs = simulate_batch([base.replace({"drive.frequency": float(f)}) for f in frequencies])
-    film = simulate_batch([base.replace({"record.rate": 500.0})])[0]
+    film = simulate_batch([base.replace({"record.rate": 2000.0, "drive.pulses": 8})])[0]
     currents = random.normal(0.0, 1.0, (12, 5))
     places = random.normal(0.0, 5e-3, (12, 3))
     field = Coils().field(places, currents)
