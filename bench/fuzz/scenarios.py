@@ -1,6 +1,8 @@
 """Populations of random scenarios. (population, seed, number) alone determine a scenario.
 
 `paper`  near the paper's: what it states is drawn within a factor of about two.
+`wide`   the paper's robot and coils over wide ranges of drive, friction, adhesion, drag and
+         restitution, none of the last three among them.
 `wild`   wide ranges of every key, with the corners of the model (no drag, no adhesion, no friction,
          elastic impacts, all named extensions) likely.
 `extreme` any allowed value of any key, the ends of its range among them.
@@ -17,7 +19,7 @@ import numpy as np
 from stickslip import Robot, Scenario, ScenarioError, Waveform
 from stickslip.keys import Key, known_keys
 
-POPULATIONS = ("paper", "wild", "extreme")
+POPULATIONS = ("paper", "wild", "extreme", "wide")
 
 Keys = dict[str, Any]
 
@@ -72,7 +74,7 @@ class Draw:
 def scenario(identity: Identity) -> Scenario:
     """The scenario of that name."""
     draw = Draw(identity)
-    make = {"paper": _paper, "wild": _wild, "extreme": _extreme}[identity.population]
+    make = {"paper": _paper, "wild": _wild, "extreme": _extreme, "wide": _wide}[identity.population]
     return make(draw)
 
 
@@ -100,6 +102,26 @@ def _paper(draw: Draw) -> Scenario:
         "contact.adhesion": draw.decades(0.11e-6, 0.44e-6),
         "drag.linear": draw.decades(0.5e-5, 2e-5),
         "drag.rotational": draw.decades(4.5e-17, 18e-17),
+    }
+    return Scenario().replace(keys)
+
+
+def _wide(draw: Draw) -> Scenario:
+    base = draw.uniform(-0.5e-3, 1.5e-3)
+    static = draw.decades(0.05, 2.0)
+    keys = {
+        **_words(draw),
+        "drive.frequency": draw.decades(2.0, 300.0),
+        "drive.base": base,
+        "drive.peak": max(base, 0.0) + draw.decades(0.5e-3, 5e-3),
+        "drive.hold": draw.decades(0.5e-3, 3e-3),
+        "drive.pulses": draw.whole(8, 20),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.uniform(0.5, 1.0),
+        "contact.adhesion": draw.corner(0.0, draw.decades(1e-8, 1e-6)),
+        "contact.restitution": draw.corner(0.0, draw.uniform(0.0, 0.9), 0.5),
+        "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-4)),
+        "drag.rotational": draw.corner(0.0, draw.decades(1e-18, 1e-15)),
     }
     return Scenario().replace(keys)
 

@@ -144,7 +144,6 @@ StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const M
     const double weight = model.mass * scenario.gravity + model.adhesion.strength;
     const double torque = model.moment * field + weight * radius;
     StepperOptions result;
-    result.tolerance = scenario.solver.rtol;
     result.max_step = scenario.solver.max_step;
     result.most_steps = scenario.solver.max_steps;
     const double swing = std::sqrt(torque / model.corner_inertia());
@@ -153,10 +152,11 @@ StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const M
     // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
     // proportion to the damping, the error of a run goes with rtol whatever the drag.
     constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
-    const double damping = std::min(model.translational_drag / model.mass / result.swing_rate, kForgetting);
     constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
-    result.tolerance = std::max(
-        scenario.solver.rtol * std::max(damping / kForgetting, kLeastPart), std::min(scenario.solver.rtol, kLeastTolerance));
+    const double damping = model.translational_drag / model.mass / result.swing_rate;
+    const double rtol = scenario.solver.rtol;
+    result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
+                                std::min(rtol, kLeastTolerance));
     result.stop = control ? &control->stop : nullptr;
     return result;
 }
@@ -188,6 +188,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       longest_look_(longest_look(model_, integrator_.options())),
       segments_(program_, hold_period_, {window_.start, window_.end}),
       burst_span_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
+    result_.stiffness = stiffness(scenario, model_, integrator_.options().swing_rate);
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
 }

@@ -20,7 +20,7 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 std::vector<Parameter> make_parameters() {
     constexpr bool kOpen = false, kClosed = true, kReal = false, kWhole = true;
     return {
-        {"drive.frequency", "Hz", 0, 1e5, kOpen, kReal, "pulses a second",
+        {"drive.frequency", "Hz", 1e-6, 1e5, kClosed, kReal, "pulses a second",
          STICKSLIP_MEMBER(drive.frequency)},
         {"drive.peak", "T", 0, 1, kClosed, kReal,
          "top of the sawtooth, as the field at the centre if its voltage were held for ever",
@@ -42,12 +42,12 @@ std::vector<Parameter> make_parameters() {
          STICKSLIP_MEMBER(coil.resistance)},
         {"coil.inductance", "H", 0, 1e3, kOpen, kReal, "inductance of one coil, Table I",
          STICKSLIP_MEMBER(coil.inductance)},
-        {"coil.side", "m", 0, 100, kOpen, kReal, "effective length of a coil's side, Table I",
+        {"coil.side", "m", 1e-6, 100, kClosed, kReal, "effective length of a coil's side, Table I",
          STICKSLIP_MEMBER(coil.geometry.side)},
         {"coil.distance", "m", 1e-3, 100, kClosed, kReal,
          "distance of each coil's plane from the centre, Table I",
          STICKSLIP_MEMBER(coil.geometry.distance)},
-        {"coil.turns", "-", 0, 1e6, kOpen, kReal, "turns of one coil, Table I",
+        {"coil.turns", "-", 1e-3, 1e6, kClosed, kReal, "turns of one coil, Table I",
          STICKSLIP_MEMBER(coil.geometry.turns)},
         {"robot.length", "m", 1e-6, 1e-2, kClosed, kReal,
          "length along the magnetization, Table II", STICKSLIP_MEMBER(robot.length)},

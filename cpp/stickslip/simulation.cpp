@@ -35,6 +35,20 @@ const char* name(Status status) {
     return "unknown";
 }
 
+namespace {
+
+// What to do about a run that cannot be integrated: the key that is to blame, if one is.
+std::string remedy(const RunResult& result, const char* otherwise) {
+    const Stiffness& stiff = result.stiffness;
+    if (!stiff.is_stiff()) return otherwise;
+    std::ostringstream text;
+    text << stiff.key << " = " << stiff.value << " makes a motion of " << stiff.rate
+         << " 1/s, which steps have to follow; take a value near " << stiff.sane;
+    return text.str();
+}
+
+}  // namespace
+
 std::string message(const RunResult& result) {
     std::ostringstream text;
     text << "at t = " << result.summary.simulated_time << " s ";
@@ -42,14 +56,18 @@ std::string message(const RunResult& result) {
         case Status::ok:
             return "the run reached its end";
         case Status::step_underflow:
-            text
-                << "the step fell below the resolution of time; loosen solver.rtol, or look at the "
-                   "scenario for a force that grows without bound";
+            text << "the step fell below the resolution of time; "
+                 << remedy(result,
+                           "loosen solver.rtol, or look at the scenario for a force that grows "
+                           "without bound");
             break;
         case Status::too_many_events:
-            text
-                << "contact events followed each other without end; change solver.rtol, or look at "
-                   "friction and restitution";
+            text << "contact events followed each other without end; "
+                 << remedy(result, "change solver.rtol, or look at friction and restitution");
+            break;
+        case Status::too_many_steps:
+            text << "the run had taken as many steps as solver.max_steps allows; "
+                 << remedy(result, "raise solver.max_steps, or simulate less time");
             break;
         case Status::not_finite:
             if (!result.effect.empty()) {
@@ -57,8 +75,8 @@ std::string message(const RunResult& result) {
                      << " gave a force or torque that is not a finite number";
                 break;
             }
-            text << "a force or a coordinate was not a number; look for extreme values in the "
-                    "scenario";
+            text << "a force or a coordinate was not a number; "
+                 << remedy(result, "look for extreme values in the scenario");
             break;
         case Status::left_workspace:
             text << "the robot reached the coils; give fewer pulses or less field, or look at "
@@ -69,11 +87,7 @@ std::string message(const RunResult& result) {
             break;
         case Status::no_arkode:
             return "this build has no arkode; use solver.method = \"tsit5\", or install SUNDIALS "
-                   "and "
-                   "build again";
-        case Status::too_many_steps:
-            text << "the run had taken as many steps as solver.max_steps allows";
-            break;
+                   "and build again";
     }
     return text.str();
 }

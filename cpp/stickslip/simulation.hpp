@@ -6,6 +6,7 @@
 #include "stickslip/recording.hpp"
 #include "stickslip/scenario.hpp"
 #include "stickslip/stepping.hpp"
+#include "stickslip/stiffness.hpp"
 #include "stickslip/summary.hpp"
 
 namespace stickslip {
@@ -17,6 +18,7 @@ struct RunResult {
     Recording recording;
     BodyState final_state;  ///< robot's own frame
     std::string effect;     ///< of the user, that gave what is not finite and ended the run
+    Stiffness stiffness;    ///< what makes steps short, for the message
 };
 
 /// "ok", "step_underflow", ...
