@@ -102,6 +102,8 @@ def _begin(name: Any, task: Callable[[], Any]) -> _Child:
     code = 1
     try:
         os.close(reading)
+        # A shell's background job inherits that interrupts are ignored.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, resource.RLIM_INFINITY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         result = task()

@@ -165,7 +165,7 @@ void register_simulation(py::module_& module) {
     for (std::size_t k = 0; k < kEventKinds; ++k) {
         event_names.append(name(static_cast<EventKind>(k)));
     }
-    for (int k = 0; k <= static_cast<int>(Status::no_arkode); ++k) {
+    for (int k = 0; k <= static_cast<int>(Status::too_many_steps); ++k) {
         status_names.append(name(static_cast<Status>(k)));
     }
     module.attr("status_names") = py::tuple(status_names);

@@ -56,6 +56,7 @@ private:
 
     StepperOptions options_;
     StepCounts counts_;
+    std::int64_t begun_ = 0;  // steps
 };
 
 /// Rates and event functions somewhere.
@@ -131,6 +132,10 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
     while (tau < tau_end) {
         if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
             end.status = Status::interrupted;
+            break;
+        }
+        if (++begun_ > options_.most_steps) {
+            end.status = Status::too_many_steps;
             break;
         }
         step.start = tau;

@@ -1,0 +1,77 @@
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "stickslip/pack.hpp"
+#include "support.hpp"
+
+using namespace stickslip;
+using stickslip::test::kRounding;
+using stickslip::test::Random;
+
+namespace {
+
+using Two = Pack<2>;
+
+Two pack(double a, double b) {
+    Two result;
+    result.v[0] = a;
+    result.v[1] = b;
+    return result;
+}
+
+}  // namespace
+
+TEST_CASE("pack: the exponential is within two units in the last place") {
+    Random random(1);
+    for (int n = 0; n < 20000; ++n) {
+        const double a = -std::pow(10.0, random.between(-12.0, 2.84));
+        // The C library's value has half a unit of its own.
+        CHECK(std::abs(exponential(a) / std::exp(a) - 1.0) < 2.5 * kRounding);
+    }
+    CHECK(exponential(0.0) == 1.0);
+    CHECK(exponential(-1e9) < 1e-307);  // as good as nothing
+    CHECK(exponential(-1e9) >= 0.0);
+}
+
+TEST_CASE("pack: the rough logarithm and power are good enough for the width of a step") {
+    Random random(2);
+    for (int n = 0; n < 20000; ++n) {
+        const double a = std::pow(10.0, random.between(-300.0, 300.0));
+        CHECK(std::abs(rough_log2(a) - std::log2(a)) < 3e-4);
+        const double b = random.between(-900.0, 900.0);
+        CHECK(std::abs(rough_exp2(b) / std::exp2(b) - 1.0) < 3e-4);
+    }
+}
+
+TEST_CASE("pack: each member has the bits of the double") {
+    Random random(3);
+    const auto same = [](double a, double b) {
+        return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+    };
+    for (int n = 0; n < 2000; ++n) {
+        const std::array<double, 2> a = {random.between(-2.0, 0.0), random.between(-2.0, 2.0)};
+        const std::array<double, 2> b = {random.between(-2.0, 2.0), random.between(-2.0, 2.0)};
+        const Two p = pack(a[0], a[1]), q = pack(b[0], b[1]);
+        for (int i = 0; i < 2; ++i) {
+            const auto u = static_cast<std::size_t>(i);
+            CHECK(same((p * q + p / q - 0.3 * p).v[i], a[u] * b[u] + a[u] / b[u] - 0.3 * a[u]));
+            CHECK(same(magnitude(p).v[i], std::abs(a[u])));
+            CHECK(same(lesser(p, q).v[i], std::min(a[u], b[u])));
+            CHECK(same(greater(p, q).v[i], std::max(a[u], b[u])));
+            CHECK(same(exponential(-magnitude(p)).v[i], exponential(-std::abs(a[u]))));
+            CHECK(same(rough_log2(magnitude(p)).v[i], rough_log2(std::abs(a[u]))));
+            CHECK(same(rough_exp2(q).v[i], rough_exp2(b[u])));
+            CHECK(((members(p < q) >> i & 1u) == 1u) == (a[u] < b[u]));
+        }
+    }
+}
+
+TEST_CASE("pack: a comparison with what is no number holds for none") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    CHECK(members(pack(nan, 1.0) <= pack(1.0, 1.0)) == 0b10u);
+    CHECK(members(!(pack(nan, 1.0) <= pack(1.0, 1.0))) == 0b01u);
+    CHECK(!any(pack(nan, nan) < pack(1.0, 1.0)));
+}
