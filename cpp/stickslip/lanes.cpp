@@ -261,14 +261,15 @@ void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
     LaneGroup group(kernels, done);
     bool more = true;
     while (!control.stop.load(std::memory_order_relaxed)) {
-        while (more && group.size() < count) {
-            if (const auto task = next())
-                group.start(*task, control);
-            else
-                more = false;
+        if (more && group.size() < count) {
+            const auto task = next();
+            more = task.has_value();
+            if (task) group.start(*task, control);
+        } else if (group.size() > 0) {
+            group.step();
+        } else {
+            return;
         }
-        if (group.size() == 0) return;
-        group.step();
     }
 }
 
