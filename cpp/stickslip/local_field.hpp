@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
@@ -48,8 +49,17 @@ struct FieldStretch {
         result.centre_z = centre_z;
         result.tau = tau;
         const Real fading = exponential(-rate * tau);
-        for (std::size_t i = 0; i < result.terms.size(); ++i) {
-            result.terms[i] = basis[0][i] + basis[1][i] * tau + basis[2][i] * fading;
+        if constexpr (std::is_same_v<Real, double>) {
+            using Pair = Pack<2>;
+            for (std::size_t i = 0; i < result.terms.size(); i += 2) {
+                store(pair(&basis[0][i]) + pair(&basis[1][i]) * Pair(tau) +
+                          pair(&basis[2][i]) * Pair(fading),
+                      &result.terms[i]);
+            }
+        } else {
+            for (std::size_t i = 0; i < result.terms.size(); ++i) {
+                result.terms[i] = basis[0][i] + basis[1][i] * tau + basis[2][i] * fading;
+            }
         }
         return result;
     }
@@ -123,23 +133,34 @@ private:
 
 template <class Real>
 inline PlanarFieldOf<Real> ExpansionOf<Real>::operator()(Real x, Real z) const {
-    const Terms& c = terms;
     const Real dx = x - centre_x, dz = z - centre_z;
     const Real xx = 0.5 * (dx * dx), xz = dx * dz, zz = 0.5 * (dz * dz);
     constexpr double third = 1.0 / 3.0;
     const Real xxx = third * dx * xx, xxz = dz * xx, xzz = dx * zz, zzz = third * dz * zz;
-    // Sums in pairs: what counts is the longest chain of dependent operations.
-    PlanarFieldOf<Real> field;
-    field.bx =
-        ((c[0] + c[2] * dx) + (c[3] * dz + c[5] * xx)) +
-        ((c[6] * xz + c[7] * zz) + ((c[9] * xxx + c[10] * xxz) + (c[11] * xzz + c[12] * zzz)));
-    field.bz =
-        ((c[1] + c[3] * dx) + (c[4] * dz + c[6] * xx)) +
-        ((c[7] * xz + c[8] * zz) + ((c[10] * xxx + c[11] * xxz) + (c[12] * xzz + c[13] * zzz)));
-    field.dbx_dx = (c[2] + (c[5] * dx + c[6] * dz)) + (c[9] * xx + (c[10] * xz + c[11] * zz));
-    field.dbx_dz = (c[3] + (c[6] * dx + c[7] * dz)) + (c[10] * xx + (c[11] * xz + c[12] * zz));
-    field.dbz_dz = (c[4] + (c[7] * dx + c[8] * dz)) + (c[11] * xx + (c[12] * xz + c[13] * zz));
-    return field;
+    // Sums in pairs: what counts is the longest chain of dependent operations. Those of B_z and of
+    // dB_x/dz are those of B_x and dB_x/dx with each term's neighbour.
+    const auto field_of = [&](auto c, auto first) __attribute__((always_inline)) {
+        return ((first + c(2) * dx) + (c(3) * dz + c(5) * xx)) +
+               ((c(6) * xz + c(7) * zz) +
+                ((c(9) * xxx + c(10) * xxz) + (c(11) * xzz + c(12) * zzz)));
+    };
+    const auto gradient_of = [&](auto c) __attribute__((always_inline)) {
+        return (c(2) + (c(5) * dx + c(6) * dz)) + (c(9) * xx + (c(10) * xz + c(11) * zz));
+    };
+    const Real zz_gradient = (terms[4] + (terms[7] * dx + terms[8] * dz)) +
+                             (terms[11] * xx + (terms[12] * xz + terms[13] * zz));
+    if constexpr (std::is_same_v<Real, double>) {
+        const auto both = [this](std::size_t i) __attribute__((always_inline)) {
+            return pair(&terms[i]);
+        };
+        const Pack<2> field = field_of(both, both(0)), gradient = gradient_of(both);
+        return {field.v[0], field.v[1], gradient.v[0], gradient.v[1], zz_gradient};
+    } else {
+        const auto x_part = [this](std::size_t i) { return terms[i]; };
+        const auto z_part = [this](std::size_t i) { return terms[i + 1]; };
+        return {field_of(x_part, terms[0]), field_of(z_part, terms[1]), gradient_of(x_part),
+                gradient_of(z_part), zz_gradient};
+    }
 }
 
 }  // namespace stickslip

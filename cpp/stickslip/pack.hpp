@@ -74,6 +74,16 @@ struct Pack {
     friend Mask operator!=(Pack a, Pack b) { return {a.v != b.v}; }
 };
 
+/// Two neighbours in memory, for the pairs of one run.
+[[gnu::always_inline]] inline Pack<2> pair(const double* from) {
+    Pack<2> result;
+    std::memcpy(&result.v, from, sizeof result.v);
+    return result;
+}
+[[gnu::always_inline]] inline void store(Pack<2> numbers, double* to) {
+    std::memcpy(to, &numbers.v, sizeof numbers.v);
+}
+
 template <class Real>
 struct MaskType {
     using Type = bool;
