@@ -194,28 +194,22 @@ template <class Real>
     return from_bits<Real>(to_bits(p) + (to_bits(shifted) << 52));
 }
 
-/// Logarithm to base 2 of a positive normal number, within 3e-4: for the choice of a step's width.
+/// Logarithm to base 2 of a positive normal number, within 0.05: for the choice of a step's width.
+/// The mantissa stands for its own logarithm.
 template <class Real>
 [[gnu::always_inline]] inline Real rough_log2(Real a) {
-    constexpr std::int64_t kMantissa = (std::int64_t{1} << 52) - 1;
-    constexpr std::int64_t kOne = std::int64_t{1023} << 52;
     constexpr std::int64_t kTwo52 = std::int64_t{1075} << 52;  // the bits of 2^52
-    const auto bits = to_bits(a);
-    const auto mantissa = (bits & kMantissa) | kOne;  // of a number in [1, 2)
-    const auto exponent = (bits >> 52) | kTwo52;      // of 2^52 + biased exponent
-    const Real f = from_bits<Real>(mantissa) - 1.5;
-    // Fit of log2(1.5 + f) at Chebyshev's points.
-    const Real p = (0.58495426 + f * 0.96116720) +
-                   f * f * (-0.31991806 + f * (0.15392465 - f * 0.07915816));
-    return (from_bits<Real>(exponent) - (4503599627370496.0 + 1023.0)) + p;
+    constexpr double kValueTwo52 = 4503599627370496.0, kTwo32 = 4294967296.0;
+    const Real bits = from_bits<Real>((to_bits(a) >> 20) | kTwo52) - kValueTwo52;
+    return bits * (1.0 / kTwo32) - (1023.0 - 0.043);
 }
 
-/// 2 to the power a, |a| < 1000, within 2e-4 of itself: for the choice of a step's width.
+/// 2 to the power a, |a| < 1000, within 0.6 % of itself: for the choice of a step's width.
 template <class Real>
 [[gnu::always_inline]] inline Real rough_exp2(Real a) {
     const Real shifted = a + kRound;
     const Real f = a - (shifted - kRound);
-    const Real p = 1.0 + f * (0.69314718 + f * (0.24022651 + f * (0.05550411 + f * 0.00961813)));
+    const Real p = (1.0 + f * 0.69314718) + f * f * 0.24022651;
     return from_bits<Real>(to_bits(p) + (to_bits(shifted) << 52));
 }
 
