@@ -64,9 +64,7 @@ struct ArkodeSession::Handles {
 ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const double* y,
                              const double* tolerance, double t_stop, double max_step,
                              double first_step)
-    : handles_(std::make_unique<Handles>()),
-      t_stop_(t_stop),
-      dimension_(problem.dimension) {
+    : handles_(std::make_unique<Handles>()), t_stop_(t_stop), dimension_(problem.dimension) {
     Handles& h = *handles_;
     h.callback.problem = problem;
 #if SUNDIALS_VERSION_MAJOR >= 7

@@ -49,9 +49,8 @@ void check_work(const Scenario& s, double duration) {
     const auto refuse_span = [&](const char* key, double value, const char* zero) {
         if (value > 0.0 && duration / value > most) {
             refuse(key, value,
-                   std::string(zero) + "at least " + digits(duration / most) +
-                       " s in a run of " + digits(duration) + " s with solver.max_steps = " +
-                       digits(most));
+                   std::string(zero) + "at least " + digits(duration / most) + " s in a run of " +
+                       digits(duration) + " s with solver.max_steps = " + digits(most));
         }
     };
     refuse_span("solver.max_step", s.solver.max_step, "0 (no limit) or ");

@@ -89,9 +89,9 @@ void simulate_tasks(std::size_t count, int threads, RunControl& control,
     const int workers = workers_for(count, threads);
     if (workers == 0) return;
     // No thread takes so many at once that another has nothing to do.
-    const std::size_t lanes = std::clamp<std::size_t>(
-        count / static_cast<std::size_t>(workers), 1,
-        kLanesAPlace * static_cast<std::size_t>(kernels.size));
+    const std::size_t lanes =
+        std::clamp<std::size_t>(count / static_cast<std::size_t>(workers), 1,
+                                kLanesAPlace * static_cast<std::size_t>(kernels.size));
     std::atomic<std::size_t> taken = 0;
     const auto next = [&]() -> std::optional<LaneTask> {
         for (std::size_t index = taken++; index < count; index = taken++) {

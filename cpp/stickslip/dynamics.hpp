@@ -55,7 +55,8 @@ struct PlainDynamics {
 
     /// Largest angle from the base, squared, at which the series of `turned` are exact to rounding.
     static constexpr double kNearSquared = 0.015625;
-    /// Turning the last base on is quicker than sine and cosine; rounding adds up over few turns, to 1e-14.
+    /// Turning the last base on is quicker than sine and cosine; rounding adds up over few turns,
+    /// to 1e-14.
     static constexpr int kMostTurns = 128;
 
     /// The base pose turned by a small angle d, with dd = d^2. Series whose next terms are below
@@ -64,9 +65,8 @@ struct PlainDynamics {
         const Real dddd = dd * dd;
         const Real c =
             (1.0 - dd * (1.0 / 2)) + dddd * ((1.0 / 24 - dd * (1.0 / 720)) + dddd * (1.0 / 40320));
-        const Real s =
-            d * ((1.0 - dd * (1.0 / 6)) +
-                 dddd * ((1.0 / 120 - dd * (1.0 / 5040)) + dddd * (1.0 / 362880)));
+        const Real s = d * ((1.0 - dd * (1.0 / 6)) +
+                            dddd * ((1.0 / 120 - dd * (1.0 / 5040)) + dddd * (1.0 / 362880)));
         return base.pose.turned(c, s);
     }
 
@@ -116,7 +116,8 @@ public:
     Pose rebase_angle(double angle) {
         BasePose<double>& base = robot_.base;
         base.turns += 1.0;
-        if (base.turns < PlainDynamics<double>::kMostTurns && std::abs(angle - base.angle) < 0.125) {
+        if (base.turns < PlainDynamics<double>::kMostTurns &&
+            std::abs(angle - base.angle) < 0.125) {
             base.pose = pose(angle);
         } else {
             base.pose = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));

@@ -50,11 +50,10 @@ struct EventSamples {
         const Real rising = 1.25 * end_slope(i);
         const auto turns = (falling < 0.0) & (rising > 0.0);
         if (!any(turns)) return (lowest[i] < 0.0) | drops;
-        const Real meet =
-            lesser(greater((end[i] - start[i] - rising) / (falling - rising), Real(0.0)),
-                   Real(1.0));
-        const auto below = (start[i] + falling * meet < 0.0) |
-                           (end[i] - rising * (1.0 - meet) < 0.0);
+        const Real meet = lesser(
+            greater((end[i] - start[i] - rising) / (falling - rising), Real(0.0)), Real(1.0));
+        const auto below =
+            (start[i] + falling * meet < 0.0) | (end[i] - rising * (1.0 - meet) < 0.0);
         return (lowest[i] < 0.0) | drops | (turns & below);
     }
 

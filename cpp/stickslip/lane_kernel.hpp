@@ -5,8 +5,8 @@
 #include "stickslip/lane_numbers.hpp"
 
 /// One step of a pack of runs. Compiled once for each width of the processor's registers
-/// (lane_kernel_*.cpp), so nothing here may be shared with other translation units: all is templates
-/// over a pack of that width.
+/// (lane_kernel_*.cpp), so nothing here may be shared with other translation units: all is
+/// templates over a pack of that width.
 namespace stickslip {
 
 /// The dynamics of a pack of robots without named effects; see Dynamics for the meaning.
@@ -81,7 +81,8 @@ LaneRound lane_step(double* memory) {
     }
     flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});
     const Point<Real> centre = phase.centre(p.step.last, pose);
-    flagged = flagged | !((magnitude(centre.x) < n.workspace) & (magnitude(centre.z) < n.workspace));
+    flagged =
+        flagged | !((magnitude(centre.x) < n.workspace) & (magnitude(centre.z) < n.workspace));
     flagged = flagged | (magnitude(centre.x - n.field.centre_x) > p.half_reach) |
               (magnitude(centre.z - n.field.centre_z) > p.half_reach);
 

@@ -8,8 +8,8 @@
 namespace stickslip {
 
 /// All that the steps of a phase need, of one run (D is Dynamics) or of a pack of runs (D is
-/// PackDynamics). The members are numbers throughout, in one order: number k of run i of a pack of N
-/// is double k N + i of its memory.
+/// PackDynamics). The members are numbers throughout, in one order: number k of run i of a pack of
+/// N is double k N + i of its memory.
 template <template <class> class PhaseOf, class D>
 struct LaneNumbers {
     using Real = typename D::Real;
@@ -18,8 +18,8 @@ struct LaneNumbers {
     Tsit5Progress<Phase> progress;
     PlainDynamics<Real> robot;
     FieldStretch<Real> field;
-    Real contact_x, slip;  ///< of a phase that has them, see make_phase
-    Real workspace;        ///< m, how far the robot may go
+    Real contact_x, slip;                      ///< of a phase that has them, see make_phase
+    Real workspace;                            ///< m, how far the robot may go
     std::array<Real, Phase::kEvents> unarmed;  ///< 1 while a function has not been positive, else 0
     Real stalled;                              ///< PhaseMemory::stalled
 };

@@ -178,7 +178,7 @@ private:
     std::size_t filled_ = 0;
     std::deque<Lane*> waiting_;
     // Zero where nothing was written yet: an empty place computes too, and nobody looks.
-    alignas(64) std::array<double, kNumbers * kMostPlaces> memory_ = {};
+    alignas(64) std::array<double, kNumbers* kMostPlaces> memory_ = {};
 };
 
 class LaneGroup {

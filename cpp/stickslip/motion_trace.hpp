@@ -20,14 +20,15 @@ public:
     [[gnu::always_inline]] Real at(Real s) const {
         return c0_ + s * (c1_ + s * (c2_ + s * (c3_ + s * (c4_ + s * c5_))));
     }
-    /// Where the slope, which has different signs at the two ends, is zero. Over a step it is nearly
-    /// straight: three of Newton's steps leave nothing that the value there would show.
+    /// Where the slope, which has different signs at the two ends, is zero. Over a step it is
+    /// nearly straight: three of Newton's steps leave nothing that the value there would show.
     [[gnu::always_inline]] Real turning_point(Real slope0, Real slope1) const {
         Real s = slope0 / (slope0 - slope1);
         for (int i = 0; i < 3; ++i) {
             const Real slope =
                 c1_ + s * (2.0 * c2_ + s * (3.0 * c3_ + s * (4.0 * c4_ + s * (5.0 * c5_))));
-            const Real curvature = 2.0 * c2_ + s * (6.0 * c3_ + s * (12.0 * c4_ + s * (20.0 * c5_)));
+            const Real curvature =
+                2.0 * c2_ + s * (6.0 * c3_ + s * (12.0 * c4_ + s * (20.0 * c5_)));
             s = lesser(greater(s - slope / curvature, Real(0.0)), Real(1.0));
         }
         return s;
@@ -53,10 +54,9 @@ struct MotionTrace {
         see(phase.angle(last));
         const auto turns = before * after < 0.0;
         if (!any(turns)) return;
-        const QuinticHermite<Real> angle(phase.angle(first), before * width,
-                                         phase.omega(first_rates) * width * width,
-                                         phase.angle(last), after * width,
-                                         phase.omega(last_rates) * width * width);
+        const QuinticHermite<Real> angle(
+            phase.angle(first), before * width, phase.omega(first_rates) * width * width,
+            phase.angle(last), after * width, phase.omega(last_rates) * width * width);
         const Real s = angle.turning_point(before, after);
         see(select(turns, angle.at(s), phase.angle(last)));
         if constexpr (Phase::kSlips) {

@@ -195,9 +195,7 @@ public:
         return {body(y), {normal, -coefficient(y) * normal}, y[0], y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
-    Real speed(const State& y) const {
-        return magnitude(y[2]) + magnitude(y[3]) * robot().radius;
-    }
+    Real speed(const State& y) const { return magnitude(y[2]) + magnitude(y[3]) * robot().radius; }
     Real angle(const State& y) const { return y[1]; }
     Real omega(const State& y) const { return y[3]; }
     Real contact_x(const State& y) const { return y[0]; }
@@ -214,9 +212,7 @@ private:
     static constexpr double kJammed = 1e-6;
     static constexpr double kNearlyJammed = 1e-2;
 
-    Real coefficient(const State& y) const {
-        return slip_ * dynamics_->kinetic(slip_, y[2], y[0]);
-    }
+    Real coefficient(const State& y) const { return slip_ * dynamics_->kinetic(slip_, y[2], y[0]); }
     [[gnu::always_inline]] CornerSlipOf<Real> solve(const ExpansionOf<Real>& field,
                                                     const State& y) const {
         const PoseOf<Real> pose = dynamics_->pose(y[1]);

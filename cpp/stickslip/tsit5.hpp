@@ -36,10 +36,10 @@ struct Tsit5Step {
         At(const Tsit5Step& step, double s) : step_(step), b_(weights(s)) {}
         double operator[](std::size_t i) const {
             const auto& k = step_.slope;
-            return step_.first[i] + step_.width * (b_[0] * k[0][i] + b_[1] * k[1][i] +
-                                                   b_[2] * k[2][i] + b_[3] * k[3][i] +
-                                                   b_[4] * k[4][i] + b_[5] * k[5][i] +
-                                                   b_[6] * k[6][i]);
+            return step_.first[i] +
+                   step_.width *
+                       (b_[0] * k[0][i] + b_[1] * k[1][i] + b_[2] * k[2][i] + b_[3] * k[3][i] +
+                        b_[4] * k[4][i] + b_[5] * k[5][i] + b_[6] * k[6][i]);
         }
         operator State() const {
             State y;
@@ -169,9 +169,10 @@ struct WidthControl {
         rejected = 0.0;
     }
     void reject(double width, double squared_error) {
-        const double factor = std::isfinite(squared_error)
-                                  ? std::max(0.2, 0.9 * rough_exp2(-0.1 * rough_log2(squared_error)))
-                                  : 0.1;
+        const double factor =
+            std::isfinite(squared_error)
+                ? std::max(0.2, 0.9 * rough_exp2(-0.1 * rough_log2(squared_error)))
+                : 0.1;
         proposal = width * factor;
         rejected = 1.0;
     }

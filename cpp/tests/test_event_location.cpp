@@ -336,9 +336,13 @@ TEST_CASE("locate: where the dense output ends short of a zero that the step has
 
 TEST_CASE("locate: refuses a bracket without a change of sign") {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    for (const auto& [low, high] : std::initializer_list<std::pair<double, double>>{
-             {-1.0, -2.0}, {-1.0, 2.0}, {1.0, 2.0}, {0.0, -1.0}, {-1.0, 0.0}, {none, -1.0},
-             {1.0, none}}) {
+    for (const auto& [low, high] : std::initializer_list<std::pair<double, double>>{{-1.0, -2.0},
+                                                                                    {-1.0, 2.0},
+                                                                                    {1.0, 2.0},
+                                                                                    {0.0, -1.0},
+                                                                                    {-1.0, 0.0},
+                                                                                    {none, -1.0},
+                                                                                    {1.0, none}}) {
         CAPTURE(low);
         CAPTURE(high);
         int evaluations = 0;

@@ -240,8 +240,8 @@ TEST_CASE("impact: what separates takes no impulse and leaves") {
     for (int n = 0; n < 2000; ++n) {
         const double restitution = random.coin() ? 0.0 : random.between(0.01, 0.9);
         CornerImpact corner(random, 3.0, restitution);
-        corner.before.vz -= 2.0 * corner_velocity_z(corner.pose, corner.before.vz,
-                                                    corner.before.omega);
+        corner.before.vz -=
+            2.0 * corner_velocity_z(corner.pose, corner.before.vz, corner.before.omega);
         const ImpactResult one = corner_impact(corner.model, corner.pose, corner.before);
         CHECK(one.touch == Touch::none);
         CHECK(one.body.vz == corner.before.vz);

@@ -49,10 +49,10 @@ void check_bits(const std::vector<double>& a, const std::vector<double>& b) {
 std::vector<double> numbers(const RunResult& run) {
     const Summary& s = run.summary;
     const BodyState& body = run.final_state;
-    std::vector<double> all = {s.mean_velocity,  s.theta_min, s.theta_max,         s.slip_up,
-                               s.slip_down,      s.slip_flat, s.airborne_fraction, s.simulated_time,
-                               body.x,           body.z,      body.angle,          body.vx,
-                               body.vz,          body.omega};
+    std::vector<double> all = {s.mean_velocity, s.theta_min, s.theta_max,         s.slip_up,
+                               s.slip_down,     s.slip_flat, s.airborne_fraction, s.simulated_time,
+                               body.x,          body.z,      body.angle,          body.vx,
+                               body.vz,         body.omega};
     for (const auto count : {run.steps.accepted, run.steps.rejected, run.steps.evaluations}) {
         all.push_back(static_cast<double>(count));
     }

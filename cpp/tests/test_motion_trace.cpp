@@ -18,8 +18,11 @@ struct Swing {
 
 }  // namespace
 
-TEST_CASE("motion trace: the interpolant of fifth degree is exact for a polynomial of that degree") {
-    const auto value = [](double s) { return 1 + s * (2 + s * (-3 + s * (1 + s * (-2 + s * 0.5)))); };
+TEST_CASE(
+    "motion trace: the interpolant of fifth degree is exact for a polynomial of that degree") {
+    const auto value = [](double s) {
+        return 1 + s * (2 + s * (-3 + s * (1 + s * (-2 + s * 0.5))));
+    };
     const auto slope = [](double s) { return 2 + s * (-6 + s * (3 + s * (-8 + s * 2.5))); };
     const auto curvature = [](double s) { return -6 + s * (6 + s * (-24 + s * 10)); };
     const QuinticHermite<double> p(value(0), slope(0), curvature(0), value(1), slope(1),
