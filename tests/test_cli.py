@@ -130,6 +130,7 @@ def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
 def test_notes_are_printed(scenario):
     still = ["--set=drive.peak=0", "--set=drive.base=0", "--set=drive.hold=0"]
     assert "the robot never moved" in stickslip("run", scenario, *still).stdout
+    assert "solver.rtol = 0.0001" in stickslip("run", scenario, "--set=solver.rtol=1e-4").stdout
     assert "note" not in stickslip("run", scenario).stdout
 
 
