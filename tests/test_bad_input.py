@@ -59,7 +59,7 @@ SCENARIOS = {
     "half a pulse": (HEAD + "pulses = 1.5\n", ["drive.pulses = 1.5", "whole number"]),
     "no pulses": (HEAD + "pulses = 0\n", ["drive.pulses = 0", "from 1"]),
     "endless digits": (HEAD + "pulses = 1" + "0" * 400 + "\n", ["drive.pulses = 1", "whole"]),
-    "negative": (HEAD + "frequency = -30\n", ["drive.frequency = -30", "above 0"]),
+    "negative": (HEAD + "frequency = -30\n", ["drive.frequency = -30", "from 1e-06"]),
     "nan": (HEAD + "peak = nan\n", ["drive.peak = nan", "from 0 to 1 T"]),
     "inf": (HEAD + "ramp = inf\n", ["drive.ramp = inf", "s"]),
     "unknown word": (HEAD + 'edge = "up"\n', ['drive.edge = "up"', '"rise", "fall"']),

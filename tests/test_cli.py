@@ -130,6 +130,7 @@ def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
 def test_notes_are_printed(scenario):
     still = ["--set=drive.peak=0", "--set=drive.base=0", "--set=drive.hold=0"]
     assert "the robot never moved" in stickslip("run", scenario, *still).stdout
+    assert "solver.rtol = 0.0001" in stickslip("run", scenario, "--set=solver.rtol=1e-4").stdout
     assert "note" not in stickslip("run", scenario).stdout
 
 
@@ -234,7 +235,8 @@ def run_until_the_bar(scenario, *settings):
     "settings",
     [
         pytest.param(["solver.max_step=1e-7", "drive.pulses=5000"], id="moving"),
-        pytest.param(["drive.peak=0.6e-3", "drive.hold=1e-6", "drive.pulses=1e12"], id="at rest"),
+        # As many pulses as the default of solver.max_steps allows, two stretches each.
+        pytest.param(["drive.peak=0.6e-3", "drive.hold=1e-6", "drive.pulses=499e6"], id="at rest"),
     ],
 )
 def test_an_interrupt_stops_within_a_fifth_of_a_second(scenario, settings):

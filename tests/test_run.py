@@ -203,6 +203,8 @@ def test_a_record_of_events_as_csv_has_their_words(tmp_path):
         ({"drive.mode": "OPP", "drive.peak": 20e-3, "drive.edge": "fall"}, ["at coil clamp"]),
         ({"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0}, ["never moved"]),
         ({"drive.base": 0.0, "drive.peak": 0.0}, ["did not move in", "rolled over", "forth"]),
+        ({"solver.rtol": 1e-4}, ["solver.rtol = 0.0001 is looser", "by a per cent", "1e-08"]),
+        ({"solver.rtol": 1e-5}, []),
     ],
 )
 def test_notes_are_facts_that_stand_out(changes, notes):
@@ -292,7 +294,8 @@ def test_progress_rises_and_can_stop():
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):
-        simulate(long.replace({"drive.pulses": 100_000}), progress=stop)
+        # 5e8 steps, half of what solver.max_steps allows.
+        simulate(long.replace({"drive.pulses": 10_000}), progress=stop)
 
 
 def test_runs_pickle(run):

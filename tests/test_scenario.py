@@ -199,7 +199,7 @@ def test_duration_and_window_follow_from_the_drive():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Drive(frequency=-1.0), ["drive.frequency = -1.0", "above 0"]),
+        (lambda: Drive(frequency=-1.0), ["drive.frequency = -1.0", "from 1e-06"]),
         (lambda: Drive(frequency="3"), ['drive.frequency = "3"', "a number"]),
         (lambda: Drive(frequency=True), ["drive.frequency = true", "a number"]),
         (lambda: Drive(frequency=None), ["drive.frequency = None", "a number"]),
@@ -208,7 +208,7 @@ def test_duration_and_window_follow_from_the_drive():
         (lambda: Drive(pulses=10**400), ["drive.pulses = 1000", "whole number"]),
         (lambda: Drive(mode="ipp"), ['drive.mode = "ipp"', '"IPP", "OPP", "program"']),
         (lambda: Drive(program="file.csv"), ["drive.program", "Waveform"]),
-        (lambda: Coil(side=float("inf")), ["coil.side = inf", "up to 100 m"]),
+        (lambda: Coil(side=float("inf")), ["coil.side = inf", "from 1e-06 to 100 m"]),
         (lambda: Record(rate=0), ["record.rate = 0", '"events" or "none"']),
         (lambda: Record(rate="all"), ['record.rate = "all"', '"events" or "none"']),
         (lambda: Scenario(drive={"frequency": 3.0}), ["drive = ", "a Drive"]),

@@ -182,7 +182,7 @@ VARIED = {
     "word for number": (["drive.frequency=low,high"], ['drive.frequency = "low"', "a number"]),
     "word not allowed": (["drive.mode=IPP,IPO"], ['drive.mode = "IPO"', '"IPP", "OPP"']),
     "number for word": (["drive.mode=0:1:2"], ["drive.mode = 0.0", '"IPP", "OPP"']),
-    "out of range": (["drive.frequency=-5:5:3"], ["drive.frequency = -5.0", "above 0"]),
+    "out of range": (["drive.frequency=-5:5:3"], ["drive.frequency = -5.0", "from 1e-06"]),
     "nan": (["drive.frequency=1,nan"], ["drive.frequency = nan"]),
     "half pulses": (["drive.pulses=1:4:3"], ["drive.pulses = 2.5", "whole number"]),
     "empty range": (["drive.frequency=5:5:3"], ["the range is empty"]),

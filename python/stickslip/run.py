@@ -156,7 +156,8 @@ class Run:
 
     @property
     def notes(self) -> list[str]:
-        """What stands out, a line each: a robot that never moved, or high voltages; mostly none."""
+        """What stands out, a line each: a robot that never moved, high voltages, a loose tolerance;
+        mostly none."""
         return run_notes(self.scenario, {**self._summary})
 
     def summary(self) -> dict[str, Any]:

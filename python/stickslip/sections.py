@@ -246,12 +246,13 @@ class Solver:
     method : {"tsit5", "arkode"}
         Own Runge-Kutta method of fifth order, or that of SUNDIALS, where the build has it.
     rtol : float
-        Local error a step, relative to the natural scales of the motion.
+        Local error a step, relative to the natural scales of the motion. Tightened where the linear
+        drag is low; looser than 1e-5 gets a note.
     max_step : float
         Longest step, s; 0: no limit.
     max_steps : int
-        Most steps of a run. One that needs more ends with the status "too_many_steps", whose message
-        names the key that makes the steps short.
+        Most steps of a run. One that needs more ends with the status "too_many_steps", whose
+        message names the key that makes the steps short.
     """
 
     method: Literal["tsit5", "arkode"] = "tsit5"

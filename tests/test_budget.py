@@ -1,0 +1,80 @@
+"""Runs that would take too long: refused before, or ended with what is to blame."""
+
+import re
+
+import pytest
+
+from helpers import scenario
+from stickslip import ScenarioError, simulate, simulate_batch, sweep
+
+PULSES = {"drive.base": 0.5e-3, "drive.pulses": 5}
+
+
+def test_a_run_stops_at_its_budget():
+    twenty = scenario({**PULSES, "drive.pulses": 20})
+    run = simulate(twenty.replace({"solver.max_steps": 1000}))
+    assert run.status == "too_many_steps"
+    # Nothing in the scenario is stiff, so the budget itself is what there is to change.
+    assert "raise solver.max_steps" in run.message
+    assert 0.0 < run.summary()["simulated_time"] < run.scenario.duration
+    assert run.summary()["steps"]["accepted"] == 1000
+    enough = simulate(twenty.replace({"solver.max_steps": 100_000}))
+    assert enough.ok
+    assert enough.summary() == simulate(twenty).summary()
+
+
+@pytest.mark.parametrize("method", ["tsit5", "arkode"])
+def test_a_stiff_run_names_the_key_to_blame(method):
+    changes = {"drag.rotational": 1e-3, "solver.max_steps": 20_000, "solver.method": method}
+    run = simulate(scenario(PULSES, changes))
+    assert run.status == "too_many_steps"
+    found = re.search(r"drag\.rotational = 0\.001 makes .* take a value near (\S+)$", run.message)
+    assert found
+    sane = simulate(scenario(PULSES, changes, {"drag.rotational": float(found[1])}))
+    assert sane.ok, sane.message
+
+
+def test_strong_linear_drag_reaches_its_end():
+    # m/c = 26 ns, which a million steps have to follow.
+    strong, usual = (simulate(scenario(PULSES, change)) for change in ({"drag.linear": 1.0}, {}))
+    assert strong.ok, strong.message
+    assert 0.0 < strong.mean_velocity < 0.01 * usual.mean_velocity
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "allowed"),
+    [
+        ({"effects.sample_hold.period": 1e-12}, "effects.sample_hold.period", "0 (none) or at"),
+        ({"solver.max_step": 1e-12}, "solver.max_step", "0 (no limit) or at least"),
+        ({"solver.max_step": 5e-5, "solver.max_steps": 1000}, "solver.max_step", "steps = 1000"),
+        ({"drive.pulses": 10**9}, "drive.pulses", "at most 5e+08"),
+        ({"robot.mass": 1e-300}, "robot.mass", "from 1e-18"),
+        ({"drive.frequency": 1e-7}, "drive.frequency", "from 1e-06"),
+        ({"coil.side": 1e-7}, "coil.side", "from 1e-06"),
+        ({"coil.turns": 1e-4}, "coil.turns", "from 0.001"),
+        ({"solver.max_steps": 0}, "solver.max_steps", "from 1"),
+    ],
+)  # fmt: skip
+def test_endless_work_is_refused_in_one_line(changes, key, allowed):
+    with pytest.raises(ScenarioError) as refusal:
+        simulate(scenario(PULSES, changes))
+    text = str(refusal.value)
+    assert text.startswith(f"{key} = ")
+    assert "allowed" in text
+    assert allowed in text
+    assert "\n" not in text
+
+
+def test_a_step_that_fits_the_budget_is_taken():
+    # 0.05 s of ramp and 5 pulses of 10 ms: 1000 steps of 1e-4 s, and a few at the events.
+    fits = scenario(PULSES, {"solver.max_step": 1e-4, "solver.max_steps": 1001})
+    assert simulate(fits).status == "too_many_steps"
+
+
+def test_a_point_that_is_out_of_budget_does_not_stop_a_sweep():
+    values = [1e-12, 0.0]
+    data = sweep(scenario(PULSES), {"effects.sample_hold.period": values})
+    assert data["status"].values.tolist()[1] == 0
+    assert data["message"].values[0].startswith("effects.sample_hold.period = 1e-12")
+    runs = simulate_batch([scenario(PULSES, {"solver.max_steps": n}) for n in (500, 10**6)])
+    assert [run.status for run in runs] == ["too_many_steps", "ok"]
