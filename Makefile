@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-before blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -98,6 +98,11 @@ docs: install $(VENV)/.docs-tools ## the documentation, into docs/_build/html
 
 bench: install ## speed of both integrators at equal accuracy, into bench/results/
 	@$(RUN) bench/bench.py
+
+BEFORE ?= f99d6ef
+
+bench-before: install ## speed beside an earlier commit, which is built into build/before (BEFORE=<commit>)
+	@$(RUN) bench/before.py --before $(BEFORE)
 
 BLIND_ARGS ?= --seeds 4
 

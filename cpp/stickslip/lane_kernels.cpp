@@ -1,3 +1,6 @@
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "stickslip/lane_numbers.hpp"
@@ -23,8 +26,31 @@ const std::vector<LaneKernels>& all_lane_kernels() {
     return all;
 }
 
+namespace {
+
+/// The widest pack that the environment variable STICKSLIP_LANES allows.
+int widest_allowed() {
+    const char* text = std::getenv("STICKSLIP_LANES");
+    if (text == nullptr) return all_lane_kernels().back().size;
+    for (const int width : {1, 2, 4, 8}) {
+        if (text == std::to_string(width)) return width;
+    }
+    throw std::invalid_argument("STICKSLIP_LANES = " + std::string(text) +
+                                ": allowed is 1, 2, 4 or 8");
+}
+
+}  // namespace
+
 const LaneKernels& lane_kernels() {
-    return all_lane_kernels().back();
+    static const LaneKernels chosen = [] {
+        const int widest = widest_allowed();
+        LaneKernels result = {1};
+        for (const LaneKernels& each : all_lane_kernels()) {
+            if (each.size <= widest) result = each;
+        }
+        return result;
+    }();
+    return chosen;
 }
 
 }  // namespace stickslip

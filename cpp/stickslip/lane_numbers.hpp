@@ -50,11 +50,12 @@ struct LaneRound {
 /// bytes.
 struct LaneKernels {
     using Step = LaneRound (*)(double* numbers);
-    int size = 0;  ///< runs in a pack
+    int size = 0;  ///< runs in a pack; 1: there are no packs, and no steps of them
     Step corner_stick = nullptr, corner_slip = nullptr, flight = nullptr;
 };
 
-/// The widest that this processor has.
+/// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of
+/// measurement that is read once, allows: 2, 4 or 8; at 1 every run goes alone.
 const LaneKernels& lane_kernels();
 /// All that it has, narrowest first: all give the same bits.
 const std::vector<LaneKernels>& all_lane_kernels();

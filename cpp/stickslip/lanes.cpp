@@ -185,6 +185,7 @@ class LaneGroup {
 public:
     LaneGroup(const LaneKernels& kernels, const std::function<void(std::size_t, RunResult&&)>& done)
         : done_(done),
+          has_packs_(kernels.size > 1),
           stick_(kernels.size, kernels.corner_stick),
           slip_(kernels.size, kernels.corner_slip),
           flight_(kernels.size, kernels.flight) {}
@@ -192,7 +193,7 @@ public:
     std::size_t size() const { return lanes_.size(); }
 
     void start(const LaneTask& task, RunControl& control) {
-        if (task.scenario.solver.method != Method::tsit5) {
+        if (!has_packs_ || task.scenario.solver.method != Method::tsit5) {
             done_(task.index, simulate(task.scenario, &control));
             return;
         }
@@ -246,6 +247,7 @@ private:
     auto& pack_of(const FlightPhase&) { return flight_; }
 
     const std::function<void(std::size_t, RunResult&&)>& done_;
+    bool has_packs_;
     std::vector<std::unique_ptr<Lane>> lanes_;
     PhasePack<CornerStickPhaseOf> stick_;
     PhasePack<CornerSlipPhaseOf> slip_;
