@@ -9,7 +9,7 @@ from typing import Any
 from fuzz import balances, contact_laws
 from fuzz.record import moving_alone, recorded
 from fuzz.scenarios import Identity, scenario
-from stickslip import Scenario, _core, Solver, simulate
+from stickslip import Scenario, Solver, _core, simulate
 
 TIGHT = 1e-10
 """Relative tolerance at which balances are looked at."""
