@@ -9,7 +9,7 @@ from typing import Any
 from fuzz import balances, contact_laws
 from fuzz.record import moving_alone, recorded
 from fuzz.scenarios import Identity, scenario
-from stickslip import Scenario, Solver, _core, simulate
+from stickslip import Run, Scenario, Solver, _core, simulate, simulate_batch
 
 TIGHT = 1e-10
 """Relative tolerance at which balances are looked at."""
@@ -19,6 +19,12 @@ REFERENCE = 1e-11
 
 FLOOR = 1e-6
 """m/s: a thousandth of the paper's speed. Below it a difference is taken relative to this."""
+
+BATCH = 100
+"""Runs of one `check_batch`."""
+
+# Steps of each: a stiff scenario is to say so, not to keep the others waiting.
+_SHORT_BUDGET = 3_000_000
 
 LARGE, NOTICEABLE = 1e-2, 1e-3
 """Relative differences of the mean velocity that are counted."""
@@ -35,24 +41,47 @@ def found(failures: list[str], kind: str = "", **more: Any) -> Found:
 
 def check_status(identity: Identity) -> Found:
     """The run ends, with a status that is known, a message, and finite numbers."""
-    given = scenario(identity)
-    run = simulate(given)
-    summary = run.summary()
+    run = simulate(scenario(identity))
+    return found(_status_failures(identity, run), run.status)
+
+
+def check_batch(identity: Identity) -> Found:
+    """A hundred runs together: each ends as in `check_status`, and some of them alone as well.
+
+    Those of number n are the scenarios 100 n to 100 n + 99 of the population.
+    """
+    first = BATCH * identity.number
+    names = [identity._replace(number=number) for number in range(first, first + BATCH)]
+    changes = {"record.rate": "none", "solver.max_steps": _SHORT_BUDGET}
+    given = [scenario(name).replace(changes) for name in names]
+    runs = simulate_batch(given, threads=1)
+    failures = []
+    for name, run in zip(names, runs, strict=True):
+        failures += [f"{name}: {line}" for line in _status_failures(name, run)]
+    for index in range(0, BATCH, BATCH // 5):
+        alone = simulate(given[index])
+        if repr(alone.summary()) != repr(runs[index].summary()):
+            failures.append(f"{names[index]}: another summary alone than among others")
+    return found(failures, f"{BATCH} runs")
+
+
+def _status_failures(identity: Identity, run: Run) -> list[str]:
     failures = []
     if run.status not in _core.status_names:
         failures.append(f"unknown status {run.status!r}")
     if not run.message.strip():
         failures.append(f"status {run.status} has no message")
     if run.ok:
-        infinite = [
-            name
-            for name, value in summary.items()
+        failures += [
+            f"{name} is not finite"
+            for name, value in run.summary().items()
             if isinstance(value, float) and not math.isfinite(value)
         ]
-        failures += [f"{name} is not finite" for name in infinite]
+    elif run.status == "too_many_steps" and "take a value near" in run.message:
+        pass  # it is stiff, and the key is named
     elif run.status not in _FINE and identity.population != "extreme":
         failures.append(f"status {run.status}: {run.message}")
-    return found(failures, run.status)
+    return failures
 
 
 def check_invariants(identity: Identity) -> Found:
@@ -118,6 +147,7 @@ def relative(value: float, reference: float) -> float:
 
 CHECKS: dict[str, Callable[[Identity], Found]] = {
     "status": check_status,
+    "batch": check_batch,
     "invariants": check_invariants,
     "tolerance": check_tolerance,
     "integrators": check_integrators,
