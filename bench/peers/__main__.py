@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,29 +14,13 @@ from measure import cpu_seconds_in_turn, machine, pin
 
 import stickslip
 from peers import stickslip_side
+from peers.accuracy import rms_error, tolerance_within
 from peers.entries import ENTRIES, WRONG, Entry, installed_version
 from peers.problem import FAMILY, REFERENCE, problem_of
 
 POINTS = 100_000
 TARGETS = {"scipy": 400.0, "heyoka": 25.0, "mujoco": 400.0, "magpylib": 20.0}
 SHARE, SECONDS = 0.5, 1.0  # of the friction limit, s: the test for creep
-
-
-def rms_error(velocities: list[float], exact: np.ndarray) -> float:
-    """Root mean square of the relative errors."""
-    return float(np.sqrt(np.mean((np.array(velocities) / exact - 1.0) ** 2)))
-
-
-def tolerance_within(error: float, own_errors: dict[float, float]) -> float:
-    """The loosest tolerance of stickslip whose error, and that of all tighter ones, is within."""
-    chosen = None
-    for rtol, own in sorted(own_errors.items()):
-        if own > error:
-            break
-        chosen = rtol
-    if chosen is None:
-        raise RuntimeError(f"no tolerance of stickslip reaches a velocity error of {error:.1e}")
-    return chosen
 
 
 def motion_rows(entries: list[Entry], repeats: int) -> list[dict]:
@@ -121,11 +106,12 @@ def creep_rows(with_mujoco: bool) -> list[dict]:
     if with_mujoco:
         from peers import mujoco_peer
 
-        for settings in (mujoco_peer.QUICK, mujoco_peer.ACCURATE):
+        for settings in mujoco_peer.available():
             softer = replace(settings, friction_impedance=1.0)
-            for each, name in ((settings, ""), (softer, ", impratio 1")):
+            for each, name in {settings: "", softer: ", impratio 1"}.items():
                 drift = mujoco_peer.creep(problem_of(), each, SHARE, SECONDS)
-                drifts[f"mujoco, step {settings.timestep * 1e3:.0f} us{name}"] = drift
+                kind = ", adhesive geoms" if settings.passive else ""
+                drifts[f"mujoco, step {settings.timestep * 1e3:.0f} us{kind}{name}"] = drift
     return [{"who": who, "drift_mm": 1e3 * drift} for who, drift in drifts.items()]
 
 
@@ -136,11 +122,22 @@ def show(rows: list[dict]) -> None:
         f" | {'stickslip':>10}{'cost':>9}{'error':>8} | {'ratio':>6} {'target':>6}"
     )
     for row in rows:
+        target = "-" if row["target"] is None else f"{row['target']:.0f}"
         print(
             f"{row['peer']:9}{row['settings']:32}{row['cost']:9.3g} {row['unit']:20}"
             f"{row['error']:8.1e} | {row['stickslip_settings']:>10}{row['stickslip_cost']:9.3g}"
-            f"{row['stickslip_error']:8.1e} | {row['ratio']:6.3g} {row['target']:6.0f}"
+            f"{row['stickslip_error']:8.1e} | {row['ratio']:6.3g} {target:>6}"
             f"{'  WRONG' if row['wrong'] else ''}"
+        )
+
+
+def show_batches(rows: list[dict]) -> None:
+    """What it brings to have many runs go together, and what is the peer's own."""
+    for row in rows:
+        print(
+            f"heyoka, {row['settings']}: {row['cost']:.2e}, of which {row['inner_cost']:.2e} in"
+            f" heyoka itself; stickslip {row['stickslip_cost']:.2e}, or"
+            f" {row['stickslip_single_cost']:.2e} one by one"
         )
 
 
@@ -155,11 +152,18 @@ def main() -> int:
     missing = [name for name, version in versions.items() if version is None]
     entries = [e for name, make in ENTRIES.items() if name not in missing for e in make()]
     rows = motion_rows(entries, options.repeats)
+    batches = []
+    if "heyoka" not in missing:
+        from peers.batch_rows import batch_rows
+
+        batches = batch_rows(options.repeats)
+        rows += batches
     if "magpylib" not in missing:
         rows += field_rows(options.repeats)
     creep = creep_rows("mujoco" not in missing)
 
     show(rows)
+    show_batches(batches)
     for name in missing:
         print(f"{name:9}not installable here: not measured")
     compiled = [f"{row['compile_seconds']:.2g} s" for row in rows if row["compile_seconds"]]
@@ -179,9 +183,11 @@ def main() -> int:
         "versions": versions,
         "rows": rows,
         "creep": creep,
+        "load_average": os.getloadavg(),
     }
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(result, indent=2) + "\n")
+    print("load average: " + ", ".join(f"{load:.1f}" for load in result["load_average"]))
     print(f"written: {options.out}")
     wrong = [f"{row['peer']} ({row['settings']})" for row in rows if row["wrong"]]
     if wrong:

@@ -78,17 +78,18 @@ def heyoka_entries() -> list[Entry]:
 
 
 def mujoco_entries() -> list[Entry]:
-    """The best settings of two time steps that the search has found."""
+    """The best settings that the search has found, of each kind of adhesion."""
     from peers import mujoco_peer
 
+    kinds = {False: "", True: ", adhesive geoms"}
     return [
         Entry(
             "mujoco",
-            f"step {settings.timestep * 1e3:.0f} us",
+            f"step {settings.timestep * 1e3:.0f} us{kinds[settings.passive]}",
             lambda problem, s=settings: mujoco_peer.simulate(problem, s),
             checked=False,
         )
-        for settings in (mujoco_peer.QUICK, mujoco_peer.ACCURATE)
+        for settings in mujoco_peer.available()
     ]
 
 
