@@ -26,6 +26,9 @@ BATCH = 100
 # Steps of each: a stiff scenario is to say so, not to keep the others waiting.
 _SHORT_BUDGET = 3_000_000
 
+# Restitution from which bounces may follow each other without end.
+_ELASTIC = 0.99
+
 LARGE, NOTICEABLE = 1e-2, 1e-3
 """Relative differences of the mean velocity that are counted."""
 
@@ -77,11 +80,17 @@ def _status_failures(identity: Identity, run: Run) -> list[str]:
             for name, value in run.summary().items()
             if isinstance(value, float) and not math.isfinite(value)
         ]
-    elif run.status == "too_many_steps" and "take a value near" in run.message:
+    elif run.status.startswith("too_many_") and "take a value near" in run.message:
         pass  # it is stiff, and the key is named
+    elif run.status == "too_many_events" and _restitution(run.scenario) >= _ELASTIC:
+        pass  # bounces that lose nothing are ever smaller where the fluid damps them
     elif run.status not in _FINE and identity.population != "extreme":
         failures.append(f"status {run.status}: {run.message}")
     return failures
+
+
+def _restitution(given: Scenario) -> float:
+    return float(given.get("contact.restitution") + given.get("effects.restitution.coefficient"))
 
 
 def check_invariants(identity: Identity) -> Found:

@@ -183,14 +183,17 @@ private:
 
 class LaneGroup {
 public:
-    LaneGroup(const LaneKernels& kernels, const std::function<void(std::size_t, RunResult&&)>& done)
+    LaneGroup(const LaneKernels& kernels, std::size_t most,
+              const std::function<void(std::size_t, RunResult&&)>& done)
         : done_(done),
-          has_packs_(kernels.size > 1),
+          has_packs_(kernels.size > 1 && most >= kLeast),
           stick_(kernels.size, kernels.corner_stick),
           slip_(kernels.size, kernels.corner_slip),
           flight_(kernels.size, kernels.flight) {}
 
     std::size_t size() const { return lanes_.size(); }
+    /// No run will follow those that are here.
+    void set_last() { is_last_ = true; }
 
     void start(const LaneTask& task, RunControl& control) {
         if (!has_packs_ || task.scenario.solver.method != Method::tsit5) {
@@ -206,7 +209,7 @@ public:
         play(*lanes_.back());
     }
 
-    /// One step of the fullest pack; ends the group's oldest steps first where two are as full.
+    /// One step of the fullest pack.
     void step() {
         const auto leave = [this](Lane& lane) { play(lane); };
         const std::size_t stick = stick_.count(), slip = slip_.count(), flight = flight_.count();
@@ -227,11 +230,12 @@ private:
             lane.loop.with_phase([&](auto phase) {
                 using Phase = decltype(phase);
                 Loop& loop = lane.loop;
-                if constexpr (std::is_same_v<Phase, FaceSlidePhase>) {
+                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase>;
+                if (kNever || (is_last_ && lanes_.size() < kLeast)) {
                     loop.end_phase(phase, loop.integrator().advance(
                                               phase, loop.memory(), loop.tau(), loop.tau_end(),
                                               phase.begin(loop.body()), loop.observer(phase)));
-                } else {
+                } else if constexpr (!kNever) {
                     pack_of(phase).add(lane);
                     added = true;
                 }
@@ -247,7 +251,10 @@ private:
     auto& pack_of(const FlightPhase&) { return flight_; }
 
     const std::function<void(std::size_t, RunResult&&)>& done_;
+    // Fewer runs are quicker one by one: a step of a pack costs as much as those of two or three.
+    static constexpr std::size_t kLeast = 4;
     bool has_packs_;
+    bool is_last_ = false;
     std::vector<std::unique_ptr<Lane>> lanes_;
     PhasePack<CornerStickPhaseOf> stick_;
     PhasePack<CornerSlipPhaseOf> slip_;
@@ -260,13 +267,16 @@ void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
                        const std::function<std::optional<LaneTask>()>& next,
                        const std::function<void(std::size_t, RunResult&&)>& done,
                        RunControl& control) {
-    LaneGroup group(kernels, done);
+    LaneGroup group(kernels, count, done);
     bool more = true;
     while (!control.stop.load(std::memory_order_relaxed)) {
         if (more && group.size() < count) {
             const auto task = next();
             more = task.has_value();
-            if (task) group.start(*task, control);
+            if (task)
+                group.start(*task, control);
+            else
+                group.set_last();
         } else if (group.size() > 0) {
             group.step();
         } else {

@@ -204,7 +204,7 @@ template <class Real>
     return bits * (1.0 / kTwo32) - (1023.0 - 0.043);
 }
 
-/// 2 to the power a, |a| < 1000, within 0.6 % of itself: for the choice of a step's width.
+/// 2 to the power a, |a| < 1000, within 1 % of itself: for the choice of a step's width.
 template <class Real>
 [[gnu::always_inline]] inline Real rough_exp2(Real a) {
     const Real shifted = a + kRound;

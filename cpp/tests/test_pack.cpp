@@ -42,7 +42,7 @@ TEST_CASE("pack: the rough logarithm and power are good enough for the width of 
         const double a = std::pow(10.0, random.between(-300.0, 300.0));
         CHECK(std::abs(rough_log2(a) - std::log2(a)) < 0.05);
         const double b = random.between(-900.0, 900.0);
-        CHECK(std::abs(rough_exp2(b) / std::exp2(b) - 1.0) < 6e-3);
+        CHECK(std::abs(rough_exp2(b) / std::exp2(b) - 1.0) < 1e-2);
     }
 }
 
