@@ -65,10 +65,11 @@ def test_endless_work_is_refused_in_one_line(changes, key, allowed):
     assert "\n" not in text
 
 
-def test_a_step_that_fits_the_budget_is_taken():
-    # 0.05 s of ramp and 5 pulses of 10 ms: 1000 steps of 1e-4 s, and a few at the events.
-    fits = scenario(PULSES, {"solver.max_step": 1e-4, "solver.max_steps": 1001})
-    assert simulate(fits).status == "too_many_steps"
+def test_a_budget_of_just_the_steps_that_a_run_needs_is_enough():
+    needed = simulate(scenario(PULSES, {})).summary()["steps"]["accepted"]
+    budget = {"solver.max_steps": needed}
+    assert simulate(scenario(PULSES, budget)).status == "ok"
+    assert simulate(scenario(PULSES, {"solver.max_steps": needed - 1})).status == "too_many_steps"
 
 
 def test_a_point_that_is_out_of_budget_does_not_stop_a_sweep():

@@ -106,6 +106,17 @@ def test_csv_keeps_every_bit_and_any_order_of_columns(tmp_path):
     assert Waveform.from_csv(shuffled) == waveform
 
 
+def test_lines_of_a_csv_file_that_begin_with_a_hash_are_comments(tmp_path):
+    path = tmp_path / "voltages.csv"
+    path.write_text("# of Tuesday\nt,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n# a jump\n1,5,0,0,0,-10\n")
+    t, v = Waveform.from_csv(path).points()
+    assert t.tolist() == [0.0, 1.0]
+    assert v[1].tolist() == [5.0, 0.0, 0.0, 0.0, -10.0]
+    path.write_text("# of Tuesday\nt,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n# a jump\n1,x,0,0,0,-10\n")
+    with pytest.raises(ScenarioError, match="row 5"):  # the line of the file
+        Waveform.from_csv(path)
+
+
 def test_repeats_in_csv_are_the_same_voltages(tmp_path):
     waveform = Waveform.ipp(pulses=3)
     waveform.to_csv(tmp_path / "ipp.csv")

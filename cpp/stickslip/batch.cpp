@@ -107,6 +107,7 @@ std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, in
                                       RunControl& control, const std::function<void()>& poll) {
     for (const Scenario& scenario : scenarios) check(scenario);
     std::vector<RunResult> results(scenarios.size());
+    for (RunResult& each : results) each.status = Status::interrupted;  // until it has ended
     simulate_tasks(
         scenarios.size(), threads, control,
         [&](std::size_t index) { return std::optional(scenarios[index]); },

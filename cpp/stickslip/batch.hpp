@@ -22,7 +22,7 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
 
 /// Simulates the tasks 0 ... count-1 on `threads` threads, in lanes. `scenario(index)` makes a
 /// task's scenario, or none for one that is refused; `done(index, result)` takes its result. Both
-/// are called on any of the threads, once for each task.
+/// are called on any of the threads, once for each task that was begun.
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,

@@ -53,8 +53,8 @@ struct PlainDynamics {
 
     BasePose<Real> base;
 
-    /// Largest angle from the base, squared, at which the series of `turned` are exact to rounding.
-    static constexpr double kNearSquared = 0.015625;
+    /// Angle from the base (rad) up to which the series of `turned` are exact to rounding.
+    static constexpr double kNear = 0.125, kNearSquared = kNear * kNear;
     /// Turning the last base on is quicker than sine and cosine; rounding adds up over few turns,
     /// to 1e-14.
     static constexpr int kMostTurns = 128;
@@ -117,7 +117,7 @@ public:
         BasePose<double>& base = robot_.base;
         base.turns += 1.0;
         if (base.turns < PlainDynamics<double>::kMostTurns &&
-            std::abs(angle - base.angle) < 0.125) {
+            std::abs(angle - base.angle) < PlainDynamics<double>::kNear) {
             base.pose = pose(angle);
         } else {
             base.pose = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));

@@ -58,9 +58,10 @@ struct EventSamples {
     }
 
     /// Zero or positive throughout, and positive at some stages and the end: function i, which was
-    /// born at zero, has risen. What lies between is not looked at, as in EventFinder::risen.
+    /// born at zero, has risen.
     [[gnu::always_inline]] MaskOf<Real> rises(std::size_t i) const {
-        return (lowest[i] >= 0.0) & (early[i] > 0.0) & (late[i] > 0.0) & (end[i] > 0.0);
+        return (lowest[i] >= 0.0) & (early[i] > 0.0) & (late[i] > 0.0) & (end[i] > 0.0) &
+               !may_dip(i);
     }
 
 private:

@@ -31,6 +31,7 @@ public:
     template <class Phase>
     void end_phase(Phase& phase, const PhaseEnd<Phase>& end);
     RunResult take_result();
+    void interrupt() { result_.status = Status::interrupted; }
     /// What is called for each step of a phase, see Tsit5::advance.
     template <class Phase>
     auto observer(Phase& phase);
@@ -153,7 +154,8 @@ StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const M
     // proportion to the damping, the error of a run goes with rtol whatever the drag.
     constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
     constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
-    const double damping = model.translational_drag / model.mass / result.swing_rate;
+    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag);
+    const double damping = least_drag / model.mass / result.swing_rate;
     const double rtol = scenario.solver.rtol;
     result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
                                 std::min(rtol, kLeastTolerance));
@@ -366,6 +368,9 @@ void HybridLoop<Integrator>::end_phase(Phase& phase, const PhaseEnd<Phase>& end)
         }
     }
     if (end.status == Status::ok && end.event != Event::none) handle(end.event, end.tau);
+    // A phase that ends in its first step does not look at the budget.
+    const bool spent = integrator_.counts().accepted > integrator_.options().most_steps;
+    if (result_.status == Status::ok && spent) result_.status = Status::too_many_steps;
 }
 
 }  // namespace stickslip

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstring>
-
 #include "stickslip/lane_numbers.hpp"
 
 /// One step of a pack of runs. Compiled once for each width of the processor's registers
@@ -76,7 +74,9 @@ LaneRound lane_step(double* memory) {
                    (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0);
     for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
         const auto unarmed = n.unarmed[i] > 0.0;
-        flagged = flagged | ((!unarmed) & ((p.samples.end[i] <= 0.0) | p.samples.may_dip(i))) |
+        flagged = flagged |
+                  ((!unarmed) & ((p.samples.start[i] <= 0.0) | (p.samples.end[i] <= 0.0) |
+                                 p.samples.may_dip(i))) |
                   (unarmed & !p.samples.rises(i));
     }
     flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});
@@ -106,6 +106,8 @@ LaneRound lane_step(double* memory) {
 
 template <int N>
 LaneKernels kernels_of() {
+    static_assert(sizeof(LaneNumbers<CornerStickPhaseOf, PackDynamics<Pack<N>>>) ==
+                  N * sizeof(LaneNumbers<CornerStickPhaseOf, Dynamics>));
     static_assert(sizeof(LaneNumbers<FlightPhaseOf, PackDynamics<Pack<N>>>) ==
                   N * sizeof(LaneNumbers<FlightPhaseOf, Dynamics>));
     static_assert(sizeof(LaneNumbers<CornerSlipPhaseOf, PackDynamics<Pack<N>>>) ==

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <deque>
 #include <initializer_list>
@@ -133,8 +132,6 @@ private:
         }
     }
 
-    using Values = std::array<double, kNumbers>;
-
     /// The places of some numbers among all.
     struct Range {
         std::size_t begin, end;
@@ -157,19 +154,20 @@ private:
     static constexpr Range kUnarmed = between(offsetof(N, unarmed), sizeof(N));
 
     void write(const N& numbers, std::size_t place, std::initializer_list<Range> ranges) {
-        const Values values = std::bit_cast<Values>(numbers);
+        const auto* values = reinterpret_cast<const double*>(&numbers);
         double* to = memory_.data() + place;
         for (const Range& range : ranges) {
             for (std::size_t k = range.begin; k < range.end; ++k) to[k * size_] = values[k];
         }
     }
     N read(std::size_t place, std::initializer_list<Range> ranges) const {
-        Values values;
+        N numbers;
+        auto* to = reinterpret_cast<double*>(&numbers);
         const double* from = memory_.data() + place;
         for (const Range& range : ranges) {
-            for (std::size_t k = range.begin; k < range.end; ++k) values[k] = from[k * size_];
+            for (std::size_t k = range.begin; k < range.end; ++k) to[k] = from[k * size_];
         }
-        return std::bit_cast<N>(values);
+        return numbers;
     }
 
     std::size_t size_;
@@ -207,6 +205,15 @@ public:
         }
         lanes_.push_back(std::move(lane));
         play(*lanes_.back());
+    }
+
+    /// Ends all runs where they are.
+    void interrupt() {
+        for (const auto& lane : lanes_) {
+            lane->loop.interrupt();
+            done_(lane->index, lane->loop.take_result());
+        }
+        lanes_.clear();
     }
 
     /// One step of the fullest pack.
@@ -283,6 +290,7 @@ void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
             return;
         }
     }
+    group.interrupt();
 }
 
 }  // namespace stickslip

@@ -29,7 +29,8 @@ public:
                 c1_ + s * (2.0 * c2_ + s * (3.0 * c3_ + s * (4.0 * c4_ + s * (5.0 * c5_))));
             const Real curvature =
                 2.0 * c2_ + s * (6.0 * c3_ + s * (12.0 * c4_ + s * (20.0 * c5_)));
-            s = lesser(greater(s - slope / curvature, Real(0.0)), Real(1.0));
+            // In this order what is no number becomes an end.
+            s = lesser(Real(1.0), greater(Real(0.0), s - slope / curvature));
         }
         return s;
     }

@@ -71,7 +71,6 @@ struct Pack {
     friend Mask operator>(Pack a, Pack b) { return {a.v > b.v}; }
     friend Mask operator<=(Pack a, Pack b) { return {a.v <= b.v}; }
     friend Mask operator>=(Pack a, Pack b) { return {a.v >= b.v}; }
-    friend Mask operator!=(Pack a, Pack b) { return {a.v != b.v}; }
 };
 
 /// Two neighbours in memory, for the pairs of one run.

@@ -1,5 +1,6 @@
 #include "stickslip/stiffness.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -34,20 +35,24 @@ Stiffness stiffness(const Scenario& s, const Model& model, double swing_rate) {
         {"effects.viscous_friction.coefficient", e.viscous_friction_coefficient,
          e.viscous_friction_coefficient * load / mass},
     }};
+    // Where nothing swings the rate is a stand-in, and no key is to blame for being above it.
+    constexpr double kSlowSwing = 1e3;  // rad/s
     Stiffness result;
-    result.swing = swing_rate;
+    result.swing = std::max(swing_rate, kSlowSwing);
     for (const Candidate& candidate : candidates) {
         if (candidate.rate <= result.rate) continue;
         result.key = candidate.key;
         result.value = candidate.value;
         result.rate = candidate.rate;
     }
-    if (result.rate > 0.0) result.sane = result.value * (kFarAbove * swing_rate / result.rate);
-    // The least mass at which the swing is that of a robot, not of a speck of dust.
+    if (result.rate > 0.0) result.sane = result.value * (kFarAbove * result.swing / result.rate);
+    // The least mass at which the swing is that of a robot, not of a speck of dust; a field that
+    // makes a robot of some mass swing so fast is not the mass's fault.
     constexpr double kFastestSwing = 1e6;  // rad/s
-    if (!result.is_stiff() && swing_rate > kFastestSwing) {
+    constexpr double kDust = 1e-13;        // kg, of a cube of some 5 um
+    if (!result.is_stiff() && swing_rate > kFastestSwing && mass < kDust) {
         const double ratio = swing_rate / kFastestSwing;
-        result = {"robot.mass", mass, swing_rate, kFastestSwing / kFarAbove, mass * ratio * ratio};
+        result = {"robot.mass", mass, swing_rate, kFastestSwing / kFarAbove, std::min(mass * ratio * ratio, kDust)};
     }
     return result;
 }

@@ -179,7 +179,7 @@ struct WidthControl {
 };
 
 /// Where the integration of a phase stands. All members are numbers, so that a pack of phases has
-/// the same members as packs (lane_kernel.hpp).
+/// the same members as packs (lane_kernel.hpp); lanes.cpp copies ranges of them, in this order.
 template <class Phase>
 struct Tsit5Progress {
     using Real = typename Phase::Real;
@@ -290,7 +290,7 @@ private:
 template <class Phase>
 Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                                   const typename Phase::State& y) {
-    Tsit5Progress<Phase> progress;
+    Tsit5Progress<Phase> progress = {};
     Tsit5Step<Phase>& step = progress.step;
     step.first = y;
     const typename Phase::State scale = phase.scale(options_.scales);
@@ -365,8 +365,8 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
     p.commit(phase, to_end);
     phase.rebase(step.first);
     if (phase.outside()) return ended(Status::left_workspace);
-    if (p.accepted >= p.most_steps) return ended(Status::too_many_steps);
-    return to_end && ended(Status::ok);
+    if (to_end) return ended(Status::ok);
+    return p.accepted >= p.most_steps && ended(Status::too_many_steps);
 }
 
 }  // namespace stickslip

@@ -106,13 +106,18 @@ TEST_CASE("lanes: a stop ends them all") {
     endless.drive.base = 0.5e-3;
     endless.drive.pulses = 100'000'000;
     RunControl control;
-    int taken = 0;
+    int taken = 0, ended = 0;
     simulate_in_lanes(
         lane_kernels(), 8,
         [&]() -> std::optional<LaneTask> {
             if (++taken == 8) control.stop = true;
             return LaneTask{0, endless};
         },
-        [](std::size_t, RunResult&& run) { CHECK(run.status == Status::interrupted); }, control);
+        [&](std::size_t, RunResult&& run) {
+            CHECK(run.status == Status::interrupted);
+            ++ended;
+        },
+        control);
     CHECK(taken == 8);
+    CHECK(ended == 8);
 }

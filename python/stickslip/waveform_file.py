@@ -66,10 +66,11 @@ def write_rows(waveform: Waveform, path: Path) -> None:
 
 
 def _numbered(file: Iterable[str]) -> Iterator[tuple[int, list[str]]]:
-    """Rows with the line on which each ends."""
+    """Rows with the line on which each ends. A line that begins with # is a comment."""
     reader = csv.reader(file)
     for row in reader:
-        yield reader.line_num, row
+        if not (row and row[0].lstrip().startswith("#")):
+            yield reader.line_num, row
 
 
 def _table(rows: Iterator[tuple[int, list[str]]]) -> NDArray[np.float64]:
