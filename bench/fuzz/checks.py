@@ -130,7 +130,7 @@ def _compared(tried: Scenario, reference: Scenario) -> Found:
     """Kinds: "close", "noticeable", "large"; "sensitive" where the reference itself is unsure.
 
     A motion that amplifies every error, such as a tumbling block, has no mean velocity to compare:
-    a part in 1e9 of the robot's mass, which nobody knows so well, moves it as far.
+    the default tolerance's part of the robot's mass moves it as far, and no step can do better.
     """
     first, second = simulate(tried), simulate(reference)
     if not (first.ok and second.ok):
@@ -141,7 +141,9 @@ def _compared(tried: Scenario, reference: Scenario) -> Found:
     more = {"difference": difference, "velocity": second.mean_velocity}
     if difference <= NOTICEABLE:
         return found([], "close", **more)
-    again = simulate(reference.replace({"robot.mass": reference.robot.mass * (1.0 + 1e-9)}))
+    again = simulate(
+        reference.replace({"robot.mass": reference.robot.mass * (1.0 + Solver().rtol)})
+    )
     if not again.ok or relative(again.mean_velocity, second.mean_velocity) > 0.1 * difference:
         return found([], "sensitive", **more)
     kind = "large" if difference > LARGE else "noticeable"
