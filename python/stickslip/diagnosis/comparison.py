@@ -134,6 +134,9 @@ def compare(
     singles = fit_singles(problem, views, basins, clouds)
     singles = look_again(problem, singles, singles[:_LEADERS], clouds)
     base, singles = _settled(base, bare, singles, seed)
+    # A near twin whose searches did not agree may be found from where the leader is now.
+    if any(not fit.certified for fit in singles[1:_LEADERS]):
+        singles = look_again(base.problem, singles, singles[:1], base.clouds)
     if not base.detection.found:
         return base, Ranking(base.null, singles, ())
     if singles and base.clouds:
