@@ -52,7 +52,8 @@ Stiffness stiffness(const Scenario& s, const Model& model, double swing_rate) {
     constexpr double kDust = 1e-13;        // kg, of a cube of some 5 um
     if (!result.is_stiff() && swing_rate > kFastestSwing && mass < kDust) {
         const double ratio = swing_rate / kFastestSwing;
-        result = {"robot.mass", mass, swing_rate, kFastestSwing / kFarAbove, std::min(mass * ratio * ratio, kDust)};
+        result = {"robot.mass", mass, swing_rate, kFastestSwing / kFarAbove,
+                  std::min(mass * ratio * ratio, kDust)};
     }
     return result;
 }
