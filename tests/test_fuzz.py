@@ -145,8 +145,10 @@ def test_energy_that_an_impact_adds_is_found(record):
     faster = {column: getattr(record, column).copy() for column in ("vx", "vz", "omega")}
     for values in faster.values():
         values[where] *= 1.1
-    found = balances.violations(dataclasses.replace(record, **faster))
-    assert any("gained across an event" in line for line in found), found
+    faster = dataclasses.replace(record, **faster)
+    for found in (balances.violations(faster), balances.gained(faster)):
+        assert any("gained across an event" in line for line in found), found
+    assert balances.gained(record) == []
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzz.record import Array, Record, magnetic_load
+from fuzz.record import Array, Record, at_events, magnetic_load
 
 # In units of a step's tolerance, relative to the natural momentum and energy: a stretch between two
 # events has some tens of steps, and the dense output between them errs more than they do.
@@ -34,6 +34,17 @@ def violations(record: Record) -> list[str]:
         return []
     load = magnetic_load(record)
     return [line for line in (*_momenta(record, load), *_energies(record, load)) if line]
+
+
+def gained(record: Record) -> list[str]:
+    """Energy that no field has given, across an event; the last part of `violations`."""
+    if not record.fine:
+        return []
+    if record.scenario.contact.adhesion_range == 0.0:
+        record = at_events(record)
+    energy, load = kinetic_and_weight(record), magnetic_load(record)
+    line = _gained(record, energy, load, _natural_energy(record))
+    return [line] if line else []
 
 
 def stretches(record: Record) -> list[tuple[int, int]]:
@@ -101,8 +112,7 @@ def kinetic_and_weight(record: Record) -> Array:
 
 def _energies(record: Record, load: tuple[Array, Array, Array]) -> list[str]:
     energy = kinetic_and_weight(record)
-    # The error of a velocity is relative to the natural one, and the energy's is that by momentum.
-    scale = record.scenario.robot.mass * record.fastest * float(np.max(record.pace))
+    scale = _natural_energy(record)
     if scale == 0.0:
         return []
     found = []
@@ -113,6 +123,11 @@ def _energies(record: Record, load: tuple[Array, Array, Array]) -> list[str]:
         power += record.friction * np.nan_to_num(record.slip)
         found.append(_unbalanced("energy", record, energy, power, scale))
     return [*found, _gained(record, energy, load, scale)]
+
+
+def _natural_energy(record: Record) -> float:
+    """The error of a velocity is relative to the natural one, and the energy's is that by it."""
+    return record.scenario.robot.mass * record.fastest * float(np.max(record.pace))
 
 
 def _unbalanced(name: str, record: Record, content: Array, rate: Array, scale: float) -> str:
@@ -151,11 +166,16 @@ def _trapezium(t: Array, rate: Array) -> Array:
 def _gained(record: Record, energy: Array, load: tuple[Array, Array, Array], scale: float) -> str:
     """A line for the sample at which energy appears that no field has given."""
     work, error = np.zeros(len(energy) - 1), np.zeros(len(energy) - 1)
-    for force, place in zip(load, (record.x, record.z, record.theta), strict=True):
+    places = ((record.x, record.vx), (record.z, record.vz), (record.theta, record.omega))
+    for force, (place, rate) in zip(load, places, strict=True):
         step = np.diff(place)
         work += 0.5 * (force[1:] + force[:-1]) * step
-        # Exact for a force that rises or falls all the way along the step.
-        error += 0.5 * np.abs(np.diff(force) * step)
+        # Exact for a force that rises or falls all the way along the step, whose way may be forth
+        # and back.
+        way = np.maximum(
+            np.abs(step), np.maximum(np.abs(rate[1:]), np.abs(rate[:-1])) * np.diff(record.t)
+        )
+        error += 0.5 * np.abs(np.diff(force)) * way
     ledger = np.append(0.0, np.cumsum(np.diff(energy) - work))
     # What a torque does that turns within the step.
     natural = record.scenario.robot.mass * record.fastest

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fuzz import balances, contact_laws
-from fuzz.record import moving_alone, recorded
+from fuzz.record import moving_alone, recorded, recorded_together
 from fuzz.scenarios import Identity, scenario
 from stickslip import Run, Scenario, Solver, _core, simulate, simulate_batch
 
@@ -25,6 +25,9 @@ BATCH = 100
 
 # Steps of each: a stiff scenario is to say so, not to keep the others waiting.
 _SHORT_BUDGET = 3_000_000
+
+# Runs whose records, of some 3 MB, are held at a time.
+_RECORDED = 10
 
 # Restitution from which bounces may follow each other without end.
 _ELASTIC = 0.99
@@ -53,10 +56,8 @@ def check_batch(identity: Identity) -> Found:
 
     Those of number n are the scenarios 100 n to 100 n + 99 of the population.
     """
-    first = BATCH * identity.number
-    names = [identity._replace(number=number) for number in range(first, first + BATCH)]
-    changes = {"record.rate": "none", "solver.max_steps": _SHORT_BUDGET}
-    given = [scenario(name).replace(changes) for name in names]
+    names, given = _hundred(identity)
+    given = [each.replace({"record.rate": "none"}) for each in given]
     runs = simulate_batch(given, threads=1)
     failures = []
     for name, run in zip(names, runs, strict=True):
@@ -66,6 +67,28 @@ def check_batch(identity: Identity) -> Found:
         if repr(alone.summary()) != repr(runs[index].summary()):
             failures.append(f"{names[index]}: another summary alone than among others")
     return found(failures, f"{BATCH} runs")
+
+
+def check_energy(identity: Identity) -> Found:
+    """No energy across an event that no field has given, of a hundred runs at a tight tolerance."""
+    names, given = _hundred(identity)
+    failures = []
+    judged = 0
+    for first in range(0, BATCH, _RECORDED):
+        some = slice(first, first + _RECORDED)
+        for name, (record, _) in zip(
+            names[some], recorded_together(given[some], TIGHT), strict=True
+        ):
+            if record is not None and record.fine:
+                judged += 1
+                failures += [f"{name}: {line}" for line in balances.gained(record)]
+    return found(failures, f"{BATCH} runs", judged=judged)
+
+
+def _hundred(identity: Identity) -> tuple[list[Identity], list[Scenario]]:
+    first = BATCH * identity.number
+    names = [identity._replace(number=number) for number in range(first, first + BATCH)]
+    return names, [scenario(n).replace({"solver.max_steps": _SHORT_BUDGET}) for n in names]
 
 
 def _status_failures(identity: Identity, run: Run) -> list[str]:
@@ -159,6 +182,7 @@ def relative(value: float, reference: float) -> float:
 CHECKS: dict[str, Callable[[Identity], Found]] = {
     "status": check_status,
     "batch": check_batch,
+    "energy": check_energy,
     "invariants": check_invariants,
     "tolerance": check_tolerance,
     "integrators": check_integrators,

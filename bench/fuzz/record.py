@@ -6,14 +6,14 @@ lies, so that one set of equations serves both directions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from stickslip import Coils, Run, Scenario, simulate
+from stickslip import Coils, Run, Scenario, simulate_batch
 
 Array = NDArray[np.float64]
 
@@ -126,6 +126,15 @@ class Record:
         return weight + s.contact.adhesion + inertial
 
 
+def at_events(record: Record) -> Record:
+    """Two samples for each event, and the fastest of all."""
+    after = np.flatnonzero(record.after_event)
+    wanted = np.unique(np.concatenate([after[after > 0] - 1, after, [np.argmax(record.pace)]]))
+    arrays = {f.name: getattr(record, f.name) for f in fields(record)}
+    kept = {name: a[wanted] for name, a in arrays.items() if isinstance(a, np.ndarray)}
+    return replace(record, **kept)
+
+
 def moving_alone(scenario: Scenario) -> Scenario:
     """The scenario without what only its instruments do."""
     return scenario.replace({f"effects.{key}": 0.0 for key in MEASURING})
@@ -155,21 +164,45 @@ def damping(scenario: Scenario, turning: float) -> float:
 
 def recorded(scenario: Scenario, rtol: float | None = None) -> tuple[Record | None, Run]:
     """The record of a scenario, and its run at events; no record of one that never began."""
-    scenario = moving_alone(scenario)
+    return recorded_together([scenario], rtol)[0]
+
+
+def recorded_together(
+    scenarios: list[Scenario], rtol: float | None = None
+) -> list[tuple[Record | None, Run]]:
+    """What `recorded` gives of each; `rtol` is a limit on its own tolerance."""
+    scenarios = [moving_alone(scenario) for scenario in scenarios]
     if rtol is not None:
-        scenario = scenario.replace({"solver.rtol": min(rtol, scenario.solver.rtol)})
-    events = simulate(scenario.replace({"record.rate": "events"}))
-    ended = events.summary()["simulated_time"]
-    if not ended > 0.0:
-        return None, events
-    turning = float(np.max(np.abs(events.omega), initial=0.0))
-    swing = float(max(natural_swing(scenario, events), turning, _SLOWEST))
-    fastest = swing + damping(scenario, turning)
+        scenarios = [s.replace({"solver.rtol": min(rtol, s.solver.rtol)}) for s in scenarios]
+    at_events = [scenario.replace({"record.rate": "events"}) for scenario in scenarios]
+    events = simulate_batch(at_events, threads=1)
+    begun = [run for run in events if run.summary()["simulated_time"] > 0.0]
+    rates = [_rate(run) for run in begun]
+    on_grid = [
+        run.scenario.replace({"record.rate": rate})
+        for run, (rate, _) in zip(begun, rates, strict=True)
+    ]
+    grids = simulate_batch(on_grid, threads=1)
+    records = {
+        id(run): _merged(grid, run, _fastest(swing, run) / rate <= _MOST_PHASE, swing)
+        for run, grid, (rate, swing) in zip(begun, grids, rates, strict=True)
+    }
+    return [(records.get(id(run)), run) for run in events]
+
+
+def _rate(run: Run) -> tuple[float, float]:
+    """Samples a second that a balance wants, and the fastest free swing, rad/s."""
+    scenario = run.scenario
+    turning = float(np.max(np.abs(run.omega), initial=0.0))
+    swing = float(max(natural_swing(scenario, run), turning, _SLOWEST))
     # The currents' own rate is followed where there are samples enough: a faster change is a jump.
-    wanted = fastest + scenario.coil.resistance / scenario.coil.inductance
-    rate = min(wanted / _WANTED_PHASE, _MOST_SAMPLES / scenario.duration)
-    grid = simulate(scenario.replace({"record.rate": rate}))
-    return _merged(grid, events, fastest / rate <= _MOST_PHASE, swing), events
+    wanted = _fastest(swing, run) + scenario.coil.resistance / scenario.coil.inductance
+    return min(wanted / _WANTED_PHASE, _MOST_SAMPLES / scenario.duration), swing
+
+
+def _fastest(swing: float, run: Run) -> float:
+    """Of swing and drag together, 1/s."""
+    return swing + damping(run.scenario, float(np.max(np.abs(run.omega), initial=0.0)))
 
 
 def _merged(grid: Run, events: Run, fine: bool, swing: float) -> Record:

@@ -57,6 +57,14 @@ public:
         return solve_newton(kept);
     }
 
+    // Stops the corners of `acting` by whatever impulse that takes, without friction where they
+    // slide: a projection, so that the kinetic energy does not grow.
+    void hold(const std::array<bool, 2>& acting, bool slides) {
+        const bool sticks = !slides && (acting[0] || acting[1]);
+        for (ImpactContact& contact : contacts_) contact.backward = contact.forward = 0.0;
+        accept(impulse(acting, sticks ? 0 : 1), acting, sticks);
+    }
+
     bool closed(std::size_t i) const { return acting_[i] && !(rebound(i) > 0.0); }
     const BodyState& after() const { return after_; }
     double slip_velocity() const { return slip_velocity_; }
@@ -218,13 +226,9 @@ ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState
     problem.add(pose.lever, true, false);
     ImpactResult result{before, Touch::none, 0.0};
     if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;
-    // With one corner that approaches the problem always has a solution; one that does not approach
-    // has arrived by rounding and needs no impulse.
-    if (!problem.solve()) {
-        result.touch = Touch::corner;
-        result.slip_velocity = corner_velocity_x(pose, before.vx, before.omega);
-        return result;
-    }
+    // With one corner that approaches the problem always has a solution; one that does not has
+    // arrived by rounding.
+    if (!problem.solve()) problem.hold({true, false}, true);
     result.body = problem.after();
     result.slip_velocity = problem.slip_velocity();
     if (problem.closed(0)) {
@@ -240,21 +244,18 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     const double base = model.shape.half_base(before.quadrant);
     const double rise = model.shape.half_rise(before.quadrant);
     const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
-    const double slip_before = before.vx - before.omega * rise;
-
     const double ahead_leaves = before.vz - before.omega * base;
     const double behind_leaves = before.vz + before.omega * base;
     const bool slides = old_slips || arrival == Arrival::both;
-    if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {
-        return touching(model, before, slides ? slip_before : 0.0, ahead_leaves <= kCaptureSpeed,
-                        behind_leaves <= kCaptureSpeed);
-    }
 
     ImpactProblem problem(model, rise, before.x, before);
     problem.add(base, new_ahead, !new_ahead && !old_slips);
     problem.add(-base, new_behind, !new_behind && !old_slips);
-    if (!problem.solve()) return laid_down(before, 0.0);
-
+    if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {
+        problem.hold({ahead_leaves <= kCaptureSpeed, behind_leaves <= kCaptureSpeed}, slides);
+    } else if (!problem.solve()) {
+        return laid_down(before, 0.0);
+    }
     return touching(model, problem.after(), problem.slip_velocity(), problem.closed(0),
                     problem.closed(1));
 }
