@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
-from stickslip.diagnosis.fits import Start, make_rival
-from stickslip.diagnosis.fitting import fit_rivals
-from stickslip.diagnosis.model import Problem
+from stickslip.diagnosis.fit.fit_result import Start, make_rival
+from stickslip.diagnosis.fit.least_squares import fit_rivals
+from stickslip.diagnosis.model.problem import Problem
 
 X = np.linspace(1.0, 3.0, 24)
 SD = 0.05

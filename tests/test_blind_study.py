@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario
-from stickslip.diagnosis.examination import diagnose
-from stickslip.diagnosis.simulator import Simulator
-from stickslip.diagnosis.summary import summary
+from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.model.simulator import Simulator
+from stickslip.diagnosis.report.json_keys import summary
 from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario
-from stickslip.diagnosis.channels.camera import Camera, noisy, record, recording_rate
+from stickslip.diagnosis.observables.tracking.camera import Camera, noisy, record, recording_rate
 
 RATE = 1e4  # Hz, of the recordings that are made up here
 

@@ -8,12 +8,12 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Scenario, _core, simulate_batch
-from stickslip.diagnosis.channels import find_channels
-from stickslip.diagnosis.channels.angle_noise import READING
-from stickslip.diagnosis.channels.repeats import merge, widening
-from stickslip.diagnosis.channels.smoothness import noise_of_curve, order_along
-from stickslip.diagnosis.examination import diagnose
-from stickslip.diagnosis.parameters import extended_parameters
+from stickslip.diagnosis.observables import find_channels
+from stickslip.diagnosis.observables.angle_noise import READING
+from stickslip.diagnosis.observables.repeats import merge, widening
+from stickslip.diagnosis.observables.curve_noise import noise_of_curve, order_along
+from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1

@@ -7,10 +7,10 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
-from stickslip.coils import COIL_NAMES
-from stickslip.diagnosis.channels import find_channels
-from stickslip.diagnosis.examination import diagnose
-from stickslip.diagnosis.parameters import extended_parameters
+from stickslip.simulation.coils import COIL_NAMES
+from stickslip.diagnosis.observables import find_channels
+from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 

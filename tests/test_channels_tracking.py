@@ -13,16 +13,16 @@ from reference import simulate_reference
 from report_page import without_pictures
 from stickslip import Scenario, Waveform, simulate_batch
 from stickslip.diagnosis import examination
-from stickslip.diagnosis.channels.camera import Camera, noisy, record
-from stickslip.diagnosis.channels.contact_balance import Balance, Kinematics
-from stickslip.diagnosis.channels.folding import fold
-from stickslip.diagnosis.channels.force_view import force_view
-from stickslip.diagnosis.channels.tracking import TrackingChannel
-from stickslip.diagnosis.channels.tracking_sketch import traces
-from stickslip.diagnosis.channels.tracking_words import field_chain_clean, view_lines
-from stickslip.diagnosis.examination import diagnose
-from stickslip.diagnosis.library import library
-from stickslip.diagnosis.parameters import extended_parameters
+from stickslip.diagnosis.observables.tracking.camera import Camera, noisy, record
+from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
+from stickslip.diagnosis.observables.tracking.folding import fold
+from stickslip.diagnosis.observables.tracking.force_residuals import force_view
+from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+from stickslip.diagnosis.observables.tracking.report_section import traces
+from stickslip.diagnosis.observables.tracking.messages import field_chain_clean, view_lines
+from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tracking import TrackingRun
 

@@ -16,7 +16,7 @@ import xarray
 
 from command_line import COMMAND, stickslip
 from stickslip import COIL_NAMES, Scenario, effects, load, simulate
-from stickslip.run import COLUMNS
+from stickslip.simulation.run import COLUMNS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
 

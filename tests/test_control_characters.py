@@ -8,13 +8,13 @@ import pytest
 from command_line import stickslip
 from stickslip import Drive, Scenario, ScenarioError, Waveform
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
-from stickslip.diagnosis.report import write_files
-from stickslip.files import write_together
-from stickslip.json_text import json_text
+from stickslip.diagnosis.report.html import write_files
+from stickslip._util.atomic_files import write_together
+from stickslip._util.strict_json import json_text
 from stickslip.measurement import read_measurement
-from stickslip.plain_text import printable, printable_lines, quoted
-from stickslip.scenario_file import write_scenario
-from stickslip.toml_text import parse_toml
+from stickslip._util.plain_text import printable, printable_lines, quoted
+from stickslip.scenario.toml_file import write_scenario
+from stickslip.scenario.toml_text import parse_toml
 
 # Red letters in both spellings of a control sequence, DEL, ends of lines, and text from the right.
 WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"

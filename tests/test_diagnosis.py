@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model, engine
-from stickslip.diagnosis.engine import Known
-from stickslip.diagnosis.heldout import measure_gain
-from stickslip.diagnosis.parameters import extended_parameters
+from stickslip.diagnosis.pipeline import Known
+from stickslip.diagnosis.inference.cross_validation import measure_gain
+from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
 

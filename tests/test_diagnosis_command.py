@@ -16,9 +16,9 @@ from report_page import without_pictures
 from stickslip import Scenario, simulate
 from stickslip.cli.commands import stickslip as commands
 from stickslip.diagnosis import Prior, Uncertain
-from stickslip.diagnosis.library import _SHAPES, _SIZES, library
-from stickslip.diagnosis.simulator import Simulator, loosest_tolerances
-from stickslip.extensions import effects
+from stickslip.diagnosis.model.effect_causes import _SHAPES, _SIZES, library
+from stickslip.diagnosis.model.simulator import Simulator, loosest_tolerances
+from stickslip.scenario.named_effects import effects
 
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain",

@@ -9,19 +9,19 @@ import pytest
 
 from line_model import SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.bounds import smallest_effects, upper_bounds
-from stickslip.diagnosis.ceiling import Settings, smooth_ceiling
-from stickslip.diagnosis.conditions import one_of_a_kind
-from stickslip.diagnosis.consequences import carriers
-from stickslip.diagnosis.constancy import changing, refit_parts
-from stickslip.diagnosis.detection import detect
-from stickslip.diagnosis.experiments import advice
-from stickslip.diagnosis.heldout import split
-from stickslip.diagnosis.plausibility import standing_still, wrong_sign
-from stickslip.diagnosis.recalibration import recalibrate
-from stickslip.diagnosis.signatures import find_signatures
-from stickslip.diagnosis.summary import flat_directions
-from stickslip.diagnosis.words import headline, rounded
+from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
+from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_ceiling
+from stickslip.diagnosis.data.conditions import one_of_a_kind
+from stickslip.diagnosis.report.evidence import carriers
+from stickslip.diagnosis.inference.constancy import changing, refit_parts
+from stickslip.diagnosis.inference.detection import detect
+from stickslip.diagnosis.inference.experiment_design import advice
+from stickslip.diagnosis.inference.cross_validation import split
+from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign
+from stickslip.diagnosis.fit.baseline import recalibrate
+from stickslip.diagnosis.fit.sensitivity import find_signatures
+from stickslip.diagnosis.report.json_keys import flat_directions
+from stickslip.diagnosis.report.messages import headline, rounded
 
 
 def test_the_fit_is_the_linear_answer():

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from line_model import SD, WAVE, X, fitted, problem
-from stickslip.diagnosis.fits import Start, make_rival
-from stickslip.diagnosis.fitting import fit_rivals
-from stickslip.diagnosis.profile import profile, settled
+from stickslip.diagnosis.fit.fit_result import Start, make_rival
+from stickslip.diagnosis.fit.least_squares import fit_rivals
+from stickslip.diagnosis.fit.profile_likelihood import profile, settled
 
 
 def test_the_profile_of_a_small_effect_has_the_curvature_of_the_fit():

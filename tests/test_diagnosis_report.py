@@ -12,15 +12,15 @@ from helpers import run
 from made_measurement import write
 from report_page import without_pictures
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
-from stickslip.diagnosis.conditions import changes, in_words, sorted_by_settings, varied
-from stickslip.diagnosis.consequences import pattern, where_it_lives
-from stickslip.diagnosis.experiments import _candidates
-from stickslip.diagnosis.separation import separate
-from stickslip.diagnosis.standing import leading, runner_up, set_members
-from stickslip.diagnosis.verdict import MARGIN
-from stickslip.diagnosis.words import against, headline
+from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
+from stickslip.diagnosis.report.evidence import pattern, where_it_lives
+from stickslip.diagnosis.inference.experiment_design import _candidates
+from stickslip.diagnosis.inference.discrimination import separate
+from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
+from stickslip.diagnosis.inference.verdict import MARGIN
+from stickslip.diagnosis.report.messages import against, headline
 from stickslip.errors import ScenarioError
-from stickslip.files import check_folder
+from stickslip._util.atomic_files import check_folder
 from toy_model import CAUSES, MODE, SIZE, UNCERTAIN, X, diagnosis, predict
 
 

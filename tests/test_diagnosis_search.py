@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.checks import data_problem, uneven_setups
-from stickslip.diagnosis.comparison import reweighed
-from stickslip.diagnosis.fits import Start, make_rival
-from stickslip.diagnosis.fitting import fit_rivals, spread_factor
-from stickslip.diagnosis.heldout import folds, predictive_gain
-from stickslip.diagnosis.model import Problem, Remembered
-from stickslip.diagnosis.noise import fit_noise, whitener
-from stickslip.diagnosis.pairs import beside_a_released_constant
-from stickslip.diagnosis.places import scan
-from stickslip.diagnosis.rivals import look_again, nested, quick_fits
+from stickslip.diagnosis.data.data_quality import data_problem, uneven_setups
+from stickslip.diagnosis.inference.model_comparison import reweighed
+from stickslip.diagnosis.fit.fit_result import Start, make_rival
+from stickslip.diagnosis.fit.least_squares import fit_rivals, spread_factor
+from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
+from stickslip.diagnosis.model.problem import Problem, Remembered
+from stickslip.diagnosis.data.noise import fit_noise, whitener
+from stickslip.diagnosis.fit.cause_pairs import beside_a_released_constant
+from stickslip.diagnosis.fit.multistart import scan
+from stickslip.diagnosis.fit.single_cause import look_again, nested, quick_fits
 
 X = np.linspace(1.0, 3.0, 16)
 SD = 0.05

@@ -9,8 +9,8 @@ import pytest
 
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import diagnose_model
-from stickslip.diagnosis.rivals import Ranking
-from stickslip.diagnosis.verdict import Table, Verdict, confirmed, contradicting, decide
+from stickslip.diagnosis.fit.single_cause import Ranking
+from stickslip.diagnosis.inference.verdict import Table, Verdict, confirmed, contradicting, decide
 
 
 @pytest.mark.parametrize(("source", "word"), [((), "named"), ("a" * 12 + "b" * 12, "ambiguous")])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip import Coils
-from stickslip.coils import COIL_NAMES
+from stickslip.simulation.coils import COIL_NAMES
 
 HALF = 0.1385 / 2
 DISTANCE = 0.099

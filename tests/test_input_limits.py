@@ -9,7 +9,7 @@ import tomllib
 from command_line import stickslip
 from made_measurement import write
 from stickslip import Scenario, ScenarioError, Waveform
-from stickslip.files import check_folder, check_writable, read_bytes
+from stickslip._util.atomic_files import check_folder, check_writable, read_bytes
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tables import read_rows
 from test_bad_input import CSV, HEAD, PROGRAM, check
@@ -149,7 +149,7 @@ def test_a_table_of_endless_columns_is_refused(tmp_path):
 
 
 def test_voltages_that_are_written_can_be_read(tmp_path):
-    from stickslip import waveform_file
+    from stickslip.scenario import waveform_csv as waveform_file
 
     longest = -1.2345678901234567e-300  # 17 digits with signs, a point and the longest exponent
     Waveform.from_points([0.0, 1.0], [[0.0] * 5, [longest] * 5]).to_csv(tmp_path / "v.csv")
@@ -180,7 +180,7 @@ def test_a_file_that_is_read_only_is_not_replaced(tmp_path):
 
 
 def test_whole_numbers_of_64_bits_are_read(tmp_path):
-    from stickslip.toml_text import parse_toml
+    from stickslip.scenario.toml_text import parse_toml
 
     text = f"least = {-(2**63)}\nmost = {2**63 - 1}\n"
     assert parse_toml(text) == tomllib.loads(text)

@@ -8,7 +8,7 @@ import pytest
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.velocity import read_velocity
-from stickslip.scenario import Scenario
+from stickslip.scenario.scenario import Scenario
 
 TOML = """stickslip_measurement = 1
 name = "wafer"

@@ -18,7 +18,7 @@ from stickslip import (
     load,
     simulate,
 )
-from stickslip.keys import known_keys
+from stickslip.scenario.keys import known_keys
 
 
 def every_key_changed():

@@ -85,7 +85,7 @@ def test_an_error_of_a_worker_passes_through():
 
 
 def test_a_worker_of_another_version_is_refused(monkeypatch):
-    monkeypatch.setattr("stickslip.sweeping.schedule._core", type("", (), {"__version__": "9.9"}))
+    monkeypatch.setattr("stickslip.sweeping.scheduling._core", type("", (), {"__version__": "9.9"}))
     with pytest.raises(RuntimeError, match=r"and this process 9\.9"):
         sweep(SLOW, VARY)
 

@@ -7,8 +7,8 @@ import pytest
 
 from command_line import stickslip
 from films import NOISE, TRUE, film, write_table
-from stickslip.diagnosis.channels.camera import Camera
-from stickslip.diagnosis.channels.tracking import find_tracking
+from stickslip.diagnosis.observables.tracking.camera import Camera
+from stickslip.diagnosis.observables.tracking.film import find_tracking
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 

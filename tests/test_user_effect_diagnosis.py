@@ -14,9 +14,9 @@ from own_effects import (
 )
 from stickslip import Scenario
 from stickslip.diagnosis import diagnose
-from stickslip.diagnosis.library import library
-from stickslip.diagnosis.parameters import extended_parameters
-from stickslip.diagnosis.report import extended_scenario
+from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.report.parameters import extended_parameters
+from stickslip.diagnosis.report.html import extended_scenario
 from stickslip.measurement import read_measurement
 
 

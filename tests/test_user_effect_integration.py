@@ -31,7 +31,7 @@ from stickslip import (
     unregister_effect,
 )
 from stickslip.cli.commands import stickslip as command
-from stickslip.keys import known_keys
+from stickslip.scenario.keys import known_keys
 from stickslip.sweeping.points import short_name
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from blind.generator import write_case, write_more
-from stickslip.diagnosis.examination import diagnose
-from stickslip.diagnosis.experiments import propose
-from stickslip.diagnosis.summary import summary
+from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.inference.experiment_design import propose
+from stickslip.diagnosis.report.json_keys import summary
 from stickslip.measurement import read_measurement
 
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from blind.apparatus import FLOOR, PULSES, SCATTER, TRIALS
 from blind.truth import Drive, Truth
 from stickslip import Scenario
-from stickslip.diagnosis.fits import Start, make_rival
-from stickslip.diagnosis.fitting import fit_rivals
-from stickslip.diagnosis.model import Problem, Uncertain
-from stickslip.diagnosis.recalibration import recalibrate
-from stickslip.diagnosis.simulator import Simulator
+from stickslip.diagnosis.fit.fit_result import Start, make_rival
+from stickslip.diagnosis.fit.least_squares import fit_rivals
+from stickslip.diagnosis.model.problem import Problem, Uncertain
+from stickslip.diagnosis.fit.baseline import recalibrate
+from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.measurement import Prior
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ import numpy as np
 
 from fuzz.checks import Found, found
 from fuzz.scenarios import Identity, scenario
-from stickslip.keys import known_keys
-from stickslip.sections import SAWTOOTH
+from stickslip.scenario.keys import known_keys
+from stickslip.scenario.sections import SAWTOOTH
 
 PROGRAM = Path("build/asan/stickslip_fuzz")
 """Built by ``make fuzz-sanitized``."""

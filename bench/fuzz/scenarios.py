@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip import Robot, Scenario, ScenarioError, Waveform
-from stickslip.keys import Key, known_keys
+from stickslip.scenario.keys import Key, known_keys
 
 POPULATIONS = ("paper", "wild", "extreme", "wide")
 

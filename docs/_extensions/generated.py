@@ -13,7 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from stickslip import effects
 from stickslip.cli.commands import stickslip
-from stickslip.keys import Key, known_keys
+from stickslip.scenario.keys import Key, known_keys
 
 RESULTS = Path(__file__).parents[2] / "bench" / "results"
 

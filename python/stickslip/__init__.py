@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip import plot
     from stickslip._core import __version__
-    from stickslip.coils import COIL_NAMES, Coils
-    from stickslip.dataset import open_run
+    from stickslip.simulation.coils import COIL_NAMES, Coils
+    from stickslip.simulation.netcdf import open_run
     from stickslip.errors import ScenarioError
-    from stickslip.extensions import effects
+    from stickslip.scenario.named_effects import effects
     from stickslip.reproduction.study import reproduce
-    from stickslip.run import Run
-    from stickslip.scenario import Scenario, load
-    from stickslip.sections import (
+    from stickslip.simulation.run import Run
+    from stickslip.scenario.scenario import Scenario, load
+    from stickslip.scenario.sections import (
         Coil,
         Contact,
         Drag,
@@ -28,42 +28,42 @@ if TYPE_CHECKING:
         Robot,
         Solver,
     )
-    from stickslip.simulation import simulate, simulate_batch
+    from stickslip.simulation.simulate import simulate, simulate_batch
     from stickslip.sweeping.run_sweep import sweep
-    from stickslip.user_effects import EffectParameter, register_effect, unregister_effect
+    from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.versions import show_versions
-    from stickslip.waveform import Waveform, volts_per_tesla
+    from stickslip.scenario.waveform import Waveform, volts_per_tesla
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {
-    "COIL_NAMES": "coils",
+    "COIL_NAMES": "simulation.coils",
     "__version__": "_core",
-    "Coil": "sections",
-    "Coils": "coils",
-    "Contact": "sections",
-    "Drag": "sections",
-    "Drive": "sections",
-    "EffectParameter": "user_effects",
-    "Environment": "sections",
-    "Record": "sections",
-    "Robot": "sections",
-    "Run": "run",
-    "Scenario": "scenario",
+    "Coil": "scenario.sections",
+    "Coils": "simulation.coils",
+    "Contact": "scenario.sections",
+    "Drag": "scenario.sections",
+    "Drive": "scenario.sections",
+    "EffectParameter": "scenario.user_effects",
+    "Environment": "scenario.sections",
+    "Record": "scenario.sections",
+    "Robot": "scenario.sections",
+    "Run": "simulation.run",
+    "Scenario": "scenario.scenario",
     "ScenarioError": "errors",
-    "Solver": "sections",
-    "Waveform": "waveform",
-    "effects": "extensions",
-    "load": "scenario",
-    "open_run": "dataset",
+    "Solver": "scenario.sections",
+    "Waveform": "scenario.waveform",
+    "effects": "scenario.named_effects",
+    "load": "scenario.scenario",
+    "open_run": "simulation.netcdf",
     "plot": "plot",
-    "register_effect": "user_effects",
+    "register_effect": "scenario.user_effects",
     "reproduce": "reproduction.study",
     "show_versions": "versions",
-    "simulate": "simulation",
-    "simulate_batch": "simulation",
+    "simulate": "simulation.simulate",
+    "simulate_batch": "simulation.simulate",
     "sweep": "sweeping.run_sweep",
-    "unregister_effect": "user_effects",
-    "volts_per_tesla": "waveform",
+    "unregister_effect": "scenario.user_effects",
+    "volts_per_tesla": "scenario.waveform",
 }
 
 __all__ = [

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from stickslip import plot
 from stickslip.cli import INTERRUPTED
-from stickslip.run import Run
-from stickslip.scenario import Scenario
-from stickslip.sections import Drive, Record
-from stickslip.simulation import simulate_batch
+from stickslip.simulation.run import Run
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import Drive, Record
+from stickslip.simulation.simulate import simulate_batch
 
 OUTPUT = Path("demo_output")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.plain_text import printable
+from stickslip._util.plain_text import printable
 
 
 class ScenarioError(ValueError):

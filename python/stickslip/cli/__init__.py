@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from stickslip.plain_text import printable
+from stickslip._util.plain_text import printable
 
 BAD_INPUT = 2
 FAILED = 1

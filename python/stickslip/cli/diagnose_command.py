@@ -9,8 +9,8 @@ import click
 from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
-from stickslip.json_text import json_text
-from stickslip.scenario_file import voltages_beside
+from stickslip._util.strict_json import json_text
+from stickslip.scenario.toml_file import voltages_beside
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -32,13 +32,13 @@ def command(
     Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
     ambiguous, pair, unexplained, data-problem.
     """
-    from stickslip.diagnosis.conditions import changes
-    from stickslip.diagnosis.examination import diagnose
-    from stickslip.diagnosis.experiments import advice, propose
-    from stickslip.diagnosis.report import EXTENDED, FILES, write_report
-    from stickslip.diagnosis.standing import runner_up
-    from stickslip.diagnosis.summary import summary
-    from stickslip.diagnosis.words import headline
+    from stickslip.diagnosis.data.conditions import changes
+    from stickslip.diagnosis.api import diagnose
+    from stickslip.diagnosis.inference.experiment_design import advice, propose
+    from stickslip.diagnosis.report.html import EXTENDED, FILES, write_report
+    from stickslip.diagnosis.inference.ranking import runner_up
+    from stickslip.diagnosis.report.json_keys import summary
+    from stickslip.diagnosis.report.messages import headline
     from stickslip.measurement import read_measurement
 
     data = read_measurement(measurement)

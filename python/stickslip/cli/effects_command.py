@@ -7,9 +7,9 @@ import textwrap
 import click
 
 from stickslip.errors import ScenarioError
-from stickslip.extensions import PREFIX, Effect, effects
-from stickslip.json_text import json_text
-from stickslip.keys import suggestion
+from stickslip.scenario.named_effects import PREFIX, Effect, effects
+from stickslip._util.strict_json import json_text
+from stickslip.scenario.keys import suggestion
 
 
 @click.command("effects", epilog="\b\nExample:\n  stickslip effects surface_tilt")

@@ -7,8 +7,8 @@ import textwrap
 import click
 
 from stickslip.errors import ScenarioError
-from stickslip.json_text import json_text
-from stickslip.keys import FILE, Key, known_keys, section_hint, shown
+from stickslip._util.strict_json import json_text
+from stickslip.scenario.keys import FILE, Key, known_keys, section_hint, shown
 
 _FILE_MEANING = (
     'CSV file of voltages, relative to the scenario, with mode = "program": columns t (s), xp, xm, '

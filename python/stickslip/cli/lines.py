@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from stickslip.plain_text import printable
+from stickslip._util.plain_text import printable
 
 
 def say(line: str, err: bool = False) -> None:

@@ -13,12 +13,12 @@ from stickslip.cli.settings import with_settings
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError
-from stickslip.json_text import json_text
-from stickslip.run import SUFFIXES
-from stickslip.scenario import Scenario
+from stickslip._util.strict_json import json_text
+from stickslip.simulation.run import SUFFIXES
+from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from stickslip.run import Run
+    from stickslip.simulation.run import Run
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin.
 _RATE = 2e4
@@ -108,7 +108,7 @@ def command(
 
 
 def _simulated(scenario: Scenario) -> Run:
-    from stickslip.simulation import simulate
+    from stickslip.simulation.simulate import simulate
 
     done = 0.0
     try:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import FILE, PROGRAM, PROGRAM_HINT, Value
-from stickslip.scenario import Scenario
-from stickslip.sections import refuse_sawtooth
+from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import refuse_sawtooth
 
 QUOTES = ("'", '"')
 
@@ -105,7 +105,7 @@ def with_settings(scenario: Scenario, settings: tuple[str, ...]) -> Scenario:
 
 
 def _waveform(path: str) -> Any:
-    from stickslip.waveform import Waveform
+    from stickslip.scenario.waveform import Waveform
 
     try:
         return Waveform.from_csv(Path(path))

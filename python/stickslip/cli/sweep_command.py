@@ -14,10 +14,10 @@ from stickslip.cli.sweep_table import as_dict, failure, table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.cli.vary import parse_vary
 from stickslip.errors import ScenarioError
-from stickslip.files import NETCDF_SUFFIXES
-from stickslip.json_text import json_text
-from stickslip.scenario import Scenario
-from stickslip.sections import refuse_sawtooth
+from stickslip._util.atomic_files import NETCDF_SUFFIXES
+from stickslip._util.strict_json import json_text
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.sweeping.points import Points, grid
 from stickslip.sweeping.run_sweep import sweep_points
 

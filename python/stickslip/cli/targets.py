@@ -7,9 +7,9 @@ from pathlib import Path
 
 from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError
-from stickslip.files import check_folder, check_suffix, check_writable
-from stickslip.keys import FILE
-from stickslip.scenario_file import voltage_file
+from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
+from stickslip.scenario.keys import FILE
+from stickslip.scenario.toml_file import voltage_file
 
 Inputs = dict[str, Path]
 """Files that the command reads, by what they are."""

@@ -7,7 +7,7 @@ from decimal import Decimal, InvalidOperation
 
 from stickslip.cli.settings import parse_value
 from stickslip.errors import ScenarioError
-from stickslip.keys import Value
+from stickslip.scenario.keys import Value
 from stickslip.sweeping.points import MOST_POINTS
 
 _ALLOWED = "allowed is key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40"

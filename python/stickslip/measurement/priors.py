@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import shown
+from stickslip.scenario.keys import shown
 
 _FORMS = "{ mean, sd }, { median, factor } or { low, high }"
 _EDGE = 5.0

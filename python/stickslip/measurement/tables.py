@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.files import read_bytes
-from stickslip.keys import shown, suggestion
+from stickslip._util.atomic_files import read_bytes
+from stickslip.scenario.keys import shown, suggestion
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
 

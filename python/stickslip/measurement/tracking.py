@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import FILE, shown
+from stickslip.scenario.keys import FILE, shown
 from stickslip.measurement.tables import NothingSound, read_numbers
-from stickslip.scenario import Scenario
+from stickslip.scenario.scenario import Scenario
 
 REQUIRED = ("t", "x", "theta")
 OPTIONAL = ("z", "current_x", "current_clamp")

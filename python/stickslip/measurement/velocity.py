@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import Value, known_keys, shown
+from stickslip.scenario.keys import Value, known_keys, shown
 from stickslip.measurement.tables import (
     NothingSound,
     check_columns,
@@ -21,7 +21,7 @@ from stickslip.measurement.tables import (
     read_rows,
     refuse_unknown,
 )
-from stickslip.scenario import Scenario
+from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0
 """Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""

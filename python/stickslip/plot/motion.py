@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.run import Run
+from stickslip.simulation.run import Run
 
 if sys.version_info >= (3, 11):
     import tomllib

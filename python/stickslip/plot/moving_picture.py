@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from stickslip.files import replacing
+from stickslip._util.atomic_files import replacing
 from stickslip.plot import style
 from stickslip.plot.film import draw_body, mark_contact
 from stickslip.plot.motion import Motion, corners, lowest_corner, motion

@@ -16,7 +16,7 @@ from stickslip.plot import style
 from stickslip.plot.canvas import own_axes, root_figure
 from stickslip.plot.motion import motion
 from stickslip.plot.scales import LEAST_RATE, LEAST_TILT, length, readable
-from stickslip.run import Run
+from stickslip.simulation.run import Run
 
 if TYPE_CHECKING:
     from stickslip.plot.motion import Data

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from stickslip.plot import style
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.plot.time_axes import draw_fields, draw_tilt, legend_above
-from stickslip.run import Run
+from stickslip.simulation.run import Run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

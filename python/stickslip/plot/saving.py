@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
 
-from stickslip.files import replacing
+from stickslip._util.atomic_files import replacing
 
 DOTS_PER_INCH = 150
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.keys import known_keys
+from stickslip.scenario.keys import known_keys
 from stickslip.reproduction.points import Array, evaluate_all, varied
 from stickslip.reproduction.scans import SCANS, Scan
 from stickslip.reproduction.settings import Mode, Setting
 from stickslip.reproduction.tables import Table
 
 if TYPE_CHECKING:
-    from stickslip.simulation import Progress
+    from stickslip.simulation.simulate import Progress
 
 LOW, HIGH = 10.0, 90.0
 """Percentiles of the band."""

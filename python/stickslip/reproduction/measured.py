@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 
 from stickslip.errors import ScenarioError
-from stickslip.keys import known_keys, shown
+from stickslip.scenario.keys import known_keys, shown
 from stickslip.measurement.tables import check_columns, read_rows
 from stickslip.reproduction.curves import CURVES
 

@@ -13,8 +13,8 @@ from stickslip.plot.motion import corners, lowest_corner, motion
 from stickslip.reproduction.settings import Mode, Setting
 from stickslip.reproduction.survey import stroke_scenario
 from stickslip.reproduction.tables import Table
-from stickslip.run import Run
-from stickslip.simulation import simulate_batch
+from stickslip.simulation.run import Run
+from stickslip.simulation.simulate import simulate_batch
 
 FRAMES = ("e", "f", "g", "h")
 

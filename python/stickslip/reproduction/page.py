@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from stickslip import _core
-from stickslip.files import replacing
+from stickslip._util.atomic_files import replacing
 from stickslip.reproduction.curves import CURVES
 from stickslip.reproduction.measured import MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS

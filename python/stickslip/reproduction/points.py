@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
-from stickslip.scenario import Scenario
+from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from stickslip.simulation import Progress
+    from stickslip.simulation.simulate import Progress
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.run import Run
+from stickslip.simulation.run import Run
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip import plot
 from stickslip.errors import ScenarioError
-from stickslip.keys import shown
-from stickslip.processors import worker_count
+from stickslip.scenario.keys import shown
+from stickslip._util.processor_count import worker_count
 from stickslip.reproduction.curve_drawing import draw_curves
 from stickslip.reproduction.curves import CURVES, curve_tables
 from stickslip.reproduction.field_checks import field_checks
@@ -29,7 +29,7 @@ from stickslip.reproduction.survey import survey
 from stickslip.reproduction.tables import Table
 
 if TYPE_CHECKING:
-    from stickslip.run import Run
+    from stickslip.simulation.run import Run
 
 FIGURES = (*MOTIONS, *CURVES)
 """Names of the figures, in the paper's order."""

@@ -13,11 +13,11 @@ from stickslip.reproduction.points import Array, evaluate_all, point, set_key, v
 from stickslip.reproduction.scans import SCANS
 from stickslip.reproduction.settings import MODES, PEAK, Grid, Mode, Setting
 from stickslip.reproduction.strokes import Strokes, strokes
-from stickslip.scenario import Scenario
-from stickslip.simulation import simulate_batch
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.simulate import simulate_batch
 
 if TYPE_CHECKING:
-    from stickslip.simulation import Progress
+    from stickslip.simulation.simulate import Progress
 
 SCANNED = ("frequency", "friction", "adhesion", "linear", "rotational", "field")
 

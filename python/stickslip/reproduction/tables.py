@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.files import replacing
+from stickslip._util.atomic_files import replacing
 
 
 @dataclass(frozen=True)

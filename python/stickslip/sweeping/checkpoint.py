@@ -12,8 +12,8 @@ import h5netcdf
 import numpy as np
 
 from stickslip import _core
-from stickslip.checksum import check_checksum
-from stickslip.dataset import write_netcdf
+from stickslip._util.checksum import check_checksum
+from stickslip.simulation.netcdf import write_netcdf
 from stickslip.errors import ScenarioError
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points

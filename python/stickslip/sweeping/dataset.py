@@ -10,7 +10,7 @@ import xarray
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.keys import known_keys
+from stickslip.scenario.keys import known_keys
 from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
 from stickslip.sweeping.results import EVENTS, NUMBERS, OK, STATUSES, Results
 

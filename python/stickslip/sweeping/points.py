@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.extensions import PREFIX
-from stickslip.keys import RECORD_RATE, Value, checked, known_keys, shown, until_registration
-from stickslip.scenario import Scenario
-from stickslip.sections import PROGRAM, SECTIONS
+from stickslip.scenario.named_effects import PREFIX
+from stickslip.scenario.keys import RECORD_RATE, Value, checked, known_keys, shown, until_registration
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import PROGRAM, SECTIONS
 from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000

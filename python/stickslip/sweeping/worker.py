@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.scenario import Scenario
+from stickslip.scenario.scenario import Scenario
 
 _LONGEST = 2.0
 """Time after which a chunk ends early, s: points can take far longer than those before them."""

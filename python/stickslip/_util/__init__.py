@@ -1,0 +1,1 @@
+"""What has nothing to do with robots: files, texts, numbers of processors."""

@@ -1,0 +1,180 @@
+"""What makes the data itself suspect, before any cause is blamed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import mannwhitneyu
+from scipy.stats import t as t_law
+
+from stickslip.diagnosis.data.noise import NoiseModel, completed, moving
+
+Array = NDArray[np.float64]
+
+_RARE = 0.002
+_FEWEST_PAIRS, _ALIKE = 12, 0.4
+_UNEVEN, _ALONE = 1.5, 0.05
+
+
+def data_problem(
+    values: Array,
+    index: NDArray[np.int64],
+    noise: NoiseModel,
+    order: ArrayLike | None,
+    block: NDArray[np.int64] | None = None,
+    alone: bool = True,
+) -> str | None:
+    """What makes the data itself suspect, if anything does.
+
+    Few trials, or trials without repeats, are no trouble where they do not stand alone: other data
+    can tell causes apart.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Trials, in the observable's unit.
+    index : ndarray of int, shape (n,)
+        Of each trial's condition, 0 to m - 1, none missing.
+    noise : NoiseModel
+        Of these trials.
+    order : array_like, shape (n,), optional
+        Place of each trial in time; NaN where it is not known.
+    block : ndarray of int, shape (n,), optional
+        Index of each trial's set-up; -1 where it is not known.
+    alone : bool
+        Whether there are no other data.
+
+    Returns
+    -------
+    str, optional
+        A reason in words.
+    """
+    if np.all(values == 0.0):
+        return "every reading is zero: nothing moved, so nothing can be told apart"
+    if alone and len(noise.mean) < 4:
+        few = len(noise.mean)
+        said = "1 condition is" if few == 1 else f"{few} conditions are"
+        return f"{said} too few to tell causes apart; at least 4 are needed"
+    if alone and noise.dof == 0.0:
+        return (
+            "the noise is not known, so no misfit can be judged: repeat the trials of some "
+            "conditions, or state their error (velocity_sd in [[velocity]]; in diagnose_model, "
+            "condition, which says what trials are repeats, or sd, or relative_sd)"
+        )
+    if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
+        between = float(np.var(noise.mean))
+        if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):
+            return "the conditions differ by no more than their trials do: labels may be mixed up"
+    rounded = _rounded(values, index) if noise.dof < math.inf else None
+    return rounded or _drifting(values, index, noise, order, completed(block))
+
+
+def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
+    """Whether readings are in steps so wide that the scatter of trials says nothing of the error.
+
+    Of two trials with normal errors that are rounded to steps of q, a share q / (2 sqrt(pi) sd)
+    reads alike: 0.4 of them at 1.4 sd, where rounding adds half to the variance of a mean of three.
+    """
+    pairs = alike = 0
+    for each in np.unique(index[moving(values, index)]):
+        mine = values[index == each]
+        counts = np.unique(mine, return_counts=True)[1]
+        pairs += len(mine) * (len(mine) - 1) // 2
+        alike += int(np.sum(counts * (counts - 1) // 2))
+    if pairs < _FEWEST_PAIRS or alike in (pairs, 0) or alike < _ALIKE * pairs:
+        return None
+    return (
+        f"{100.0 * alike / pairs:.0f} % of repeated trials read exactly alike: they are rounded to "
+        "steps wider than their scatter, which then says nothing of their error; give more digits"
+    )
+
+
+def uneven_setups(
+    values: Array, index: NDArray[np.int64], noise: NoiseModel, block: NDArray[np.int64] | None
+) -> str | None:
+    """What to know if the trials of one set-up scatter more than all others.
+
+    Such a set-up weighs too much, but it is no reason to say nothing. By ranks, as heavy tails are
+    no matter of a set-up. Trials that stand about alone in their condition or set-up show no
+    scatter; of others what is left is made as large as it was. The true ratio is larger than that
+    of what is left, as every set-up is a part of the means.
+    """
+    block = completed(block)
+    if block is None or not noise.setups.shape[1]:
+        return None
+    used = moving(values, index)
+    values, index, block = values[used], index[used], block[used]
+    basis = _basis(_design(index, block, noise))
+    free = 1.0 - np.sum(basis**2, axis=1)
+    shown = free > _ALONE
+    scatter = (values - noise.mean[index]) / noise.sd[index]
+    size = np.abs(_beyond(scatter, basis)) / np.sqrt(np.maximum(free, _ALONE))
+    counts = np.bincount(block[shown], minlength=int(block.max()) + 1)
+    looked = np.flatnonzero((counts >= _FEWEST_PAIRS) & (shown.sum() - counts >= _FEWEST_PAIRS))
+    for each in looked.tolist():
+        mine, others = size[shown & (block == each)], size[shown & (block != each)]
+        ratio = float(np.median(mine) / np.median(others)) if np.median(others) > 0.0 else math.inf
+        chance = float(mannwhitneyu(mine, others, alternative="greater").pvalue)
+        if ratio > _UNEVEN and len(looked) * chance < _RARE:
+            return (
+                f"the trials of set-up {each + 1}, in the order of the table, lie {ratio:.2g} "
+                "times as far from the rest as the others do; all weigh alike"
+            )
+    return None
+
+
+def _design(index: NDArray[np.int64], block: NDArray[np.int64] | None, noise: NoiseModel) -> Array:
+    """Levels of the conditions, and shifts and gains of the set-ups where they are known."""
+    design = np.eye(len(noise.mean))[index]
+    if block is None or not noise.setups.shape[1]:
+        return design
+    shift = np.eye(int(block.max()) + 1)[block]
+    return np.hstack([design, shift, shift * np.sign(noise.mean)[index, None]])
+
+
+def _basis(design: Array) -> Array:
+    left, singular, _ = np.linalg.svd(design, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-9 * singular[0]])
+
+
+def _beyond(values: Array, basis: Array) -> Array:
+    return np.asarray(values - basis @ (basis.T @ values))
+
+
+def _drifting(
+    values: Array,
+    index: NDArray[np.int64],
+    noise: NoiseModel,
+    order: ArrayLike | None,
+    block: NDArray[np.int64] | None,
+) -> str | None:
+    """Whether velocities change with time; what differs between set-ups is not drift."""
+    place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)
+    usable = np.isfinite(place) & moving(values, index)
+    if usable.sum() < 12:
+        return None
+    basis = _basis(_design(index, block, noise)[usable])
+    free = int(usable.sum()) - basis.shape[1] - 1
+    centred = _beyond(place[usable], basis)
+    if free < 1 or float(centred @ centred) <= 1e-9 * float(place[usable] @ place[usable]):
+        return None
+    # A drift shifts all velocities alike, or all in proportion, whatever their sign.
+    scatter = (values - noise.mean[index]) / noise.sd[index]
+    chances = [
+        _drift(_beyond((scatter * toward)[usable], basis), centred, free)
+        for toward in (1.0, np.sign(noise.mean[index]))
+    ]
+    if 2.0 * min(chances) < _RARE:
+        return "velocities drift with the order in which they were measured"
+    return None
+
+
+def _drift(residual: Array, centred: Array, free: int) -> float:
+    """p-value of a slope of the residuals against the time, both without conditions and set-ups."""
+    power = float(centred @ centred)
+    slope = float(centred @ residual) / power
+    left = residual - slope * centred
+    score = slope * math.sqrt(power) / math.sqrt(max(float(left @ left) / free, 1e-12))
+    return 2.0 * float(t_law.sf(abs(score), free))

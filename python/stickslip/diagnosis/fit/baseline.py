@@ -1,0 +1,157 @@
+"""The fit of the model without any cause, and how far the model itself can be trusted there.
+
+Chi-square has many minima: a walk that begins in the wrong valley ends hundreds of units too high
+and would be taken for a hidden cause. So many starts are led down with errors that are taken as too
+large at first, and before a misfit is believed, the search is widened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.inference.detection import lack_of_fit_p
+from stickslip.diagnosis.fit.fit_result import Fit, Start, make_rival
+from stickslip.diagnosis.fit.least_squares import AGREE, SOFTEST, STAGES, fit_rivals
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.fit.multistart import apart, scan
+
+Array = NDArray[np.float64]
+
+_SCAN = 128
+_STARTS, _STRATA = 6, 12
+_MOST, _STEPS = (18, 4, 3, 2), 10
+_DOUBT = 0.2
+_FORGIVEN = 3.0
+_SAME = 0.05
+_BASINS = 12
+_ROUGH_STEP, _ROUGH_SHARE, _ROUGH_DRAWS = 0.02, 0.3, 24
+
+
+@dataclass(frozen=True)
+class Recalibration:
+    """Result of the search.
+
+    Attributes
+    ----------
+    null : Fit
+        The recalibrated model.
+    centre : Fit, optional
+        Where the fit stood when the errors were large enough to forgive what is not explained; only
+        if the model does not fit at the end.
+    basins : tuple of Fit
+        Other ends, better ones first.
+    """
+
+    null: Fit
+    centre: Fit | None
+    basins: tuple[Fit, ...]
+
+
+def recalibrate(problem: Problem, seed: int) -> Recalibration:
+    """Fit the uncertain parameters within their priors.
+
+    Parameters
+    ----------
+    problem : Problem
+    seed : int
+        Of the scans.
+
+    Returns
+    -------
+    Recalibration
+    """
+    count = _SCAN if problem.base_count > 1 else 32
+    scanned = scan(problem.tempered(SOFTEST), make_rival(problem), count, seed)
+    stages = _descend(problem, _apart(scanned, _STARTS))
+    m = len(problem.observed)
+    if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _DOUBT:
+        wider = scan(problem.tempered(SOFTEST), make_rival(problem), _SCAN, seed + 1)
+        more = _descend(problem, _strata(problem, wider))
+        stages = [
+            sorted([*first, *second], key=lambda fit: fit.chi2)
+            for first, second in zip(stages, more, strict=True)
+        ]
+    ends = tuple(fit.chi2 for fit in stages[-1])
+    certified = len(ends) > 1 and ends[1] - ends[0] < AGREE
+    null = replace(stages[-1][0], starts=ends, certified=certified)
+    distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_BASINS])
+    basins = at_full_weight(problem, distinct)
+    if null.chi2 < _FORGIVEN * m:
+        return Recalibration(null, None, basins)
+    softest = next((each[0] for each in reversed(stages) if each[0].chi2 < _FORGIVEN * m), None)
+    softest = softest or stages[0][0]
+    return Recalibration(null, at_full_weight(problem, [softest])[0], basins)
+
+
+def at_full_weight(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
+    """Fits of softer problems as fits of this one, without moving them."""
+    begins = [[Start.of(fit)] for fit in fits]
+    again = fit_rivals(problem, [fit.rival for fit in fits], begins, 0, exact=False)
+    return tuple(sorted(again, key=lambda fit: fit.chi2))
+
+
+def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
+    """Ends of the walks at every size of the errors, best first."""
+    rival = make_rival(problem)
+    begins = [Start(point) for point in points]
+    stages = []
+    for stage, most in zip(STAGES, _MOST, strict=True):
+        alone = [[start] for start in begins[:most]]
+        fits = fit_rivals(problem.tempered(*stage), [rival] * len(alone), alone, _STEPS)
+        # By the loss of the stage, which forgives a condition on the wrong side of its jump.
+        fits.sort(key=lambda fit: fit.starts[0])
+        begins = [Start.of(fit) for fit in _distinct(fits)]
+        stages.append(fits)
+    return stages
+
+
+def _distinct(fits: Iterable[Fit]) -> list[Fit]:
+    """Without those that ended where an earlier one did."""
+    return apart(fits, lambda fit: fit.x, _SAME)
+
+
+def _apart(points: Array, count: int) -> list[Array]:
+    """The best points that are not close to a better one."""
+    return apart(points, lambda point: point, 0.7)[:count]
+
+
+def _strata(problem: Problem, points: Array) -> list[Array]:
+    """The best point of each stratum of the parameters that are known only in range."""
+    wide = [k for k, each in enumerate(problem.uncertain) if not each.prior.has_middle]
+    if not wide:
+        return _apart(points, _STRATA)
+    chosen: list[Array] = []
+    share = max(_STRATA // len(wide), 3)
+    for k in wide:
+        edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, share + 1)[1:-1])
+        place = np.searchsorted(edges, points[:, k])
+        chosen += [points[np.flatnonzero(place == each)[0]] for each in np.unique(place)]
+    return chosen
+
+
+def model_roughness(problem: Problem, fit: Fit, seed: int) -> Array:
+    """Scatter of the prediction about a plane under tiny changes of the uncertain parameters.
+
+    The changes are a small part of what the data leaves open. Where the motion is so sensitive that
+    the prediction jumps all the same, it is no better than this, whatever the simulator's
+    tolerance. In the observable's unit, shape (m,).
+    """
+    p = problem.base_count
+    random = np.random.default_rng([seed, 5])
+    count = max(_ROUGH_DRAWS, 3 * p)
+    spread = np.sqrt(np.diag(fit.covariance))[:p]
+    step = np.minimum(_ROUGH_SHARE * spread, _ROUGH_STEP)
+    move = random.standard_normal((count, p))
+    x = np.tile(fit.x, (count, 1))
+    x[:, :p] += move * step
+    predicted = problem.predicted(x)
+    predicted = np.where(np.isfinite(predicted), predicted, np.nan)
+    level = np.nanmean(np.where(np.isfinite(predicted).any(axis=0), predicted, 0.0), axis=0)
+    filled = np.where(np.isfinite(predicted), predicted, level)
+    design = np.hstack([np.ones((count, 1)), move])
+    left = filled - design @ np.linalg.lstsq(design, filled, rcond=None)[0]
+    return np.asarray(np.sqrt(np.sum(left**2, axis=0) / max(count - p - 1, 1)))

@@ -1,0 +1,49 @@
+"""Places to begin from: a scan of the constants, and of many places those that lie apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from stickslip.diagnosis.fit.fit_result import Rival
+from stickslip.diagnosis.model.problem import Problem
+
+Array = NDArray[np.float64]
+Item = TypeVar("Item")
+
+_FARTHEST, _LARGEST = 7.0, 2.5
+
+
+def scan(problem: Problem, rival: Rival, count: int, seed: int) -> Array:
+    """Coordinates of a Sobol scan of all that the rival fits, best first.
+
+    Constants are drawn from their priors; a freed one is looked for at up to seven standard
+    deviations of its prior, evenly, and a cause at all amplitudes that are not extreme.
+    """
+    p, free = problem.base_count, rival.free
+    low, high = problem.limits()
+    x = np.zeros((count, problem.size))
+    if len(free):
+        sobol = qmc.Sobol(len(free), scramble=True, seed=seed)
+        share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
+        known = np.where(rival.width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
+        least, most = np.maximum(low[free], -_LARGEST), np.minimum(high[free], _LARGEST)
+        x[:, free] = np.where(free < p, known, least + (most - least) * share)
+        x[0] = 0.0
+    prior = np.sum((x[:, free] / rival.width) ** 2, axis=1)
+    chi2 = problem.misfit(problem.residuals(x)) + prior
+    return np.asarray(x[np.argsort(chi2, kind="stable")])
+
+
+def apart(items: Iterable[Item], place: Callable[[Item], Array], distance: float) -> list[Item]:
+    """Those that are not closer than a distance to an earlier one."""
+    kept: list[Item] = []
+    for item in items:
+        if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
+            kept.append(item)
+    return kept

@@ -1,0 +1,231 @@
+"""Chi-square along one parameter of a cause, everything else fitted anew at each value.
+
+The curvature at the best fit says too little where chi-square has steps and more than one valley;
+the profile does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.fit.fit_result import Fit, Fitted, Rival, Start, fitted_parameters
+from stickslip.diagnosis.fit.least_squares import AGREE, fit_rivals
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.fit.single_cause import certify
+
+Array = NDArray[np.float64]
+
+FAR = 9.0
+"""A profile goes on until chi-square has risen by so much at both ends."""
+
+# So far out that another valley beyond a ridge is seen.
+_PLACES = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
+_STEPS = 6
+# What is so far above the best place after two steps is not looked at any closer.
+_HOPELESS = 4.0 * FAR
+_ROUNDS = 2
+_FURTHER, _WIDEST = 1.5, 30.0
+_LOWER = 0.1
+_CENTRES = 3
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Profile of one parameter.
+
+    Attributes
+    ----------
+    name, unit : str
+    value : ndarray, shape (k,)
+        In the unit, rising coordinates.
+    chi2 : ndarray, shape (k,)
+        Above the least of them.
+    sd : float
+        The largest of the distances from the fit to where chi-square crosses 1 for the last time
+        on either side, and of half those to where it crosses 4.
+    """
+
+    name: str
+    unit: str
+    value: Array
+    chi2: Array
+    sd: float
+
+
+@dataclass
+class _Line:
+    """Fits with one coordinate held at each of some values, which rise."""
+
+    u: Array
+    fits: list[Fit]
+    prior_width: float
+
+    @property
+    def chi2(self) -> Array:
+        """With the prior's row of the coordinate that is held."""
+        return np.array([fit.chi2 for fit in self.fits]) + (self.u / self.prior_width) ** 2
+
+
+def profile(problem: Problem, fit: Fit) -> list[Profile]:
+    """Profiles of all parameters of the causes of a fit, freed constants among them.
+
+    Parameters
+    ----------
+    problem : Problem
+    fit : Fit
+
+    Returns
+    -------
+    list of Profile
+        Of those that say how strong a cause is, not how it looks.
+    """
+    return [_profile(fit, each, line) for each, line in _lines(problem, fit)]
+
+
+def settled(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
+    """A fit's profiles, about a better fit where they have led to one, which comes first.
+
+    A lower place that is so narrow that it has less evidence is no better one.
+    """
+    lines = _lines(problem, fit)
+    for _ in range(_CENTRES if lines else 0):
+        best = min((line for _, line in lines), key=lambda line: float(line.chi2.min()))
+        if best.chi2.min() > fit.chi2 - _LOWER:
+            break
+        begin = Start(best.fits[int(np.argmin(best.chi2))].x)
+        lower = fit_rivals(problem, [fit.rival], [[begin]], _STEPS)[0]
+        if lower.log_evidence <= fit.log_evidence:
+            break
+        # As far apart as starts that agree may end.
+        near = fit.certified and fit.chi2 - lower.chi2 < AGREE
+        checked = [replace(lower, certified=near, starts=fit.starts)]
+        certify(problem, checked, 0)
+        fit = checked[0]
+        lines = _lines(problem, fit)
+    return fit, [_profile(fit, each, line) for each, line in lines]
+
+
+def _lines(problem: Problem, fit: Fit) -> list[tuple[Fitted, _Line]]:
+    shown = [each for each in fitted_parameters(problem, fit) if not each.shape]
+    return [(each, _along(problem, fit, each)) for each in shown]
+
+
+def _profile(fit: Fit, each: Fitted, line: _Line) -> Profile:
+    value = np.asarray(each.continuous(line.u), dtype=float)
+    here = float(np.asarray(each.continuous(fit.x[[each.column]]))[0])
+    chi2 = line.chi2 - line.chi2.min()
+    return Profile(each.name, each.unit, value, chi2, _distance(value, chi2, here))
+
+
+def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:
+    """Fits about one, on and on to either side until chi-square has risen by ``FAR``."""
+    spread = float(np.sqrt(fit.covariance[each.position, each.position]))
+    low, high = (float(end[each.column]) for end in problem.limits())
+    middle = float(fit.x[each.column])
+    places = np.array(_PLACES)
+    line: _Line | None = None
+    while True:
+        u = np.unique(np.clip(middle + places * spread, low, high))
+        line = _fixed(problem, fit, each.column, u, line)
+        chi2 = line.chi2 - line.chi2.min()
+        more = []
+        if chi2[0] < FAR and u[0] > low and -places[0] < _WIDEST:
+            more.append(_FURTHER * places[0])
+        if chi2[-1] < FAR and u[-1] < high and places[-1] < _WIDEST:
+            more.append(_FURTHER * places[-1])
+        if not more:
+            return line
+        places = np.unique([*places, *more])
+
+
+def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | None = None) -> _Line:
+    """Fits with one coordinate held at each of some values, some of which are `known`.
+
+    Every one begins where the covariance leads it, and at a random place about that; then where its
+    neighbours have ended, since a step of chi-square stops many a walk.
+    """
+    rival = fit.rival
+    keep = rival.free != column
+    held = Rival(rival.causes, rival.free[keep], rival.width[keep])
+    prior_width = float(rival.width[~keep][0])
+    slope, covariance = fit.slope[:, keep], fit.covariance
+    random = np.random.default_rng(29)
+    done = {} if known is None else dict(zip(known.u.tolist(), known.fits, strict=True))
+    begins = []
+    for value in u.tolist():
+        if value in done:
+            begins.append([Start.of(done[value])])
+            continue
+        led = fit.x.copy()
+        step = value - fit.x[column]
+        led[rival.free] += step * covariance[:, ~keep][:, 0] / covariance[~keep, ~keep][0]
+        drawn = led.copy()
+        drawn[rival.free] += 2.0 * random.multivariate_normal(
+            np.zeros(len(keep)), covariance, method="eigh"
+        )
+        for x in (led, drawn):
+            x[column] = value
+        begins.append([Start(x, slope) for x in (led, drawn)])
+    rivals = [held] * len(u)
+    fits = fit_rivals(problem, rivals, begins, _STEPS, _HOPELESS, exact=False)
+    changed = list(range(len(u)))
+    for _ in range(_ROUNDS):
+        beside = {k for other in changed for k in (other - 1, other + 1) if 0 <= k < len(u)}
+        least = min(fit.chi2 for fit in fits)
+        which = sorted(k for k in beside if fits[k].chi2 < least + _HOPELESS)
+        again, changed = _from_neighbours(problem, fits, column, u, which), []
+        for k, new in again.items():
+            if new.chi2 < fits[k].chi2 - _LOWER:
+                changed.append(k)
+                fits[k] = new
+    return _Line(u, fits, prior_width)
+
+
+def _from_neighbours(
+    problem: Problem, fits: Sequence[Fit], column: int, u: Array, which: Sequence[int]
+) -> dict[int, Fit]:
+    """Fits at some of the values, begun where those beside them have ended."""
+    begins: list[list[Start]] = []
+    for k in which:
+        begins.append([])
+        for other in (k - 1, k + 1):
+            if 0 <= other < len(u):
+                x = fits[other].x.copy()
+                x[column] = u[k]
+                begins[-1].append(Start(x, fits[other].slope))
+    rivals = [fits[k].rival for k in which]
+    again = fit_rivals(problem, rivals, begins, _STEPS, _HOPELESS, exact=False)
+    return dict(zip(which, again, strict=True))
+
+
+def _distance(value: Array, chi2: Array, here: float) -> float:
+    """The largest of the distances to where chi-square last crosses 1, and half those for 4."""
+    order = np.argsort(value)
+    value, chi2 = value[order], chi2[order]
+    return max(
+        abs(place - here) / root
+        for root in (1.0, 2.0)
+        for place in _crossings(value, chi2, root**2)
+    )
+
+
+def _crossings(value: Array, chi2: Array, level: float) -> tuple[float, float]:
+    """First and last crossing of a level; the end where there is none.
+
+    By straight lines between the roots of chi-square, which are straight where it is a parabola.
+    """
+    inside = np.flatnonzero(chi2 <= level)
+    first, last = int(inside[0]), int(inside[-1])
+
+    def between(a: int, b: int) -> float:
+        low, high = np.sqrt(chi2[[a, b]])
+        share = (np.sqrt(level) - low) / (high - low)
+        return float(value[a] + share * (value[b] - value[a]))
+
+    left = float(value[0]) if first == 0 else between(first, first - 1)
+    right = float(value[-1]) if last == len(value) - 1 else between(last, last + 1)
+    return left, right

@@ -1,0 +1,85 @@
+"""The uncertain constants fitted to parts of the data: one that changes points at the physics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.least_squares import fit_rivals
+from stickslip.diagnosis.inference.cross_validation import restricted
+from stickslip.diagnosis.model.problem import Problem
+
+Array = NDArray[np.float64]
+
+_STEPS = 6
+_FEWEST = 4
+_STRAINED = 2.5
+
+
+@dataclass(frozen=True)
+class Part:
+    """Constants from one part of the conditions.
+
+    Attributes
+    ----------
+    name : str
+    count : int
+        Number of conditions.
+    x, sd : ndarray, shape (p,)
+        Coordinates of the uncertain parameters and their standard deviations.
+    """
+
+    name: str
+    count: int
+    x: Array
+    sd: Array
+
+
+def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, NDArray[np.int64]]) -> list[Part]:
+    """Fit the constants to each part by itself, from the common fit.
+
+    Parameters
+    ----------
+    problem : Problem
+    null : Fit
+        Of all conditions.
+    parts : dict
+        Indices of the conditions of each part, complementary ones one after the other; where one of
+        two has fewer than four, both are left out.
+
+    Returns
+    -------
+    list of Part
+    """
+    covariance = np.asarray(np.linalg.inv(problem.whiten.T @ problem.whiten), dtype=float)
+    found = []
+    names = list(parts)
+    kept = [
+        name
+        for pair in zip(names[::2], names[1::2], strict=True)
+        for name in pair
+        if min(len(parts[each]) for each in pair) >= _FEWEST
+    ]
+    for name, rows in ((name, parts[name]) for name in kept):
+        inside = restricted(problem, rows, covariance)
+        fit = fit_rivals(inside, [null.rival], [[Start.of(null, rows)]], _STEPS, exact=False)[0]
+        sd = np.sqrt(np.diag(fit.covariance))
+        found.append(Part(name, len(rows), fit.x[null.rival.free], sd))
+    return found
+
+
+def changing(problem: Problem, parts: list[Part]) -> list[str]:
+    """Sentences on the constants that two complementary parts do not agree about."""
+    said = []
+    for first, second in zip(parts[::2], parts[1::2], strict=True):
+        gap = np.abs(first.x - second.x) / np.hypot(first.sd, second.sd)
+        for k in np.flatnonzero(gap > _STRAINED):
+            said.append(
+                f"{problem.uncertain[k].name} differs between {first.name} and {second.name} "
+                f"by {gap[k]:.1f} standard deviations"
+            )
+    return said

@@ -1,0 +1,162 @@
+"""Is there anything beyond the recalibrated model?
+
+Two tests share the error rate: the lack of fit against the scatter of trials (F, any departure),
+and the largest score over the library (a departure that looks like a known cause). The second has
+its threshold from draws of pure noise through the same projection, and so has the smaller of both
+p-values: the tests see the same noise, so that twice the smaller one would be too cautious.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_law
+from scipy.stats import f as f_law
+
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.fit.sensitivity import Signatures
+
+Array = NDArray[np.float64]
+
+ALPHA = 0.05
+"""Rate of false alarms of both tests together."""
+
+_DRAWS = 4000
+_BOOTSTRAP = 199
+_NEAR = (0.01, 0.10)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """Result of both tests.
+
+    Attributes
+    ----------
+    p_value : float
+        Of both together.
+    lack_of_fit_p, score_p : float
+    lack_of_fit, score : float
+        F and the largest score.
+    threshold : float
+        Of the score, at half the error rate.
+    bootstrapped : bool
+        Whether the p-values are from refits of simulated data.
+    found : bool
+    """
+
+    p_value: float
+    lack_of_fit_p: float
+    score_p: float
+    lack_of_fit: float
+    score: float
+    threshold: float
+    bootstrapped: bool
+    found: bool
+
+
+def lack_of_fit_p(chi2: float, free: int, dof: float) -> float:
+    """Probability of a larger chi-square of `free` degrees of freedom, by pooled scatter."""
+    if free <= 0:
+        return 1.0
+    if not math.isfinite(dof):
+        return float(chi2_law.sf(chi2, free))
+    return float(f_law.sf(chi2 / free, free, dof))
+
+
+def detect(problem: Problem, null: Fit, signatures: Signatures, seed: int) -> Detection:
+    """Test the recalibrated model: is anything left of the data?
+
+    Parameters
+    ----------
+    problem : Problem
+    null : Fit
+        The recalibrated model.
+    signatures : Signatures
+        About it, of the causes that the score looks for; there may be none.
+    seed : int
+        Of the draws of pure noise.
+
+    Returns
+    -------
+    Detection
+    """
+    m, p = len(problem.observed), problem.base_count
+    random = np.random.default_rng([seed, 11])
+    directions = signatures.directions()
+    score = float(np.max(directions @ null.residual)) if len(directions) else 0.0
+    noise = _noise(random, _DRAWS, m + p, signatures.basis, problem.dof)
+    largest = np.max(noise @ directions.T, axis=1) if len(directions) else np.zeros(_DRAWS)
+    misfit = np.sum(noise**2, axis=1)
+    threshold = float(np.quantile(largest, 1.0 - ALPHA / 2))
+    fit_p, score_p, both = _together(misfit, largest, null.chi2, score)
+    # Beyond what draws can tell, the law of the misfit is known.
+    exact = lack_of_fit_p(null.chi2, m, problem.dof)
+    both = min(both, 2.0 * min(exact, score_p))
+    fit_p = exact
+    repeated = _NEAR[0] < both < _NEAR[1]
+    if repeated:
+        misfit, largest = _bootstrap(problem, null, directions, random)
+        fit_p, score_p, both = _together(misfit, largest, null.chi2, score)
+    return Detection(both, fit_p, score_p, null.chi2 / m, score, threshold, repeated, both < ALPHA)
+
+
+def _together(
+    misfit: Array, largest: Array, chi2: float, score: float
+) -> tuple[float, float, float]:
+    """p-values of a misfit and a score among those of pure noise, and of the smaller of them."""
+    count = len(misfit)
+
+    def shares(values: Array, observed: float) -> tuple[Array, float]:
+        place = np.searchsorted(np.sort(values), [*values, observed], side="left")
+        share = (1.0 + count - place) / (count + 1.0)
+        return np.asarray(share[:-1]), float(share[-1])
+
+    fits, fit_p = shares(misfit, chi2)
+    scores, score_p = shares(largest, score)
+    smaller = np.minimum(fits, scores)
+    both = (1.0 + np.sum(smaller <= min(fit_p, score_p))) / (count + 1.0)
+    return fit_p, score_p, float(both)
+
+
+def _noise(random: np.random.Generator, count: int, size: int, basis: Array, dof: float) -> Array:
+    """Residuals of pure noise after recalibration, shape (count, size)."""
+    draws = random.standard_normal((count, size))
+    if math.isfinite(dof) and dof > 0:
+        draws /= np.sqrt(random.chisquare(dof, (count, 1)) / dof)
+    return np.asarray(draws - (draws @ basis) @ basis.T)
+
+
+def _bootstrap(
+    problem: Problem, null: Fit, directions: Array, random: np.random.Generator
+) -> tuple[Array, Array]:
+    """Misfit and largest score of data that the null model makes, each refitted with its own steps.
+
+    The truth of each data set is drawn about the fitted point as the prior rows ask, and the refit
+    goes by Gauss-Newton steps with the null's Jacobian.
+    """
+    m, p = len(problem.observed), problem.base_count
+    factor = np.ones((_BOOTSTRAP, 1))
+    if math.isfinite(problem.dof) and problem.dof > 0:
+        factor = np.sqrt(problem.dof / random.chisquare(problem.dof, (_BOOTSTRAP, 1)))
+    draws = random.standard_normal((_BOOTSTRAP, m + p))
+    centre = problem.residuals(null.x[None, :])[0]
+    # Rows: whitened data less that of the model at the fitted point, then the prior's.
+    target = draws * factor
+    x = np.tile(null.x, (_BOOTSTRAP, 1))
+    inverse = np.linalg.pinv(null.jacobian)
+    best = np.full(_BOOTSTRAP, np.inf)
+    kept = np.zeros((_BOOTSTRAP, m + p))
+    for _ in range(4):
+        moved = centre - problem.residuals(x)
+        residual = target - np.hstack([moved, x[:, :p] - null.x[:p]])
+        chi2 = np.sum(residual**2, axis=1)
+        better = chi2 < best
+        best, kept[better] = np.where(better, chi2, best), residual[better]
+        x = x.copy()
+        x[:, :p] += np.clip(residual @ inverse.T, -1.0, 1.0)
+    scores = np.max(kept @ directions.T, axis=1) if len(directions) else np.zeros(_BOOTSTRAP)
+    return best, scores

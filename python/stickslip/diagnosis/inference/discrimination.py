@@ -1,0 +1,147 @@
+"""How well rivals could be told apart where nothing was measured, for any forward model."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.model.problem import Predict
+from stickslip.diagnosis.inference.verdict import MARGIN
+
+Array = NDArray[np.float64]
+
+TRIALS = 3
+"""Trials of a new condition."""
+
+RIVALS = 3
+"""How many of the leading rivals are compared."""
+
+_STEP = 0.1
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How well the leading rivals could be told apart at candidate conditions.
+
+    Attributes
+    ----------
+    rivals : list of Fit
+    predicted, sd : ndarray, shape (rivals, candidates)
+        What each rival predicts, and its own uncertainty, in the observable's unit.
+    chi2 : ndarray, shape (candidates,)
+        Expected between the two rivals that the candidate tells apart best.
+    pair : ndarray of int, shape (candidates, 2)
+        These two.
+    """
+
+    rivals: list[Fit]
+    predicted: Array
+    sd: Array
+    chi2: Array
+    pair: NDArray[np.int64]
+
+
+def separate(
+    found: Diagnosis, predict: Predict, candidates: Any, trials: int = TRIALS
+) -> Separation | None:
+    """Compare what the rivals predict at conditions that were not measured.
+
+    What is named is to be told from the runner-up and what is close to that, an ambiguous set's
+    members from one another. Each rival is taken as fitted, with its own uncertainty at the new
+    condition; where nothing was found, there is nothing to separate.
+
+    Parameters
+    ----------
+    found : Diagnosis
+    predict : callable
+        As that of the diagnosis, of the candidates alone; NaN where a rival cannot compute one.
+    candidates : Any
+        Handed to `predict` as it is.
+    trials : int
+        Trials of the new condition, with the noise of the others.
+    """
+    rivals = _rivals(found)
+    if len(rivals) < 2:
+        return None
+    centre, spread = [], []
+    for fit in rivals:
+        width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
+        points = [fit.x]
+        for k, step in zip(fit.rival.free, width, strict=True):
+            for sign in (1.0, -1.0):
+                point = fit.x.copy()
+                point[k] += sign * step
+                points.append(point)
+        values = found.problem.physical(np.stack(points))
+        predicted = np.asarray(predict(candidates, values), dtype=float)
+        slope = _slopes(predicted, width[:, None])
+        centre.append(predicted[0])
+        spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
+    level, variance = np.array(centre), np.array(spread)
+    # A condition that one of the rivals cannot compute is no proposal.
+    sound = np.all(np.isfinite(level) & np.isfinite(variance), axis=0)
+    level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
+    noise = _trial_variance(found, np.mean(level, axis=0)) / trials
+    noise += float(np.median(found.roughness[: len(found.noise.mean)])) ** 2
+    leads = found.verdict.word in ("named", "pair")
+    chi2 = np.zeros(level.shape[1])
+    pair = np.zeros((level.shape[1], 2), dtype=np.int64)
+    for a, b in itertools.combinations(range(len(rivals)), 2):
+        if leads and a > 0:
+            continue
+        gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
+        pair[gap > chi2] = (a, b)
+        chi2 = np.maximum(chi2, gap)
+    return Separation(rivals, level, np.sqrt(variance), chi2, pair)
+
+
+def _slopes(predicted: Array, width: Array) -> Array:
+    """Central differences of a point and pairs about it; of one side if the other has none.
+
+    A rival may stand at an end of what the model can compute, such as a static friction that is
+    just above the kinetic one.
+    """
+    centre, up, down = predicted[0], predicted[1::2], predicted[2::2]
+    one_sided = np.where(np.isfinite(up), up - centre, centre - down) / width
+    both = np.isfinite(up) & np.isfinite(down)
+    return np.asarray(np.where(both, (up - down) / (2.0 * width), one_sided))
+
+
+def _trial_variance(found: Diagnosis, level: Array) -> Array:
+    """Variance of one trial at a level; the usual one where errors were stated for each mean."""
+    noise = found.noise
+    if noise.floor == 0.0 and noise.relative == 0.0:
+        return np.full(level.shape, float(np.median(noise.sd)) ** 2)
+    return np.asarray(noise.floor**2 + (noise.relative * level) ** 2)
+
+
+def _rivals(found: Diagnosis) -> list[Fit]:
+    if not found.detection.found:
+        return []
+    both = [*found.ranking.singles, *found.ranking.pairs]
+    fits = sorted(both, key=lambda fit: -fit.priced_evidence)
+    chosen = found.verdict.fit
+    if chosen is not None and found.verdict.word in ("named", "pair"):
+        # What has the cause and one more says the same of it.
+        own = set(chosen.rival.causes)
+        others = [fit for fit in fits if not own <= set(fit.rival.causes)]
+        # Only the runner-up and those beside it: farther ones are told apart already, however much
+        # more they would differ elsewhere.
+        first = max((fit.priced_evidence for fit in others), default=0.0)
+        fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
+    if found.verdict.word == "ambiguous" and chosen is not None:
+        # Only those that the verdict cannot choose between.
+        names, size = set(found.verdict.causes), len(chosen.rival.causes)
+        undecided = [
+            fit
+            for fit in fits
+            if len(fit.rival.causes) == size and {each.name for each in fit.rival.causes} <= names
+        ]
+        fits = undecided if len(undecided) > 1 else fits
+    return fits[:RIVALS]

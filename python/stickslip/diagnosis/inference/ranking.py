@@ -1,0 +1,58 @@
+"""How the rivals stand to one another, as the verdict weighs them."""
+
+from __future__ import annotations
+
+from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.inference.verdict import MARGIN, next_best
+
+_SINGLES, _PAIRS = 7, 5
+
+
+def set_members(found: Diagnosis) -> list[Fit]:
+    """The verdict's own fit, and the others of its set where it cannot choose.
+
+    Empty without an extended model.
+    """
+    chosen = found.verdict.fit
+    if chosen is None:
+        return []
+    if found.verdict.word != "ambiguous":
+        return [chosen]
+    among, pairs = set(found.verdict.causes), len(chosen.rival.causes) > 1
+    others = [
+        fit
+        for fit in (found.ranking.pairs if pairs else found.ranking.singles)
+        if fit is not chosen
+        and among.issuperset(cause.name for cause in fit.rival.causes)
+        # Two close pairs have four names, of which other pairs can be made too.
+        and not (pairs and chosen.log_evidence - fit.log_evidence >= MARGIN)
+    ]
+    return [chosen, *others]
+
+
+def leading(found: Diagnosis) -> list[Fit]:
+    """The best single causes and the best pairs, by evidence after the price of a second cause."""
+    singles = sorted(found.ranking.singles, key=lambda fit: -fit.log_evidence)[:_SINGLES]
+    pairs = sorted(found.ranking.pairs, key=lambda fit: -fit.log_evidence)[:_PAIRS]
+    return sorted([*singles, *pairs], key=lambda fit: -fit.priced_evidence)
+
+
+def runner_up(found: Diagnosis) -> str:
+    """What comes next after what is claimed; for `unexplained`, what comes nearest.
+
+    Empty where nothing was fitted, and where it is the reason of a name already.
+    """
+    verdict, null = found.verdict, found.null
+    fits = [*found.ranking.singles, *found.ranking.pairs]
+    if not found.detection.found or verdict.word in ("named", "data-problem") or not fits:
+        return ""
+    if verdict.fit is None:
+        nearest = min(fits, key=lambda fit: fit.chi2)
+        return (
+            f"{nearest.name} comes nearest and leaves a chi-square of {nearest.chi2:.0f} for "
+            f"{len(found.problem.observed)} observables (recalibrated: {null.chi2:.0f})"
+        )
+    claimed = {fit.name for fit in set_members(found)}
+    others = [fit for fit in fits if fit.name not in claimed]
+    return next_best(found.problem, verdict.fit, null, others)

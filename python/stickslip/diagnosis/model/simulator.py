@@ -1,0 +1,111 @@
+"""The stick-slip simulator as a forward model, and how exactly it has to compute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.diagnosis.data.conditions import Conditions
+from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.scenario.keys import Value
+from stickslip._util.processor_count import worker_count
+from stickslip.scenario.scenario import Scenario
+
+Array = NDArray[np.float64]
+TOLERANCES = (1e-4, 1e-5, 1e-6)
+"""Of the simulator, the loosest first."""
+
+_TOLERANCE_DRAWS, _MOST = 8, 0.75
+
+
+class Simulator:
+    """Mean velocities at conditions and parameters, by one batch call of the core.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Everything that neither a condition nor a parameter sets.
+    parameters : sequence of str
+        Dotted keys of the parameters' columns.
+    threads : int, optional
+        Simulations at a time; as many as there are processors, if not given.
+    """
+
+    def __init__(
+        self, scenario: Scenario, parameters: Sequence[str], threads: int | None = None
+    ) -> None:
+        self.scenario = scenario
+        self.parameters = tuple(parameters)
+        self.threads = worker_count(threads, "threads")
+        self.simulated = 0
+        self._words = {row["key"]: list(row["allowed"]) for row in _core.choices()}
+
+    def __call__(self, conditions: Conditions, parameters: Array) -> Array:
+        """Velocities, m/s, shape (vectors, conditions); NaN where a simulation is refused."""
+        keys = sorted({key for each in conditions for key in each})
+        settings = np.array(
+            [[self._number(key, each.get(key, self.scenario.get(key))) for key in keys]
+             for each in conditions]
+        )  # fmt: skip
+        vectors, count = len(parameters), len(conditions)
+        values = np.hstack([np.tile(settings, (vectors, 1)), np.repeat(parameters, count, axis=0)])
+        columns, _ = _core.sweep(
+            self.scenario.to_core(), [*keys, *self.parameters], values, self.threads
+        )
+        self.simulated += len(values)
+        velocity = np.where(columns["status"] == 0, columns["mean_velocity"], np.nan)
+        return np.asarray(velocity.reshape(vectors, count), dtype=float)
+
+    def _number(self, key: str, value: Value) -> float:
+        if isinstance(value, str):
+            return float(self._words[key].index(value))
+        return float(value)
+
+
+def loosest_tolerances(
+    simulator: Simulator,
+    conditions: Conditions,
+    uncertain: Sequence[Uncertain],
+    causes: Sequence[Cause],
+    noise: NoiseModel,
+    seed: int,
+) -> Array:
+    """For each condition the largest of some tolerances whose error is far below the noise.
+
+    A twentieth, not only a fifth, of the noise: derivatives are taken over steps whose effect is
+    about the noise.
+
+    Judged at draws of the uncertain parameters against a tolerance a hundred times finer than the
+    finest tried. Where the motion is so sensitive that no tolerance will do, one is enough that is
+    hardly worse than the finest. Shape (conditions,).
+    """
+    random = np.random.default_rng([seed, 31])
+    absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
+    draws = [
+        [*(each.prior.value(random.standard_normal()) for each in uncertain), *absent]
+        for _ in range(_TOLERANCE_DRAWS)
+    ]
+    base, threads = simulator.scenario, simulator.threads
+    finest = min(float(base.get("solver.rtol")), TOLERANCES[-1])
+    tried = np.array([each for each in TOLERANCES if each > finest] + [finest])
+
+    def velocities(rtol: float) -> Array:
+        scenario = base.replace({"solver.rtol": rtol})
+        return Simulator(scenario, simulator.parameters, threads)(conditions, np.array(draws))
+
+    truth = velocities(max(0.01 * finest, 1e-11))
+    errors = np.array([_most(np.abs(velocities(rtol) - truth)) for rtol in tried])
+    allowed = np.maximum(np.sqrt(np.diag(noise.covariance)) / 20.0, 1.5 * errors[-1])
+    good = errors <= allowed
+    good[-1] = True
+    return np.asarray(tried[np.argmax(good, axis=0)])
+
+
+def _most(errors: Array) -> Array:
+    """Below which most of the errors of each column are; infinity where there is none."""
+    some = np.isfinite(errors).any(axis=0)
+    return np.where(some, np.nanquantile(np.where(some, errors, 0.0), _MOST, axis=0), np.inf)

@@ -1,0 +1,63 @@
+"""All channels as one forward model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.observables.observable import Channel
+
+Array = NDArray[np.float64]
+
+
+class Combined:
+    """Velocities at the conditions, if there are any, and then the observables of each channel.
+
+    Parameters
+    ----------
+    velocities : callable
+        ``velocities(conditions, parameters)``, of the columns `shared` alone.
+    names : sequence of str
+        Of all columns.
+    shared : sequence of str
+        Columns that are scenario keys.
+    channels : sequence of Channel
+    """
+
+    def __init__(
+        self,
+        velocities: Callable[[Any, Array], Array],
+        names: Sequence[str],
+        shared: Sequence[str],
+        channels: Sequence[Channel],
+    ) -> None:
+        self.velocities = velocities
+        self.names = tuple(names)
+        self.channels = tuple(channels)
+        self._shared = [self.names.index(name) for name in shared]
+        self._columns = [
+            [k for k, name in enumerate(names) if k in self._shared or name in own]
+            for own in ({each.name for each in channel.nuisance} for channel in channels)
+        ]
+
+    def shared(self, parameters: Array) -> Array:
+        """The columns that are scenario keys."""
+        return parameters[:, self._shared]
+
+    def __call__(self, conditions: Sequence[Any], parameters: Array) -> Array:
+        """Observables, shape (vectors, m)."""
+        blocks = []
+        if len(conditions):
+            blocks.append(self.velocities(conditions, self.shared(parameters)))
+        for channel, columns in zip(self.channels, self._columns, strict=True):
+            names = [self.names[k] for k in columns]
+            blocks.append(channel.predict(names, parameters[:, columns]))
+        return np.hstack(blocks)
+
+    def sketch_arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
+        """Names and values that a channel's sketches take, from values of all columns."""
+        columns = self._columns[number]
+        return [self.names[k] for k in columns], parameters[columns]

@@ -1,0 +1,209 @@
+"""What a camera makes of a motion: frames that are late, blurred, turned, scaled, noisy and few.
+
+The same camera makes the frames that a fit compares with data and those of synthetic data. A
+rocking at 421 Hz that 200 frames a second fold to 21 Hz is folded here too, and nothing filtered.
+Errors of the length scale, the clock and the angle that are named extensions of the model are in
+the core's recordings already; here stand what belongs to one film alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.scenario.scenario import Scenario
+
+Array = NDArray[np.float64]
+Recording = Mapping[str, Array]
+
+COILS = ("xp", "xm", "yp", "ym", "clamp")
+
+_SAMPLES = 12.0
+_SLOWEST, _FASTEST = 5e3, 5e4
+_BLUR = 5e-4
+_AT_A_TIME = 400_000
+_RATES = {"x": "vx", "z": "vz", "theta": "omega"}
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera and its synchronisation with the drive.
+
+    Attributes
+    ----------
+    exposure : float
+        s; a frame shows the mean over it, with its time in the middle.
+    trigger : float
+        By how much frames are taken later than their times say, s.
+    angle_offset, angle_scale : float
+        theta is read as ``angle_scale * theta + angle_offset``, rad and 1.
+    current_scale : float
+        Of the readings of both currents.
+    """
+
+    exposure: float = 0.0
+    trigger: float = 0.0
+    angle_offset: float = 0.0
+    angle_scale: float = 1.0
+    current_scale: float = 1.0
+
+    def frames(
+        self, motion: Recording, times: Array, names: Sequence[str] = ("x", "theta")
+    ) -> dict[str, Array]:
+        """Noiseless readings of `names` at frame `times` (s), shape (n,) each.
+
+        Parameters
+        ----------
+        motion : mapping of ndarray
+            A recording on a uniform grid with ``t``, the quantities and their rates. Before it the
+            robot rests where it begins, and after it where it ends.
+        times : ndarray, shape (n,)
+        names : sequence of str
+            Of ``x``, ``z`` (m), ``theta`` (rad), ``current_x``, ``current_clamp`` (A). A current is
+            read at the frame's time, not over its exposure.
+        """
+        true = times + self.trigger
+        nodes, weights = _nodes(self.exposure)
+        spread = _Grid(motion["t"], true[:, None] + nodes)
+        result: dict[str, Array] = {}
+        for name in names:
+            if name in _RATES:
+                seen = spread.cubic(motion[name], motion[_RATES[name]]) @ weights
+            else:
+                seen = _Grid(motion["t"], true).linear(motion[name]) * self.current_scale
+            result[name] = seen
+        if "theta" in result:
+            result["theta"] = self.angle_scale * result["theta"] + self.angle_offset
+        return result
+
+
+def noisy(
+    frames: Mapping[str, Array],
+    noise: Mapping[str, float],
+    random: np.random.Generator,
+    quantum: Mapping[str, float] | None = None,
+) -> dict[str, Array]:
+    """Frames with pixel noise of the standard deviations `noise`, rounded to whole quanta.
+
+    Quantities without an entry stay as they are.
+    """
+    result = {}
+    for name, values in frames.items():
+        read = values + noise.get(name, 0.0) * random.standard_normal(len(values))
+        step = (quantum or {}).get(name, 0.0)
+        result[name] = step * np.round(read / step) if step > 0.0 else read
+    return result
+
+
+def recording_rate(scenario: Scenario) -> float:
+    """Samples a second that hold every free motion between them, Hz.
+
+    The fastest is the rocking of a body in flight, sqrt(V M B / J) / 2 pi, about 842 Hz at 2.5 mT.
+    With cubic interpolation from positions and rates 12 samples a period err by 2e-4 of its
+    amplitude, (2 pi / 12)^4 / 384; more samples would only cost time. The rate is a multiple of the
+    drive's, and one that has a sample at the end of the ramp if there is any, so that the drive's
+    sudden edges, where currents bend, fall between no two samples.
+    """
+    robot, drive = scenario.robot, scenario.drive
+    inertia = robot.mass * (robot.length**2 + robot.height**2) / 12.0
+    moment = robot.length * robot.width * robot.height * robot.magnetization
+    top = math.hypot(drive.peak, drive.hold)
+    if drive.mode == "program":
+        top = 6.5e-3
+    rocking = math.sqrt(moment * top / inertia) / (2.0 * math.pi)
+    enough = float(np.clip(_SAMPLES * rocking, _SLOWEST, _FASTEST))
+    if drive.mode == "program":
+        return enough
+    fewest = math.ceil(enough / drive.frequency)
+    for each in range(fewest, 2 * fewest + 1):
+        samples = drive.ramp * drive.frequency * each
+        if abs(samples - round(samples)) < 1e-9 * each:
+            return each * drive.frequency
+    return fewest * drive.frequency
+
+
+def record(
+    scenario: Scenario, names: Sequence[str], values: Array, rate: float, threads: int
+) -> Iterator[Recording | None]:
+    """Recordings of a scenario with other values of some keys, in their order.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    names : sequence of str
+        Dotted keys.
+    values : ndarray, shape (vectors, names)
+    rate : float
+        Hz.
+    threads : int
+        Simulations at a time; the result does not depend on it.
+
+    Yields
+    ------
+    dict of ndarray, or None
+        None where the values make no scenario or its simulation fails.
+    """
+    base = scenario.to_core()
+    base.record_uniform(rate)
+    driving = "xm" if scenario.drive.direction == "-x" else "xp"
+    # So many at a time that their samples fit into some tens of megabytes.
+    share = max(threads, int(_AT_A_TIME / (base.duration * rate + 1.0)))
+    for start in range(0, len(values), share):
+        cores = [_core_with(base, names, row) for row in values[start : start + share]]
+        usable = [core for core in cores if core is not None]
+        results = iter(_core.simulate_batch(usable, threads))
+        for core in cores:
+            result = None if core is None else next(results)
+            if result is None or result.status != "ok":
+                yield None
+                continue
+            motion: dict[str, Array] = {**result.take_recording()}  # type: ignore[dict-item]
+            motion["current_x"] = motion["current"][:, COILS.index(driving)]
+            motion["current_clamp"] = motion["current"][:, COILS.index("clamp")]
+            yield motion
+
+
+def _core_with(base: _core.Scenario, names: Sequence[str], values: Array) -> _core.Scenario | None:
+    core = _core.Scenario(base)
+    try:
+        for name, value in zip(names, values, strict=True):
+            core.set(name, float(value))
+        core.check()
+    except ValueError:
+        return None
+    return core
+
+
+def _nodes(exposure: float) -> tuple[Array, Array]:
+    """Times about the middle of an exposure and their weights, more for a longer one."""
+    if exposure == 0.0:
+        return np.zeros(1), np.ones(1)
+    nodes, weights = np.polynomial.legendre.leggauss(3 + math.ceil(exposure / _BLUR))
+    return 0.5 * exposure * nodes, 0.5 * weights
+
+
+class _Grid:
+    """Places of some times on a uniform grid, for interpolation."""
+
+    def __init__(self, t: Array, times: Array) -> None:
+        self.step = float(t[1] - t[0])
+        place = np.clip((times - t[0]) / self.step, 0.0, len(t) - 1.0)
+        self.left = np.minimum(place.astype(np.int64), len(t) - 2)
+        self.share = place - self.left
+
+    def linear(self, y: Array) -> Array:
+        below = y[self.left]
+        return np.asarray(below + self.share * (y[self.left + 1] - below))
+
+    def cubic(self, y: Array, slope: Array) -> Array:
+        """Hermite's cubic; its slopes are the true ones, so it needs few samples."""
+        u, k = self.share, self.left
+        rest = 1.0 - u
+        ends = y[k] * (1.0 + 2.0 * u) * rest**2 + y[k + 1] * (3.0 - 2.0 * u) * u**2
+        bends = slope[k] * u * rest**2 - slope[k + 1] * u**2 * rest
+        return np.asarray(ends + self.step * bends)

@@ -1,0 +1,353 @@
+"""Side-view tracking of one run as observables of the diagnosis."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+from scipy.stats import chi2 as chi2_law
+
+from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
+from stickslip.diagnosis.observables.observable import Sketch
+from stickslip.diagnosis.observables.tracking.folding import (
+    Fold,
+    Kind,
+    Reduction,
+    cycle_scatter,
+    fold,
+    frame_noise,
+    reduce,
+    undrifted,
+)
+from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.data.unit_check import far_off
+from stickslip.measurement.priors import Prior
+from stickslip.measurement.tracking import FEWEST, TrackingRun
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.observables.tracking.force_residuals import ForceView
+
+Array = NDArray[np.float64]
+
+_KINDS: dict[str, Kind] = {
+    "theta": "level",
+    "x": "drift",
+    "z": "place",
+    "current_x": "level",
+    "current_clamp": "level",
+}
+_CURRENTS = ("current_x", "current_clamp")
+_WILD = 14.0
+_NEIGHBOURS = 9
+_UNLIKELY = 1e-3
+_ANGLE_OFFSET = math.radians(1.0)
+_ANGLE_SCALE = _CURRENT_SCALE = 0.01
+_TRIGGER = 3e-4
+_LEAST_RISE = 0.01
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One tracked quantity, reduced.
+
+    Attributes
+    ----------
+    name : str
+    frames : ndarray of bool, shape (n,)
+        Frames of the run that are used for it.
+    times : ndarray, shape (u,)
+        Of these frames, s.
+    values : ndarray, shape (u,)
+    folded : Fold
+        Of these frames.
+    sd, cycle_sd : float
+        Noise of a frame, and what the frames of a period have in common.
+    reduction : Reduction
+    """
+
+    name: str
+    frames: NDArray[np.bool_]
+    times: Array
+    values: Array
+    folded: Fold
+    sd: float
+    cycle_sd: float
+    reduction: Reduction
+
+    @property
+    def observed(self) -> Array:
+        """Its observables."""
+        return self.reduction.matrix @ self.values
+
+
+class TrackingChannel:
+    """Frames of one run, folded on the drive's phase; see `Channel`.
+
+    Parameters
+    ----------
+    run : TrackingRun
+    number : int
+        Of the run, from 1; its name is ``tracking.<number>``.
+    threads : int
+        Simulations at a time.
+    family : list of TrackingChannel, optional
+        All channels of the measurement, to which this one is added; runs of both directions are
+        compared in the report.
+    """
+
+    def __init__(
+        self,
+        run: TrackingRun,
+        number: int = 1,
+        threads: int = 1,
+        family: list[TrackingChannel] | None = None,
+    ) -> None:
+        self.run, self.threads = run, threads
+        self.name = f"tracking.{number}"
+        self.family = [] if family is None else family
+        self.family.append(self)
+        self.last_view: ForceView | None = None
+        self.rate = recording_rate(run.scenario)
+        self.nuisance = _nuisance(self.name, run)
+        said: list[str] = []
+        unused: list[str] = []
+        nominal = self._nominal_frames()
+        self.quantities = tuple(
+            found
+            for name in _KINDS
+            if name in run.columns
+            for found in [_quantity(run, name, nominal, said, unused)]
+            if found is not None
+        )
+        self.observed = np.concatenate([each.observed for each in self.quantities])
+        self.covariance = np.asarray(
+            block_diag(*(each.reduction.covariance for each in self.quantities)), dtype=float
+        )
+        self.group = np.zeros(len(self.observed), dtype=np.int64)
+        self.notes = tuple(f"{run.file}: {line}" for line in said)
+        self.left_out = tuple(f"{run.file}: {line}" for line in unused)
+
+    def camera(self, names: Sequence[str], values: Array) -> Camera:
+        """The run's camera with the nuisances among `names`, from values of shape (names,)."""
+        at = {
+            name.removeprefix(f"{self.name}."): value
+            for name, value in zip(names, values, strict=True)
+        }
+        own = [each.name.removeprefix(f"{self.name}.") for each in self.nuisance]
+        return Camera(self.run.exposure, **{name: float(at[name]) for name in own if name in at})
+
+    def keys(self, names: Sequence[str]) -> list[int]:
+        """Places of the scenario keys among `names`."""
+        return [k for k, name in enumerate(names) if not name.startswith(f"{self.name}.")]
+
+    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+        """Observables, shape (vectors, k); NaN where the simulation fails."""
+        at = self.keys(names)
+        # Vectors that differ in the camera alone share a simulation.
+        motions, which = np.unique(parameters[:, at], axis=0, return_inverse=True)
+        which = which.reshape(-1)
+        result = np.full((len(parameters), len(self.observed)), np.nan)
+        recorded = record(
+            self.run.scenario, [names[k] for k in at], motions, self.rate, self.threads
+        )
+        for number, motion in enumerate(recorded):
+            if motion is None:
+                continue
+            for vector in np.flatnonzero(which == number):
+                camera = self.camera(names, parameters[vector])
+                frames = camera.frames(
+                    motion, self.run.columns["t"], [each.name for each in self.quantities]
+                )
+                result[vector] = self.reduced(frames)
+        return result
+
+    def reduced(self, frames: dict[str, Array]) -> Array:
+        """Observables of frames at all times of the run, shape (k,)."""
+        return np.concatenate(
+            [each.reduction.matrix @ frames[each.name][each.frames] for each in self.quantities]
+        )
+
+    def sketches(
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
+    ) -> list[Sketch]:
+        """The force view of this run, and of both directions with the last of them."""
+        from stickslip.diagnosis.observables.tracking.report_section import draw
+
+        return draw(self, names, recalibrated, extended, bool(held_out.all()))
+
+    @property
+    def advance(self) -> tuple[float, float] | None:
+        """Way of a pulse in the world, m, and its error; None where no two periods show it."""
+        x = next(each for each in self.quantities if each.name == "x")
+        if not x.folded.steady.any() or len(x.observed) <= int(x.folded.bin.max()):
+            return None
+        return float(x.observed[0]), float(np.sqrt(x.reduction.covariance[0, 0]))
+
+    def advance_of(self, names: Sequence[str], values: Array) -> float:
+        """The same of the model at values of shape (names,), m."""
+        before = itertools.takewhile(lambda each: each.name != "x", self.quantities)
+        at = sum(len(each.observed) for each in before)
+        return float(self.predict(names, values[None, :])[0, at])
+
+    def _nominal_frames(self) -> dict[str, Array] | None:
+        motion = next(record(self.run.scenario, [], np.zeros((1, 0)), self.rate, 1))
+        if motion is None:
+            return None
+        wanted = [name for name in _KINDS if name in self.run.columns or name in _CURRENTS]
+        return Camera(self.run.exposure).frames(motion, self.run.columns["t"], wanted)
+
+
+def find_tracking(runs: Sequence[TrackingRun], threads: int) -> list[TrackingChannel]:
+    """A channel for each tracked run."""
+    family: list[TrackingChannel] = []
+    for number, run in enumerate(runs, start=1):
+        TrackingChannel(run, number, threads, family)
+    return family
+
+
+def _nuisance(name: str, run: TrackingRun) -> tuple[Uncertain, ...]:
+    # A frame's time may mark the middle of the exposure or its beginning, so a long exposure makes
+    # the trigger less certain.
+    trigger = math.hypot(_TRIGGER, 0.25 * run.exposure)
+    found = [
+        Uncertain(f"{name}.angle_offset", Prior("normal", 0.0, _ANGLE_OFFSET), "rad", False),
+        Uncertain(f"{name}.angle_scale", Prior("normal", 1.0, _ANGLE_SCALE), "-", False),
+        Uncertain(f"{name}.trigger", Prior("normal", 0.0, trigger), "s", False),
+    ]
+    if "current_x" in run.columns or "current_clamp" in run.columns:
+        scale = Prior("normal", 1.0, _CURRENT_SCALE)
+        found.append(Uncertain(f"{name}.current_scale", scale, "-", False))
+    return tuple(found)
+
+
+def _quantity(
+    run: TrackingRun,
+    name: str,
+    nominal: dict[str, Array] | None,
+    said: list[str],
+    unused: list[str],
+) -> Quantity | None:
+    """Reduce one column, with what there is to say of it and what of it is not used."""
+    times, values, kind = run.columns["t"], run.columns[name], _KINDS[name]
+    finite = np.isfinite(values)
+    if name not in ("x", "theta") and finite.sum() < FEWEST:
+        unused.append(f"column {name} is not used: {finite.sum()} numbers in it")
+        return None
+    guess = np.zeros(len(times)) if nominal is None else nominal[name]
+    wild = np.zeros(len(times), dtype=bool)
+    quantum = _quantum(values[finite])
+    wild[finite] = _wild(fold(times[finite], run.scenario), (values - guess)[finite], quantum)
+    if wild.any():
+        unused.append(
+            f"{int(wild.sum())} frames lie far from all others of their phase in {name}, such as "
+            f"that at {times[np.argmax(wild)]:.5g} s"
+        )
+    used = finite & ~wild
+    if kind in ("drift", "place") and run.scenario.drive.mode != "program":
+        # How far the contact slips while the robot stands up and wobbles in the ramp changes by
+        # jumps with every parameter, and says little; what it does from then on is smooth.
+        used &= times >= run.scenario.drive.ramp
+    folded = fold(times[used], run.scenario)
+    if name not in ("x", "theta") and nominal is not None:
+        # Lost frames are known in the steady walk alone.
+        sized = np.flatnonzero(used)[folded.steady if folded.steady.any() else slice(None)]
+        shown = {key: each[sized] for key, each in nominal.items()}
+        far = _odd_size(name, values[sized], shown, run.scenario.robot.height)
+        if far is not None:
+            unused.append(f"column {name} is not used: {far}")
+            return None
+    residual = (values - guess)[used]
+    sd = _noise(run, name, folded, residual, said)
+    if quantum > math.sqrt(12.0) * sd:
+        # Rounding is an error of its own where the noise does not carry a reading over a step.
+        sd = quantum / math.sqrt(12.0)
+        said.append(f"{name} is rounded to steps of {quantum:.3g}; their scatter {sd:.3g} is used")
+    shared = cycle_scatter(folded, residual, kind, sd)
+    if shared > 0.0:
+        what = "its advance scatters from period to period by" if kind == "drift" else (
+            "periods differ by"
+        )  # fmt: skip
+        said.append(f"{name}: {what} {shared:.2g} beyond the noise of frames; counted as noise")
+    reduction = reduce(folded, kind, sd, shared)
+    return Quantity(name, used, times[used], values[used], folded, sd, shared, reduction)
+
+
+def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> str | None:
+    """Whether z or a current is far from the stated model's, at the same frames."""
+    own = nominal[name]
+    if name == "z":
+        # The origin of z is anywhere, and a robot that hardly rises shows the tracking's noise.
+        read, own = read - np.mean(read), own - np.mean(own)
+        what, unit, largest = "its spread", "m", _LEAST_RISE * height
+    else:
+        # A coil that hardly carries a current shows the logger's noise, or what another induces.
+        what, unit, largest = "its size", "A", max(_rms(nominal[each]) for each in _CURRENTS)
+    measured, usual = _rms(read), _rms(own)
+    far = far_off(measured, float(np.clip(measured, usual, max(usual, largest))), unit)
+    return None if far is None else f"{what} is {far}"
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _quantum(values: Array) -> float:
+    """Step of readings that are rounded so coarsely that many are alike; else 0."""
+    steps = np.diff(np.unique(values))
+    return float(steps.min()) if 0 < len(steps) < 0.5 * len(values) else 0.0
+
+
+def _wild(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
+    """Frames far from those of nearly the same phase: the tracking lost the robot."""
+    wild = np.zeros(len(residual), dtype=bool)
+    steady = np.flatnonzero(folded.steady)
+    if len(steady) < 2 * _NEIGHBOURS:
+        return wild
+    order = steady[np.argsort(folded.phase[steady], kind="stable")]
+    # The advance may be wrong by much, so neighbours are compared without it.
+    level = undrifted(folded, residual)[order]
+    window = np.lib.stride_tricks.sliding_window_view(
+        np.concatenate([level[-(_NEIGHBOURS // 2) :], level, level[: _NEIGHBOURS // 2]]),
+        _NEIGHBOURS,
+    )
+    middle = np.median(window, axis=1)
+    spread = 1.48 * np.median(np.abs(window - middle[:, None]), axis=1)
+    usual = max(float(np.median(spread)), quantum / math.sqrt(12.0))
+    wild[order] = np.abs(level - middle) > _WILD * np.maximum(spread, usual)
+    return wild
+
+
+def _noise(run: TrackingRun, name: str, folded: Fold, residual: Array, said: list[str]) -> float:
+    """Standard deviation of one frame: as stated, unless the frames scatter more."""
+    seen, free = frame_noise(folded, residual)
+    # An estimate is as likely too small as too large, and too small makes false alarms: so one
+    # standard deviation of it is added.
+    safe = seen * (1.0 + 1.0 / math.sqrt(2.0 * free)) if free > 0 else math.nan
+    stated = (
+        run.noise.get("theta" if name == "theta" else "x") if name in ("x", "z", "theta") else None
+    )
+    if stated is not None:
+        sd = stated
+        if free > 0 and chi2_law.sf(free * (seen / stated) ** 2, free) < _UNLIKELY:
+            said.append(
+                f"{name} scatters by {seen:.3g} where a phase repeats, more than the stated "
+                f"{stated:.3g}; the scatter is used"
+            )
+            sd = safe
+    elif free > 0:
+        sd = safe
+        said.append(f"noise of {name} from repeats of a phase: {seen:.3g}, taken as {safe:.3g}")
+    else:
+        sd = float(np.std(residual)) or 1.0
+        said.append(f"noise of {name} is not known; the whole misfit of {sd:.3g} counts as noise")
+    return sd

@@ -1,0 +1,284 @@
+"""Frames folded on the drive's phase: a fixed linear map from frames to a few observables.
+
+As the map is linear and the same for measured and simulated frames, nothing that it blurs can bias
+a comparison: both are blurred alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.scenario.scenario import Scenario
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Kind = Literal["level", "place", "drift"]
+
+PHASES = 24
+"""Bins of a period; they hold about one rocking of 421 Hz each at 17 Hz."""
+
+SAME_PHASE = 2e-3
+"""Frames whose phases differ by less see the same, in periods."""
+
+_RAMP, _FIRST = 6, 4
+_PROGRAM = 24
+_BENT = 5.0
+
+
+@dataclass(frozen=True)
+class Fold:
+    """Which bin each frame falls into.
+
+    Bins before the steady walk are intervals of time: the ramp, which shows the tilting up, and the
+    first pulses, which show the transient. Later bins are intervals of the drive's phase.
+
+    Attributes
+    ----------
+    bin : ndarray, shape (n,)
+        Numbered from 0 without gaps; those of the steady walk come last.
+    steady : ndarray of bool, shape (n,)
+        After the third pulse.
+    phase : ndarray, shape (n,)
+        Of the drive, 0 to 1; 0 where it is not steady.
+    cycle : ndarray, shape (n,)
+        Periods since the steady walk began, as a real number; 0 before.
+    period : float
+        s.
+    """
+
+    bin: Index
+    steady: NDArray[np.bool_]
+    phase: Array
+    cycle: Array
+    period: float
+
+    @property
+    def first_steady(self) -> int:
+        """Number of the first bin of the steady walk."""
+        steady = self.bin[self.steady]
+        return int(steady.min()) if len(steady) else int(self.bin.max()) + 1
+
+    @property
+    def cycles(self) -> Index:
+        """Whole periods since the steady walk began."""
+        return np.floor(self.cycle + 1e-9).astype(np.int64)
+
+    def distinct(self) -> int:
+        """How many different phases of the steady walk are seen."""
+        phase = np.sort(self.phase[self.steady])
+        return int(np.sum(np.diff(phase) > SAME_PHASE)) + 1 if len(phase) else 0
+
+
+def fold(times: Array, scenario: Scenario) -> Fold:
+    """Fold frame times, s, on the drive of their scenario.
+
+    A program of voltages has no phase: all of it is bins of time.
+    """
+    start, end = scenario.window
+    drive = scenario.drive
+    if drive.mode == "program":
+        edges = np.linspace(start, end, _PROGRAM + 1)[1:-1]
+        label = np.searchsorted(edges, times, side="right")
+        none = np.zeros(len(times))
+        numbered = np.unique(label, return_inverse=True)[1].astype(np.int64)
+        return Fold(numbered, none > 0.0, none, none, np.inf)
+    period = 1.0 / drive.frequency
+    # A frame at the very start is steady, however the sum of the pulses was rounded.
+    steady = times > start - 1e-9
+    cycle = np.where(steady, (times - start) / period, 0.0)
+    phase = np.where(steady, np.mod(cycle + 1e-9, 1.0), 0.0)
+    ramp = np.linspace(0.0, drive.ramp, _RAMP + 1)[1:]
+    edges = np.concatenate([ramp, np.arange(drive.ramp, start, period / _FIRST)[1:]])
+    label = np.searchsorted(edges, times, side="right")
+    label = np.where(steady, len(edges) + 1 + np.floor(phase * PHASES), label)
+    numbered = np.unique(label, return_inverse=True)[1].astype(np.int64)
+    return Fold(numbered, steady, phase, cycle, period)
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Observables of one quantity as a linear map of its frames.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (k, n)
+        ``matrix @ frames`` are the observables.
+    covariance : ndarray, shape (k, k)
+        Of their errors.
+    """
+
+    matrix: Array
+    covariance: Array
+
+
+def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> Reduction:
+    """Map of one quantity, by least squares that know the correlation of the errors.
+
+    Parameters
+    ----------
+    folded : Fold
+    kind : {"level", "place", "drift"}
+        ``"level"``: a mean in every bin. ``"place"``: its origin is not known, so the bins count
+        from the mean of the steady ones (of all, if there are none). ``"drift"``: it advances from
+        period to period as well; the advance comes first, if two periods show it, and the bins are
+        what is left.
+    sd : float
+        Of one frame.
+    cycle_sd : float
+        Beside it, what all frames of a period have in common: of a "drift" the scatter of its
+        advance, whose sum is a random walk; else an independent shift of each period.
+    """
+    design = _design(folded, kind)
+    shared = _shared(folded, kind) * cycle_sd
+    # Woodbury: the inverse of sd^2 + Z Z^T without a matrix of frames by frames.
+    inner = np.eye(shared.shape[1]) * sd**2 + shared.T @ shared
+    weighted = design - shared @ np.linalg.solve(inner, shared.T @ design)
+    normal = design.T @ weighted
+    coefficients = np.linalg.solve(normal, weighted.T)
+    covariance = sd**2 * np.linalg.inv(normal)
+    wanted = _contrasts(folded, kind)
+    return Reduction(wanted @ coefficients, wanted @ covariance @ wanted.T)
+
+
+def _design(folded: Fold, kind: Kind) -> Array:
+    bins = np.eye(int(folded.bin.max()) + 1)[folded.bin]
+    if kind == "drift" and _advances(folded):
+        # Whole periods: within a period the bins hold everything, and the two stay apart.
+        return np.hstack([folded.cycles[:, None].astype(float), bins])
+    return bins
+
+
+def _advances(folded: Fold) -> bool:
+    """Whether some phase is seen in two periods, without which there is no advance to measure."""
+    seen = np.unique(np.stack([folded.bin, folded.cycles])[:, folded.steady], axis=1)
+    return bool(np.any(np.bincount(seen[0]) > 1)) if seen.size else False
+
+
+def _contrasts(folded: Fold, kind: Kind) -> Array:
+    count, first = int(folded.bin.max()) + 1, folded.first_steady
+    if kind == "level":
+        return np.eye(count)
+    origin = np.zeros(count)
+    kept = np.arange(count) != count - 1
+    origin[first if first < count else 0 :] = 1.0
+    contrast = (np.eye(count) - origin / origin.sum())[kept]
+    if kind == "drift" and _advances(folded):
+        rows = np.zeros((count, count + 1))
+        rows[0, 0] = 1.0
+        rows[1:, 1:] = contrast
+        return rows
+    return np.asarray(contrast)
+
+
+def _shared(folded: Fold, kind: Kind) -> Array:
+    """What the frames of a period have in common, a column for each period."""
+    if not folded.steady.any():
+        return np.zeros((len(folded.bin), 1))
+    cycle = folded.cycles
+    numbers = np.arange(int(cycle.max()) + 1)
+    if kind == "drift":
+        return ((cycle[:, None] >= numbers[1:]) & folded.steady[:, None]).astype(float)
+    return np.asarray(((cycle[:, None] == numbers) & folded.steady[:, None]).astype(float))
+
+
+def undrifted(folded: Fold, residual: Array) -> Array:
+    """Residuals without a steady change from period to period.
+
+    The change is that of frames of the same phase: what goes with the phase is none.
+    """
+    finer = _finer(folded)
+    bins, cycle = finer.bin[folded.steady], folded.cycles[folded.steady].astype(float)
+    if not len(bins):
+        return residual
+    bins = bins - bins.min()
+    count = np.maximum(np.bincount(bins), 1)
+    within = cycle - (np.bincount(bins, cycle) / count)[bins]
+    power = float(within @ within)
+    slope = float(within @ residual[folded.steady]) / power if power > 0.0 else 0.0
+    return np.asarray(residual - slope * np.where(folded.steady, folded.cycles, 0.0))
+
+
+def frame_noise(folded: Fold, residual: Array) -> tuple[float, float]:
+    """Standard deviation of one frame from repeats of a phase, and its degrees of freedom.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Frames minus a prediction, of which only what repeats with the phase may be wrong.
+
+    Notes
+    -----
+    Commensurate rates show the same few phases again and again, and their scatter is the noise.
+    Else each frame is compared with the line between its neighbours in phase; bins whose scatter
+    is far above the others' are left out, as the motion bends between neighbours there.
+    """
+    phase = folded.phase[folded.steady]
+    if len(phase) < 6:
+        return float("nan"), 0.0
+    values = undrifted(folded, residual)[folded.steady]
+    order = np.argsort(phase, kind="stable")
+    phase, values = phase[order], values[order]
+    group = np.concatenate([[0], np.cumsum(np.diff(phase) > SAME_PHASE)])
+    count = np.bincount(group)
+    widths = np.bincount(group, phase**2) / count - (np.bincount(group, phase) / count) ** 2
+    free = float(len(values) - len(count))
+    if free >= 0.4 * len(values) and np.max(widths) < (2 * SAME_PHASE) ** 2:
+        mean = np.bincount(group, values) / count
+        return float(np.sqrt(np.sum((values - mean[group]) ** 2) / free)), free - 1.0
+    gap = np.maximum(np.diff(phase), 1e-12)
+    left = gap[1:] / (gap[1:] + gap[:-1])
+    bend = values[1:-1] - left * values[:-2] - (1.0 - left) * values[2:]
+    bend /= np.sqrt(1.0 + left**2 + (1.0 - left) ** 2)
+    place = np.floor(phase[1:-1] * PHASES).astype(np.int64)
+    each = [bend[place == k] for k in np.unique(place) if np.sum(place == k) >= 2]
+    if not each:
+        return float(np.sqrt(np.mean(bend**2))), len(bend) / 2.0
+    spread = np.array([np.mean(part**2) for part in each])
+    quiet = spread <= _BENT * np.median(spread)
+    size = np.array([len(part) for part in each])[quiet]
+    return float(np.sqrt(np.average(spread[quiet], weights=size))), float(size.sum()) / 2.0
+
+
+def _finer(folded: Fold) -> Fold:
+    """With phase bins that hold about three frames each.
+
+    In wider bins periods would differ by which phases they show, if the prediction is wrong.
+    """
+    count = max(int(folded.steady.sum()) // 3, PHASES)
+    label = np.where(
+        folded.steady, len(folded.bin) + np.round(folded.phase * count) % count, folded.bin
+    )
+    numbered = np.unique(label, return_inverse=True)[1].astype(np.int64)
+    return replace(folded, bin=numbered)
+
+
+def cycle_scatter(folded: Fold, residual: Array, kind: Kind, sd: float) -> float:
+    """Standard deviation of what a period's frames have in common, beyond the frames' own noise.
+
+    By restricted maximum likelihood; 0 where the gain is not worth a parameter, which is when twice
+    the log-likelihood rises by less than 4 (p = 0.02 at the edge of the range).
+    """
+    finer = _finer(folded)
+    if not _advances(finer):
+        return 0.0
+    design, shared = _design(finer, kind), _shared(folded, kind)
+    basis = np.linalg.qr(design)[0]
+    clean = shared - basis @ (basis.T @ shared)
+    left, singular, _ = np.linalg.svd(clean, full_matrices=False)
+    seen = singular > 1e-6 * max(float(singular.max(initial=0.0)), 1e-300)
+    power, score = singular[seen] ** 2, (left[:, seen].T @ residual) ** 2
+    if not len(power):
+        return 0.0
+
+    def loss(ratio: float) -> float:
+        variance = sd**2 * (1.0 + ratio * power)
+        return float(np.sum(np.log(variance) + score / variance))
+
+    ratios = np.geomspace(1e-4, 1e4, 161)
+    losses = [loss(ratio) for ratio in ratios]
+    best = int(np.argmin(losses))
+    return sd * float(np.sqrt(ratios[best])) if loss(0.0) - losses[best] > 4.0 else 0.0

@@ -1,0 +1,109 @@
+"""Periodic motion through folded frames: a Fourier series, and its derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.observables.tracking.camera import Camera, Recording
+from stickslip.diagnosis.observables.tracking.force_balance import Kinematics
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+
+Array = NDArray[np.float64]
+
+_MOST_ORDERS = 40
+_GRID = 240
+
+
+class Folds:
+    """Steady frames of both quantities, and the Fourier series through them.
+
+    Parameters
+    ----------
+    channel : TrackingChannel
+    motion : mapping of ndarray
+        Recording of the simulation that is compared.
+    camera : Camera
+        Of the run, as fitted.
+    """
+
+    def __init__(self, channel: TrackingChannel, motion: Recording, camera: Camera) -> None:
+        run = channel.run
+        theta, x = (each for each in channel.quantities[:2])
+        steady = np.zeros(len(run.columns["t"]), dtype=bool)
+        steady[np.flatnonzero(theta.frames)] = theta.folded.steady
+        both = theta.frames & x.frames & steady
+        inside = both[theta.frames]
+        folded = theta.folded
+        self.phase, self.cycle = folded.phase[inside], folded.cycle[inside]
+        self.whole = folded.cycles[inside].astype(float)
+        self.period, self.distinct = folded.period, folded.distinct()
+        times = run.columns["t"][both]
+        self.count = len(times)
+        self.sd = {"theta": theta.sd / camera.angle_scale, "x": x.sd}
+        self.sign = -1.0 if run.scenario.drive.direction == "-x" else 1.0
+        frames = camera.frames(motion, times)
+        raw = {"theta": run.columns["theta"][both], "x": run.columns["x"][both]}
+        self.measured, self.simulated = self._true(raw, camera), self._true(frames, camera)
+        self.grid = (np.arange(_GRID) + 0.5) / _GRID
+        self.orders = self._best_order()
+        middle = np.floor(0.5 * float(self.whole.max(initial=0.0)))
+        start = run.scenario.window[0]
+        self.true_times = start + (middle + self.grid) * self.period + camera.trigger
+        self.trigger = camera.trigger / self.period
+
+    def _true(self, frames: Mapping[str, Array], camera: Camera) -> dict[str, Array]:
+        return {
+            "theta": (frames["theta"] - camera.angle_offset) / camera.angle_scale,
+            "x": self.sign * frames["x"],
+        }
+
+    def _series(self, phase: Array, orders: int, derivative: int = 0) -> Array:
+        """Columns 1, cos and sin of the phase, or their derivatives by time."""
+        k = np.arange(1, orders + 1)
+        angle = 2.0 * np.pi * phase[:, None] * k + 0.5 * np.pi * derivative
+        scale = (2.0 * np.pi * k / self.period) ** derivative
+        first = np.full((len(phase), 1), 1.0 if derivative == 0 else 0.0)
+        return np.hstack([first, scale * np.cos(angle), scale * np.sin(angle)])
+
+    def _best_order(self) -> int:
+        """Order by the Bayesian information criterion, where the film's phases allow it."""
+        most = min(self.distinct // 3, self.count // 6, _MOST_ORDERS)
+        scores = {}
+        for orders in range(2, most + 1):
+            design = self._design(orders)
+            misfit = 0.0
+            for name, sd in self.sd.items():
+                y = self.measured[name]
+                left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
+                misfit += float(left @ left) / sd**2
+            scores[orders] = misfit + 2 * design.shape[1] * np.log(self.count)
+        return min(scores, key=lambda orders: scores[orders]) if scores else 0
+
+    def _design(self, orders: int) -> Array:
+        return np.hstack([self.cycle[:, None], self._series(self.phase, orders)])
+
+    def smooth(self, frames: Mapping[str, Array]) -> Kinematics:
+        """Series through frames of shape (n,) or (draws, n), on the grid."""
+        inverse = np.linalg.pinv(self._design(self.orders))
+        found = {name: y @ inverse.T for name, y in frames.items()}
+        bases = [self._series(self.grid, self.orders, k) for k in range(3)]
+        theta, omega, alpha = (found["theta"][..., 1:] @ basis.T for basis in bases)
+        x, vx, ax = (found["x"][..., 1:] @ basis.T for basis in bases)
+        drift = found["x"][..., :1] / self.period
+        return Kinematics(theta, omega, alpha, x - x.mean(-1, keepdims=True), vx + drift, ax)
+
+    def drift(self, name: str, power: int) -> tuple[float, float]:
+        """Slow change of measured minus simulated frames, for each period, and its error."""
+        y = self.measured[name] - self.simulated[name]
+        slow = np.stack([self.whole**k for k in range(1, power + 1)], axis=1)
+        design = np.hstack([slow[:, ::-1], self._series(self.phase, max(self.orders, 2))])
+        found = np.linalg.lstsq(design, y, rcond=None)[0]
+        covariance = np.linalg.pinv(design.T @ design) * self.sd[name] ** 2
+        factor = float(power)  # the advance changes by twice the square's coefficient
+        return factor * float(found[0]), factor * float(np.sqrt(covariance[0, 0]))

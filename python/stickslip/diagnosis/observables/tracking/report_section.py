@@ -1,0 +1,202 @@
+"""The part of the report that a tracked run draws: folded motion, force residuals, and words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.observables.observable import Sketch
+from stickslip.diagnosis.observables.tracking.force_residuals import FEWEST_ORDERS, ForceView, Residual, force_view
+from stickslip.diagnosis.observables.tracking.messages import advance_lines, direction_lines, view_lines
+from stickslip.diagnosis.report.figures import png
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+
+Array = NDArray[np.float64]
+
+_BLUE, _ORANGE, _GREY = "#0072B2", "#D55E00", "#777777"
+
+
+def draw(
+    channel: TrackingChannel,
+    names: Sequence[str],
+    recalibrated: Array,
+    extended: Array | None,
+    held_out: bool,
+) -> list[Sketch]:
+    """A sketch of one run; with the last run of a pair of directions, one of their difference."""
+    view = force_view(channel, names, recalibrated)
+    title = f"Tracking of {channel.run.file}"
+    if view is None:
+        line = (
+            "No view of forces: the drive has no phase to fold on, the frames are too few, or the "
+            "recalibrated model does not simulate."
+        )
+        return [Sketch(title, "", (line,), {"held_out": held_out})]
+    after = None if extended is None else force_view(channel, names, extended)
+    advance = _advance(channel, names, recalibrated, None if after is None else extended)
+    lines = [*advance_lines(advance), *view_lines(view, after)]
+    numbers = {"held_out": held_out, "advance": advance, **_numbers(view, after)}
+    sketches = [Sketch(title, _figure(view, after), tuple(lines), numbers)]
+    channel.last_view = view
+    for other in channel.family[: channel.family.index(channel)]:
+        if opposite(channel, other) and other.last_view is not None:
+            lines, numbers = direction_lines(other, channel)
+            title = f"{other.run.file} and {channel.run.file}: forward and reversed"
+            sketches.append(Sketch(title, "", tuple(lines), numbers))
+    return sketches
+
+
+def _advance(
+    channel: TrackingChannel, names: Sequence[str], recalibrated: Array, extended: Array | None
+) -> dict[str, float] | None:
+    """Way of a pulse, m: measured, its error, and what the models make of it."""
+    measured = channel.advance
+    if measured is None:
+        return None
+    found = dict(zip(("measured", "sd"), measured, strict=True))
+    found["recalibrated"] = channel.advance_of(names, recalibrated)
+    if extended is not None:
+        found["extended"] = channel.advance_of(names, extended)
+    return found
+
+
+def opposite(one: TrackingChannel, other: TrackingChannel) -> bool:
+    """Whether two runs differ in their direction alone."""
+    drive = one.run.scenario.drive
+    turned = "+x" if drive.direction == "-x" else "-x"
+    same = one.run.scenario.replace({"drive.direction": turned})
+    return same == other.run.scenario
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One quantity of the folded motion as it is drawn, in the label's unit, shape (g,) each."""
+
+    label: str
+    measured: Array
+    recalibrated: Array
+    extended: Array | None
+
+
+def traces(view: ForceView, after: ForceView | None) -> tuple[Trace, Trace]:
+    """Tilt and place over the phase of the drive; `after` is the extended model's view."""
+    degree, um = np.degrees(1.0), 1e6
+    extended: tuple[Array | None, Array | None] = (None, None)
+    if after is not None:
+        # Each model has a camera of its own; the readings are drawn as the recalibrated one has
+        # them.
+        extended = (
+            (view.theta + after.theta_model - after.theta) * degree,
+            (view.place + after.place_model - after.place) * um,
+        )
+    tilt = Trace("tilt (degrees)", view.theta * degree, view.theta_model * degree, extended[0])
+    place = Trace("x less its drift (um)", view.place * um, view.place_model * um, extended[1])
+    return tilt, place
+
+
+def _figure(view: ForceView, after: ForceView | None) -> str:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    later = (None, None) if after is None else (after.sticking, after.slipping)
+    rows = [
+        (found, found_later, unit, label)
+        for found, found_later, unit, label in (
+            (view.sticking, later[0], 1e12, "torque residual (pN m)\nsticking"),
+            (view.slipping, later[1], 1e9, "force residual (nN)\nslipping"),
+        )
+        if found is not None
+    ]
+    figure = Figure(figsize=(10.0, 2.9 + 2.35 * len(rows)), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes: Any = figure.subplots(1 + len(rows), 4 if rows else 2, squeeze=False)
+    if rows:
+        grid = axes[0, 0].get_gridspec()
+        for each in axes[0]:
+            each.remove()
+        motion = [figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])]
+    else:
+        motion = list(axes[0])
+    for each, trace in zip(motion, traces(view, after), strict=True):
+        each.plot(view.phase, trace.measured, color="k", lw=1.6, label="measured, smoothed")
+        each.plot(view.phase, trace.recalibrated, color=_BLUE, lw=1.4, ls="--",
+                  label="recalibrated")  # fmt: skip
+        if trace.extended is not None:
+            each.plot(view.phase, trace.extended, color=_ORANGE, lw=1.4, ls=":",
+                      label="with the cause")  # fmt: skip
+        each.set_xlabel("phase of the drive")
+        each.set_ylabel(trace.label)
+    motion[0].legend(fontsize=8, frameon=False)
+    for frames, (found, found_later, unit, label) in zip(axes[1:], rows, strict=True):
+        _row(frames, view, found, found_later, unit, label)
+    return png(figure)
+
+
+def _row(
+    axes: Any,
+    view: ForceView,
+    found: Residual,
+    after: Residual | None,
+    unit: float,
+    label: str,
+) -> None:
+    """One residual against theta, its rate, contact velocity and phase."""
+    variables = (
+        (np.degrees(view.theta), "tilt (degrees)"),
+        (view.rate, "its rate (rad/s)"),
+        (view.contact_velocity * 1e3, "contact velocity (mm/s)"),
+        (view.phase, "phase of the drive"),
+    )
+    for k, (each, (variable, name)) in enumerate(zip(axes, variables, strict=True)):
+        each.axhline(0.0, color=_GREY, lw=0.8)
+        each.set_xlabel(name)
+        each.tick_params(labelsize=8)
+        each.locator_params(axis="x", nbins=4)
+        if k:
+            each.sharey(axes[0])
+            each.tick_params(labelleft=False)
+        at, value, sd = _apart(view, found)
+        each.errorbar(variable[at], value * unit, sd * unit, fmt="o", color=_BLUE,
+                      ecolor="#9cc4de", ms=3.5, lw=1.0, label="recalibrated")  # fmt: skip
+        if after is not None:
+            at, value, _ = _apart(view, after)
+            each.plot(variable[at], value * unit, "D", color=_ORANGE, mfc="none", ms=4,
+                      label="with the cause")  # fmt: skip
+    axes[0].set_ylabel(label)
+    if after is not None:
+        axes[3].legend(fontsize=7, frameon=False)
+
+
+def _apart(view: ForceView, found: Residual) -> tuple[NDArray[np.int64], Array, Array]:
+    """Places, values and errors, half as far apart as the smoothing tells them apart."""
+    step = max(1, len(view.phase) // (4 * view.orders))
+    kept = slice(step // 2 % max(len(found.where), 1), None, step)
+    return found.where[kept], found.value[kept], found.sd[kept]
+
+
+def _numbers(view: ForceView, after: ForceView | None) -> dict[str, object]:
+    numbers: dict[str, object] = {
+        "phases": view.distinct,
+        "orders": view.orders,
+        "orders_needed": FEWEST_ORDERS,
+        "drift_theta": list(view.drift_theta),
+        "drift_advance": list(view.drift_advance),
+        "onset_ratio": None if view.onset is None else list(view.onset),
+    }
+    for stage, each in (("recalibrated", view), ("extended", after)):
+        if each is None:
+            continue
+        for name, found in (("sticking", each.sticking), ("slipping", each.slipping)):
+            numbers[f"{name}_{stage}"] = (
+                None
+                if found is None
+                else {s.variable: {"value": s.value, "sd": s.sd, "t": s.t} for s in found.slopes}
+            )
+    return numbers

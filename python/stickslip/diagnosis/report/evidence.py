@@ -1,0 +1,151 @@
+"""What a verdict rests on: where the misfit lives, and what each cause does to the velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.data.conditions import panel
+from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.inference.ranking import set_members
+
+Array = NDArray[np.float64]
+
+_CARRIERS = 3
+_CONTRAST = 2.0
+
+
+def carriers(examination: Examination) -> list[dict[str, Any]]:
+    """Conditions at which the extended model takes most from the misfit."""
+    found, m = examination.found, len(examination.conditions)
+    if found.verdict.fit is None or not m:
+        return []
+    fall = (_misfit(found.problem, found.null) - _misfit(found.problem, found.verdict.fit))[:m]
+    total = max(float(np.sum(np.maximum(fall, 0.0))), 1e-300)
+    return [
+        {"condition": int(k) + 1, "share": float(fall[k]) / total}
+        for k in np.argsort(-fall)[:_CARRIERS]
+        if fall[k] > 0.0
+    ]
+
+
+def misfit_by_part(examination: Examination) -> dict[str, dict[str, float | int | None]]:
+    """Chi-square per condition of complementary parts of the table, of both models."""
+    found = examination.found
+    before = _misfit(found.problem, found.null)
+    fit = found.verdict.fit
+    after = None if fit is None else _misfit(found.problem, fit)
+    return {
+        name: {
+            "conditions": len(rows),
+            "recalibrated": float(np.mean(before[rows])),
+            "extended": None if after is None else float(np.mean(after[rows])),
+        }
+        for name, rows in examination.parts().items()
+    }
+
+
+def where_it_lives(parts: Mapping[str, Mapping[str, float | int | None]]) -> str:
+    """The contrasts among `misfit_by_part` in one sentence; its parts come in twos."""
+    names, said = list(parts), []
+    for one, other in zip(names[::2], names[1::2], strict=True):
+        high, low = sorted((one, other), key=lambda name: -float(parts[name]["recalibrated"] or 0))
+        most, least = (float(parts[name]["recalibrated"] or 0.0) for name in (high, low))
+        if most > _CONTRAST * max(least, 1.0):
+            said.append(f"in {high} ({most:.1f}, against {least:.1f} in {low})")
+    if not said:
+        return "Misfit of the recalibrated model per condition: about the same in all parts."
+    return f"Misfit of the recalibrated model per condition: larger {' and '.join(said)}."
+
+
+def signal_to_noise(found: Diagnosis) -> dict[str, float] | None:
+    """Strength of the claimed cause in the data, before and after the constants absorb of it.
+
+    Before, the cause is switched on with all constants as the extended model has them.
+    """
+    fit, problem = found.verdict.fit, found.problem
+    if fit is None:
+        return None
+    on, off = problem.predicted(np.stack([fit.x, _without(problem, fit)]))
+    gap = problem.whiten @ np.where(np.isfinite(on - off), on - off, 0.0)
+    return {
+        "before_absorption": float(np.linalg.norm(gap)),
+        "after_absorption": float(np.sqrt(max(found.null.chi2 - fit.chi2, 0.0))),
+    }
+
+
+def velocity_changes(examination: Examination) -> dict[str, dict[str, dict[str, float]]]:
+    """For each candidate and each mode and direction: mean velocity, and what the cause adds, m/s.
+
+    The constants are those of the candidate's own fit, with and without the cause; `noise` is the
+    error of the measured mean. Conditions that cannot be computed without the cause do not count.
+    """
+    found, conditions = examination.found, examination.conditions
+    problem, m = found.problem, len(conditions)
+    words = np.array([panel(each) for each in conditions])
+    result: dict[str, dict[str, dict[str, float]]] = {}
+    for fit in set_members(found) if conditions else []:
+        on, off = problem.predicted(np.stack([fit.x, _without(problem, fit)]))[:, :m]
+        sound = np.isfinite(on) & np.isfinite(off)
+        result[fit.name] = {
+            word: {
+                "velocity": float(np.mean(off[rows])),
+                "change": float(np.mean((on - off)[rows])),
+                "noise": float(np.linalg.norm(problem.sd[:m][rows]) / rows.sum()),
+            }
+            for word in dict.fromkeys(words.tolist())
+            for rows in [sound & (words == word)]
+            if rows.any()
+        }
+    return result
+
+
+def pattern(changes: Mapping[str, Mapping[str, float]]) -> str:
+    """What a cause does to the velocities, in words.
+
+    Parameters
+    ----------
+    changes : dict
+        For each mode and direction `velocity` without the cause, its `change`, and the `noise`
+        below which a change is none.
+    """
+    clear = {word: each for word, each in changes.items() if abs(each["change"]) > each["noise"]}
+    way = {word: np.sign(each["change"]) for word, each in clear.items()}
+    faster = [word for word, each in clear.items() if way[word] * each["velocity"] > 0.0]
+    slower = [word for word in clear if word not in faster]
+    if not clear:
+        return "hardly changed"
+    if len(clear) == len(changes) and not (faster and slower):
+        return "faster throughout" if faster else "slower throughout"
+    if len(clear) == len(changes) and len(set(way.values())) == 1:
+        return f"shifted towards {'+x' if next(iter(way.values())) > 0.0 else '-x'} throughout"
+    said = [
+        f"{how} in {', '.join(where)}"
+        for how, where in (("faster", faster), ("slower", slower))
+        if where
+    ]
+    return "; ".join(said)
+
+
+def _without(problem: Problem, fit: Fit) -> Array:
+    """Coordinates of a fit with its causes absent and freed constants as stated."""
+    x = fit.x.copy()
+    x[fit.rival.free[problem.base_count :]] = 0.0
+    freed = {cause.frees for cause in fit.rival.causes}
+    for k, each in enumerate(problem.uncertain):
+        if each.name in freed:
+            x[k] = 0.0
+    return x
+
+
+def _misfit(problem: Problem, fit: Fit) -> Array:
+    """Each observable's part of chi-square; where errors are shared, some parts are negative."""
+    whitened = fit.residual[: len(problem.observed)]
+    gap = np.linalg.solve(problem.whiten, whitened)
+    return np.asarray(gap * (problem.whiten.T @ whitened))

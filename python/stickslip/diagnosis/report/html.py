@@ -1,0 +1,198 @@
+"""The files that a diagnosis of a measurement leaves: report.html, report.json, extended.toml."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from importlib import resources
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.diagnosis.observables import Sketch
+from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
+from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.report.parameters import short
+from stickslip.diagnosis.inference.discrimination import TRIALS
+from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
+from stickslip.errors import ScenarioError
+from stickslip._util.atomic_files import text_writer, write_together
+from stickslip._util.strict_json import json_text
+from stickslip.scenario.keys import known_keys
+from stickslip.measurement.reading import Measurement
+from stickslip._util.plain_text import printable_lines
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.toml_file import scenario_writers
+
+PAGE, JSON, EXTENDED = FILES = "report.html", "report.json", "extended.toml"
+"""Names of what a report consists of."""
+
+_SHOWN = {
+    "m/s": ("mm/s", 1e3),
+    "rad": ("degrees", math.degrees(1.0)),
+    "T": ("mT", 1e3),
+    # Readings of several units have no mean error.
+    "SI": None,
+}
+
+
+def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
+    """The scenario with recalibrated constants and, where there is one, the cause.
+
+    Of data that allows no diagnosis nothing is learnt, so the scenario stays as it is.
+    """
+    if found.verdict.word == "data-problem":
+        return scenario
+    fit = found.verdict.fit or found.null
+    values = found.problem.physical(fit.x[None, :])[0]
+    problem = found.problem
+    keys = known_keys()
+    changes = {
+        each.name: float(values[k]) for k, each in enumerate(problem.uncertain) if each.name in keys
+    }
+    for k in fit.rival.free[problem.base_count :]:
+        changes[problem.parameters[k - problem.base_count].name] = float(values[k])
+    try:
+        return scenario.replace(changes)
+    except ScenarioError as error:
+        raise ScenarioError(f"the extended model makes no scenario: {error}") from None
+
+
+def write_report(
+    out: str | PathLike[str],
+    examination: Examination,
+    measurement: Measurement,
+    experiments: Sequence[Experiment],
+) -> None:
+    """Write report.html, report.json and extended.toml into the folder `out`, which is made.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    """
+    found = examination.found
+    sketches = examination.sketches()
+    # All three are made before the first is written.
+    texts = report_texts(examination, measurement, experiments, sketches, gain_unit(examination))
+    extended = extended_scenario(found, measurement.scenario)
+    origin = _origin(found, measurement, extended)
+    write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
+
+
+def report_texts(
+    examination: Examination,
+    source: Source,
+    experiments: Sequence[Experiment],
+    sketches: Sequence[Sketch],
+    unit: str,
+) -> dict[str, str]:
+    """Contents of report.json and report.html; `unit` is that of the held-out observables."""
+    full = {**summary(examination, source, experiments), **details(examination, source, unit)}
+    full["channels"] = {each.title: each.numbers for each in sketches}
+    full["gain_unit"] = unit
+    full |= further(examination)
+    page = page_text(examination, full, sketches, experiments)
+    return {JSON: json_text(full) + "\n", PAGE: page}
+
+
+def write_files(
+    out: str | PathLike[str],
+    texts: Mapping[str, str],
+    others: Mapping[Path, Callable[[Path], object]] | None = None,
+) -> None:
+    """Write files of one age into the folder `out`, which is made: texts by name, and others."""
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    texts_by_path = {folder / name: text_writer(text) for name, text in texts.items()}
+    write_together({**texts_by_path, **(others or {})})
+
+
+def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
+    """Where an extended scenario is from, and what it has changed."""
+    lines = [f"stickslip diagnose {measurement.path.name}: {found.verdict.word}"]
+    if found.verdict.causes:
+        lines[0] += " " + ", ".join(found.verdict.causes)
+    if found.verdict.fit is not None and found.verdict.word == "ambiguous":
+        lines.append(
+            f"here: {found.verdict.fit.name}, which leads among those that explain the data"
+        )
+    changed = [
+        f"{key}: {measurement.scenario.get(key):.6g} -> {extended.get(key):.6g}"
+        for key, known in known_keys().items()
+        if known.kind == "real" and extended.get(key) != measurement.scenario.get(key)
+    ]
+    return [*lines, *(changed or ["nothing is changed"])]
+
+
+def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Rows of the leading rivals and of no cause, in the order in which the verdict weighs them."""
+    rows = [row for row in ranking if row["leading"]]
+    return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
+
+
+def _typical_error(found: Diagnosis) -> str:
+    """Noise of one trial at the median velocity."""
+    if found.noise.dof == 0.0:
+        return "not known"
+    level = float(np.median(np.abs(found.noise.mean)))
+    sd = float(np.hypot(found.noise.floor, found.noise.relative * level))
+    return f"{sd * 1e3:.3g} mm/s at {level * 1e3:.3g} mm/s"
+
+
+def page_text(
+    examination: Examination,
+    full: Mapping[str, Any],
+    sketches: Sequence[Sketch],
+    experiments: Sequence[Experiment],
+) -> str:
+    """The report as one page that needs no other file."""
+    import jinja2
+
+    from stickslip.diagnosis.report import figures
+
+    source = resources.files("stickslip.diagnosis.report").joinpath("page.html").read_text("utf-8")
+    environment = jinja2.Environment(
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=lambda each: printable_lines(each) if isinstance(each, str) else each,
+    )
+    found, conditions = examination.found, examination.conditions
+    nothing = found.verdict.word == "data-problem"
+    keys, among = known_keys(), varied(conditions)
+    return environment.from_string(source).render(
+        report=full,
+        meanings={each.name: each.meaning for each in found.problem.causes},
+        units={short(each.name): each.unit for each in found.problem.parameters},
+        downward={short(each.name) for each in found.problem.parameters if each.downward},
+        shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
+        simulated=examination.simulator is not None,
+        held="readings" if examination.combined.channels and not conditions else "conditions",
+        curves=figures.velocities(found, conditions, examination.given),
+        profiles=[figures.profile(each) for each in found.profiles],
+        columns=[heading(key) for key in among],
+        settings=[[shown_value(key, each[key]) for key in among] for each in conditions],
+        common=in_words(
+            conditions[0], [key for key in keys if key in conditions[0] and key not in among]
+        )
+        if conditions
+        else "",
+        rivals=_leading(full["ranking"]),
+        members=set_members(found),
+        changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
+        decisive=any(each.decides for each in experiments),
+        trials=TRIALS,
+        observables=len(found.problem.observed),
+        models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
+        typical=_typical_error(found),
+        sketches=sketches,
+        ranking=figures.ranking(found),
+        isolability=figures.isolability(found) if found.problem.causes else "",
+    )

@@ -1,0 +1,255 @@
+"""A diagnosis in numbers: the keys of ``--json``, and the rest of report.json."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.diagnosis.inference.upper_bounds import smallest_effects
+from stickslip.diagnosis.report.evidence import (
+    carriers,
+    misfit_by_part,
+    pattern,
+    signal_to_noise,
+    velocity_changes,
+    where_it_lives,
+)
+from stickslip.diagnosis.inference.constancy import changing, refit_parts
+from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.inference.experiment_design import Experiment, advice
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
+from stickslip.diagnosis.fit.single_cause import adequacy
+from stickslip.diagnosis.inference.ranking import leading, runner_up
+from stickslip.diagnosis.inference.verdict import share_of_ceiling
+from stickslip.diagnosis.report.messages import headline
+
+Array = NDArray[np.float64]
+
+
+class Source(Protocol):
+    """Where the data are from, such as a `Measurement`."""
+
+    @property
+    def name(self) -> str:
+        """Title of the report."""
+        ...
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What of the data was not sound."""
+        ...
+
+
+def summary(
+    examination: Examination, measurement: Source, experiments: Sequence[Experiment]
+) -> dict[str, Any]:
+    """Keys of ``stickslip diagnose --json``; SI units."""
+    found = examination.found
+    verdict = found.verdict
+    cause: Any = None
+    if verdict.word == "named":
+        cause = verdict.causes[0]
+    elif verdict.word in ("ambiguous", "pair"):
+        cause = list(verdict.causes)
+    gain = found.gain
+    return {
+        "verdict": verdict.word,
+        "cause": cause,
+        "parameters": {
+            short(name): entry
+            for name, entry in extended_parameters(found).items()
+        },
+        "probabilities": dict(verdict.probabilities),
+        "p_value": found.detection.p_value,
+        "bounds": {short(name): value for name, value in found.bounds.items()},
+        "gain": None if gain is None else {
+            "n": len(gain.held_out),
+            "heldout_chi2_before": gain.chi2_before,
+            "heldout_chi2_after": gain.chi2_after,
+            "mae_before": gain.mae_before,
+            "mae_after": gain.mae_after,
+            "interval": list(gain.interval),
+        },
+        "next_experiments": [
+            {"drive": dict(each.drive), "why": each.why, "predictions": each.predictions}
+            for each in experiments
+        ],
+        "left_out": [*measurement.left_out, *examination.left_out],
+        "seed": found.seed,
+        "version": _core.__version__,
+    }  # fmt: skip
+
+
+def details(examination: Examination, measurement: Source, unit: str) -> dict[str, Any]:
+    """What was found, beyond the summary; `unit` is that of the held-out observables."""
+    found, conditions = examination.found, examination.conditions
+    problem, gain = found.problem, found.gain
+    extended = found.verdict.fit
+    points = [found.null.x] if extended is None else [found.null.x, extended.x]
+    predicted = problem.predicted(np.stack(points))
+    sd = np.sqrt(np.diag(found.noise.covariance))
+    spread = np.sqrt(np.diag(found.null.covariance))
+    held = {} if gain is None else {int(k): number for number, k in enumerate(gain.held_out)}
+    rows = []
+    for k, each in enumerate(conditions):
+        row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
+        row["velocity"] = float(problem.observed[k])
+        row["sd"] = float(sd[k]) if found.noise.dof > 0.0 else None
+        row["model_scatter"] = float(found.roughness[k])
+        row["trials"] = int(found.noise.count[k])
+        row["given"] = float(examination.given[k])
+        row["recalibrated"] = float(predicted[0, k])
+        row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
+        row["held_out"] = k in held
+        if gain is not None and k in held:
+            row["recalibrated_without_it"] = float(gain.predicted_before[held[k]])
+            row["extended_without_it"] = float(gain.predicted_after[held[k]])
+        rows.append(row)
+    fits = [found.null, *found.ranking.singles, *found.ranking.pairs]
+    shown = {fit.name for fit in [found.null, *leading(found)]}
+    return {
+        "name": measurement.name,
+        "headline": headline(found),
+        "runner_up": runner_up(found),
+        "reasons": list(found.verdict.reasons),
+        "notes": list(found.notes),
+        "tests": {
+            "lack_of_fit": found.detection.lack_of_fit,
+            "lack_of_fit_p": found.detection.lack_of_fit_p,
+            "score": found.detection.score,
+            "score_threshold": found.detection.threshold,
+            "score_p": found.detection.score_p,
+            "bootstrapped": found.detection.bootstrapped,
+        },
+        "noise": {
+            "floor": found.noise.floor,
+            "relative": found.noise.relative,
+            "between_setups": found.noise.between,
+            "between_setups_gain": found.noise.between_gain,
+            "dof": found.noise.dof,
+        },
+        "recalibrated": {
+            each.name: {
+                "value": float(each.prior.value(found.null.x[k])),
+                "unit": each.unit,
+                "stated": float(each.prior.value(0.0)) if each.prior.has_middle else None,
+                "low": float(each.prior.value(found.null.x[k] - spread[k])),
+                "high": float(each.prior.value(found.null.x[k] + spread[k])),
+                "pull": float(found.null.x[k]),
+                "extended": None if extended is None else float(each.prior.value(extended.x[k])),
+                "pull_extended": None if extended is None else float(extended.x[k]),
+            }
+            for k, each in enumerate(problem.uncertain)
+        },
+        "flat_directions": flat_directions(problem, found.null),
+        "ranking": [
+            {
+                "causes": [cause.name for cause in fit.rival.causes],
+                "chi2": fit.chi2,
+                "data_chi2": fit.data_chi2,
+                "misfit_p": adequacy(problem, fit),
+                "log_evidence": fit.log_evidence - found.null.log_evidence,
+                "priced_evidence": fit.priced_evidence - found.null.log_evidence,
+                "certified": fit.certified,
+                "leading": fit.name in shown,
+                "parameters": describe(problem, fit),
+            }
+            for fit in fits
+        ],
+        "profiles": {
+            each.name: {"value": each.value.tolist(), "chi2": each.chi2.tolist(), "unit": each.unit}
+            for each in found.profiles
+        },
+        "isolability_classes": [list(each) for each in found.classes],
+        "isolability": {
+            "causes": [cause.name for cause in problem.causes],
+            "cosines": found.cosines.tolist(),
+        },
+        "choice_without_held_out": None if gain is None else gain.choice,
+        "held_out_level": _level(found, unit),
+        "held_out_p_value": None if gain is None else gain.p_value,
+        "conditions": rows,
+    }
+
+
+def further(examination: Examination) -> dict[str, Any]:
+    """What the verdict rests on, and what takes some more simulations."""
+    found, problem = examination.found, examination.found.problem
+    parts = refit_parts(problem, found.null, examination.parts())
+    smallest = smallest_effects(problem, found.signatures, found.detection.threshold)
+    share = None
+    if found.verdict.fit is not None:
+        share = share_of_ceiling(found.null, found.verdict.fit, found.ceiling)
+    judged = found.verdict.word != "data-problem"
+    misfit = misfit_by_part(examination) if judged else {}
+    velocities = velocity_changes(examination)
+    return {
+        "signal_to_noise": signal_to_noise(found),
+        "misfit_by_part": misfit,
+        "where_it_lives": where_it_lives(misfit) if misfit and found.detection.found else "",
+        "velocity_changes": {
+            name: {"parts": parts, "in_words": pattern(parts)} for name, parts in velocities.items()
+        },
+        "constancy": {
+            part.name: {
+                each.name: {
+                    "value": float(each.prior.value(part.x[k])),
+                    "low": float(each.prior.value(part.x[k] - part.sd[k])),
+                    "high": float(each.prior.value(part.x[k] + part.sd[k])),
+                }
+                for k, each in enumerate(problem.uncertain)
+            }
+            for part in parts
+        },
+        "changing": changing(problem, parts),
+        "smallest_effects": {short(name): value for name, value in smallest.items()},
+        "smooth_ceiling": found.ceiling,
+        "share_of_ceiling": share,
+        "carried_by": carriers(examination),
+        "advice": advice(found),
+    }
+
+
+def _level(found: Diagnosis, unit: str) -> float | None:
+    """Mean size of what is held out, where it has one unit: its error is given in per cent."""
+    if found.gain is None or unit == "SI":
+        return None
+    size = float(np.mean(np.abs(found.problem.observed[found.gain.held_out])))
+    return size if size > 0.0 else None
+
+
+def gain_unit(examination: Examination) -> str:
+    """Unit of what is held out: velocities, where there are any, else the channels' observables."""
+    if examination.conditions:
+        return "m/s"
+    kinds = {channel.name for channel in examination.combined.channels}
+    return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
+
+
+def flat_directions(problem: Problem, fit: Fit) -> list[str]:
+    """Combinations of uncertain parameters that the data says nothing about, in words."""
+    m, p = len(problem.observed), problem.base_count
+    if p == 0:
+        return []
+    data = fit.jacobian[:m, :p]
+    _, singular, right = np.linalg.svd(data, full_matrices=False)
+    said = []
+    for size, direction in zip(singular, right, strict=True):
+        if size >= 1.0:
+            continue
+        strong = [
+            problem.uncertain[k].name for k in np.argsort(-np.abs(direction)) if
+            abs(direction[k]) > 0.4
+        ]  # fmt: skip
+        if len(strong) > 1:
+            said.append(" and ".join(strong[:3]) + " trade off")
+        elif strong:
+            said.append(f"the data say little about {strong[0]}")
+    return said

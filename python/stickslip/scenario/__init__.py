@@ -1,0 +1,1 @@
+"""All that defines one simulation: keys, sections, waveforms, effects, and their files."""

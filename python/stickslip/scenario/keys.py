@@ -1,0 +1,240 @@
+"""The keys of a scenario: what the core knows of each, and the check of a single value.
+
+The compiled core decides what a number or a word may be. Here stands only what it cannot see: the
+type that a value had before it became a number.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import json
+import math
+import numbers
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
+
+from stickslip import _core
+from stickslip.errors import ScenarioError
+from stickslip._util.plain_text import quoted
+
+Value = float | int | str
+"""What a scalar key of a scenario can hold."""
+
+RECORD_RATE = "record.rate"
+RECORD_WORDS = ("none", "events")
+
+PROGRAM = "drive.program"
+"""The waveform of a drive: in Python only, as a file has `FILE`."""
+
+FILE = "drive.file"
+"""The CSV file of voltages, which only a scenario's file and --set know."""
+
+PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
+_FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
+
+_LONGEST_SHOWN = 60
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+_forgetting: list[Callable[[], None]] = []
+
+
+def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Cache what is made of the keys until the user registers an effect, which brings new ones."""
+    cached = functools.cache(function)
+    _forgetting.append(cached.cache_clear)
+    return cast("Callable[_P, _R]", cached)
+
+
+def forget_keys() -> None:
+    """Clear all that `until_registration` keeps."""
+    for forget in _forgetting:
+        forget()
+
+
+@dataclass(frozen=True)
+class Key:
+    """One scalar key of a scenario.
+
+    Attributes
+    ----------
+    name : str
+        Dotted key, such as ``"drive.frequency"``.
+    kind : {"real", "whole", "word", "rate"}
+        What it holds; ``"rate"`` is a number or a word.
+    unit : str
+        SI unit; ``"-"`` for none.
+    low, high : float
+        Range of a number; NaN for a word.
+    allowed : str
+        The range or the words, for a reader.
+    default : float, int or str
+        Value that a scenario has where none is given.
+    meaning : str
+        What it is, in a phrase.
+    """
+
+    name: str
+    kind: Literal["real", "whole", "word", "rate"]
+    unit: str
+    low: float
+    high: float
+    allowed: str
+    default: Value
+    meaning: str
+
+    @property
+    def section(self) -> str:
+        """Everything before the last dot."""
+        return self.name.rpartition(".")[0]
+
+
+@until_registration
+def known_keys() -> dict[str, Key]:
+    """All scalar keys by name, section by section."""
+    keys: dict[str, Key] = {}
+    for word in _core.choices():
+        allowed = "one of " + ", ".join(json.dumps(each) for each in word["allowed"])
+        keys[word["key"]] = Key(
+            word["key"], "word", "-", math.nan, math.nan, allowed, word["default"], word["meaning"]
+        )
+    for number in _core.parameters():
+        whole = number["integer"]
+        default = number["default"]
+        keys[number["key"]] = Key(
+            number["key"],
+            "whole" if whole else "real",
+            number["unit"],
+            number["low"],
+            number["high"],
+            number["allowed"],
+            int(default) if whole else default,
+            number["meaning"],
+        )
+    keys[RECORD_RATE] = Key(
+        RECORD_RATE,
+        "rate",
+        "Hz",
+        0.0,
+        math.inf,
+        'a number above 0 Hz, "events" or "none"',
+        "none",
+        "rate of the uniform output grid, or one record an event, or no record",
+    )
+    sections = list(dict.fromkeys(row["key"].rpartition(".")[0] for row in _core.parameters()))
+    sections.insert(sections.index("solver") + 1, "record")
+    in_order = sorted(keys.values(), key=lambda key: sections.index(key.section))
+    return {key.name: key for key in in_order}
+
+
+def shown(value: object) -> str:
+    """A value as it would stand in a file, on one line and not too long."""
+    if isinstance(value, bool):
+        text = "true" if value else "false"
+    elif isinstance(value, str):
+        text = quoted(value)
+    elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
+        text = repr(float(value))
+    elif isinstance(value, Mapping):
+        text = "{ " + ", ".join(f"{key} = {shown(each)}" for key, each in value.items()) + " }"
+    else:
+        try:
+            text = " ".join(repr(value).split())
+        except ValueError:  # an integer of thousands of digits
+            text = "a number too long to print"
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """What was probably meant, or everything that could have been."""
+    known = list(known)
+    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    if near:
+        return f'did you mean "{near[0]}"?'
+    return "known are " + ", ".join(f'"{each}"' for each in known)
+
+
+def refuse(key: str, value: object, allowed: str) -> NoReturn:
+    """Raise the one-line error of a value that is not allowed."""
+    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
+
+
+def section_hint(section: str) -> str:
+    """The section that was probably meant, or all of them, with the extensions as one."""
+    sections = list(dict.fromkeys(key.section for key in known_keys().values()))
+    if difflib.get_close_matches(section, sections, n=1, cutoff=0.6):
+        return suggestion(section, sections)
+    return suggestion(section, dict.fromkeys(each.partition(".")[0] for each in sections))
+
+
+def find_key(name: str, *value: object) -> Key:
+    """The key of that name, or an error that names the nearest one, and the value if there is."""
+    keys = known_keys()
+    if name in keys:
+        return keys[name]
+    given = " = ".join([name, *map(shown, value)])
+    if name == FILE:
+        raise ScenarioError(f"{given}: there is no such key here; {_FILE_HINT}")
+    section = name.rpartition(".")[0]
+    siblings = [key.name for key in keys.values() if key.section == section]
+    if siblings or difflib.get_close_matches(name, keys, n=1, cutoff=0.6):
+        hint = suggestion(name, siblings or keys)
+    else:
+        hint = section_hint(section)
+    raise ScenarioError(f"{given}: there is no such key; {hint}")
+
+
+def checked(name: str, value: object, core: _core.Scenario | None = None) -> Value:
+    """The value of a key, converted to float, int or str, if the core allows it.
+
+    `core`, if given, gets it too.
+    """
+    core = _core.Scenario() if core is None else core
+    key = find_key(name, value)
+    if key.kind == "rate":
+        rate = _checked_rate(key, value)
+        set_rate(core, rate)
+        return rate
+    if key.kind == "word":
+        if not isinstance(value, str):
+            refuse(name, value, key.allowed)
+        converted: float | str = str(value)
+    else:
+        converted = _as_number(key, value)
+    try:
+        core.set(name, converted)
+    except (ValueError, TypeError):  # the latter of a word that is not UTF-8
+        refuse(name, value, key.allowed)
+    return int(converted) if key.kind == "whole" else converted
+
+
+def set_rate(core: _core.Scenario, rate: Value) -> None:
+    """Give the core what `RECORD_RATE` holds."""
+    if rate == "events":
+        core.record_events()
+    elif isinstance(rate, float):
+        core.record_uniform(rate)
+    else:
+        core.record_nothing()
+
+
+def _as_number(key: Key, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        refuse(key.name, value, key.allowed)
+    try:
+        return float(value)
+    except OverflowError:
+        refuse(key.name, value, key.allowed)
+
+
+def _checked_rate(key: Key, value: object) -> Value:
+    if isinstance(value, str):
+        if value not in RECORD_WORDS:
+            refuse(key.name, value, key.allowed)
+        return str(value)
+    rate = _as_number(key, value)
+    if not (math.isfinite(rate) and rate > 0.0):
+        refuse(key.name, value, key.allowed)
+    return rate

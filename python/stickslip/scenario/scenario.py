@@ -1,0 +1,274 @@
+"""All that defines one simulation.
+
+A scenario that is read from TOML and one that is built here are the same object. Values are checked
+when an object is made, so a scenario that exists can be simulated.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import Any
+
+from stickslip import _core
+from stickslip.errors import ScenarioError
+from stickslip.scenario.named_effects import PREFIX, EffectSettings
+from stickslip.scenario.keys import (
+    PROGRAM,
+    RECORD_RATE,
+    Value,
+    checked,
+    find_key,
+    known_keys,
+    set_rate,
+    shown,
+)
+from stickslip.scenario.sections import (
+    SECTIONS,
+    Coil,
+    Contact,
+    Drag,
+    Drive,
+    Environment,
+    Record,
+    Robot,
+    Solver,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """All that defines one simulation. SI units and radians throughout.
+
+    Parameters
+    ----------
+    drive, coil, robot, contact, drag, environment, solver, record
+        Sections. Where nothing is given, `coil` and `robot` have the values of Tables I and II
+        (the coils' side and distance are effective ones), `contact` and `drag` those of section VI,
+        and `drive` a peak of 2.5 mT. What the paper leaves open has a default of this package:
+        base, hold, edge and clamp of the drive, the numbers and durations of its pulses and ramps,
+        and everything that is zero.
+    effects : mapping
+        Named extensions of the model: ``{name: {parameter: value}}``; see `stickslip.effects`.
+
+    Raises
+    ------
+    ScenarioError
+        If the values make no sense together: kinetic above static friction, a sawtooth whose top
+        is below its bottom, an edge longer than a period, more than 1e7 samples.
+
+    Examples
+    --------
+    >>> scenario = Scenario(drive=Drive(mode="OPP", hold=2.5e-3, edge="fall", pulses=20))
+    >>> scenario.replace({"drive.frequency": 30.0}).drive.frequency
+    30.0
+    """
+
+    drive: Drive = field(default_factory=Drive)
+    coil: Coil = field(default_factory=Coil)
+    robot: Robot = field(default_factory=Robot)
+    contact: Contact = field(default_factory=Contact)
+    drag: Drag = field(default_factory=Drag)
+    environment: Environment = field(default_factory=Environment)
+    solver: Solver = field(default_factory=Solver)
+    record: Record = field(default_factory=Record)
+    effects: Mapping[str, Mapping[str, float]] = field(default_factory=EffectSettings)
+
+    def __post_init__(self) -> None:
+        for name, section in SECTIONS.items():
+            value = getattr(self, name)
+            if not isinstance(value, section):
+                raise ScenarioError(f"{name} = {shown(value)}: allowed is a {section.__name__}")
+        if not isinstance(self.effects, EffectSettings):
+            object.__setattr__(self, "effects", EffectSettings(self.effects))
+        self._check()
+
+    def _check(self) -> None:
+        """Refuse values that are allowed, but not together."""
+        if self.drive.program is not None and self.drive.mode != "program":
+            raise ScenarioError(
+                f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
+                "by drive.file or a waveform"
+            )
+        try:
+            self._kept_core().check()
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
+
+    @staticmethod
+    def from_toml(path: str | PathLike[str]) -> Scenario:
+        """Read a scenario file.
+
+        Parameters
+        ----------
+        path : path-like
+            A TOML file with ``stickslip = 1`` and a section ``[drive]``.
+
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        ScenarioError
+            If the file cannot be read, is not such a file, or holds a key or value that is not
+            allowed.
+        """
+        from stickslip.scenario.toml_file import read_scenario
+
+        return read_scenario(path)
+
+    def to_toml(self, path: str | PathLike[str] | None = None) -> str:
+        """The scenario as the text of a TOML file, with every key.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            Where to write it too. The voltages of a program go beside it, to
+            ``<stem>.voltages.csv``.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        OSError
+            If a file cannot be written; nothing is left half-written.
+        """
+        from stickslip.scenario.toml_file import scenario_text, write_scenario
+
+        return scenario_text(self) if path is None else write_scenario(self, path)
+
+    @staticmethod
+    def keys() -> tuple[str, ...]:
+        """All dotted keys that hold a number or a word, including those of every extension."""
+        return tuple(known_keys())
+
+    def get(self, key: str) -> Value:
+        """The value of a dotted key, such as ``"drive.frequency"``.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such key.
+        """
+        known = find_key(key)
+        if key.startswith(PREFIX):
+            _, name, parameter = key.split(".", 2)
+            return self.effects.get(name, {}).get(parameter, known.default)
+        section, name = key.split(".", 1)
+        value: Value = getattr(getattr(self, section), name)
+        return value
+
+    def replace(self, changes: Mapping[str, Any]) -> Scenario:
+        """A copy with other values.
+
+        Parameters
+        ----------
+        changes : mapping
+            New values by dotted key. ``"drive.program"`` takes a `Waveform` or None.
+
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        ScenarioError
+            If a key is unknown or a value not allowed.
+        """
+        for key, value in changes.items():
+            if key != PROGRAM:
+                find_key(key, value)
+        # The core's scenario checks a value as it takes it. A copy of it and of the sections that
+        # change is a tenth of the work of making all of them anew.
+        core = self.to_core()
+        by_section: dict[str, dict[str, Any]] = {}
+        for key, value in changes.items():
+            section, name = key.split(".", 1)
+            given = value if key == PROGRAM else checked(key, value, core)
+            by_section.setdefault(section, {})[name] = given
+        parts = {section: self._changed(section, values) for section, values in by_section.items()}
+        made = object.__new__(type(self))
+        vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)
+        if PROGRAM not in changes:
+            vars(made)[_KEPT] = (known_keys(), core)
+        made._check()
+        return made
+
+    def _changed(self, section: str, values: dict[str, Any]) -> Any:
+        """A copy of a section with values that are checked already, but for a program."""
+        before = getattr(self, section)
+        if section == "effects":
+            return before.with_values(values)
+        if "program" in values:
+            return dataclasses.replace(before, **values)
+        after = object.__new__(type(before))
+        vars(after).update(vars(before), **values)
+        return after
+
+    @property
+    def duration(self) -> float:
+        """Simulated time from start to end, s."""
+        return self._kept_core().duration
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Times between which the mean velocity is taken, s (section VII of the paper).
+
+        From the end of the third pulse to the end of the last; from the end of the ramp with three
+        pulses or fewer; all of a program.
+        """
+        return self._kept_core().window
+
+    def to_core(self) -> _core.Scenario:
+        """The same scenario as the compiled core takes it; the caller's own."""
+        return _core.Scenario(self._kept_core())
+
+    def _kept_core(self) -> _core.Scenario:
+        """The same, shared and not to be changed; made anew once an effect was registered."""
+        kept = vars(self).get(_KEPT)
+        if kept is None or kept[0] is not known_keys():
+            kept = vars(self)[_KEPT] = (known_keys(), self._make_core())
+        core: _core.Scenario = kept[1]
+        return core
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {each.name: getattr(self, each.name) for each in _FIELDS}
+
+    def _make_core(self) -> _core.Scenario:
+        core = _core.Scenario()
+        for key, section, name in _core_keys():
+            core.set(key, getattr(getattr(self, section), name))
+        assert isinstance(self.effects, EffectSettings)
+        for key, value in self.effects.flat().items():
+            checked(key, value, core)  # an effect of the user may be gone
+        if self.drive.program is not None:
+            core.set_program(self.drive.program.to_core())
+        set_rate(core, self.record.rate)
+        return core
+
+
+_FIELDS = dataclasses.fields(Scenario)
+
+_KEPT = "_kept"
+"""Where an instance keeps its core, with the table of keys that it was made for."""
+
+
+@functools.cache
+def _core_keys() -> tuple[tuple[str, str, str], ...]:
+    """Key, section and field of everything that `Scenario.to_core` takes from the sections."""
+    return tuple(
+        (key, *key.split(".", 1))  # type: ignore[misc]
+        for key in known_keys()
+        if key != RECORD_RATE and not key.startswith(PREFIX)
+    )
+
+
+def load(path: str | PathLike[str]) -> Scenario:
+    """Read a scenario file; the same as `Scenario.from_toml`."""
+    return Scenario.from_toml(path)

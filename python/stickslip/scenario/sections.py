@@ -1,0 +1,293 @@
+"""The sections of a scenario, as frozen dataclasses. Each checks its values when it is made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import FILE, PROGRAM_HINT, checked, shown
+from stickslip.scenario.keys import PROGRAM as PROGRAM
+
+if TYPE_CHECKING:
+    from stickslip.scenario.waveform import Waveform
+
+SAWTOOTH = tuple(
+    f"drive.{name}"
+    for name in (
+        "frequency",
+        "peak",
+        "base",
+        "hold",
+        "clamp",
+        "edge",
+        "edge_time",
+        "ramp",
+        "pulses",
+        "ramp_down",
+    )
+)
+"""Keys that say what a pulsed drive does; a program of voltages has no use for them."""
+
+
+def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
+    """Refuse keys of the sawtooth that are given together with a program of voltages.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the first of `given` that is one.
+    """
+    if mode != "program":
+        return
+    for key in given:
+        if key in SAWTOOTH:
+            raise ScenarioError(
+                f'{key}: not allowed with drive.mode = "program", whose voltages are those of '
+                f"{FILE} alone"
+            )
+
+
+def _check_fields(section: str, instance: Any) -> None:
+    for each in dataclasses.fields(instance):
+        if each.name == "program":
+            continue
+        value = checked(f"{section}.{each.name}", getattr(instance, each.name))
+        object.__setattr__(instance, each.name, value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What the coils are driven with, section V of the paper.
+
+    A field given in tesla is the one at the centre, of one coil, if its voltage were held for ever.
+    The paper gives the default of `peak` (Figs. 4-13) and uses 100 Hz in Figs. 8-11. It states
+    neither `base`, `hold`, `edge` nor `clamp`: their defaults are this package's, as are those of
+    all other fields.
+
+    Parameters
+    ----------
+    mode : {"IPP", "OPP", "program"}
+        In-plane pulsing (the clamp coil holds), out-of-plane pulsing (the reverse), or `program`.
+    frequency : float
+        Pulses a second, Hz.
+    peak, base : float
+        Top and bottom of the sawtooth, T.
+    hold : float
+        Field of the holding coil, T.
+    clamp : {"down", "up"}
+        Sign of the clamp coil's field; ``"down"``: B_z < 0, nose-down, theta > 0.
+    edge : {"rise", "fall"}
+        Where the sawtooth is sudden.
+    edge_time : float
+        Duration of the sudden edge, s.
+    direction : {"+x", "-x"}
+        Where the robot faces. ``"-x"`` turns it by 180 degrees about z, and a pulsed drive with it:
+        the -x coil drives, with the opposite sign. The voltages of a program stay as they are
+        given, coil by coil in the world's frame: only the robot is turned, so that
+        ``program.turned()`` moves it as `program` moves one that faces +x.
+    ramp : float
+        Rise of both coils from zero before the first pulse, s.
+    pulses : int
+        Number of pulses.
+    ramp_down : float
+        Fall of the in-plane coil to zero after the last pulse, s.
+    program : Waveform, optional
+        Voltages of the five coils; with ``mode="program"`` only, and then required.
+    """
+
+    mode: Literal["IPP", "OPP", "program"] = "IPP"
+    frequency: float = 100.0
+    peak: float = 2.5e-3
+    base: float = 0.0
+    hold: float = 1.0e-3
+    clamp: Literal["down", "up"] = "down"
+    edge: Literal["rise", "fall"] = "rise"
+    edge_time: float = 0.0
+    direction: Literal["+x", "-x"] = "+x"
+    ramp: float = 0.05
+    pulses: int = 100
+    ramp_down: float = 0.0
+    program: Waveform | None = None
+
+    def __post_init__(self) -> None:
+        _check_fields("drive", self)
+        if self.program is not None:
+            from stickslip.scenario.waveform import Waveform
+
+            if not isinstance(self.program, Waveform):
+                raise ScenarioError(
+                    f"{PROGRAM} = {shown(self.program)}: allowed is a Waveform; in a file or with "
+                    f"--set, {PROGRAM_HINT}"
+                )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coil:
+    """One of the five equal coils, Table I.
+
+    Parameters
+    ----------
+    resistance : float
+        ohm.
+    inductance : float
+        H.
+    side : float
+        Effective length of a side, m.
+    distance : float
+        Distance of each coil's plane from the centre, m.
+    turns : float
+        Number of turns.
+    """
+
+    resistance: float = 10.0
+    inductance: float = 0.07
+    side: float = 0.1385
+    distance: float = 0.099
+    turns: float = 510.0
+
+    def __post_init__(self) -> None:
+        _check_fields("coil", self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """The magnetic body, Table II.
+
+    Parameters
+    ----------
+    length, width, height : float
+        Length along the magnetization, width across the plane of motion, and height, m.
+    mass : float
+        kg. Table II's "ng" are micrograms: the body's density leaves no other reading.
+    magnetization : float
+        Along the length, A/m.
+    """
+
+    length: float = 250e-6
+    width: float = 130e-6
+    height: float = 100e-6
+    mass: float = 25.6e-9
+    magnetization: float = 5e5
+
+    def __post_init__(self) -> None:
+        _check_fields("robot", self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """Contact of the body with the surface, sections IV-C, VI-A and VI-B.
+
+    Parameters
+    ----------
+    static_friction, kinetic_friction : float
+        Coulomb coefficients of a contact that sticks and of one that slips.
+    adhesion : float
+        Pull of the surface on the touching corners together, N.
+    adhesion_range : float
+        Gap at which adhesion has faded to nothing, m; 0: at contact only.
+    restitution : float
+        Newton restitution of a touch-down, 0 to 1.
+    """
+
+    static_friction: float = 0.2
+    kinetic_friction: float = 0.145
+    adhesion: float = 0.22e-6
+    adhesion_range: float = 0.0
+    restitution: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_fields("contact", self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drag:
+    """Drag of the fluid, section VI-C.
+
+    Parameters
+    ----------
+    linear : float
+        Force by velocity at the centre of mass, Eq. (18), N s/m.
+    rotational : float
+        Torque by the square of the angular rate, Eq. (19), N m s^2.
+    """
+
+    linear: float = 1.0e-5
+    rotational: float = 9.0e-17
+
+    def __post_init__(self) -> None:
+        _check_fields("drag", self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Environment:
+    """What is the same for everything.
+
+    Parameters
+    ----------
+    gravity : float
+        Acceleration of gravity, m/s^2.
+    """
+
+    gravity: float = 9.81
+
+    def __post_init__(self) -> None:
+        _check_fields("environment", self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solver:
+    """The integrator.
+
+    Parameters
+    ----------
+    method : {"tsit5", "arkode"}
+        Own Runge-Kutta method of fifth order, or that of SUNDIALS, where the build has it.
+    rtol : float
+        Local error a step, relative to the natural scales of the motion. Tightened where the linear
+        drag is low; looser than 1e-5 gets a note.
+    max_step : float
+        Longest step, s; 0: no limit.
+    max_steps : int
+        Most steps of a run. One that needs more ends with the status "too_many_steps", whose
+        message names the key that makes the steps short.
+    """
+
+    method: Literal["tsit5", "arkode"] = "tsit5"
+    rtol: float = 1e-8
+    max_step: float = 0.0
+    max_steps: int = 1_000_000_000
+
+    def __post_init__(self) -> None:
+        _check_fields("solver", self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """What a run keeps beside its summary.
+
+    Parameters
+    ----------
+    rate : float or {"none", "events"}
+        Rate of a uniform grid of samples, Hz; or one sample at each event of the contact; or none.
+    """
+
+    rate: float | Literal["none", "events"] = "none"
+
+    def __post_init__(self) -> None:
+        _check_fields("record", self)
+
+
+SECTIONS: dict[str, type[Any]] = {
+    "drive": Drive,
+    "coil": Coil,
+    "robot": Robot,
+    "contact": Contact,
+    "drag": Drag,
+    "environment": Environment,
+    "solver": Solver,
+    "record": Record,
+}
+"""The sections of a scenario that are always there, in the order of a file."""

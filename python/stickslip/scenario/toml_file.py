@@ -1,0 +1,187 @@
+"""Scenario files: reading and writing TOML."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.errors import ScenarioError
+from stickslip.scenario.named_effects import EffectSettings
+from stickslip._util.atomic_files import read_bytes, text_writer, write_together
+from stickslip.scenario.keys import PROGRAM, PROGRAM_HINT, Value, known_keys, shown, suggestion
+from stickslip._util.plain_text import printable, quoted
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import SAWTOOTH, SECTIONS, refuse_sawtooth
+from stickslip.scenario.toml_text import parse_toml
+
+if TYPE_CHECKING:
+    from stickslip.scenario.waveform import Waveform
+
+FORMAT_VERSION = 1
+
+# A scenario is a page of text; what is longer is another file, or a device that never ends.
+_MOST_BYTES = 1 << 20
+
+
+def read_scenario(path: str | PathLike[str]) -> Scenario:
+    """See `Scenario.from_toml`."""
+    path = Path(path)
+    try:
+        return _scenario(read_document(path), path.parent)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+
+
+def voltage_file(path: Path) -> Path | None:
+    """The CSV file that an ordinary scenario file takes its voltages from, if it does."""
+    try:
+        file = read_document(path).get("drive", {}).get("file") if path.is_file() else None
+    except (ScenarioError, AttributeError):
+        return None
+    return path.parent / file if isinstance(file, str) else None
+
+
+def read_document(
+    path: Path, kind: str = "scenario", has: str = '"stickslip = 1" and a section [drive]'
+) -> dict[str, Any]:
+    """The TOML of a file; `kind` and `has` are words of its errors.
+
+    Raises
+    ------
+    ScenarioError
+        With one line that does not name the file, if it cannot be read.
+    """
+    data = read_bytes(path, _MOST_BYTES, f"{kind} file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(
+            f"is no text: byte {error.start + 1} is not UTF-8; a {kind} is a TOML file"
+        ) from None
+    if not text.strip():
+        raise ScenarioError(f"is empty; a {kind} has {has}")
+    return parse_toml(text)
+
+
+def _scenario(document: dict[str, Any], folder: Path) -> Scenario:
+    _check_version(document)
+    known = [*SECTIONS, "effects"]
+    for name, content in document.items():
+        if name == "stickslip":
+            continue
+        if name not in known:
+            raise ScenarioError(
+                f"[{name}] = {shown(content)}: there is no such section; {suggestion(name, known)}"
+            )
+        if not isinstance(content, dict):
+            raise ScenarioError(f"{name} = {shown(content)}: allowed is a section [{name}]")
+    if "drive" not in document:
+        raise ScenarioError("[drive] is missing: it is required, if only as an empty section")
+
+    sections: dict[str, Any] = {}
+    for name, section in SECTIONS.items():
+        values = dict(document.get(name, {}))
+        for field, value in values.items():
+            if name == "drive" and field == "file":
+                continue
+            _check_field(name, field, value)
+        if name == "drive":
+            refuse_sawtooth(values.get("mode"), [f"drive.{field}" for field in values])
+        if name == "drive" and "file" in values:
+            values["program"] = _program(values.pop("file"), folder)
+        sections[name] = section(**values)
+    return Scenario(**sections, effects=EffectSettings(document.get("effects")))
+
+
+def _check_version(document: dict[str, Any]) -> None:
+    if "stickslip" not in document:
+        raise ScenarioError(f'stickslip is missing: a scenario has "stickslip = {FORMAT_VERSION}"')
+    version = document["stickslip"]
+    if isinstance(version, bool) or not isinstance(version, int) or version != FORMAT_VERSION:
+        raise ScenarioError(
+            f"stickslip = {shown(version)}: allowed is {FORMAT_VERSION}, the version of the format"
+        )
+
+
+def _check_field(section: str, field: str, value: object) -> None:
+    known = [key.name for key in known_keys().values() if key.section == section]
+    if section == "drive":
+        known.append("drive.file")
+    key = f"{section}.{field}"
+    if key not in known:
+        hint = PROGRAM_HINT if key == PROGRAM else suggestion(key, known)
+        raise ScenarioError(f"{key} = {shown(value)}: there is no such key; {hint}")
+
+
+def _program(file: object, folder: Path) -> Waveform:
+    from stickslip.scenario.waveform import Waveform
+
+    if not isinstance(file, str) or not file:
+        raise ScenarioError(f"drive.file = {shown(file)}: allowed is the path of a CSV file")
+    try:
+        return Waveform.from_csv(folder / file)
+    except ScenarioError as error:
+        raise ScenarioError(f"drive.file = {shown(file)}: {error}") from None
+
+
+def write_scenario(
+    scenario: Scenario, path: str | PathLike[str], comments: Sequence[str] = ()
+) -> str:
+    """Write the scenario's file, and its voltages beside it; return the text.
+
+    `comments` are lines at its top, without their ``#``.
+    """
+    text, writers = scenario_writers(scenario, Path(path), comments)
+    write_together(writers)
+    return text
+
+
+def voltages_beside(path: Path) -> Path:
+    """Where the voltages of a scenario that is written to `path` go."""
+    return path.with_name(f"{path.stem}.voltages.csv")
+
+
+def scenario_writers(
+    scenario: Scenario, path: Path, comments: Sequence[str] = ()
+) -> tuple[str, dict[Path, Callable[[Path], object]]]:
+    """The text of a scenario's file, and what `write_together` needs for all its files."""
+    voltages = voltages_beside(path)
+    text = "".join(f"# {printable(line)}\n" for line in comments)
+    text += scenario_text(scenario, voltages.name)
+    writers = {path: text_writer(text)}
+    program = scenario.drive.program
+    if program is not None:
+        from stickslip.scenario.waveform_csv import write_rows
+
+        writers[voltages] = functools.partial(write_rows, program)
+    return text, writers
+
+
+def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
+    """The TOML text; `voltages` is the file that a program's voltages are in."""
+    lines = [f"stickslip = {FORMAT_VERSION}"]
+    for section, kind in SECTIONS.items():
+        lines += ["", f"[{section}]"]
+        for field in dataclasses.fields(kind):
+            key = f"{section}.{field.name}"
+            idle = scenario.drive.mode == "program" and key in SAWTOOTH
+            if key != PROGRAM and not idle:
+                lines.append(_line(field.name, scenario.get(key), known_keys()[key].unit))
+        if section == "drive" and scenario.drive.program is not None:
+            lines.append(_line("file", voltages, "-"))
+    for name, parameters in scenario.effects.items():
+        lines += ["", f"[effects.{name}]"]
+        for parameter, value in parameters.items():
+            unit = known_keys()[f"effects.{name}.{parameter}"].unit
+            lines.append(_line(parameter, value, unit))
+    return "\n".join(lines) + "\n"
+
+
+def _line(name: str, value: Value, unit: str) -> str:
+    text = quoted(value) if isinstance(value, str) else repr(value)
+    comment = "" if unit == "-" or isinstance(value, str) else f"  # {unit}"
+    return f"{name} = {text}{comment}"

@@ -1,0 +1,76 @@
+"""TOML text, refused before the parser where it would take minutes or give up without a reason."""
+
+from __future__ import annotations
+
+import re
+import sys
+from typing import Any
+
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_DEEPEST = 16
+"""Parts of a key, and tables or lists in each other; the formats need four."""
+
+_PART = r"""(?:[A-Za-z0-9_-]+|"(?:\\.|[^"\\\n])*"|'[^'\n]*')"""
+# Strings and comments are passed over as a whole, also those that never end, so that each character
+# is looked at a bounded number of times.
+_DEEP_KEY = re.compile(
+    rf"""({_PART}(?:[ \t]*\.[ \t]*{_PART}){{{_DEEPEST}}})"""
+    r"""|\"{3}(?:\\.|[^\\])*?(?:\"{3}|\Z)|'{3}.*?(?:'{3}|\Z)"""
+    r"""|"(?:\\.|[^"\\\n])*|'[^'\n]*|\#[^\n]*|[A-Za-z0-9_-]+""",
+    re.DOTALL,
+)
+_LONG_NUMBER = re.compile(r"[0-9_]{1000,}")
+_WHOLE = range(-(2**63), 2**63)
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The document.
+
+    Raises
+    ------
+    ScenarioError
+        With one line, if the text is no TOML, a whole number has more than 64 bits, or keys,
+        tables and lists are nested deeper than any format of this package.
+    """
+    # The parser's time grows with the square of a key's parts.
+    deep = next((each for each in _DEEP_KEY.finditer(text) if each[1]), None)
+    if deep is not None:
+        raise _refused(text, deep.start(), f"a key of at most {_DEEPEST} parts")
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"is not valid TOML: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise ScenarioError(f"is nested deeper than {_DEEPEST} tables and lists") from None
+    except ValueError:  # Python converts no number of thousands of digits
+        number = _LONG_NUMBER.search(text)
+        start = number.start() if number else 0
+        raise _refused(text, start, "a whole number of at most 64 bits") from None
+    _check("", document, _DEEPEST)
+    return document
+
+
+def _refused(text: str, place: int, allowed: str) -> ScenarioError:
+    """The error of what stands at a place of the text, with its line."""
+    number = text.count("\n", 0, place) + 1
+    line = text.split("\n")[number - 1].strip()
+    begin = line if len(line) <= 60 else f"{line[:57]}..."
+    return ScenarioError(f"line {number}, {begin}: allowed is {allowed}")
+
+
+def _check(key: str, value: object, levels: int) -> None:
+    """Refuse whole numbers that TOML does not have, and what is nested deeply."""
+    if isinstance(value, dict | list):
+        if not levels:
+            raise ScenarioError(f"{key} is nested deeper than {_DEEPEST} tables and lists")
+        for name, each in value.items() if isinstance(value, dict) else enumerate(value):
+            _check(f"{key}.{name}" if key else str(name), each, levels - 1)
+    elif isinstance(value, int) and value not in _WHOLE:
+        raise ScenarioError(f"{key} = {shown(value)}: allowed is a whole number of at most 64 bits")

@@ -1,0 +1,353 @@
+"""Voltage programs of the five coils, put together from pieces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip import _core
+from stickslip.simulation.coils import COIL_NAMES
+
+if TYPE_CHECKING:
+    from stickslip.scenario.sections import Coil
+
+_Array = NDArray[np.float64]
+_Block = tuple[_Array, _Array, int]
+
+Voltages = Mapping[str, float] | Sequence[float] | _Array
+"""Five voltages in the order of `COIL_NAMES`, or the ones that are not zero by coil name."""
+
+# What `*` may write out in full where it cannot count: repeats within repeats.
+_MOST_POINTS = 100_000
+
+
+def volts_per_tesla(coil: Coil | None = None) -> float:
+    """Voltage of one coil for a field of 1 T at the centre, if it is held for ever, V/T.
+
+    Resistance over field per ampere, Eqs. (1)-(7). All five coils have the same.
+    """
+    if coil is None:
+        from stickslip.scenario.sections import Coil
+
+        coil = Coil()
+    winding = _core.CoilSet(coil.side, coil.distance, coil.turns)
+    return coil.resistance / winding.centre_field_per_ampere
+
+
+class Waveform:
+    """Piecewise-linear voltages of the five coils: blocks of points, each played some times.
+
+    Waveforms are immutable. ``a + b`` plays one after the other, ``n * a`` plays `a` n times, in
+    the memory of one. Two waveforms are equal if they have the same blocks.
+
+    Parameters
+    ----------
+    blocks : sequence of (times, voltages, repeats)
+        `times`, shape (n,), s, from 0, never falling; two points at one time are a jump.
+        `voltages`, shape (n, 5), V, in the order xp, xm, yp, ym, clamp.
+
+    Raises
+    ------
+    ValueError
+        If a block has fewer than two points or no duration, does not begin at 0, falls in time,
+        holds a value that is not finite, or is played less than once.
+
+    Examples
+    --------
+    >>> tooth = Waveform.sawtooth(0.01, {"xp": 5.0}, {"xp": 25.0})
+    >>> program = Waveform.ramp(0.05, {"xp": 5.0}) + 100 * tooth
+    >>> round(program.duration, 6)
+    1.05
+    """
+
+    __slots__ = ("_blocks",)
+
+    def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
+        self._blocks: tuple[_Block, ...] = tuple(_frozen_block(*block) for block in blocks)
+        _core.Scenario().set_program(self.to_core())
+
+    @classmethod
+    def from_points(cls, t: ArrayLike, voltages: ArrayLike) -> Waveform:
+        """One block that is played once.
+
+        Parameters
+        ----------
+        t : array_like, shape (n,)
+            Times, s, from 0, never falling; a repeated time is a jump.
+        voltages : array_like, shape (n, 5)
+            V, in the order xp, xm, yp, ym, clamp.
+        """
+        return cls([(t, voltages, 1)])
+
+    @classmethod
+    def ramp(cls, duration: float, to: Voltages, start: Voltages = ()) -> Waveform:
+        """From `start` (V; all zero by default) straight to `to` (V) within `duration` (s)."""
+        return cls.from_points([0.0, duration], [_five(start), _five(to)])
+
+    @classmethod
+    def hold(cls, duration: float, voltages: Voltages) -> Waveform:
+        """Constant voltages (V) for `duration` (s)."""
+        return cls.ramp(duration, voltages, voltages)
+
+    @classmethod
+    def sawtooth(
+        cls,
+        period: float,
+        low: Voltages,
+        high: Voltages,
+        edge: Literal["rise", "fall"] = "rise",
+        edge_time: float = 0.0,
+    ) -> Waveform:
+        """One tooth between the voltages `low` and `high` (V), beginning and ending at `low`.
+
+        Parameters
+        ----------
+        period : float
+            s.
+        low, high : voltages
+            V.
+        edge : {"rise", "fall"}
+            Which side is sudden.
+        edge_time : float
+            Duration of the sudden side, s; less than `period`.
+        """
+        if edge not in ("rise", "fall"):
+            raise ValueError(f'edge = {edge!r}: allowed is one of "rise", "fall"')
+        if not 0.0 <= edge_time < period:
+            raise ValueError(f"edge_time = {edge_time!r}: allowed is from 0 to less than {period}")
+        bottom = _five(low)
+        top_time = edge_time if edge == "rise" else period - edge_time
+        return cls.from_points([0.0, top_time, period], [bottom, _five(high), bottom])
+
+    @classmethod
+    def ipp(cls, *, coil: Coil | None = None, **drive: Any) -> Waveform:
+        """In-plane pulsing, section V-A: the voltages of ``Drive(mode="IPP", **drive)``.
+
+        Parameters
+        ----------
+        coil : Coil, optional
+            Whose resistance and geometry turn fields into voltages.
+        **drive
+            Fields of `Drive` but `mode` and `program`.
+
+        Raises
+        ------
+        ScenarioError
+            If a value is not allowed.
+        """
+        return cls._pulsed("IPP", coil, drive)
+
+    @classmethod
+    def opp(cls, *, coil: Coil | None = None, **drive: Any) -> Waveform:
+        """Out-of-plane pulsing, section V-B: the voltages of ``Drive(mode="OPP", **drive)``.
+
+        Parameters are those of `ipp`.
+        """
+        return cls._pulsed("OPP", coil, drive)
+
+    @classmethod
+    def _pulsed(cls, mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
+        from stickslip.scenario.scenario import Scenario
+        from stickslip.scenario.sections import Coil, Drive
+
+        drive = Drive(mode=mode, **fields)  # type: ignore[arg-type]
+        return cls(Scenario(drive=drive, coil=coil or Coil()).to_core().program())
+
+    @classmethod
+    def from_csv(cls, path: str | PathLike[str]) -> Waveform:
+        """Read points from a CSV file with the columns t, xp, xm, yp, ym, clamp, in any order.
+
+        Times are in s and begin at 0; a repeated time is a jump. Voltages are in V.
+
+        Raises
+        ------
+        ScenarioError
+            If the file cannot be read or a column or value is not as it has to be; the message
+            names file, row and column.
+        """
+        from stickslip.scenario.waveform_csv import read_points
+
+        return cls.from_points(*read_points(path))
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the points, every repeat in full, such that `from_csv` reads the same numbers.
+
+        Raises
+        ------
+        ValueError
+            If that would be more than two million rows.
+        OSError
+            If the file cannot be written; nothing is left half-written.
+        """
+        from stickslip.scenario.waveform_csv import write_points
+
+        write_points(self, path)
+
+    @property
+    def blocks(self) -> tuple[_Block, ...]:
+        """Blocks as (times (n,) in s, voltages (n, 5) in V, repeats); arrays are read-only."""
+        return self._blocks
+
+    @property
+    def duration(self) -> float:
+        """Duration of all blocks with their repeats, s."""
+        return sum(float(t[-1]) * repeats for t, _, repeats in self._blocks)
+
+    def voltages(self, t: ArrayLike) -> _Array:
+        """Voltages at given times.
+
+        Parameters
+        ----------
+        t : array_like, shape (...)
+            Times within [0, duration], s. At a jump the value is the one after it.
+
+        Returns
+        -------
+        numpy.ndarray, shape (..., 5)
+            V.
+
+        Raises
+        ------
+        ValueError
+            If a time lies outside the waveform.
+        """
+        times = np.asarray(t, dtype=np.float64)
+        if not np.all((times >= 0.0) & (times <= self.duration)):
+            raise ValueError(f"t: allowed are times from 0 to {self.duration} s")
+        result = np.empty((*times.shape, len(COIL_NAMES)))
+        start = 0.0
+        for block_times, block_voltages, repeats in self._blocks:
+            span = float(block_times[-1])
+            chosen = times >= start
+            # A quotient that rounds up past the last repeat still belongs to it.
+            number = np.clip(np.floor((times[chosen] - start) / span), 0, repeats - 1)
+            local = times[chosen] - (start + number * span)
+            result[chosen] = _interpolated(local, block_times, block_voltages)
+            start += span * repeats
+        return result
+
+    def turned(self) -> Waveform:
+        """As a robot turned by 180 degrees about z sees it: what drove to +x drives to -x.
+
+        The coils of each in-plane pair change places, and their voltages change sign.
+        """
+        order = [COIL_NAMES.index(name) for name in ("xm", "xp", "ym", "yp", "clamp")]
+        signs = np.array([-1.0, -1.0, -1.0, -1.0, 1.0])
+        return Waveform([(t, v[:, order] * signs, repeats) for t, v, repeats in self._blocks])
+
+    def repeat(self, times: int) -> Waveform:
+        """The waveform played `times` times in a row; the same as ``times * waveform``.
+
+        Raises
+        ------
+        ValueError
+            If `times` is not a whole number above zero, or if repeats within repeats come to more
+            than a hundred thousand points.
+        """
+        if isinstance(times, bool) or not isinstance(times, int | np.integer) or times < 1:
+            raise ValueError(f"times = {times!r}: allowed is a whole number from 1")
+        if len(self._blocks) == 1:
+            t, v, repeats = self._blocks[0]
+            return Waveform([(t, v, repeats * int(times))])
+        if sum(len(t) * repeats for t, _, repeats in self._blocks) <= _MOST_POINTS:
+            return Waveform([(*self.points(), int(times))])
+        if len(self._blocks) * times <= _MOST_POINTS:
+            return Waveform(self._blocks * int(times))
+        raise ValueError(
+            f"repeats within repeats would need more than {_MOST_POINTS} points: "
+            "repeat less, or fewer different pieces"
+        )
+
+    def points(self) -> tuple[_Array, _Array]:
+        """All points with every repeat in full: times (n,) in s and voltages (n, 5) in V.
+
+        Where a piece begins with the voltages that the one before ended with, the two points are
+        one.
+        """
+        times, voltages = [], []
+        start = 0.0
+        for t, v, repeats in self._blocks:
+            # Each repeat ends at the very number at which the next begins.
+            bounds = start + float(t[-1]) * np.arange(repeats + 1)
+            played = np.minimum(bounds[:-1, None] + t, bounds[1:, None])
+            played[:, t == t[-1]] = bounds[1:, None]
+            times.append(played.ravel())
+            voltages.append(np.tile(v, (repeats, 1)))
+            start = float(bounds[-1])
+        t, v = np.concatenate(times), np.concatenate(voltages)
+        repeated = (t[1:] == t[:-1]) & (v[1:] == v[:-1]).all(axis=1)
+        kept = np.concatenate([[True], ~repeated])
+        return t[kept], v[kept]
+
+    def to_core(self) -> list[_Block]:
+        """The blocks as the compiled core takes them."""
+        return list(self._blocks)
+
+    def __add__(self, other: Waveform) -> Waveform:
+        if not isinstance(other, Waveform):
+            return NotImplemented
+        return Waveform(self._blocks + other._blocks)
+
+    def __mul__(self, times: int) -> Waveform:
+        return self.repeat(times)
+
+    __rmul__ = __mul__
+
+    def _key(self) -> tuple[tuple[bytes, bytes, int], ...]:
+        # Adding 0 makes a negative zero a positive one, which is equal to it.
+        return tuple(((t + 0.0).tobytes(), (v + 0.0).tobytes(), n) for t, v, n in self._blocks)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Waveform) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Waveform, (self._blocks,)
+
+    def __repr__(self) -> str:
+        count = sum(len(t) for t, _, _ in self._blocks)
+        return f"<Waveform: {self.duration:g} s, {len(self._blocks)} block(s), {count} points>"
+
+
+def _five(voltages: Voltages) -> list[float]:
+    """Voltages of all five coils, V."""
+    if isinstance(voltages, Mapping):
+        unknown = set(voltages) - set(COIL_NAMES)
+        if unknown:
+            raise ValueError(
+                f"coil {min(unknown)!r}: allowed is one of " + ", ".join(map(repr, COIL_NAMES))
+            )
+        return [float(voltages.get(name, 0.0)) for name in COIL_NAMES]
+    values = [float(value) for value in voltages] or [0.0] * len(COIL_NAMES)
+    if len(values) != len(COIL_NAMES):
+        raise ValueError(f"{len(values)} voltages: allowed are {len(COIL_NAMES)}, one a coil")
+    return values
+
+
+def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
+    t = np.array(times, dtype=np.float64)
+    v = np.array(voltages, dtype=np.float64)
+    if t.ndim != 1 or v.shape != (len(t), len(COIL_NAMES)):
+        raise ValueError(
+            f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
+        )
+    t.flags.writeable = False
+    v.flags.writeable = False
+    return t, v, int(repeats)
+
+
+def _interpolated(local: _Array, times: _Array, voltages: _Array) -> _Array:
+    """Voltages of one block at times within it; at a jump the value after it."""
+    index = np.clip(np.searchsorted(times, local, side="right") - 1, 0, len(times) - 2)
+    first, last = times[index], times[index + 1]
+    width = np.where(last > first, last - first, math.inf)
+    part = np.where(last > first, (local - first) / width, 1.0)
+    part = np.clip(part, 0.0, 1.0)[..., np.newaxis]
+    return voltages[index] * (1.0 - part) + voltages[index + 1] * part

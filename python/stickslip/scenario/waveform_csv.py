@@ -1,0 +1,136 @@
+"""CSV files of voltages."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from array import array
+from collections.abc import Iterable, Iterator
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.simulation.coils import COIL_NAMES
+from stickslip.errors import ScenarioError
+from stickslip._util.atomic_files import read_bytes, replacing
+from stickslip.scenario.keys import shown
+
+if TYPE_CHECKING:
+    from stickslip.scenario.waveform import Waveform
+
+COLUMNS = ("t", *COIL_NAMES)
+
+_MOST_ROWS = 2_000_000
+# The longest number has 24 characters, so what is written can be read.
+_MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
+_UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
+
+
+def read_points(
+    path: str | PathLike[str],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times (n,) in s and voltages (n, 5) in V; see `Waveform.from_csv`."""
+    try:
+        data = io.BytesIO(read_bytes(path, _MOST_BYTES, "file of voltages"))
+        with io.TextIOWrapper(data, encoding="utf-8-sig", newline="") as file:
+            table = _table(_numbered(file))
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{path}: is no text in UTF-8; voltages are a CSV file") from None
+    except csv.Error as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from None
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    return table[:, 0].copy(), table[:, 1:].copy()
+
+
+def write_points(waveform: Waveform, path: str | PathLike[str]) -> None:
+    """See `Waveform.to_csv`."""
+    with replacing(path) as temporary:
+        write_rows(waveform, temporary)
+
+
+def write_rows(waveform: Waveform, path: Path) -> None:
+    """The same, without regard to what is there."""
+    rows = sum(len(t) * repeats for t, _, repeats in waveform.blocks)
+    if rows > _MOST_ROWS:
+        raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
+    t, v = waveform.points()
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(np.column_stack([t, v]).tolist())
+
+
+def _numbered(file: Iterable[str]) -> Iterator[tuple[int, list[str]]]:
+    """Rows with the line on which each ends. A line that begins with # is a comment."""
+    reader = csv.reader(file)
+    for row in reader:
+        if not (row and row[0].lstrip().startswith("#")):
+            yield reader.line_num, row
+
+
+def _table(rows: Iterator[tuple[int, list[str]]]) -> NDArray[np.float64]:
+    """The columns in the order of COLUMNS; row numbers in messages are lines of the file."""
+    _, header = next(rows, (0, []))
+    if not any(cell.strip() for cell in header):
+        raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
+    order = _column_order([cell.strip() for cell in header])
+    table = array("d")
+    line = 1
+    for line, row in rows:
+        if not any(cell.strip() for cell in row):
+            continue
+        if len(row) != len(COLUMNS):
+            raise ScenarioError(f"row {line} has {len(row)} cells: allowed are {len(COLUMNS)}")
+        values = [_cell(row[index], name, line) for name, index in zip(COLUMNS, order, strict=True)]
+        _check_time(values[0], table, line)
+        table.extend(values)
+        if len(table) > _MOST_ROWS * len(COLUMNS):
+            raise ScenarioError(f"row {line}: allowed are at most {_MOST_ROWS} rows of voltages")
+    points = np.frombuffer(table).reshape(-1, len(COLUMNS))
+    if len(points) < 2:
+        raise ScenarioError(f"has {len(points)} row(s) of voltages: allowed are two or more")
+    if points[-1, 0] == 0.0:
+        raise ScenarioError(f"row {line}, column t = 0.0: the last time has to be above 0")
+    return points
+
+
+def _column_order(header: list[str]) -> list[int]:
+    expected = "allowed are " + ", ".join(COLUMNS)
+    for name in COLUMNS:
+        if name not in header:
+            raise ScenarioError(f"row 1: the column {name} is missing; {expected}")
+    for index, name in enumerate(header):
+        if name not in COLUMNS:
+            raise ScenarioError(f"row 1, column {shown(name)}: there is no such column; {expected}")
+        if name in header[:index]:
+            raise ScenarioError(f"row 1, column {name}: stands there twice; {expected}")
+    return [header.index(name) for name in COLUMNS]
+
+
+def _cell(text: str, column: str, row: int) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ScenarioError(
+            f"row {row}, column {column} = {shown(text.strip())}: "
+            f"allowed is a finite number of {_UNITS[column]}"
+        )
+    return value
+
+
+def _check_time(time: float, table: array[float], row: int) -> None:
+    if not table:
+        if time != 0.0:
+            raise ScenarioError(f"row {row}, column t = {time!r}: the first time has to be 0 s")
+    elif time < table[-len(COLUMNS)]:
+        raise ScenarioError(
+            f"row {row}, column t = {time!r}: allowed is {table[-len(COLUMNS)]!r} s, "
+            "the time of the row before, or later"
+        )

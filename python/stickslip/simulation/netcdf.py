@@ -1,0 +1,110 @@
+"""A run as an xarray Dataset and as a netCDF file."""
+
+from __future__ import annotations
+
+import io
+import json
+from os import PathLike
+from typing import Any
+
+import h5netcdf
+import numpy as np
+import xarray
+from xarray.backends import H5NetCDFStore
+
+from stickslip import _core
+from stickslip._util.checksum import append_checksum, check_checksum
+from stickslip.simulation.coils import COIL_NAMES
+from stickslip.errors import ScenarioError
+from stickslip._util.atomic_files import replacing
+from stickslip.simulation.run import COLUMNS, Run
+
+SAMPLES = "t"
+
+
+def dataset(run: Run) -> xarray.Dataset:
+    """See `Run.to_xarray`."""
+    variables: dict[str, Any] = {}
+    for name, column in COLUMNS.items():
+        if name == "event" and run.scenario.record.rate != "events":
+            continue
+        attributes: dict[str, Any] = {"units": column.unit, "long_name": column.meaning}
+        if name in ("contact", "event"):
+            words = run.contact_names if name == "contact" else run.event_names
+            attributes["flag_values"] = np.arange(len(words), dtype=np.int8)
+            attributes["flag_meanings"] = " ".join(words)
+        dimensions = (SAMPLES, "coil") if name == "current" else (SAMPLES,)
+        variables[name] = (dimensions, getattr(run, name), attributes)
+    return xarray.Dataset(
+        {name: variable for name, variable in variables.items() if name != SAMPLES},
+        coords={
+            SAMPLES: variables[SAMPLES],
+            "coil": ("coil", list(COIL_NAMES), {"long_name": "coil"}),
+        },
+        attrs=_attributes(run),
+    )
+
+
+def _attributes(run: Run) -> dict[str, Any]:
+    summary = run.summary()
+    numbers = {name: value for name, value in summary.items() if not isinstance(value, dict | list)}
+    attributes = {
+        "title": "stick-slip motion of a magnetic micro-robot",
+        "source": f"stickslip {_core.__version__}",
+        "stickslip_version": _core.__version__,
+        "xarray_version": xarray.__version__,
+        "numpy_version": np.__version__,
+        "scenario": run.scenario.to_toml(),
+        **numbers,
+        "notes": json.dumps(summary["notes"]),
+        "events": json.dumps(summary["events"]),
+    }
+    program = run.scenario.drive.program
+    if program is not None:
+        attributes["voltage_blocks"] = json.dumps(
+            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
+        )
+    return attributes
+
+
+def open_run(path: str | PathLike[str]) -> xarray.Dataset:
+    """Read a run that `Run.to_netcdf` wrote; the pictures of one motion take it as they take a Run.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `Run.to_xarray` gave, in memory: the file is closed.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no run, or is not as it was written.
+    OSError
+        If it cannot be read, or is no netCDF file.
+    """
+    try:
+        check_checksum(path)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    with xarray.open_dataset(path, engine="h5netcdf") as file:
+        data = file.load()
+    if SAMPLES not in data.coords or "scenario" not in data.attrs:
+        raise ValueError(f"{path}: is no run; allowed is a file that Run.save or --out wrote")
+    return data
+
+
+def write_netcdf(data: xarray.Dataset, path: str | PathLike[str]) -> None:
+    """Write a netCDF file with its checksum, whole or not at all.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; an older file of that name is then untouched.
+    """
+    # Written to memory first: where a disk is full, HDF5 can take the process down with it.
+    image = io.BytesIO()
+    with h5netcdf.File(image, "w") as file:
+        data.dump_to_store(H5NetCDFStore(file))
+    append_checksum(image)
+    with replacing(path) as temporary:
+        temporary.write_bytes(image.getbuffer())

@@ -1,0 +1,259 @@
+"""What one simulation gives: a summary, and the recorded motion."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from stickslip import _core
+from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
+from stickslip.simulation.run_notes import run_notes
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray
+    from numpy.typing import NDArray
+
+    from stickslip.scenario.scenario import Scenario
+
+    _Array = NDArray[np.float64]
+
+
+class Column(NamedTuple):
+    """A recorded quantity: its SI unit, and what it is."""
+
+    unit: str
+    meaning: str
+
+
+COLUMNS = {
+    "t": Column("s", "time"),
+    "x": Column("m", "position of the centre of mass along the surface"),
+    "z": Column("m", "height of the centre of mass above the surface"),
+    "theta": Column("rad", "tilt angle, nose-down positive in the robot's own frame"),
+    "vx": Column("m/s", "velocity of the centre of mass along the surface"),
+    "vz": Column("m/s", "velocity of the centre of mass away from the surface"),
+    "omega": Column("rad/s", "rate of the tilt angle"),
+    "normal_force": Column("N", "normal force of the surface, adhesion not subtracted"),
+    "friction_force": Column("N", "friction force of the surface, along +x"),
+    "contact_x": Column("m", "position of the contact point, nothing in flight"),
+    "slip_velocity": Column("m/s", "velocity of the contact point, nothing in flight"),
+    "bx": Column("T", "field along x at the centre of mass"),
+    "bz": Column("T", "field along z at the centre of mass"),
+    "current": Column("A", "current of each coil"),
+    "contact": Column("1", "mode of the contact"),
+    "event": Column("1", "event of the contact"),
+}
+"""The recorded quantities by name; each is an attribute of a `Run`."""
+
+
+SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
+"""Of the files that a run can be saved as."""
+
+
+class Run:
+    """One simulation's result. SI units and radians; x and velocities in the world's frame.
+
+    Arrays have one entry for each recorded sample; n is the number of samples.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What was simulated.
+    status : str
+        ``"ok"``, or how the simulation failed; it never raises for that.
+    message : str
+        What happened and what to do about it.
+    t, x, z, theta, vx, vz, omega : numpy.ndarray, shape (n,)
+        Time (s); position (m), tilt (rad) and their rates, at the centre of mass, Eqs. (10)-(14).
+    normal_force, friction_force : numpy.ndarray, shape (n,)
+        Forces of the surface on the body, N; zero in flight.
+    contact_x, slip_velocity : numpy.ndarray, shape (n,)
+        Position (m) and velocity (m/s) of the contact point, P_x in Eq. (13); NaN in flight.
+    bx, bz : numpy.ndarray, shape (n,)
+        Field at the centre of mass, T, Eqs. (2)-(7).
+    current : numpy.ndarray, shape (n, 5)
+        Currents of the coils xp, xm, yp, ym, clamp, A, Eq. (1).
+    contact : numpy.ndarray of int8, shape (n,)
+        Mode of the contact, an index of `contact_names`.
+    event : numpy.ndarray of int8, shape (n,)
+        Kind of the event, an index of `event_names`; with ``record.rate = "events"`` only.
+
+    Notes
+    -----
+    Kinds of events: ``slip_start``, a sticking contact slips; ``stick``, a slipping contact sticks;
+    ``reversal``, a slip stops and goes on the other way; ``lift_off``, the last contact is lost;
+    ``touch_down``, a corner meets the surface out of flight; ``landing``, a body on one corner
+    comes to lie on a face; ``tip``, a body on a face goes to one corner; ``roll_over``, a body on
+    one corner goes to the next at once, as the face between lands; ``rebound``, the second corner
+    of a body on one corner meets the surface and bounces off; ``painleve``, a slip had no solution
+    and was stopped by an impulse.
+    """
+
+    contact_names = _core.contact_names
+    event_names = _core.event_names
+
+    scenario: Scenario
+    status: str
+    message: str
+    t: _Array
+    x: _Array
+    z: _Array
+    theta: _Array
+    vx: _Array
+    vz: _Array
+    omega: _Array
+    normal_force: _Array
+    friction_force: _Array
+    contact_x: _Array
+    slip_velocity: _Array
+    bx: _Array
+    bz: _Array
+    current: _Array
+    contact: NDArray[np.int8]
+    event: NDArray[np.int8]
+
+    def __init__(self, scenario: Scenario, result: _core.RunResult) -> None:
+        self.scenario = scenario
+        self.status = result.status
+        self.message = result.message
+        self._summary = result.summary()
+        # Empty arrays would cost a run without a record the import of numpy.
+        if scenario.record.rate != "none":
+            recording: dict[str, Any] = {**result.take_recording()}
+            if scenario.record.rate != "events":
+                del recording["event"]
+            vars(self).update(recording)
+
+    # Hidden from type checkers, which would else take any name for an attribute.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name not in COLUMNS:
+                raise AttributeError(f"a Run has no attribute {name!r}")
+            needed = '"events"' if name == "event" else 'a number of Hz, or "events"'
+            raise AttributeError(f"this run did not record {name}: set record.rate to {needed}")
+
+    def __repr__(self) -> str:
+        samples = f"{len(self.t)} samples" if self.recorded else "no record"
+        return f"<Run: {self.status}, {self.mean_velocity:.6g} m/s, {samples}>"
+
+    @property
+    def ok(self) -> bool:
+        """Whether the simulation reached its end."""
+        return self.status == "ok"
+
+    @property
+    def recorded(self) -> bool:
+        """Whether there are arrays."""
+        return "t" in vars(self)
+
+    @property
+    def mean_velocity(self) -> float:
+        """dx/dt over the measuring window, m/s (section VII of the paper); NaN if not measured."""
+        return self._summary["mean_velocity"]
+
+    @property
+    def notes(self) -> list[str]:
+        """What stands out, a line each: a robot that never moved, high voltages, a loose tolerance;
+        mostly none."""
+        return run_notes(self.scenario, {**self._summary})
+
+    def summary(self) -> dict[str, Any]:
+        """What the run comes to.
+
+        Returns
+        -------
+        dict
+            `status`, `message` and `notes` (list of str, see `Run.notes`); the measuring window
+            from `window_start` to `window_end` (s), and over it `mean_velocity` (m/s), `theta_min`,
+            `theta_max` (rad), the mean slip speeds `slip_up`, `slip_down`, `slip_flat` (m/s,
+            distance that the contact slipped along +x while theta rose, fell, or the body lay on a
+            face, over the window's duration) and `airborne_fraction`; over the whole run `events`
+            (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
+            integrator). What was never measured is NaN.
+        """
+        core: dict[str, Any] = {**self._summary}
+        core["events"] = dict(core["events"])
+        core["steps"] = dict(core["steps"])
+        start, end = self.scenario.window
+        return {
+            "status": self.status,
+            "message": self.message,
+            "notes": self.notes,
+            "window_start": start,
+            "window_end": end,
+            **core,
+        }
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The recorded motion, with units, meanings, the summary and the scenario as attributes.
+
+        Returns
+        -------
+        xarray.Dataset
+            One variable for each array, over ``t``; `current` over ``coil`` too.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        """
+        from stickslip.simulation.netcdf import dataset
+
+        return dataset(self)
+
+    def to_netcdf(self, path: str | PathLike[str]) -> None:
+        """Write `to_xarray` to a netCDF file, whole or not at all.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        OSError
+            If the file cannot be written; an older file of that name is then untouched.
+        """
+        from stickslip.simulation.netcdf import write_netcdf
+
+        write_netcdf(self.to_xarray(), path)
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the recorded columns to a CSV file, whole or not at all.
+
+        The headings name the units, such as ``t (s)``; contact and event are words. A cell without
+        a value, such as the slip of a contact in flight, is empty.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        OSError
+            If the file cannot be written; an older file of that name is then untouched.
+        """
+        from stickslip.simulation.csv_export import write_csv
+
+        write_csv(self, path)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.
+
+        Parameters
+        ----------
+        path : path-like
+            Ends in ``.nc``, ``.nc4``, ``.h5`` (netCDF) or ``.csv``.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        ValueError
+            If the suffix is another.
+        OSError
+            If the file cannot be written; an older file of that name is then untouched.
+        """
+        check_suffix(path, SUFFIXES)
+        if Path(path).suffix.lower() == ".csv":
+            self.to_csv(path)
+        else:
+            self.to_netcdf(path)

@@ -1,0 +1,88 @@
+"""What stands out in a run: facts that a reader of its numbers should know."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stickslip import _core
+from stickslip.scenario.sections import Solver
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
+HIGH_VOLTAGE = 200.0
+"""Voltages of the drive above this are noted, V; Table I's 6.5 mT need 67.5 V."""
+
+LOOSE_TOLERANCE = 1e-5
+"""Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
+mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
+
+_COILS = ("xp", "xm", "yp", "ym", "clamp")
+
+
+def run_notes(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
+    """Facts about a run, a line each; none for most runs."""
+    return [*_of_motion(summary), *_of_drive(scenario), *_of_solver(scenario)]
+
+
+def _of_motion(summary: dict[str, Any]) -> list[str]:
+    notes = []
+    low, high = summary["theta_min"], summary["theta_max"]
+    events = summary["events"]
+    if summary["mean_velocity"] == 0.0 and low == high:
+        moved = any(events.values())
+        notes.append(
+            "the robot did not move in the measuring window" if moved else "the robot never moved"
+        )
+    if events["roll_over"]:
+        count = events["roll_over"]
+        notes.append(
+            f"the robot rolled over {count} time{'s' if count > 1 else ''}, forth or back: from "
+            "one corner over a face to the next (roll_over)"
+        )
+    upright = 0.5 * math.pi
+    if low < -upright or high > upright:
+        notes.append(
+            "the robot tilted beyond upright: theta from "
+            f"{math.degrees(low):.1f} to {math.degrees(high):.1f} degrees in the measuring window"
+        )
+    return notes
+
+
+def _of_drive(scenario: Scenario) -> list[str]:
+    notes = []
+    for name, volts in peak_voltages(scenario).items():
+        if volts > HIGH_VOLTAGE:
+            amperes = volts / scenario.coil.resistance
+            notes.append(
+                f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A if held for ever"
+            )
+    return notes
+
+
+def _of_solver(scenario: Scenario) -> list[str]:
+    rtol = scenario.solver.rtol
+    if rtol <= LOOSE_TOLERANCE:
+        return []
+    return [
+        f"solver.rtol = {rtol:g} is looser than {LOOSE_TOLERANCE:g}: the mean velocity may be off "
+        f"by a per cent or more; the default, {Solver().rtol:g}, is recommended"
+    ]
+
+
+def peak_voltages(scenario: Scenario) -> dict[str, float]:
+    """Largest magnitude of the voltage of each coil that the drive uses, V."""
+    drive, coil = scenario.drive, scenario.coil
+    if drive.program is not None:
+        highest = [
+            max(float(abs(v[:, k]).max()) for _, v, _ in drive.program.blocks)
+            for k in range(len(_COILS))
+        ]
+        return dict(zip(_COILS, highest, strict=True))
+    winding = _core.CoilSet(coil.side, coil.distance, coil.turns)
+    scale = coil.resistance / winding.centre_field_per_ampere
+    pulsing = max(abs(drive.peak), abs(drive.base)) * scale
+    holding = drive.hold * scale
+    in_plane, clamp = (pulsing, holding) if drive.mode == "IPP" else (holding, pulsing)
+    return {"xp" if drive.direction == "+x" else "xm": in_plane, "clamp": clamp}

@@ -1,0 +1,101 @@
+"""Running scenarios."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from stickslip import _core
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown
+from stickslip._util.processor_count import worker_count
+from stickslip.simulation.run import Run
+from stickslip.scenario.scenario import Scenario
+
+Progress = Callable[[float], object]
+"""Called some twenty times a second with the fraction that is done, 0 to 1."""
+
+
+def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
+    """Simulate one scenario: from rest, flat and without current, to the end of its drive.
+
+    Coil currents by Eq. (1), their field by Eqs. (2)-(7), the wrench on the moment by (8)-(9), the
+    motion by (10)-(12) with drag (18)-(19), and contact resolved as in section IV-C, with stick,
+    slip, flight and impact as events (Pawashe, Floyd and Sitti, RSS 2008). The centripetal term of
+    Eq. (13) has the sign that differentiation gives.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to simulate.
+    progress : callable, optional
+        Called with the fraction that is done, 0 to 1, some twenty times a second. What it raises
+        stops the simulation and passes through.
+
+    Returns
+    -------
+    Run
+        Arrays have shape (n,) for n samples, `current` (n, 5), in SI units and radians. A
+        simulation that fails is a `status` with a `message`, and holds what came before.
+
+    Raises
+    ------
+    ScenarioError
+        If `scenario` is not a Scenario.
+    KeyboardInterrupt
+        On Ctrl-C, within a fraction of a second.
+
+    Examples
+    --------
+    >>> from stickslip import Drive, Scenario
+    >>> run = simulate(Scenario(drive=Drive(base=0.5e-3, pulses=20)))
+    >>> print(f"{run.mean_velocity * 1e3:.2f} mm/s")
+    1.91 mm/s
+    """
+    return simulate_batch([scenario], threads=1, progress=progress)[0]
+
+
+def simulate_batch(
+    scenarios: Iterable[Scenario],
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> list[Run]:
+    """Simulate many scenarios at once. Results are bit-identical for any number of threads.
+
+    Parameters
+    ----------
+    scenarios : iterable of Scenario
+    threads : int, optional
+        How many simulations go on at a time; as many as there are processors, if not given.
+    progress : callable, optional
+        As for `simulate`, with the fraction of all simulated time.
+
+    Returns
+    -------
+    list of Run
+        In the order of `scenarios`. One that fails is a status, not an exception.
+
+    Raises
+    ------
+    ScenarioError
+        If one of `scenarios` is not a Scenario.
+    ValueError
+        If `threads` is not a whole number above zero.
+    KeyboardInterrupt
+        On Ctrl-C, within a fraction of a second.
+    """
+    scenarios = list(scenarios)
+    for index, scenario in enumerate(scenarios):
+        if not isinstance(scenario, Scenario):
+            raise ScenarioError(f"scenario {index} = {shown(scenario)}: allowed is a Scenario")
+    threads = worker_count(threads, "threads")
+
+    cores = [scenario.to_core() for scenario in scenarios]
+    report = None
+    if progress is not None:
+        total = sum(core.duration for core in cores)
+
+        def report(simulated: float) -> object:
+            return progress(min(simulated / total, 1.0) if total > 0.0 else 1.0)
+
+    results = _core.simulate_batch(cores, threads, report)
+    return [Run(*pair) for pair in zip(scenarios, results, strict=True)]

@@ -1,0 +1,161 @@
+"""Keeping all workers busy with chunks of a fitting size, and losing none."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.sweeping.executors import Crew, died
+from stickslip.sweeping.points import Points
+from stickslip.sweeping.results import Results
+from stickslip.sweeping.worker import Chunk, Part
+
+_TICK = 0.05
+"""Longest time between two reports, s."""
+
+_CHUNK_SECONDS = 1.0
+_MOST_POINTS = 20_000
+_GROWTH = 8
+_QUEUED = 2
+"""Chunks for each worker: the one in work, and the one that waits so that it need not."""
+
+_MOST_DEATHS = 3
+"""How often the workers of a chunk may die before the sweep gives up."""
+
+
+class _Job(NamedTuple):
+    indices: NDArray[np.int64]
+    attempt: int
+
+
+class _Pace:
+    """How many points make a chunk: one at first, then by what the points before have cost."""
+
+    def __init__(self) -> None:
+        self._cost = 0.0  # s a point
+        self._largest = 0
+
+    def size(self, left: int, crew: Crew) -> int:
+        if self._largest == 0:
+            return 1
+        cost = max(self._cost, 1e-9)
+        # Shrinking towards the end, so that all workers end at about the same time.
+        fair = math.ceil(left / (2 * crew.size()))
+        worthwhile = math.ceil(crew.shortest / cost)
+        longest = int(_CHUNK_SECONDS / cost)
+        points = min(longest, max(fair, worthwhile), _GROWTH * self._largest, _MOST_POINTS)
+        return max(points, 1)
+
+    def measured(self, points: int, seconds: float) -> None:
+        cost = seconds / points
+        self._cost = cost if self._largest == 0 else 0.5 * (self._cost + cost)
+        self._largest = max(self._largest, points)
+
+
+def compute(points: Points, results: Results, crew: Crew, report: Callable[[], object]) -> None:
+    """Simulate all points that `results` has not, and put them there.
+
+    Which worker simulates a point, and together with which others, has no influence on its result.
+
+    Parameters
+    ----------
+    points : Points
+        What to simulate.
+    results : Results
+        Where the results go; after an error it holds all that was done before.
+    crew : Crew
+        Who simulates.
+    report : callable
+        Called some twenty times a second; what it raises stops the work.
+
+    Raises
+    ------
+    Exception
+        What a worker raised; of one that died only if its chunk has met this several times.
+    """
+    queue = deque([_Job(_mixed(results.pending()), 0)])
+    left = len(queue[0].indices)
+    pace = _Pace()
+    running: dict[Future[Part], _Job] = {}
+    try:
+        report()
+        while left or running:
+            while left and len(running) < _QUEUED * crew.size():
+                job = _taken(queue, pace.size(left, crew))
+                left -= len(job.indices)
+                running[crew.submit(_chunk(points, job))] = job
+            finished, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
+            for future in finished:
+                again = _collected(future, running.pop(future), results, pace)
+                queue.appendleft(again)
+                left += len(again.indices)
+            report()
+    except BaseException:
+        for future in running:
+            future.cancel()
+        crew.close()
+        for future, job in running.items():
+            if future.done() and not future.cancelled() and future.exception() is None:
+                _put(future.result(), job, results)
+        raise
+    crew.close()
+
+
+def _mixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The same points in an order in which each stretch is a fair sample of all.
+
+    Along a grid the cost of a point can change a hundredfold. Mixed, what is done tells what is
+    left, and chunks of as many points take about as long.
+    """
+    count = len(indices)
+    # Steps of the golden section spread evenly; without a common divisor they meet every point.
+    step = max(1, round(count * 0.5 * (math.sqrt(5.0) - 1.0)))
+    while math.gcd(step, count) > 1:
+        step += 1
+    return indices[np.arange(count) * step % max(count, 1)]
+
+
+def _taken(queue: deque[_Job], size: int) -> _Job:
+    """Up to `size` points from the front of the queue."""
+    job = queue.popleft()
+    while not len(job.indices):
+        job = queue.popleft()
+    if len(job.indices) > size:
+        queue.appendleft(job._replace(indices=job.indices[size:]))
+    return job._replace(indices=job.indices[:size])
+
+
+def _chunk(points: Points, job: _Job) -> Chunk:
+    return Chunk(
+        points.scenario, points.keys, points.rows(job.indices), _core.__version__, job.attempt
+    )
+
+
+def _collected(future: Future[Part], job: _Job, results: Results, pace: _Pace) -> _Job:
+    """Take a chunk's results; what is left of it, to be done again."""
+    try:
+        part = future.result()
+    except Exception as error:
+        if not died(error):
+            raise
+        if job.attempt == _MOST_DEATHS:
+            raise RuntimeError(
+                f"workers died {job.attempt + 1} times with the same points: {error}"
+            ) from error
+        return job._replace(attempt=job.attempt + 1)
+    done = _put(part, job, results)
+    pace.measured(done, part.seconds)
+    return job._replace(indices=job.indices[done:])
+
+
+def _put(part: Part, job: _Job, results: Results) -> int:
+    done = len(part.columns["status"])
+    results.put(job.indices[:done], part)
+    return done
