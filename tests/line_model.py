@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
-from stickslip.diagnosis.fit.fit_result import Start, make_rival
-from stickslip.diagnosis.fit.least_squares import fit_rivals
+from stickslip.diagnosis.fit.fit_result import Start, make_candidate
+from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.model.problem import Problem
 
 X = np.linspace(1.0, 3.0, 24)
@@ -26,5 +26,5 @@ def problem(observed, causes=(WAVE,), predict=line):
 
 
 def fitted(given, causes=()):
-    rival = make_rival(given, causes)
-    return fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)[0]
+    candidate = make_candidate(given, causes)
+    return fit_candidates(given, [candidate], [[Start(np.zeros(given.size))]], 20)[0]

@@ -8,11 +8,11 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Scenario, _core, simulate_batch
-from stickslip.diagnosis.observables import find_channels
-from stickslip.diagnosis.observables.angle_noise import READING
-from stickslip.diagnosis.observables.repeats import merge, widening
-from stickslip.diagnosis.observables.curve_noise import noise_of_curve, order_along
 from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.observables import find_observables
+from stickslip.diagnosis.observables.angle_noise import READING
+from stickslip.diagnosis.observables.curve_noise import noise_of_curve, order_along
+from stickslip.diagnosis.observables.repeats import merge, widening
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 
@@ -60,7 +60,7 @@ def laboratory(folder, changes, seed, repeats=2, noise=DEGREE):
 
 
 def channel(path):
-    (found,) = find_channels(read_measurement(path), 1)
+    (found,) = find_observables(read_measurement(path), 1)
     return found
 
 
@@ -76,8 +76,10 @@ def test_a_misaligned_magnet_is_named(tmp_path, seed, repeats):
     # Fourteen fields tilt it. Curvature makes the noise look larger where nothing was repeated.
     assert angle["sd"] < DEGREE * (2.5 / math.sqrt(14) if repeats == 3 else 1.0)
     assert found.gain.mae_after < found.gain.mae_before
-    (sketch,) = examination.sketches()
-    assert np.flatnonzero(sketch.numbers["held_out"]).tolist() == found.gain.held_out.tolist()
+    (report_section,) = examination.report_sections()
+    assert (
+        np.flatnonzero(report_section.numbers["held_out"]).tolist() == found.gain.held_out.tolist()
+    )
 
 
 def test_nothing_is_found_where_nothing_is(tmp_path):
@@ -99,8 +101,8 @@ def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
     examination = diagnose(read_measurement(path))
     assert examination.found.verdict.word == "ambiguous"
     assert {"misalignment", "angle_offset"} <= set(examination.found.verdict.causes)
-    (sketch,) = examination.sketches()
-    assert "without field" in sketch.lines[-1]
+    (report_section,) = examination.report_sections()
+    assert "without field" in report_section.lines[-1]
 
 
 def test_velocities_and_angles_together(tmp_path):
@@ -128,9 +130,15 @@ def test_velocities_and_angles_together(tmp_path):
     assert "misalignment" in found.verdict.causes
     angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
-    (sketch,) = examination.sketches()
-    assert sketch.numbers["rms_extended"] < 2 * DEGREE < sketch.numbers["rms_recalibrated"]
-    assert not any(sketch.numbers["held_out"])  # only conditions are, where there are velocities
+    (report_section,) = examination.report_sections()
+    assert (
+        report_section.numbers["rms_extended"]
+        < 2 * DEGREE
+        < report_section.numbers["rms_recalibrated"]
+    )
+    assert not any(
+        report_section.numbers["held_out"]
+    )  # only conditions are, where there are velocities
 
 
 def test_predictions_are_those_of_the_core_with_its_keys(tmp_path):
@@ -281,6 +289,6 @@ def test_two_tables_are_two_parts_of_the_report(tmp_path):
     (tmp_path / "second.csv").write_text((tmp_path / "angle.csv").read_text())
     path.write_text(path.read_text() + '\n[[angle]]\nfile = "second.csv"\n')
     examination = diagnose(read_measurement(path))
-    titles = [each.title for each in examination.sketches()]
+    titles = [each.title for each in examination.report_sections()]
     assert titles == ["Static tilt, [[angle]] 1", "Static tilt, [[angle]] 2"]
     assert len(examination.found.problem.observed) == 2 * len(FIELDS)

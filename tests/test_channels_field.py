@@ -7,12 +7,12 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
-from stickslip.simulation.coils import COIL_NAMES
-from stickslip.diagnosis.observables import find_channels
 from stickslip.diagnosis.api import diagnose
+from stickslip.diagnosis.observables import find_observables
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
+from stickslip.simulation.coils import COIL_NAMES
 
 MEASUREMENT = """stickslip_measurement = 1
 name = "probe"
@@ -53,7 +53,7 @@ def write(folder, rows, columns=COLUMNS, text=MEASUREMENT):
 
 
 def channel(path):
-    (found,) = find_channels(read_measurement(path), 1)
+    (found,) = find_observables(read_measurement(path), 1)
     return found
 
 
@@ -72,11 +72,15 @@ def test_a_clamp_that_is_stronger_than_thought_is_named(tmp_path, seed):
         abs(gain["effects.field_gain.in_plane"]["value"])
         < 3 * (gain["effects.field_gain.in_plane"]["sd"])
     )
-    (sketch,) = examination.sketches()
-    assert sketch.numbers["rms_extended"] < 1.2 * NOISE < sketch.numbers["rms_recalibrated"]
+    (report_section,) = examination.report_sections()
+    assert (
+        report_section.numbers["rms_extended"]
+        < 1.2 * NOISE
+        < report_section.numbers["rms_recalibrated"]
+    )
     assert found.gain.mae_after < found.gain.mae_before
     # Of each reading that is held out all three components are.
-    held_out = np.repeat(sketch.numbers["held_out"], 3)
+    held_out = np.repeat(report_section.numbers["held_out"], 3)
     assert np.flatnonzero(held_out).tolist() == found.gain.held_out.tolist()
 
 

@@ -12,16 +12,16 @@ from films import NOISE, ROBOT, TRUE, film, tracking_run, write_films
 from reference import simulate_reference
 from report_page import without_pictures
 from stickslip import Scenario, Waveform, simulate_batch
-from stickslip.diagnosis import examination
-from stickslip.diagnosis.observables.tracking.camera import Camera, noisy, record
-from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
-from stickslip.diagnosis.observables.tracking.folding import fold
-from stickslip.diagnosis.observables.tracking.force_residuals import force_view
-from stickslip.diagnosis.observables.tracking.film import TrackingChannel
-from stickslip.diagnosis.observables.tracking.report_section import traces
-from stickslip.diagnosis.observables.tracking.messages import field_chain_clean, view_lines
+from stickslip.diagnosis import api
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.observables.tracking.camera import Camera, noisy, record
+from stickslip.diagnosis.observables.tracking.film import FilmObservable
+from stickslip.diagnosis.observables.tracking.folding import fold
+from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
+from stickslip.diagnosis.observables.tracking.force_residuals import force_view
+from stickslip.diagnosis.observables.tracking.messages import field_chain_clean, view_lines
+from stickslip.diagnosis.observables.tracking.report_section import traces
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tracking import TrackingRun
@@ -47,7 +47,7 @@ def test_residuals_of_the_true_model_are_standard_normal(rate, exposure, drive):
     scores = []
     for seed in range(40):
         run = tracking_run({}, rate, seed, exposure, drive=drive)
-        scores.append(np.mean(whitened(channel := TrackingChannel(run)) ** 2))
+        scores.append(np.mean(whitened(channel := FilmObservable(run)) ** 2))
     # A chi-square per row has variance 2 / rows; its mean over 40 films is all but normal.
     band = norm.ppf(0.995) * np.sqrt(2.0 / len(channel.observed) / 40)
     assert abs(np.mean(scores) - 1.0) < band
@@ -56,7 +56,7 @@ def test_residuals_of_the_true_model_are_standard_normal(rate, exposure, drive):
 def test_unstated_noise_is_found_and_rather_too_large():
     scores, sizes = [], []
     for seed in range(40):
-        channel = TrackingChannel(tracking_run({}, 500.0, seed, stated=False))
+        channel = FilmObservable(tracking_run({}, 500.0, seed, stated=False))
         scores.append(np.mean(whitened(channel) ** 2))
         sizes += [each.sd / NOISE[each.name] for each in channel.quantities]
     # One standard deviation of the estimate is added: 1 / sqrt(2 * 99) of it, 99 repeats being
@@ -67,7 +67,7 @@ def test_unstated_noise_is_found_and_rather_too_large():
 
 
 def test_the_camera_is_a_nuisance_and_not_a_suspect():
-    channel = TrackingChannel(tracking_run({}, 500.0, 0), 2)
+    channel = FilmObservable(tracking_run({}, 500.0, 0), 2)
     assert channel.name == "tracking.2"
     assert [each.name for each in channel.nuisance] == [
         "tracking.2.angle_offset", "tracking.2.angle_scale", "tracking.2.trigger",
@@ -77,7 +77,7 @@ def test_the_camera_is_a_nuisance_and_not_a_suspect():
     camera = Camera(3e-4, trigger=3e-4, angle_offset=0.02, angle_scale=1.02)
     run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 500.0, 3e-4, NOISE)
     told = np.hstack([VALUES, [[0.02, 1.02, 3e-4]]])
-    free = TrackingChannel(run, 2)
+    free = FilmObservable(run, 2)
     assert np.mean(whitened(free, [*NAMES, *own], told) ** 2) < 1.6
     assert np.mean(whitened(free) ** 2) > 5.0
 
@@ -86,17 +86,17 @@ def test_predictions_come_row_by_row_for_any_number_of_threads():
     run = tracking_run({}, 500.0, 0)
     names = [*NAMES, "tracking.1.trigger"]
     rows = np.array([[0.15, 1e-5, 0.0], [0.15, 1e-5, 2e-4], [0.3, 1e-5, 0.0], [0.14, 2e-5, 0.0]])
-    one, three = (TrackingChannel(run, 1, threads).predict(names, rows) for threads in (1, 3))
+    one, three = (FilmObservable(run, 1, threads).predict(names, rows) for threads in (1, 3))
     assert np.array_equal(one, three, equal_nan=True)
     assert np.all(np.isnan(one[2]))  # kinetic above static friction
     assert not np.array_equal(one[0], one[1])
-    assert np.array_equal(one[3], TrackingChannel(run).predict(names, rows[3:])[0])
+    assert np.array_equal(one[3], FilmObservable(run).predict(names, rows[3:])[0])
 
 
 def test_currents_see_the_drive_alone():
     names = ("x", "theta", "current_x", "current_clamp")
     run = tracking_run({}, 500.0, 0, names=names)
-    channel = TrackingChannel(run)
+    channel = FilmObservable(run)
     plain, heated, rough = channel.predict(
         ["effects.coil_heating.coefficient", "contact.kinetic_friction"],
         np.array([[0.0, 0.15], [2e-3, 0.15], [0.0, 0.16]]),
@@ -115,7 +115,7 @@ def test_frames_far_from_their_phase_are_left_out():
     wild = dict(run.columns)
     wild["theta"] = wild["theta"].copy()
     wild["theta"][[200, 331]] += 1.5
-    channel = TrackingChannel(
+    channel = FilmObservable(
         TrackingRun(run.file, wild, run.scenario, run.frame_rate, run.exposure, run.noise)
     )
     assert any("2 frames lie far" in line for line in channel.left_out)
@@ -132,7 +132,7 @@ def test_a_film_of_the_independent_simulator_fits_the_true_model():
     times = np.arange(0.0, 0.449, 1e-3)
     frames = noisy(Camera(3e-4).frames(motion, times), NOISE, np.random.default_rng(5))
     run = TrackingRun("a.csv", {"t": times, **frames}, ROBOT, 1000.0, 3e-4, NOISE)
-    left = whitened(TrackingChannel(run))
+    left = whitened(FilmObservable(run))
     # 99.9 % of chi-squares per row lie below this; the two simulators differ by far less.
     assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
 
@@ -151,7 +151,7 @@ def test_a_program_of_voltages_is_binned_in_time():
     values = dict(zip(NAMES, VALUES[0], strict=True))
     motion = next(record(scenario.replace(values), [], np.zeros((1, 0)), 9e4, 1))
     frames = noisy(Camera(3e-4).frames(motion, times), NOISE, np.random.default_rng(2))
-    channel = TrackingChannel(
+    channel = FilmObservable(
         TrackingRun("a.csv", {"t": times, **frames}, scenario, 1000.0, 3e-4, NOISE)
     )
     left = whitened(channel)
@@ -164,12 +164,12 @@ def test_a_program_of_voltages_is_binned_in_time():
 def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
     run = tracking_run({}, rate, 1)
     columns = {name: column[frames] for name, column in run.columns.items()}
-    channel = TrackingChannel(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
+    channel = FilmObservable(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
     left = whitened(channel)
     assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
     assert (channel.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
     held_out = np.zeros(len(channel.observed), dtype=bool)
-    assert channel.sketches(NAMES, VALUES[0], None, held_out)[0].lines
+    assert channel.report_sections(NAMES, VALUES[0], None, held_out)[0].lines
 
 
 # The force view.
@@ -206,7 +206,7 @@ def test_balances_close_on_a_simulated_motion(drive):
 
 
 def view_of(changes, rate=1000.0, seed=0, drive=None):
-    channel = TrackingChannel(tracking_run(changes, rate, seed, drive=drive))
+    channel = FilmObservable(tracking_run(changes, rate, seed, drive=drive))
     return force_view(channel, NAMES, VALUES[0])
 
 
@@ -245,7 +245,7 @@ def test_a_tilt_shows_while_slipping_and_is_fixed_to_the_world():
 
 def test_the_drawn_motion_lies_on_the_readings_if_the_cause_is_right():
     tilt = "effects.surface_tilt.angle"
-    channel = TrackingChannel(tracking_run({tilt: 0.06}, 1000.0, 0))
+    channel = FilmObservable(tracking_run({tilt: 0.06}, 1000.0, 0))
     before = force_view(channel, NAMES, VALUES[0])
     after = force_view(channel, [*NAMES, tilt], np.append(VALUES[0], 0.06))
     place = traces(before, after)[1]
@@ -263,7 +263,7 @@ def test_the_drawn_motion_lies_on_the_readings_if_the_cause_is_right():
 
 
 def test_the_camera_of_another_model_moves_no_drawn_curve():
-    channel = TrackingChannel(tracking_run({}, 1000.0, 0))
+    channel = FilmObservable(tracking_run({}, 1000.0, 0))
     before = force_view(channel, NAMES, VALUES[0])
     moved = {"theta": 0.02, "theta_model": 0.02, "place": 3e-6, "place_model": 3e-6}
     after = replace(before, **{key: getattr(before, key) + by for key, by in moved.items()})
@@ -318,7 +318,7 @@ def test_a_film_of_one_way_and_velocities_of_the_other_are_one_diagnosis(tmp_pat
     # for most. Three causes are enough to choose from.
     some = ("surface_tilt", "friction_anisotropy", "field_gain")
     monkeypatch.setattr(
-        examination, "library", lambda *a: tuple(each for each in library(*a) if each.name in some)
+        api, "library", lambda *a: tuple(each for each in library(*a) if each.name in some)
     )
     hidden = {"effects.surface_tilt.angle": 0.04}
     path = write_films(tmp_path, hidden, 300.0, seed=4, ways=["+x"])

@@ -7,12 +7,12 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Drive, Scenario, ScenarioError, Waveform
+from stickslip._util.atomic_files import write_together
+from stickslip._util.plain_text import printable, printable_lines, quoted
+from stickslip._util.strict_json import json_text
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
 from stickslip.diagnosis.report.html import write_files
-from stickslip._util.atomic_files import write_together
-from stickslip._util.strict_json import json_text
 from stickslip.measurement import read_measurement
-from stickslip._util.plain_text import printable, printable_lines, quoted
 from stickslip.scenario.toml_file import write_scenario
 from stickslip.scenario.toml_text import parse_toml
 

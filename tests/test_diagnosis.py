@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model, engine
-from stickslip.diagnosis.pipeline import Known
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model, pipeline
 from stickslip.diagnosis.inference.cross_validation import measure_gain
+from stickslip.diagnosis.pipeline import AuxiliaryData
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
@@ -62,7 +62,7 @@ def test_the_amplitude_is_within_its_error():
         fit = diagnosis(seed, {"ripple": 0.3}).ranking.singles[0]
         assert fit.name == "ripple"
         sd = math.sqrt(fit.covariance[-1, -1])
-        pulls.append((fit.x[fit.rival.free[-1]] - 1.0) / sd)
+        pulls.append((fit.x[fit.candidate.free[-1]] - 1.0) / sd)
     assert np.mean(np.abs(pulls) < 2.0) >= 0.85
     assert 0.5 < np.std(pulls) < 1.5
 
@@ -104,7 +104,8 @@ def test_trials_and_data_of_another_kind_have_to_have_one_cause():
         sd = 0.03 * level[half:] / math.sqrt(TRIALS)
         both = diagnose_model(
             predict, None, values[first], UNCERTAIN, CAUSES, condition=index[first], seed=seed,
-            also=Known(mean, np.diag(sd**2), np.arange(half)), source=["a"] * half + ["b"] * half,
+            auxiliary=AuxiliaryData(mean, np.diag(sd**2), np.arange(half)),
+            source=["a"] * half + ["b"] * half,
         )  # fmt: skip
         alone = diagnose_model(
             lambda _, p: predict(_, p)[:, :half], None, values[first], UNCERTAIN, CAUSES,
@@ -188,9 +189,9 @@ def test_bounds_hold_the_truth_where_nothing_was_found():
         if found.verdict.word == "none":
             limits.append(found.bounds["step.size"])
             inside += limits[-1] >= 0.05
-            rows = found.signatures.at == found.problem.columns(found.problem.causes)[0]
-            sizes = np.abs(found.problem.parameters[0].value(found.signatures.amplitude[rows]))
-            strengths.append(np.min(sizes / found.signatures.size[rows]))
+            rows = found.sensitivities.at == found.problem.columns(found.problem.causes)[0]
+            sizes = np.abs(found.problem.parameters[0].value(found.sensitivities.amplitude[rows]))
+            strengths.append(np.min(sizes / found.sensitivities.size[rows]))
     assert len(limits) >= 20
     assert inside >= 0.9 * len(limits)
     # 1.96 sd above an estimate that scatters about the truth by 1 sd: 0.05 + 1.96 sd on average.
@@ -288,7 +289,7 @@ def _line(x, p):
         (_line, UNCERTAIN[0], [], "allowed is a list of Uncertain"),
         (_line, UNCERTAIN[:1], [Cause("k0", CAUSES[0].parameters)], "no uncertain parameter's"),
         (_line, UNCERTAIN[:1], [Cause("none", CAUSES[0].parameters)], "nor none or unknown"),
-        (_line, UNCERTAIN[:1], [Cause("a", frees="b")], "frees = b"),
+        (_line, UNCERTAIN[:1], [Cause("a", relaxes_prior="b")], "frees = b"),
         (_line, UNCERTAIN[:1], [CAUSES[0], Cause("a", CAUSES[0].parameters)], "of two causes"),
     ],
 )
@@ -344,7 +345,7 @@ def test_a_model_that_computes_nothing_is_a_problem_of_the_data_if_that_is_known
     x = np.linspace(1.0, 3.0, 12)
     found = diagnose_model(
         lambda x, p: p[:, :1] * x * math.nan, x, x, UNCERTAIN[:1], sd=np.full(12, 0.1),
-        doubt="nothing moves",
+        data_problem="nothing moves",
     )  # fmt: skip
     assert (found.verdict.word, found.verdict.reasons) == ("data-problem", ("nothing moves",))
 
@@ -354,7 +355,7 @@ def test_a_name_that_the_other_conditions_do_not_give_is_none(monkeypatch):
         return replace(measure_gain(*arguments), choice="ripple")
 
     assert diagnosis(3, {"wave": 1.0}).verdict.word == "named"
-    monkeypatch.setattr(engine, "measure_gain", turned)
+    monkeypatch.setattr(pipeline, "measure_gain", turned)
     said = diagnosis(3, {"wave": 1.0}).verdict
     assert (said.word, said.causes) == ("ambiguous", ("wave", "ripple"))
 
@@ -363,10 +364,10 @@ def test_a_leader_that_its_profile_moves_is_judged_where_it_goes(monkeypatch):
     def moved(problem, fit):
         # As if there were a better place at the end of the range.
         x = fit.x.copy()
-        x[fit.rival.free[-1]] = problem.limits()[1][fit.rival.free[-1]]
+        x[fit.candidate.free[-1]] = problem.limits()[1][fit.candidate.free[-1]]
         return replace(fit, x=x, log_evidence=fit.log_evidence + 1.0), []
 
-    monkeypatch.setattr(engine, "settled", moved)
+    monkeypatch.setattr(pipeline, "moved_to_profile_minimum", moved)
     said = diagnosis(3, {"wave": 1.0}).verdict
     assert said.word == "ambiguous"
     assert any("end of its physical range" in reason for reason in said.reasons)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import figures, write_model_report
+from stickslip.diagnosis import write_model_report
+from stickslip.diagnosis.report import figures
 from toy_model import X, diagnosis
 
 HELD = "held out for the gain"

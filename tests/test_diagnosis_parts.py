@@ -9,17 +9,17 @@ import pytest
 
 from line_model import SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
-from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_ceiling
-from stickslip.diagnosis.data.conditions import one_of_a_kind
-from stickslip.diagnosis.report.evidence import carriers
-from stickslip.diagnosis.inference.constancy import changing, refit_parts
-from stickslip.diagnosis.inference.detection import detect
-from stickslip.diagnosis.inference.experiment_design import advice
-from stickslip.diagnosis.inference.cross_validation import split
+from stickslip.diagnosis.data.conditions import find_singleton_condition
 from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign
 from stickslip.diagnosis.fit.baseline import recalibrate
-from stickslip.diagnosis.fit.sensitivity import find_signatures
+from stickslip.diagnosis.fit.sensitivity import find_sensitivities
+from stickslip.diagnosis.inference.constancy import changing, refit_parts
+from stickslip.diagnosis.inference.cross_validation import split
+from stickslip.diagnosis.inference.detection import detect
+from stickslip.diagnosis.inference.experiment_design import advice
+from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_residual_bound
+from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
+from stickslip.diagnosis.report.evidence import carriers
 from stickslip.diagnosis.report.json_keys import flat_directions
 from stickslip.diagnosis.report.messages import headline, rounded
 
@@ -113,12 +113,12 @@ def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
     noise = SD * random.standard_normal(len(X))
     smooth = problem(X + 0.5 * np.sin(4 * X) + noise, ())
     null = fitted(smooth)
-    taken = smooth_ceiling(smooth, null, Settings(X[:, None], kinds))
+    taken = smooth_residual_bound(smooth, null, Settings(X[:, None], kinds))
     assert 0.9 * null.chi2 < taken < null.chi2
     rough = problem(X + noise, ())
     null = fitted(rough)
     # Of white noise a smooth curve follows a few degrees of freedom at most.
-    assert smooth_ceiling(rough, null, Settings(X[:, None], kinds)) < 0.5 * null.chi2
+    assert smooth_residual_bound(rough, null, Settings(X[:, None], kinds)) < 0.5 * null.chi2
 
 
 def test_the_ceiling_of_pure_noise_is_zero_on_average():
@@ -127,7 +127,7 @@ def test_the_ceiling_of_pure_noise_is_zero_on_average():
     taken = []
     for _ in range(60):
         given = problem(X + SD * random.standard_normal(len(X)), ())
-        taken.append(smooth_ceiling(given, fitted(given), Settings(X[:, None], kinds)))
+        taken.append(smooth_residual_bound(given, fitted(given), Settings(X[:, None], kinds)))
     # Uncorrected it takes 3 to 4 here; the choice of the best of 28 kernels leaves a little.
     assert np.mean(taken) < 2.0
 
@@ -155,8 +155,8 @@ def test_a_bound_of_what_acts_as_it_falls_is_one_from_below():
 
     given = problem(X, (Cause("clip", (limit,)),), predict)
     null = fitted(given)
-    signatures = find_signatures(given, null)
-    lowest = upper_bounds(given, signatures, null.residual)["clip.volts"]
+    sensitivities = find_sensitivities(given, null)
+    lowest = upper_bounds(given, sensitivities, null.residual)["clip.volts"]
     size = 0.02 * float(np.linalg.norm(np.sin(4 * X))) / SD
     # 1.96 errors above nothing; the slope absorbs a little, so it could be a little lower still.
     assert 30.0 - 1.1 * 5.0 * 1.96 / size < lowest < 30.0 - 5.0 * 1.96 / size
@@ -173,7 +173,7 @@ def test_a_bound_holds_for_every_shape():
 
     given = problem(X, (Cause("hump", (height, width)),), predict)
     null = fitted(given)
-    limit = upper_bounds(given, find_signatures(given, null), null.residual)["hump.height"]
+    limit = upper_bounds(given, find_sensitivities(given, null), null.residual)["hump.height"]
     # Shapes are tried at 0 and 1.5, where log width is 0.7 * 1.5; the slope absorbs a little.
     least = 1.96 * SD * (1.0 + 1.05**2) / float(np.linalg.norm(np.sin(4 * X)))
     assert least < limit < 1.3 * least
@@ -181,7 +181,7 @@ def test_a_bound_holds_for_every_shape():
 
 def test_an_ambiguous_pair_is_worded_as_one():
     def said(causes, fitted_causes, *reasons):
-        fit = SimpleNamespace(rival=SimpleNamespace(causes=fitted_causes))
+        fit = SimpleNamespace(candidate=SimpleNamespace(causes=fitted_causes))
         verdict = SimpleNamespace(word="ambiguous", causes=causes, fit=fit, reasons=reasons)
         return headline(SimpleNamespace(verdict=verdict, gain=None))
 
@@ -231,7 +231,7 @@ def test_the_p_value_of_both_tests_is_uniform_where_nothing_is_hidden():
         observed = random.normal(1.0, 0.5) * X + SD * random.standard_normal(len(X))
         given = problem(observed, causes, predict)
         null = fitted(given)
-        found.append(detect(given, null, find_signatures(given, null), seed))
+        found.append(detect(given, null, find_sensitivities(given, null), seed))
     p = np.array([each.p_value for each in found])
     # Counts are binomial: within three standard deviations of 5, 20 and 50 %.
     for level in (0.05, 0.2, 0.5):
@@ -242,7 +242,7 @@ def test_the_smallest_effect_has_the_strength_that_is_asked_for():
     given = problem(X.copy())
     null = fitted(given)
     threshold = 3.0
-    height = smallest_effects(given, find_signatures(given, null), threshold)["wave.height"]
+    height = smallest_effects(given, find_sensitivities(given, null), threshold)["wave.height"]
     j = np.concatenate([0.5 * X / SD, [1.0]])
     wave = np.concatenate([np.sin(4 * X) / SD, [0.0]])
     left = wave - j * (j @ wave) / (j @ j)
@@ -275,11 +275,11 @@ def test_a_condition_that_is_like_no_other_is_held_out():
         rows[5] |= {f"drive.{key}": value for key, value in changed.items()}
         return rows
 
-    assert one_of_a_kind(table(mode="OPP")) == 5
-    assert one_of_a_kind(table(hold=2e-3)) == 5
-    assert one_of_a_kind(table()) is None
+    assert find_singleton_condition(table(mode="OPP")) == 5
+    assert find_singleton_condition(table(hold=2e-3)) == 5
+    assert find_singleton_condition(table()) is None
     usual = set(split(12, 0).tolist())
-    assert all(set(split(12, 0, unusual=k).tolist()) == usual | {k} for k in range(12))
+    assert all(set(split(12, 0, singleton_condition=k).tolist()) == usual | {k} for k in range(12))
 
 
 def test_another_instrument_is_named_where_it_would_split_a_set():

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from line_model import SD, WAVE, X, fitted, problem
-from stickslip.diagnosis.fit.fit_result import Start, make_rival
-from stickslip.diagnosis.fit.least_squares import fit_rivals
-from stickslip.diagnosis.fit.profile_likelihood import profile, settled
+from stickslip.diagnosis.fit.fit_result import Start, make_candidate
+from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.profile_likelihood import moved_to_profile_minimum, profile
 
 
 def test_the_profile_of_a_small_effect_has_the_curvature_of_the_fit():
@@ -43,8 +43,8 @@ def two_valleys(_, p):
 
 
 def fitted_from_nothing(given):
-    rival = make_rival(given, [WAVE])
-    (fit,) = fit_rivals(given, [rival], [[Start(np.zeros(given.size))]], 20)
+    candidate = make_candidate(given, [WAVE])
+    (fit,) = fit_candidates(given, [candidate], [[Start(np.zeros(given.size))]], 20)
     assert abs(given.physical(fit.x[None, :])[0, 1]) < 0.2
     return fit
 
@@ -65,11 +65,11 @@ def test_a_lower_valley_that_a_profile_sees_is_where_the_fit_goes():
 
     given = problem(X + SD * np.sin(4 * X), predict=tilted)
     fit = fitted_from_nothing(given)
-    better, (found,) = settled(given, fit)
+    better, (found,) = moved_to_profile_minimum(given, fit)
     # The wave's chi-square is about half the number of places; the prior takes 1 of it.
     assert fit.chi2 - better.chi2 == pytest.approx(0.5 * len(X) - 1.0, rel=0.3)
     assert given.physical(better.x[None, :])[0, 1] == pytest.approx(1.0, abs=0.2)
     # Further starts about it end there too.
-    assert not fit.certified
-    assert better.certified
+    assert not fit.converged
+    assert better.converged
     assert found.chi2.min() == 0.0

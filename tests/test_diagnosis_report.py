@@ -11,16 +11,16 @@ from command_line import stickslip
 from helpers import run
 from made_measurement import write
 from report_page import without_pictures
+from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
-from stickslip.diagnosis.report.evidence import pattern, where_it_lives
-from stickslip.diagnosis.inference.experiment_design import _candidates
 from stickslip.diagnosis.inference.discrimination import separate
+from stickslip.diagnosis.inference.experiment_design import _proposals
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
 from stickslip.diagnosis.inference.verdict import MARGIN
+from stickslip.diagnosis.report.evidence import pattern, where_it_lives
 from stickslip.diagnosis.report.messages import against, headline
 from stickslip.errors import ScenarioError
-from stickslip._util.atomic_files import check_folder
 from toy_model import CAUSES, MODE, SIZE, UNCERTAIN, X, diagnosis, predict
 
 
@@ -263,7 +263,7 @@ def close(name, evidence):
     causes = tuple(SimpleNamespace(name=each) for each in name.split(" + "))
     return SimpleNamespace(
         name=name,
-        rival=SimpleNamespace(causes=causes),
+        candidate=SimpleNamespace(causes=causes),
         log_evidence=evidence,
         priced_evidence=evidence - (6.7 if len(causes) > 1 else 0.0),
     )
@@ -306,14 +306,14 @@ def test_rivals_are_compared_where_nothing_was_measured():
         return values
 
     worth = separate(found, elsewhere, places, trials=2)
-    assert {fit.name for fit in worth.rivals} == set(found.verdict.causes)
+    assert {fit.name for fit in worth.candidates} == set(found.verdict.causes)
     assert worth.chi2[3] == 0.0  # what cannot be computed is worth nothing
     random = np.random.default_rng(3)
-    for k, fit in enumerate(worth.rivals):
+    for k, fit in enumerate(worth.candidates):
         # The spread of predictions over draws of the fit; 2000 draws tell it to 1.6 %.
         draws = np.tile(fit.x, (2000, 1))
-        draws[:, fit.rival.free] += random.multivariate_normal(
-            np.zeros(len(fit.rival.free)), fit.covariance, 2000
+        draws[:, fit.candidate.free] += random.multivariate_normal(
+            np.zeros(len(fit.candidate.free)), fit.covariance, 2000
         )
         drawn = np.std(predict(None, found.problem.physical(draws)), axis=0)
         inside = places != 3
@@ -330,8 +330,8 @@ def test_what_is_named_is_told_from_what_comes_next():
     worth = separate(found, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
     others = [fit for fit in found.ranking.singles if fit is not found.verdict.fit]
     best = max(others, key=lambda fit: fit.log_evidence)
-    assert worth.rivals[:2] == [found.verdict.fit, best]
-    assert all(best.log_evidence - fit.log_evidence < MARGIN for fit in worth.rivals[2:])
+    assert worth.candidates[:2] == [found.verdict.fit, best]
+    assert all(best.log_evidence - fit.log_evidence < MARGIN for fit in worth.candidates[2:])
     assert np.all(worth.pair[:, 0] == 0)
 
 
@@ -361,7 +361,7 @@ def test_proposals_vary_the_middle_of_what_a_mode_was_given():
     measured += [condition("OPP", 1e-3, 30.0 + k) for k in range(4)]
     measured += [condition("IPP", 2e-3, 30.0)]
     holds = {"OPP": set(), "IPP": set()}
-    for each in _candidates(measured):
+    for each in _proposals(measured):
         holds[each["drive.mode"]].add(each["drive.hold"])
     assert holds == {"OPP": {7e-4, 1e-3, 1.3e-3}, "IPP": {1.4e-3, 2e-3, 2.6e-3}}
 

@@ -7,16 +7,20 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.data.data_quality import data_problem, uneven_setups
-from stickslip.diagnosis.inference.model_comparison import reweighed
-from stickslip.diagnosis.fit.fit_result import Start, make_rival
-from stickslip.diagnosis.fit.least_squares import fit_rivals, spread_factor
-from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
-from stickslip.diagnosis.model.problem import Problem, Remembered
+from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
 from stickslip.diagnosis.data.noise import fit_noise, whitener
 from stickslip.diagnosis.fit.cause_pairs import beside_a_released_constant
-from stickslip.diagnosis.fit.multistart import scan
-from stickslip.diagnosis.fit.single_cause import look_again, nested, quick_fits
+from stickslip.diagnosis.fit.fit_result import Start, make_candidate
+from stickslip.diagnosis.fit.least_squares import fit_candidates, spread_factor
+from stickslip.diagnosis.fit.multistart import sobol_scan
+from stickslip.diagnosis.fit.single_cause import (
+    quick_fits,
+    refit_worse_than_null,
+    search_near_leaders,
+)
+from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
+from stickslip.diagnosis.inference.model_comparison import reweighed
+from stickslip.diagnosis.model.problem import PredictionCache, Problem
 
 X = np.linspace(1.0, 3.0, 16)
 SD = 0.05
@@ -30,7 +34,7 @@ def problem(predict, observed, uncertain=(SLOPE,), causes=(), covariance=None):
 
 def test_the_weights_have_the_slope_of_the_loss():
     # Steps of Gauss-Newton are right only if d loss / d r = 2 w r.
-    given = problem(lambda _, p: p[:, :1] * X, X).tempered(1.0, 1.5)
+    given = problem(lambda _, p: p[:, :1] * X, X).with_inflated_errors(1.0, 1.5)
     r, h = np.array([-4.0, -0.3, 0.0, 1.5, 9.0]), 1e-6
     slope = [(given.misfit(r + h * e) - given.misfit(r - h * e)) / (2 * h) for e in np.eye(5)]
     # Central differences of a smooth loss of size 10: rounding of 1e-15 * 10 / 1e-6.
@@ -47,11 +51,11 @@ def test_without_a_bound_the_loss_is_least_squares():
 def test_errors_that_are_too_large_are_computed_with_the_draft():
     given = Problem(
         lambda _, p: p[:, :1] * X, None, X, np.eye(len(X)) / SD, math.inf, (SLOPE,),
-        draft=lambda _, p: p[:, :1] * X + 7.0,
+        low_fidelity=lambda _, p: p[:, :1] * X + 7.0,
     )  # fmt: skip
     at = np.zeros((1, 1))
-    assert given.tempered(3.0).predicted(at)[0].tolist() == [7.0] * len(X)
-    assert given.tempered(1.0, 1.5).predicted(at)[0].tolist() == [0.0] * len(X)
+    assert given.with_inflated_errors(3.0).predicted(at)[0].tolist() == [7.0] * len(X)
+    assert given.with_inflated_errors(1.0, 1.5).predicted(at)[0].tolist() == [0.0] * len(X)
 
 
 def test_no_prediction_is_made_twice():
@@ -61,7 +65,7 @@ def test_no_prediction_is_made_twice():
         asked.extend(p[:, 0].tolist())
         return np.hstack([p**2, np.where(p > 2.0, np.nan, 0.0)])
 
-    remembered = Remembered(square, 2)
+    remembered = PredictionCache(square, 2)
     first = remembered(None, np.array([[1.0], [3.0], [1.0]]))
     second = remembered(None, np.array([[3.0], [2.0]]))
     assert asked == [1.0, 3.0, 2.0]
@@ -77,7 +81,7 @@ def test_a_jump_is_no_slope(edge):
         return p[:, :1] * X + jump * (np.arange(len(X)) == 5)
 
     given = problem(jumping, np.zeros(len(X)))
-    fit = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(1))]], 0)[0]
+    fit = fit_candidates(given, [make_candidate(given)], [[Start(np.zeros(1))]], 0)[0]
     # The model is linear on this side of the jump, so its slope is exact to rounding.
     assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
 
@@ -91,7 +95,7 @@ def test_a_jump_where_a_range_ends_is_no_slope_either():
         return p[:, :1] * X + p[:, 1:2] * np.sin(X) + jump
 
     given = problem(jumping, np.zeros(len(X)), causes=[cause])
-    fit = fit_rivals(given, [make_rival(given, [cause])], [[Start(np.zeros(2))]], 0)[0]
+    fit = fit_candidates(given, [make_candidate(given, [cause])], [[Start(np.zeros(2))]], 0)[0]
     # At a small amplitude d value / d u is 1 / sinh 1, to a few parts in ten thousand.
     assert fit.slope[:, 1] == pytest.approx(np.sin(X) / math.sinh(1.0), rel=1e-2)
 
@@ -101,7 +105,7 @@ def test_a_side_that_cannot_be_computed_leaves_the_other():
         return np.where(p[:, :1] > 0.001, np.nan, p[:, :1] * X)
 
     given = problem(cut, np.zeros(len(X)))
-    fit = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(1))]], 0)[0]
+    fit = fit_candidates(given, [make_candidate(given)], [[Start(np.zeros(1))]], 0)[0]
     assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
 
 
@@ -116,10 +120,10 @@ def test_a_search_gets_past_the_jump_of_a_condition():
         return p[:, :1] * X + wall * (np.arange(len(X)) == place)
 
     given = problem(walled, truth * X)
-    rival, start = make_rival(given), [Start(np.array([-1.0]))]
-    plain = fit_rivals(given, [rival], [start], 30)[0]
+    candidate, start = make_candidate(given), [Start(np.array([-1.0]))]
+    plain = fit_candidates(given, [candidate], [start], 30)[0]
     assert plain.x[0] == pytest.approx(0.75, abs=0.01)
-    found = quick_fits(given, [rival], [start], 2)[0]
+    found = quick_fits(given, [candidate], [start], 2)[0]
     j = X / SD
     # The linear answer beyond the jump: the prior pulls by truth / (J'J + 1).
     assert found.x[0] == pytest.approx(truth - truth / (j @ j + 1.0), abs=1e-3)
@@ -127,9 +131,9 @@ def test_a_search_gets_past_the_jump_of_a_condition():
 
 def test_a_freed_constant_is_scanned_far_beyond_its_prior():
     other = Uncertain("other", Prior("normal", 0.0, 1.0))
-    suspect = Cause("slope", (), "", frees="slope")
+    suspect = Cause("slope", (), "", relaxes_prior="slope")
     given = problem(lambda _, p: p[:, :1] * X, -6.0 * X, (SLOPE, other), (suspect,))
-    points = scan(given, make_rival(given, [suspect]), 128, 3)
+    points = sobol_scan(given, make_candidate(given, [suspect]), 128, 3)
     # 128 even points over 14 standard deviations: one lies within 14/128 of -6.
     assert points[0, 0] == pytest.approx(-6.0, abs=14 / 128)
     # The other constant keeps its prior: by chance one in a thousand is beyond 3.3.
@@ -142,10 +146,10 @@ def test_a_cause_is_scanned_with_all_constants():
     push = Cause("push", (CauseParameter("push.height", "-", -5.0, 5.0, 1.0),))
     observed = 2.0 * np.sin(2 * X)
     given = problem(lambda _, p: p[:, :1] * X + p[:, 1:] * np.sin(2 * X), observed, causes=[push])
-    best = scan(given, make_rival(given, [push]), 128, 1)[0]
+    best = sobol_scan(given, make_candidate(given, [push]), 128, 1)[0]
     # 128 points of a square of 5 x 5 lie 0.4 apart, and 2 is at asinh(2 sinh 1) = 1.59.
     assert np.hypot(best[0], best[1] - math.asinh(2.0 * math.sinh(1.0))) < 0.6
-    alone = scan(given, make_rival(given), 128, 1)
+    alone = sobol_scan(given, make_candidate(given), 128, 1)
     assert not alone[:, 1].any()
 
 
@@ -160,8 +164,8 @@ def test_a_second_cause_begins_where_a_pulled_constant_was():
         return p[:, :1] * X + p[:, 1:2] * (X + bend) + p[:, 2:] * wave
 
     given = problem(model, observed, causes=[push, other])
-    rival = make_rival(given, [other])
-    single = fit_rivals(given, [rival], [[Start(np.zeros(3))]], 20)[0]
+    candidate = make_candidate(given, [other])
+    single = fit_candidates(given, [candidate], [[Start(np.zeros(3))]], 20)[0]
     assert single.x[0] > 1.5
     begins = [start for key, start in beside_a_released_constant(given, single) if key[0] == "push"]
     closest = min(begins, key=lambda start: float(np.sum(given.residuals(start.x[None, :]) ** 2)))
@@ -170,30 +174,36 @@ def test_a_second_cause_begins_where_a_pulled_constant_was():
     # Amplitudes of 2 in coordinates, 3.1 in height, are scaled by a factor of at least a half.
     assert 0.8 < math.sinh(closest.x[1]) / math.sinh(1.0) < 3.2
     # A freed constant is as far as it may be, and is the cause itself.
-    slope = Cause("slope", (), frees="slope")
-    freed = replace(single, rival=replace(make_rival(given, [slope])), x=np.array([5.0, 0.0, 0.0]))
-    assert beside_a_released_constant(given, freed) == []
+    slope = Cause("slope", (), relaxes_prior="slope")
+    relaxed = replace(
+        single, candidate=replace(make_candidate(given, [slope])), x=np.array([5.0, 0.0, 0.0])
+    )
+    assert beside_a_released_constant(given, relaxed) == []
     # A constant that is where its prior has it makes room for nothing.
     level = problem(model, 1.0 * wave, causes=[push, other])
-    calm = fit_rivals(level, [rival], [[Start(np.zeros(3))]], 20)[0]
+    calm = fit_candidates(level, [candidate], [[Start(np.zeros(3))]], 20)[0]
     assert beside_a_released_constant(level, calm) == []
 
 
 def test_a_cause_that_does_nothing_here_is_not_fitted():
     causes = [Cause(name, (CauseParameter(f"{name}.size", "-", -5, 5, 1.0),)) for name in "ab"]
     given = problem(lambda _, p: p[:, :1] * X + p[:, 1:2] * np.sin(4 * X), X, causes=causes)
-    leader = fit_rivals(given, [make_rival(given, causes[:1])], [[Start(np.zeros(3))]], 20)[0]
-    assert [fit.name for fit in look_again(given, [leader], [leader])] == ["a"]
+    leader = fit_candidates(given, [make_candidate(given, causes[:1])], [[Start(np.zeros(3))]], 20)[
+        0
+    ]
+    assert [fit.name for fit in search_near_leaders(given, [leader], [leader])] == ["a"]
 
 
 def test_no_rival_is_left_worse_than_the_model_that_it_contains():
     # A walk that was stuck at 5 begins again where the model without a cause stands.
-    suspect = Cause("slope", (), "", frees="slope")
+    suspect = Cause("slope", (), "", relaxes_prior="slope")
     given = problem(lambda _, p: p[:, :1] * X, 0.5 * X, causes=[suspect])
-    null = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(1))]], 20)[0]
-    stuck = fit_rivals(given, [make_rival(given, [suspect])], [[Start(np.array([5.0]))]], 0)[0]
+    null = fit_candidates(given, [make_candidate(given)], [[Start(np.zeros(1))]], 20)[0]
+    stuck = fit_candidates(
+        given, [make_candidate(given, [suspect])], [[Start(np.array([5.0]))]], 0
+    )[0]
     assert stuck.chi2 > null.chi2
-    (again,) = nested(given, null, [stuck])
+    (again,) = refit_worse_than_null(given, null, [stuck])
     assert again.chi2 < null.chi2
 
 
@@ -201,10 +211,10 @@ def test_other_errors_take_no_certificate_away():
     # Found twice, then errors 1.5 times larger: the same place, and still found twice.
     given = problem(lambda _, p: p[:, :1] * X, 0.5 * X)
     starts = [Start(np.array([place])) for place in (-1.0, 2.0)]
-    found = fit_rivals(given, [make_rival(given)], [starts], 20)[0]
-    assert found.certified
-    (again,) = reweighed(given.tempered(1.5), [found])
-    assert again.certified
+    found = fit_candidates(given, [make_candidate(given)], [starts], 20)[0]
+    assert found.converged
+    (again,) = reweighed(given.with_inflated_errors(1.5), [found])
+    assert again.converged
     j = X / (1.5 * SD)
     assert again.x[0] == pytest.approx(0.5 * (j @ j) / (j @ j + 1.0), abs=1e-3)
 
@@ -229,10 +239,12 @@ def test_a_twin_that_only_acts_at_the_leaders_constants_is_found_there():
 
     causes = [Cause(name, (CauseParameter(f"{name}.size", "-", -5, 5, 1.0),)) for name in "ab"]
     given = problem(twins, h + g, causes=causes)
-    null = fit_rivals(given, [make_rival(given)], [[Start(np.zeros(3))]], 20)[0]
+    null = fit_candidates(given, [make_candidate(given)], [[Start(np.zeros(3))]], 20)[0]
     assert abs(null.x[0]) < 1e-6
-    leader = fit_rivals(given, [make_rival(given, causes[:1])], [[Start(np.zeros(3))]], 20)[0]
-    found = {fit.name: fit for fit in look_again(given, [leader], [leader])}
+    leader = fit_candidates(given, [make_candidate(given, causes[:1])], [[Start(np.zeros(3))]], 20)[
+        0
+    ]
+    found = {fit.name: fit for fit in search_near_leaders(given, [leader], [leader])}
     assert set(found) == {"a", "b"}
     # Both reproduce the data; they differ in the prior's rows alone, which are 1 + 1.
     assert found["a"].data_chi2 < 0.1
@@ -268,7 +280,7 @@ def test_the_predictive_density_is_that_of_a_normal_law(shared):
 
     given = problem(straight, observed, causes=[wave], covariance=covariance)
     fits = [
-        fit_rivals(given, [make_rival(given, each)], [[Start(np.zeros(2))]], 20)[0]
+        fit_candidates(given, [make_candidate(given, each)], [[Start(np.zeros(2))]], 20)[0]
         for each in ([], [wave])
     ]
     parts = folds(len(X))
@@ -293,14 +305,14 @@ def test_the_predictive_density_is_that_of_a_normal_law(shared):
 def test_few_velocities_are_no_trouble_beside_other_data():
     values, index = np.array([1.0, 2.0]), np.arange(2)
     noise = fit_noise(values, index)
-    assert "too few" in data_problem(values, index, noise, None)
-    assert data_problem(values, index, noise, None, alone=False) is None
+    assert "too few" in find_data_problem(values, index, noise, None)
+    assert find_data_problem(values, index, noise, None, alone=False) is None
 
 
 def _trouble(trials):
     """What is said of trials of shape (conditions, trials)."""
     index = np.indices(trials.shape)[0].ravel()
-    return data_problem(trials.ravel(), index, fit_noise(trials.ravel(), index), None)
+    return find_data_problem(trials.ravel(), index, fit_noise(trials.ravel(), index), None)
 
 
 def _uneven(trials):
@@ -363,7 +375,7 @@ def test_what_stands_still_hides_no_uneven_set_up_and_is_no_drift():
         order = np.concatenate([random.permutation(24), np.arange(24, 72)])
         trials = np.linspace(1e-4, 1e-3, 8)[:, None] * (1.0 + 0.03 * random.standard_normal((8, 3)))
         values = np.concatenate([trials.ravel(), np.zeros(48)])
-        blamed += data_problem(values, index, fit_noise(values, index), order) is not None
+        blamed += find_data_problem(values, index, fit_noise(values, index), order) is not None
     # 0.002 of 500 tables is one; more than six come once in 1e4 such studies.
     assert blamed <= 6
 

@@ -10,7 +10,13 @@ import pytest
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import diagnose_model
 from stickslip.diagnosis.fit.single_cause import Ranking
-from stickslip.diagnosis.inference.verdict import Table, Verdict, confirmed, contradicting, decide
+from stickslip.diagnosis.inference.verdict import (
+    Table,
+    Verdict,
+    checked_on_training_subset,
+    contradicting,
+    decide,
+)
 
 
 @pytest.mark.parametrize(("source", "word"), [((), "named"), ("a" * 12 + "b" * 12, "ambiguous")])
@@ -41,28 +47,30 @@ def test_a_name_that_the_other_conditions_turn_is_none():
     fits = tuple(fitted(given, causes) for causes in ([WAVE], [BEND], [WAVE, BEND]))
     ranking = Ranking(fitted(given), fits[:2], fits[2:])
     said = Verdict("named", ("wave",), fits[0], ("why",), {})
-    assert confirmed(said, ranking, "wave") is said
+    assert checked_on_training_subset(said, ranking, "wave") is said
     # With one cause more it is still there.
-    more = confirmed(said, ranking, "wave + bend")
+    more = checked_on_training_subset(said, ranking, "wave + bend")
     assert (more.word, len(more.reasons)) == ("named", 2)
-    other = confirmed(said, ranking, "bend")
+    other = checked_on_training_subset(said, ranking, "bend")
     assert (other.word, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
     (reason,) = other.reasons
     assert "bend would lead" in reason
     # A pair is no member of a set of single causes.
-    rival = replace(fits[2].rival, causes=(BEND, replace(BEND, name="third")))
-    outside = replace(ranking, pairs=(replace(fits[2], rival=rival),))
-    third = confirmed(said, outside, "bend + third")
+    candidate = replace(fits[2].candidate, causes=(BEND, replace(BEND, name="third")))
+    outside = replace(ranking, pairs=(replace(fits[2], candidate=candidate),))
+    third = checked_on_training_subset(said, outside, "bend + third")
     assert (third.word, third.causes) == ("ambiguous", ("wave",))
     # Nor is a claimed pair turned by one of its own.
     both = Verdict("pair", ("bend", "wave"), fits[2], ("why",), {})
-    assert confirmed(both, ranking, "wave").word == "pair"
+    assert checked_on_training_subset(both, ranking, "wave").word == "pair"
 
 
 def standing(evidence, misfit, causes, like):
     """A fit of given log-evidence whose data leave a chi-square of `misfit`."""
-    rival = replace(like.rival, causes=causes)
-    return replace(like, rival=rival, log_evidence=evidence, data_chi2=misfit, certified=True)
+    candidate = replace(like.candidate, causes=causes)
+    return replace(
+        like, candidate=candidate, log_evidence=evidence, data_chi2=misfit, converged=True
+    )
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from command_line import stickslip
 from films import NOISE, TRUE, film, write_table
 from stickslip.diagnosis.observables.tracking.camera import Camera
-from stickslip.diagnosis.observables.tracking.film import find_tracking
+from stickslip.diagnosis.observables.tracking.film import find_films
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 
@@ -79,7 +79,7 @@ def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
     said = "\n".join(found.left_out)
     for word in ("no number", "order of time", "repeat a time", "column z", "column current_x"):
         assert word in said, said
-    (channel,) = find_tracking(found.tracking, 1)
+    (channel,) = find_films(found.tracking, 1)
     assert "current_x is not used" in "\n".join(channel.left_out)
     assert np.all(np.isfinite(channel.predict(list(TRUE), np.array([[*TRUE.values()]]))))
 
@@ -107,7 +107,7 @@ def full_frames():
 
 def used(folder, frames, toml=TOML):
     """Columns of the one film that the diagnosis uses, and what it leaves out."""
-    (channel,) = find_tracking(read_measurement(write(folder, toml, a=frames)).tracking, 1)
+    (channel,) = find_films(read_measurement(write(folder, toml, a=frames)).tracking, 1)
     return {each.name for each in channel.quantities}, channel.left_out
 
 

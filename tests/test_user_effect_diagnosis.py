@@ -15,8 +15,8 @@ from own_effects import (
 from stickslip import Scenario
 from stickslip.diagnosis import diagnose
 from stickslip.diagnosis.model.effect_causes import library
-from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.diagnosis.report.html import extended_scenario
+from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 
 

@@ -45,7 +45,9 @@ CALLBACK = ctypes.CFUNCTYPE(None, *3 * [ctypes.POINTER(ctypes.c_double)])
 
 @CALLBACK
 def ctypes_callback(state, parameters, out):
-    out[0], out[1], out[2] = python_wrench(stickslip.scenario.user_effects.State(*state[:9]), parameters[:2])
+    out[0], out[1], out[2] = python_wrench(
+        stickslip.scenario.user_effects.State(*state[:9]), parameters[:2]
+    )
 
 
 @by_method

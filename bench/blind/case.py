@@ -25,9 +25,9 @@ def make(folder: Path, kind: str, seed: int) -> dict[str, Any]:
     if not path.exists():
         answer = write_case(folder, kind, seed)
         path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_suffix(".part")
-        draft.write_text(json.dumps(answer) + "\n")
-        draft.replace(path)
+        low_fidelity = path.with_suffix(".part")
+        low_fidelity.write_text(json.dumps(answer) + "\n")
+        low_fidelity.replace(path)
     # Numbers and lists as a reader of the file has them, whoever made it.
     result: dict[str, Any] = json.loads(path.read_text())
     if (result["kind"], result["seed"]) != (kind, seed):

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from blind.apparatus import FLOOR, PULSES, SCATTER, TRIALS
 from blind.truth import Drive, Truth
 from stickslip import Scenario
-from stickslip.diagnosis.fit.fit_result import Start, make_rival
-from stickslip.diagnosis.fit.least_squares import fit_rivals
-from stickslip.diagnosis.model.problem import Problem, Uncertain
 from stickslip.diagnosis.fit.baseline import recalibrate
+from stickslip.diagnosis.fit.fit_result import Start, make_candidate
+from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.model.problem import Problem, Uncertain
 from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.measurement import Prior
 
@@ -46,7 +46,7 @@ class Absorber:
             {**{f"drive.{key}": value for key, value in drive.items()}, "drive.pulses": PULSES}
             for drive in drives
         ]
-        draft = [{**each, "drive.pulses": _FEWER, "solver.rtol": 1e-4} for each in settings]
+        low_fidelity = [{**each, "drive.pulses": _FEWER, "solver.rtol": 1e-4} for each in settings]
         simulator = Simulator(scenario, list(PRIORS), 1)
         sd = np.hypot(SCATTER * level, FLOOR) / np.sqrt(TRIALS)
         self._problem = Problem(
@@ -56,7 +56,7 @@ class Absorber:
             np.diag(1.0 / sd),
             np.inf,
             tuple(Uncertain(name, prior) for name, prior in PRIORS.items()),
-            draft=lambda _, parameters: simulator(draft, parameters),
+            low_fidelity=lambda _, parameters: simulator(low_fidelity, parameters),
         )
         self._plain = self._nearby(level)
 
@@ -75,4 +75,4 @@ class Absorber:
     def _nearby(self, level: Array) -> float:
         problem = replace(self._problem, observed=level)
         start = [[Start(self._centre)]]
-        return fit_rivals(problem, [make_rival(problem)], start, 12, exact=False)[0].chi2
+        return fit_candidates(problem, [make_candidate(problem)], start, 12, exact=False)[0].chi2

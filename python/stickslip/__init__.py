@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip import plot
     from stickslip._core import __version__
-    from stickslip.simulation.coils import COIL_NAMES, Coils
-    from stickslip.simulation.netcdf import open_run
     from stickslip.errors import ScenarioError
-    from stickslip.scenario.named_effects import effects
     from stickslip.reproduction.study import reproduce
-    from stickslip.simulation.run import Run
+    from stickslip.scenario.named_effects import effects
     from stickslip.scenario.scenario import Scenario, load
     from stickslip.scenario.sections import (
         Coil,
@@ -28,11 +25,14 @@ if TYPE_CHECKING:
         Robot,
         Solver,
     )
+    from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
+    from stickslip.scenario.waveform import Waveform, volts_per_tesla
+    from stickslip.simulation.coils import COIL_NAMES, Coils
+    from stickslip.simulation.netcdf import open_run
+    from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import simulate, simulate_batch
     from stickslip.sweeping.run_sweep import sweep
-    from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.versions import show_versions
-    from stickslip.scenario.waveform import Waveform, volts_per_tesla
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {

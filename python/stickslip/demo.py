@@ -11,9 +11,9 @@ from pathlib import Path
 
 from stickslip import plot
 from stickslip.cli import INTERRUPTED
-from stickslip.simulation.run import Run
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive, Record
+from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate_batch
 
 OUTPUT = Path("demo_output")

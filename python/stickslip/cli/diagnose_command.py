@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
+from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
-from stickslip._util.strict_json import json_text
 from stickslip.scenario.toml_file import voltages_beside
 
 
@@ -32,11 +32,11 @@ def command(
     Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
     ambiguous, pair, unexplained, data-problem.
     """
-    from stickslip.diagnosis.data.conditions import changes
     from stickslip.diagnosis.api import diagnose
+    from stickslip.diagnosis.data.conditions import changes
     from stickslip.diagnosis.inference.experiment_design import advice, propose
-    from stickslip.diagnosis.report.html import EXTENDED, FILES, write_report
     from stickslip.diagnosis.inference.ranking import runner_up
+    from stickslip.diagnosis.report.html import EXTENDED, FILES, write_report
     from stickslip.diagnosis.report.json_keys import summary
     from stickslip.diagnosis.report.messages import headline
     from stickslip.measurement import read_measurement

@@ -6,10 +6,10 @@ import textwrap
 
 import click
 
-from stickslip.errors import ScenarioError
-from stickslip.scenario.named_effects import PREFIX, Effect, effects
 from stickslip._util.strict_json import json_text
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import suggestion
+from stickslip.scenario.named_effects import PREFIX, Effect, effects
 
 
 @click.command("effects", epilog="\b\nExample:\n  stickslip effects surface_tilt")

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import click
 
-from stickslip.cli.lines import say
-from stickslip.errors import ScenarioError
 from stickslip._util.atomic_files import check_writable, replacing
 from stickslip._util.strict_json import json_text
+from stickslip.cli.lines import say
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import PROGRAM, Key, known_keys
-from stickslip.scenario.toml_file import FORMAT_VERSION
 from stickslip.scenario.sections import SECTIONS
+from stickslip.scenario.toml_file import FORMAT_VERSION
 
 _HEAD = f"""\
 # A scenario with all keys at their defaults. SI units and radians; leave out what stays as it is.

@@ -6,8 +6,8 @@ import textwrap
 
 import click
 
-from stickslip.errors import ScenarioError
 from stickslip._util.strict_json import json_text
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import FILE, Key, known_keys, section_hint, shown
 
 _FILE_MEANING = (

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stickslip._util.plain_text import printable
+from stickslip._util.strict_json import json_text
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
-from stickslip._util.strict_json import json_text
-from stickslip._util.plain_text import printable
 
 if TYPE_CHECKING:
     from stickslip.reproduction.study import Reproduction

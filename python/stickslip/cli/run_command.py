@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.settings import with_settings
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError
-from stickslip._util.strict_json import json_text
-from stickslip.simulation.run import SUFFIXES
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.run import SUFFIXES
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from stickslip._util.atomic_files import NETCDF_SUFFIXES
+from stickslip._util.strict_json import json_text
 from stickslip.cli.cluster import cluster
 from stickslip.cli.lines import say
 from stickslip.cli.progress import count_bar
@@ -14,8 +16,6 @@ from stickslip.cli.sweep_table import as_dict, failure, table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.cli.vary import parse_vary
 from stickslip.errors import ScenarioError
-from stickslip._util.atomic_files import NETCDF_SUFFIXES
-from stickslip._util.strict_json import json_text
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.sweeping.points import Points, grid

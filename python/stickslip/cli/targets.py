@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
 from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError
-from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.toml_file import voltage_file
 

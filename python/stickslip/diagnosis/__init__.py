@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from stickslip.diagnosis.pipeline import Diagnosis, diagnose_model
 from stickslip.diagnosis.api import Examination, diagnose
+from stickslip.diagnosis.inference.discrimination import Separation, separate
 from stickslip.diagnosis.inference.experiment_design import Experiment, propose
 from stickslip.diagnosis.model.problem import Cause, CauseParameter, Problem, Uncertain
-from stickslip.diagnosis.report.model_report import write_model_report
+from stickslip.diagnosis.pipeline import Diagnosis, diagnose_model
 from stickslip.diagnosis.report.html import write_report
-from stickslip.diagnosis.inference.discrimination import Separation, separate
 from stickslip.diagnosis.report.json_keys import summary
 from stickslip.diagnosis.report.messages import headline
+from stickslip.diagnosis.report.model_report import write_model_report
 from stickslip.measurement.priors import Prior
 
 __all__ = [

@@ -10,26 +10,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.observables import Combined, Sketch, find_channels
-from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.data.conditions import Conditions, in_words, one_of_a_kind, varied
-from stickslip.diagnosis.pipeline import Diagnosis, diagnose_model
-from stickslip.diagnosis.model.effect_causes import library, parameter_unit
-from stickslip.diagnosis.data.pooling import merged_channels, merged_velocities, smooth_settings
-from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip._util.processor_count import worker_count
+from stickslip.diagnosis.data.conditions import (
+    Conditions,
+    find_singleton_condition,
+    in_words,
+    varied,
+)
 from stickslip.diagnosis.data.noise import fit_noise
 from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign, wrong_size
+from stickslip.diagnosis.data.pooling import pooled_observables, pooled_velocities, smooth_settings
+from stickslip.diagnosis.inference.model_comparison import Progress
+from stickslip.diagnosis.model.effect_causes import library, parameter_unit
+from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.model.simulator import TOLERANCES, Simulator, loosest_tolerances
+from stickslip.diagnosis.observables import Combined, ReportSection, find_observables
+from stickslip.diagnosis.pipeline import Diagnosis, diagnose_model
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value
 from stickslip.measurement.reading import Measurement
-from stickslip._util.processor_count import worker_count
-from stickslip.simulation.run_notes import peak_voltages
+from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.run_notes import peak_voltages
 
 Array = NDArray[np.float64]
 
-_DRAFT_PULSES = 5.0
+_LOW_FIDELITY_PULSES = 5.0
 
 
 @dataclass(frozen=True)
@@ -75,20 +80,20 @@ class Examination:
                 result |= {f"low {name}": below, f"high {name}": above}
         return result
 
-    def sketches(self) -> list[Sketch]:
+    def report_sections(self) -> list[ReportSection]:
         """Parts of the report that the channels draw."""
         problem, fit = self.found.problem, self.found.verdict.fit
         null = problem.physical(self.found.null.x[None, :])[0]
         extended = None if fit is None else problem.physical(fit.x[None, :])[0]
         held_out, end = self.found.held_out, len(self.conditions)
         drawn = []
-        for number, channel in enumerate(self.combined.channels):
-            start, end = end, end + len(channel.observed)
-            names, before = self.combined.sketch_arguments(number, null)
+        for number, observable in enumerate(self.combined.observables):
+            start, end = end, end + len(observable.observed)
+            names, before = self.combined.report_arguments(number, null)
             after = None
             if extended is not None:
-                after = self.combined.sketch_arguments(number, extended)[1]
-            drawn += channel.sketches(names, before, after, held_out[start:end])
+                after = self.combined.report_arguments(number, extended)[1]
+            drawn += observable.report_sections(names, before, after, held_out[start:end])
         return drawn
 
 
@@ -120,8 +125,8 @@ def diagnose(
         If nothing was measured that the diagnosis can use.
     """
     threads = worker_count(threads, "threads")
-    conditions, velocity, index, block, order = merged_velocities(measurement)
-    channels = find_channels(measurement, threads)
+    conditions, velocity, index, block, order = pooled_velocities(measurement)
+    observables = find_observables(measurement, threads)
     stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
     # One error for all tables: of those that state one, the largest.
     relative_sd = max(stated, default=math.nan)
@@ -129,7 +134,7 @@ def diagnose(
         Uncertain(name, prior, parameter_unit(name))
         for name, prior in measurement.uncertain.items()
     ]
-    nuisance = [each for channel in channels for each in channel.nuisance]
+    nuisance = [each for observable in observables for each in observable.nuisance]
     causes = library(measurement.scenario, dict(measurement.uncertain), _top_voltage(measurement))
     shared = [each.name for each in uncertain]
     amplitudes = [parameter.name for cause in causes for parameter in cause.parameters]
@@ -138,7 +143,7 @@ def diagnose(
     simulator = Simulator(measurement.scenario, keys, threads)
     middle = _nominal(simulator, conditions, uncertain, causes)
     lost = np.flatnonzero(~np.isfinite(middle))
-    left_out = [line for channel in channels for line in channel.left_out]
+    left_out = [line for observable in observables for line in observable.left_out]
     if len(lost) and len(lost) < len(conditions):
         kept = np.isfinite(middle)[index]
         number = np.cumsum(np.isfinite(middle)) - 1
@@ -162,15 +167,18 @@ def diagnose(
         ]
     believed = [float(measurement.scenario.get(name)) for name in keys]
     predicted = simulator(computed, np.array([believed]))[0] if computed else np.zeros(0)
-    combined = Combined(simulator, names, keys, channels)
-    known = merged_channels(channels)
+    combined = Combined(simulator, names, keys, observables)
+    known = pooled_observables(observables)
     options: dict[str, Any] = {"seed": seed, "progress": progress}
     still = None
     if conditions:
-        options |= {"condition": index, "block": block, "order": order, "also": known}
-        options |= {"relative_sd": relative_sd, "unusual": one_of_a_kind(conditions)}
+        options |= {"condition": index, "block": block, "order": order, "auxiliary": known}
+        options |= {
+            "relative_sd": relative_sd,
+            "singleton_condition": find_singleton_condition(conditions),
+        }
         seen = (conditions, middle, noise.mean)
-        options["doubt"] = wrong_size(*seen) or wrong_sign(*seen)
+        options["data_problem"] = wrong_size(*seen) or wrong_sign(*seen)
         still = standing_still(*seen)
     elif known is not None:
         velocity = known.observed
@@ -178,14 +186,20 @@ def diagnose(
     else:
         raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
 
-    def draft(conditions: Conditions, parameters: Array) -> Array:
-        return combined([_drafted(measurement.scenario, each) for each in conditions], parameters)
+    def low_fidelity(conditions: Conditions, parameters: Array) -> Array:
+        return combined(
+            [_low_fidelity(measurement.scenario, each) for each in conditions], parameters
+        )
 
     source = ["velocity"] * len(computed)
-    source += [channel.name for channel in channels for _ in channel.observed]
-    options |= {"draft": draft, "settings": smooth_settings(conditions), "source": source}
+    source += [observable.name for observable in observables for _ in observable.observed]
+    options |= {
+        "low_fidelity": low_fidelity,
+        "settings": smooth_settings(conditions),
+        "source": source,
+    }
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
-    notes = [*found.notes, *(line for channel in channels for line in channel.notes)]
+    notes = [*found.notes, *(line for observable in observables for line in observable.notes)]
     if still is not None:
         notes.insert(0, still)
     return Examination(
@@ -212,11 +226,11 @@ def _nominal(
     return np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
 
 
-def _drafted(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Value]:
+def _low_fidelity(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Value]:
     """A condition that is computed sooner and less exactly."""
     pulses = float(condition.get("drive.pulses", scenario.get("drive.pulses")))
     return {
-        **condition, "solver.rtol": TOLERANCES[0], "drive.pulses": min(pulses, _DRAFT_PULSES)
+        **condition, "solver.rtol": TOLERANCES[0], "drive.pulses": min(pulses, _LOW_FIDELITY_PULSES)
     }  # fmt: skip
 
 

@@ -11,39 +11,49 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
-from stickslip.diagnosis.inference.upper_bounds import upper_bounds
-from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_ceiling
-from stickslip.diagnosis.data.data_quality import data_problem, uneven_setups
-from stickslip.diagnosis.inference.model_comparison import Progress, compare, examine
-from stickslip.diagnosis.inference.detection import Detection
-from stickslip.diagnosis.fit.fit_result import Fit, Start
-from stickslip.diagnosis.fit.least_squares import fit_rivals
-from stickslip.diagnosis.inference.cross_validation import Gain, folds, measure_gain, predictive_gain, split
-from stickslip.diagnosis.model.problem import Cause, Predict, Problem, Remembered, Uncertain
+from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
 from stickslip.diagnosis.data.noise import NoiseModel, fit_noise, whitener
-from stickslip.diagnosis.fit.profile_likelihood import Profile, profile, settled
 from stickslip.diagnosis.fit.baseline import recalibrate
-from stickslip.diagnosis.fit.single_cause import Ranking, settle_null
+from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import (
-    Signatures,
-    classes,
-    guesses,
-    isolability,
+    Sensitivities,
+    distinguishability,
+    indistinguishable_causes,
+    linear_evidence,
 )
+from stickslip.diagnosis.fit.single_cause import Ranking, refit_null
+from stickslip.diagnosis.inference.cross_validation import (
+    Gain,
+    folds,
+    measure_gain,
+    predictive_gain,
+    split,
+)
+from stickslip.diagnosis.inference.detection import Detection
+from stickslip.diagnosis.inference.model_comparison import (
+    Progress,
+    assess_baseline,
+    compare_candidates,
+)
+from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_residual_bound
+from stickslip.diagnosis.inference.upper_bounds import upper_bounds
 from stickslip.diagnosis.inference.verdict import (
     Table,
     Verdict,
-    confirmed,
+    checked_on_training_subset,
     decide,
     prior_probabilities,
 )
+from stickslip.diagnosis.model.problem import Cause, Predict, PredictionCache, Problem, Uncertain
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Known:
+class AuxiliaryData:
     """Observables beside the trials, of another kind, whose errors are known.
 
     Attributes
@@ -73,15 +83,15 @@ class Diagnosis:
     null : Fit
         The recalibrated model.
     detection : Detection
-    signatures : Signatures
+    sensitivities : Sensitivities
     ranking : Ranking
     cosines : ndarray, shape (causes, causes)
-    classes : list of tuple of str
+    indistinguishable_causes : list of tuple of str
         Causes that these data can hardly tell apart.
     verdict : Verdict
     bounds : dict
         95 % upper limits, filled for the verdict none.
-    ceiling : float, optional
+    smooth_bound : float, optional
         Chi-square that a smooth function of the settings would take from the misfit, where the
         settings were given.
     gain : Gain, optional
@@ -96,13 +106,13 @@ class Diagnosis:
     roughness: Array
     null: Fit
     detection: Detection
-    signatures: Signatures
+    sensitivities: Sensitivities
     ranking: Ranking
     cosines: Array
-    classes: list[tuple[str, ...]]
+    indistinguishable_causes: list[tuple[str, ...]]
     verdict: Verdict
     bounds: dict[str, float]
-    ceiling: float | None
+    smooth_bound: float | None
     gain: Gain | None
     profiles: tuple[Profile, ...]
     notes: tuple[str, ...]
@@ -128,12 +138,12 @@ def diagnose_model(
     relative_sd: float = math.nan,
     sd: ArrayLike | None = None,
     group: ArrayLike | None = None,
-    unusual: int | None = None,
-    also: Known | None = None,
-    draft: Predict | None = None,
+    singleton_condition: int | None = None,
+    auxiliary: AuxiliaryData | None = None,
+    low_fidelity: Predict | None = None,
     settings: Settings | None = None,
     source: Sequence[str] = (),
-    doubt: str | None = None,
+    data_problem: str | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Diagnosis:
@@ -163,19 +173,19 @@ def diagnose_model(
         otherwise; no noise is estimated then.
     group : array_like of int, shape (m,), optional
         Conditions that are held out together, numbered from 0; each by itself if not given.
-    unusual : int, optional
+    singleton_condition : int, optional
         A condition that is like no other; it is held out too.
-    also : Known, optional
+    auxiliary : AuxiliaryData, optional
         Further observables, whose errors are known; `predict` returns them after the conditions.
-    draft : callable, optional
+    low_fidelity : callable, optional
         A cheaper `predict` for the search from afar, where errors are taken as too large: by three
         times and more.
     settings : Settings, optional
         Where the conditions lie. With them, a cause is only named that takes at least 70 % of what
         a smooth function would take from the misfit.
-    source : sequence of str, length m and that of `also`, optional
+    source : sequence of str, length m and that of `auxiliary`, optional
         What kind of table each observable is from. A cause is not named against one of them.
-    doubt : str, optional
+    find_data_problem : str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
         Of all random draws.
@@ -207,35 +217,39 @@ def diagnose_model(
     """
     say = progress or (lambda fraction, stage: None)
     values, index, blocks = _checked(observed, condition, block)
-    _check_lengths(values, index, order, group, source, 0 if also is None else len(also.observed))
+    _check_lengths(
+        values, index, order, group, source, 0 if auxiliary is None else len(auxiliary.observed)
+    )
     _check_names(uncertain, causes)
     noise, known = _noise(values, index, blocks, relative_sd, sd)
     suspects = tuple(
-        Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
+        Cause(each.name, (), f"{each.name} is other than stated", relaxes_prior=each.name)
         for each in uncertain
         if each.suspect and each.prior.has_middle
     )
     covariance = noise.covariance if known is None else known
     level, dof = noise.mean, noise.dof if noise.dof > 0 else math.inf
-    if also is not None:
-        covariance = np.asarray(block_diag(covariance, also.covariance), dtype=float)
-        level = np.concatenate([level, also.observed])
+    if auxiliary is not None:
+        covariance = np.asarray(block_diag(covariance, auxiliary.covariance), dtype=float)
+        level = np.concatenate([level, auxiliary.observed])
         # Only the trials' share of the misfit is judged by an estimated noise.
         dof *= (len(level) / len(noise.mean)) ** 2
     problem = Problem(
-        Remembered(predict, len(level)),
+        PredictionCache(predict, len(level)),
         conditions,
         level,
         whitener(covariance),
         dof,
         tuple(uncertain),
         (*causes, *suspects),
-        draft=None if draft is None else Remembered(draft, len(level)),
+        low_fidelity=None if low_fidelity is None else PredictionCache(low_fidelity, len(level)),
     )
-    if doubt is None and not np.any(np.isfinite(problem.predicted(np.zeros((1, problem.size))))):
+    if data_problem is None and not np.any(
+        np.isfinite(problem.predicted(np.zeros((1, problem.size))))
+    ):
         raise ScenarioError("predict: with the stated parameters it computes no observable")
     say(0.0, "recalibrating")
-    held_out = split(len(noise.mean), seed, group, unusual)
+    held_out = split(len(noise.mean), seed, group, singleton_condition)
     found = recalibrate(problem, seed)
     null = found.null
     if noise.between > 0.0 or noise.between_gain > 0.0:
@@ -245,43 +259,63 @@ def diagnose_model(
             np.where(np.isfinite(predicted), predicted, noise.mean)
         )
         problem = replace(problem, whiten=whitener(covariance))
-        again = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6)[0]
-        null = replace(again, certified=null.certified, starts=null.starts)
+        again = fit_candidates(problem, [null.candidate], [[Start.of(null)]], 6)[0]
+        null = replace(again, converged=null.converged, starts=null.starts)
     say(0.1, "testing")
-    base = examine(problem, covariance, null, seed)
+    base = assess_baseline(problem, covariance, null, seed)
     notes = list(noise.notes)
     uneven = uneven_setups(values, index, noise, blocks)
     notes += [] if uneven is None else [uneven]
-    trouble = doubt or data_problem(values, index, noise, order, blocks, also is None)
+    trouble = data_problem or find_data_problem(
+        values, index, noise, order, blocks, auxiliary is None
+    )
     ranking = Ranking(base.null, (), ())
     if trouble is None and base.detection.found:
         say(0.2, "fitting causes")
-        base, ranking = compare(base, covariance, found, seed, say)
+        base, ranking = compare_candidates(base, covariance, found, seed, say)
     problem, covariance, roughness = base.problem, base.covariance, base.roughness
-    null, detection, signatures = base.null, base.detection, base.signatures
+    null, detection, sensitivities = base.null, base.detection, base.sensitivities
     say(0.85, "verdict and gain")
-    cosines = isolability(problem, signatures, null.residual)
+    cosines = distinguishability(problem, sensitivities, null.residual)
     parts = folds(len(noise.mean), group)
 
-    def helps(fit: Fit) -> bool:
+    def improves_prediction(fit: Fit) -> bool:
         return not parts or predictive_gain(problem, covariance, null, fit, parts) > 0.0
 
-    guessed = guesses(problem, signatures, null.residual)
+    screened = linear_evidence(problem, sensitivities, null.residual)
     tables = _tables(source, len(noise.mean), noise.dof if noise.dof > 0 else math.inf)
-    ceiling = None
+    smooth_bound = None
     if settings is not None and trouble is None and detection.found:
-        ceiling = smooth_ceiling(problem, null, settings)
-    verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, tables)
+        smooth_bound = smooth_residual_bound(problem, null, settings)
+    verdict = decide(
+        problem,
+        detection,
+        ranking,
+        cosines,
+        screened,
+        improves_prediction,
+        smooth_bound,
+        tables,
+    )
     if trouble is not None:
         verdict = Verdict("data-problem", (), None, (trouble,), prior_probabilities(problem))
     profiles: list[Profile] = []
     if verdict.fit is not None and verdict.word in ("named", "pair"):
-        leader, profiles = settled(problem, verdict.fit)
+        leader, profiles = moved_to_profile_minimum(problem, verdict.fit)
         if leader is not verdict.fit:
             # What leads elsewhere has to meet the rules there.
-            null = settle_null(problem, null, [leader])
+            null = refit_null(problem, null, [leader])
             ranking = replace(ranking.replaced(verdict.fit, leader), null=null)
-            verdict = decide(problem, detection, ranking, cosines, guessed, helps, ceiling, tables)
+            verdict = decide(
+                problem,
+                detection,
+                ranking,
+                cosines,
+                screened,
+                improves_prediction,
+                smooth_bound,
+                tables,
+            )
             leads = verdict.fit is leader
             profiles = profiles if leads or verdict.fit is None else profile(problem, verdict.fit)
     elif verdict.fit is not None:
@@ -293,8 +327,8 @@ def diagnose_model(
         others = [*ranking.singles[:4], *ranking.pairs[:2]]
         gain = measure_gain(problem, covariance, held_out, null, verdict.fit, others, seed)
     if gain is not None:
-        verdict = confirmed(verdict, ranking, gain.choice)
-    bounds = upper_bounds(problem, signatures, null.residual) if verdict.word == "none" else {}
+        verdict = checked_on_training_subset(verdict, ranking, gain.choice)
+    bounds = upper_bounds(problem, sensitivities, null.residual) if verdict.word == "none" else {}
     rough = int(
         np.sum(
             roughness[: len(noise.mean)]
@@ -306,11 +340,11 @@ def diagnose_model(
             f"conditions where the model itself jumps by more than the noise under tiny changes of "
             f"its parameters: {rough}; they count less"
         )
-    alike = classes(problem, cosines)
+    alike = indistinguishable_causes(problem, cosines)
     say(1.0, "done")
     return Diagnosis(
-        problem, noise, roughness, null, detection, signatures, ranking, cosines,
-        alike, verdict, bounds, ceiling, gain, tuple(profiles), tuple(notes), seed,
+        problem, noise, roughness, null, detection, sensitivities, ranking, cosines,
+        alike, verdict, bounds, smooth_bound, gain, tuple(profiles), tuple(notes), seed,
     )  # fmt: skip
 
 
@@ -364,9 +398,11 @@ def _check_names(uncertain: Sequence[Uncertain], causes: Sequence[Cause]) -> Non
         if cause.name in taken:
             said = "allowed is a name that is no uncertain parameter's, nor none or unknown"
             raise ScenarioError(f"cause {cause.name}: {said}")
-        if cause.frees is not None and cause.frees not in constants:
+        if cause.relaxes_prior is not None and cause.relaxes_prior not in constants:
             said = "allowed is the name of an uncertain parameter"
-            raise ScenarioError(f"cause {cause.name}: frees = {cause.frees}: {said}")
+            raise ScenarioError(
+                f"cause {cause.name}: relaxes_prior = {cause.relaxes_prior}: {said}"
+            )
         for each in cause.parameters:
             if each.name in parameters:
                 raise ScenarioError(f"parameter {each.name} of two causes: allowed is one")

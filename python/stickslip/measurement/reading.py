@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ScenarioError
 from stickslip._util.atomic_files import check_name
-from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
+from stickslip._util.plain_text import printable
+from stickslip.errors import ScenarioError
 from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
-from stickslip._util.plain_text import printable
+from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import read_document
 

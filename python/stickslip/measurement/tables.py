@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ScenarioError
 from stickslip._util.atomic_files import read_bytes
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown, suggestion
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26

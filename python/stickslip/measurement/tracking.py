@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, shown
 from stickslip.measurement.tables import NothingSound, read_numbers
+from stickslip.scenario.keys import FILE, shown
 from stickslip.scenario.scenario import Scenario
 
 REQUIRED = ("t", "x", "theta")

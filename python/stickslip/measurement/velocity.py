@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, known_keys, shown
 from stickslip.measurement.tables import (
     NothingSound,
     check_columns,
@@ -21,6 +20,7 @@ from stickslip.measurement.tables import (
     read_rows,
     refuse_unknown,
 )
+from stickslip.scenario.keys import Value, known_keys, shown
 from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0

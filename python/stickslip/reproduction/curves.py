@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.scenario.keys import known_keys
 from stickslip.reproduction.points import Array, evaluate_all, varied
 from stickslip.reproduction.scans import SCANS, Scan
 from stickslip.reproduction.settings import Mode, Setting
 from stickslip.reproduction.tables import Table
+from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress

@@ -13,8 +13,8 @@ from stickslip.reproduction.points import evaluate, point
 from stickslip.reproduction.scans import KINETIC_SHARE, PULSES, SCANS
 from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
 from stickslip.reproduction.survey import Survey
-from stickslip.simulation.run import Run
 from stickslip.scenario.sections import Robot
+from stickslip.simulation.run import Run
 
 _DENSITY = 7400.0  # kg/m^3, Table II
 _MASS_AS_PRINTED = 25.6e-12  # kg, "25.6 ng"

@@ -8,9 +8,9 @@ from os import PathLike
 from pathlib import Path
 
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys, shown
 from stickslip.measurement.tables import check_columns, read_rows
 from stickslip.reproduction.curves import CURVES
+from stickslip.scenario.keys import known_keys, shown
 
 COLUMNS = ("figure", "mode", "x", "y")
 

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip import plot
-from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
 from stickslip._util.processor_count import worker_count
+from stickslip.errors import ScenarioError
 from stickslip.reproduction.curve_drawing import draw_curves
 from stickslip.reproduction.curves import CURVES, curve_tables
 from stickslip.reproduction.field_checks import field_checks
@@ -27,6 +26,7 @@ from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
 from stickslip.reproduction.statements import Statement, judge
 from stickslip.reproduction.survey import survey
 from stickslip.reproduction.tables import Table
+from stickslip.scenario.keys import shown
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run

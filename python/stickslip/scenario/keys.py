@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
-from stickslip.errors import ScenarioError
 from stickslip._util.plain_text import quoted
+from stickslip.errors import ScenarioError
 
 Value = float | int | str
 """What a scalar key of a scenario can hold."""

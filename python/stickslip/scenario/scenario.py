@@ -15,7 +15,6 @@ from typing import Any
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.keys import (
     PROGRAM,
     RECORD_RATE,
@@ -26,6 +25,7 @@ from stickslip.scenario.keys import (
     set_rate,
     shown,
 )
+from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.sections import (
     SECTIONS,
     Coil,

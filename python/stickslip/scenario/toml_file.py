@@ -9,11 +9,11 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.errors import ScenarioError
-from stickslip.scenario.named_effects import EffectSettings
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
-from stickslip.scenario.keys import PROGRAM, PROGRAM_HINT, Value, known_keys, shown, suggestion
 from stickslip._util.plain_text import printable, quoted
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import PROGRAM, PROGRAM_HINT, Value, known_keys, shown, suggestion
+from stickslip.scenario.named_effects import EffectSettings
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import SAWTOOTH, SECTIONS, refuse_sawtooth
 from stickslip.scenario.toml_text import parse_toml

@@ -112,7 +112,7 @@ def register_effect(
 
         void function(const double* state, const double* parameters, double* wrench)
 
-    ``state`` holds the nine numbers of `stickslip.scenario.user_effects.State`, ``parameters`` those of the
+    ``state`` holds the nine numbers of `State`, ``parameters`` those of the
     scenario in the order of `parameters`, and ``wrench`` takes Fx and Fz, N, world's frame, and the
     torque about the centre of mass, N m, nose-down positive. A Python function is called as
     ``function(state, parameters)`` with a `State` and a tuple, and returns the three numbers. It is

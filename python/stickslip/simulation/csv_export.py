@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from os import PathLike
 from typing import Any
 
-from stickslip.simulation.coils import COIL_NAMES
 from stickslip._util.atomic_files import replacing
+from stickslip.simulation.coils import COIL_NAMES
 from stickslip.simulation.run import COLUMNS, Run
 
 _ROWS_AT_A_TIME = 10_000

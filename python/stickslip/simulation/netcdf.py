@@ -13,10 +13,10 @@ import xarray
 from xarray.backends import H5NetCDFStore
 
 from stickslip import _core
-from stickslip._util.checksum import append_checksum, check_checksum
-from stickslip.simulation.coils import COIL_NAMES
-from stickslip.errors import ScenarioError
 from stickslip._util.atomic_files import replacing
+from stickslip._util.checksum import append_checksum, check_checksum
+from stickslip.errors import ScenarioError
+from stickslip.simulation.coils import COIL_NAMES
 from stickslip.simulation.run import COLUMNS, Run
 
 SAMPLES = "t"

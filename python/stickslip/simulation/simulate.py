@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from stickslip import _core
+from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
-from stickslip._util.processor_count import worker_count
-from stickslip.simulation.run import Run
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.run import Run
 
 Progress = Callable[[float], object]
 """Called some twenty times a second with the fraction that is done, 0 to 1."""

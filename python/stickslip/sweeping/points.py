@@ -17,8 +17,15 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import (
+    RECORD_RATE,
+    Value,
+    checked,
+    known_keys,
+    shown,
+    until_registration,
+)
 from stickslip.scenario.named_effects import PREFIX
-from stickslip.scenario.keys import RECORD_RATE, Value, checked, known_keys, shown, until_registration
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import PROGRAM, SECTIONS
 from stickslip.sweeping.results import NUMBERS

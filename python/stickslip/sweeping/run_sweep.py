@@ -8,15 +8,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from stickslip.errors import ScenarioError
 from stickslip._util.atomic_files import check_writable
-from stickslip.scenario.keys import Value, shown
 from stickslip._util.processor_count import worker_count
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.checkpoint import Checkpoint, read
-from stickslip.sweeping.executors import Crew, Threads, Workers
 from stickslip.sweeping.dataset import dataset
+from stickslip.sweeping.executors import Crew, Threads, Workers
 from stickslip.sweeping.lock import held
 from stickslip.sweeping.points import Points, from_changes, from_scenarios, grid
 from stickslip.sweeping.results import Results

@@ -21,7 +21,7 @@ def varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
     return [key for key in present if len({each.get(key) for each in conditions}) > 1]
 
 
-def one_of_a_kind(conditions: Sequence[Mapping[str, Value]]) -> int | None:
+def find_singleton_condition(conditions: Sequence[Mapping[str, Value]]) -> int | None:
     """The first condition that alone has its mode, direction or other word, or alone changes a
     setting that is the same in all others."""
     for key in varied(conditions):
@@ -77,8 +77,8 @@ def sorted_by_settings(
     (usual, _), *others = Counter(settings).most_common()
     names = {usual: in_words(conditions[settings.index(usual)], keys)}
     for other, _ in others:
-        apart = [key for key, a, b in zip(keys, other, usual, strict=True) if a != b]
-        names[other] = in_words(conditions[settings.index(other)], apart)
+        differing = [key for key, a, b in zip(keys, other, usual, strict=True) if a != b]
+        names[other] = in_words(conditions[settings.index(other)], differing)
         if len(others) >= most:
             names[other] = "other " + " or ".join(key.split(".")[1] for key in keys)
     result: dict[str, list[int]] = {name: [] for name in names.values()}

@@ -18,7 +18,7 @@ _FEWEST_PAIRS, _ALIKE = 12, 0.4
 _UNEVEN, _ALONE = 1.5, 0.05
 
 
-def data_problem(
+def find_data_problem(
     values: Array,
     index: NDArray[np.int64],
     noise: NoiseModel,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.data.conditions import Conditions, in_words, varied
-from stickslip.diagnosis.data.unit_check import far_off
+from stickslip.diagnosis.data.unit_check import magnitude_mismatch
 
 Array = NDArray[np.float64]
 
@@ -27,11 +27,13 @@ def wrong_size(conditions: Conditions, predicted: Array, velocity: Array) -> str
     usual, measured = (float(np.median(np.abs(each[sound]))) for each in (predicted, velocity))
     if usual == 0.0 or measured == 0.0:
         return None
-    far = far_off(measured, usual, "m/s")
+    far = magnitude_mismatch(measured, usual, "m/s")
     if far is not None:
         return f"the velocities are {far}"
     fastest, most = float(np.max(np.abs(predicted[sound]))), int(np.nanargmax(np.abs(velocity)))
-    far = far_off(abs(float(velocity[most])), fastest, "m/s", "the stated model's fastest")
+    far = magnitude_mismatch(
+        abs(float(velocity[most])), fastest, "m/s", "the stated model's fastest"
+    )
     if far is not None and abs(velocity[most]) > fastest:
         return f"the velocity of {in_words(conditions[most], varied(conditions))} is {far}"
     likeness = float(predicted[sound] @ velocity[sound])

@@ -8,19 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from stickslip.diagnosis.inference.smooth_residual import Settings
-from stickslip.diagnosis.observables import Channel
 from stickslip.diagnosis.data.conditions import Conditions
-from stickslip.diagnosis.pipeline import Known
-from stickslip.scenario.keys import Value
+from stickslip.diagnosis.inference.smooth_residual import Settings
+from stickslip.diagnosis.observables import Observable
+from stickslip.diagnosis.pipeline import AuxiliaryData
 from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
 
 _FEW = 8
 
 
-def merged_velocities(
+def pooled_velocities(
     measurement: Measurement,
 ) -> tuple[list[dict[str, Value]], Array, NDArray[np.int64], NDArray[np.int64], Array]:
     """All tables as one, with conditions in an order that does not depend on the rows'."""
@@ -52,17 +52,17 @@ def _rank(key: tuple[tuple[str, Value], ...]) -> tuple[object, ...]:
     return (*words, *(numbers[name] for name in sorted(numbers)), frequency)
 
 
-def merged_channels(channels: Sequence[Channel]) -> Known | None:
+def pooled_observables(observables: Sequence[Observable]) -> AuxiliaryData | None:
     """Rows of all channels one after another."""
-    if not channels:
+    if not observables:
         return None
     groups, above = [], 0
-    for channel in channels:
-        groups.append(channel.group + above)
-        above += int(channel.group.max()) + 1
-    return Known(
-        np.concatenate([channel.observed for channel in channels]),
-        np.asarray(block_diag(*(channel.covariance for channel in channels)), dtype=float),
+    for observable in observables:
+        groups.append(observable.group + above)
+        above += int(observable.group.max()) + 1
+    return AuxiliaryData(
+        np.concatenate([observable.observed for observable in observables]),
+        np.asarray(block_diag(*(observable.covariance for observable in observables)), dtype=float),
         np.concatenate(groups),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 _MOST = 50.0
 
 
-def far_off(
+def magnitude_mismatch(
     measured: float, usual: float, unit: str, whose: str = "what the stated model gives"
 ) -> str | None:
     """What to say of a size above 50 times the usual one, or below a 50th of it.

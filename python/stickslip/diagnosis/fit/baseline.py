@@ -13,21 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
+from stickslip.diagnosis.fit.least_squares import AGREE, LARGEST_INFLATION, STAGES, fit_candidates
+from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
 from stickslip.diagnosis.inference.detection import lack_of_fit_p
-from stickslip.diagnosis.fit.fit_result import Fit, Start, make_rival
-from stickslip.diagnosis.fit.least_squares import AGREE, SOFTEST, STAGES, fit_rivals
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.fit.multistart import apart, scan
 
 Array = NDArray[np.float64]
 
 _SCAN = 128
 _STARTS, _STRATA = 6, 12
 _MOST, _STEPS = (18, 4, 3, 2), 10
-_DOUBT = 0.2
+_WIDER_SEARCH_P = 0.2
 _FORGIVEN = 3.0
 _SAME = 0.05
-_BASINS = 12
+_MOST_MINIMA = 12
 _ROUGH_STEP, _ROUGH_SHARE, _ROUGH_DRAWS = 0.02, 0.3, 24
 
 
@@ -42,13 +42,13 @@ class Recalibration:
     centre : Fit, optional
         Where the fit stood when the errors were large enough to forgive what is not explained; only
         if the model does not fit at the end.
-    basins : tuple of Fit
+    local_minima : tuple of Fit
         Other ends, better ones first.
     """
 
     null: Fit
     centre: Fit | None
-    basins: tuple[Fit, ...]
+    local_minima: tuple[Fit, ...]
 
 
 def recalibrate(problem: Problem, seed: int) -> Recalibration:
@@ -65,43 +65,52 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     Recalibration
     """
     count = _SCAN if problem.base_count > 1 else 32
-    scanned = scan(problem.tempered(SOFTEST), make_rival(problem), count, seed)
-    stages = _descend(problem, _apart(scanned, _STARTS))
+    scanned = sobol_scan(
+        problem.with_inflated_errors(LARGEST_INFLATION), make_candidate(problem), count, seed
+    )
+    stages = _descend(problem, _well_separated(scanned, _STARTS))
     m = len(problem.observed)
-    if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _DOUBT:
-        wider = scan(problem.tempered(SOFTEST), make_rival(problem), _SCAN, seed + 1)
+    if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _WIDER_SEARCH_P:
+        wider = sobol_scan(
+            problem.with_inflated_errors(LARGEST_INFLATION),
+            make_candidate(problem),
+            _SCAN,
+            seed + 1,
+        )
         more = _descend(problem, _strata(problem, wider))
         stages = [
             sorted([*first, *second], key=lambda fit: fit.chi2)
             for first, second in zip(stages, more, strict=True)
         ]
     ends = tuple(fit.chi2 for fit in stages[-1])
-    certified = len(ends) > 1 and ends[1] - ends[0] < AGREE
-    null = replace(stages[-1][0], starts=ends, certified=certified)
-    distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_BASINS])
-    basins = at_full_weight(problem, distinct)
+    converged = len(ends) > 1 and ends[1] - ends[0] < AGREE
+    null = replace(stages[-1][0], starts=ends, converged=converged)
+    distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_MOST_MINIMA])
+    local_minima = with_stated_errors(problem, distinct)
     if null.chi2 < _FORGIVEN * m:
-        return Recalibration(null, None, basins)
+        return Recalibration(null, None, local_minima)
     softest = next((each[0] for each in reversed(stages) if each[0].chi2 < _FORGIVEN * m), None)
     softest = softest or stages[0][0]
-    return Recalibration(null, at_full_weight(problem, [softest])[0], basins)
+    return Recalibration(null, with_stated_errors(problem, [softest])[0], local_minima)
 
 
-def at_full_weight(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
+def with_stated_errors(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
     """Fits of softer problems as fits of this one, without moving them."""
     begins = [[Start.of(fit)] for fit in fits]
-    again = fit_rivals(problem, [fit.rival for fit in fits], begins, 0, exact=False)
+    again = fit_candidates(problem, [fit.candidate for fit in fits], begins, 0, exact=False)
     return tuple(sorted(again, key=lambda fit: fit.chi2))
 
 
 def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
     """Ends of the walks at every size of the errors, best first."""
-    rival = make_rival(problem)
+    candidate = make_candidate(problem)
     begins = [Start(point) for point in points]
     stages = []
     for stage, most in zip(STAGES, _MOST, strict=True):
         alone = [[start] for start in begins[:most]]
-        fits = fit_rivals(problem.tempered(*stage), [rival] * len(alone), alone, _STEPS)
+        fits = fit_candidates(
+            problem.with_inflated_errors(*stage), [candidate] * len(alone), alone, _STEPS
+        )
         # By the loss of the stage, which forgives a condition on the wrong side of its jump.
         fits.sort(key=lambda fit: fit.starts[0])
         begins = [Start.of(fit) for fit in _distinct(fits)]
@@ -111,19 +120,19 @@ def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
 
 def _distinct(fits: Iterable[Fit]) -> list[Fit]:
     """Without those that ended where an earlier one did."""
-    return apart(fits, lambda fit: fit.x, _SAME)
+    return well_separated(fits, lambda fit: fit.x, _SAME)
 
 
-def _apart(points: Array, count: int) -> list[Array]:
+def _well_separated(points: Array, count: int) -> list[Array]:
     """The best points that are not close to a better one."""
-    return apart(points, lambda point: point, 0.7)[:count]
+    return well_separated(points, lambda point: point, 0.7)[:count]
 
 
 def _strata(problem: Problem, points: Array) -> list[Array]:
     """The best point of each stratum of the parameters that are known only in range."""
     wide = [k for k, each in enumerate(problem.uncertain) if not each.prior.has_middle]
     if not wide:
-        return _apart(points, _STRATA)
+        return _well_separated(points, _STRATA)
     chosen: list[Array] = []
     share = max(_STRATA // len(wide), 3)
     for k in wide:

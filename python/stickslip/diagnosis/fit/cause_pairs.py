@@ -8,29 +8,29 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import Fit, Start, make_rival
-from stickslip.diagnosis.fit.least_squares import SOFT, fit_rivals
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
+from stickslip.diagnosis.fit.least_squares import SMALLER_INFLATION, fit_candidates
+from stickslip.diagnosis.fit.sensitivity import (
+    UNSEEN,
+    Sensitivities,
+    find_sensitivities,
+    largest_multiple,
+    linear_step,
+    prior_cost,
+    screen,
+    starts,
+    starts_at,
+    transferred_to,
+)
 from stickslip.diagnosis.fit.single_cause import (
     CAREFUL,
     Views,
-    certify,
     quick_fits,
     refine,
-    without,
+    search_until_converged,
+    without_cause,
 )
-from stickslip.diagnosis.fit.sensitivity import (
-    UNSEEN,
-    Signatures,
-    farthest,
-    find_signatures,
-    in_place,
-    price,
-    screen,
-    seen_from,
-    settle,
-    starts,
-)
+from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -44,8 +44,8 @@ def fit_pairs(
     problem: Problem,
     views: Views,
     singles: Sequence[Fit],
-    basins: Sequence[Fit] = (),
-    clouds: int = 0,
+    local_minima: Sequence[Fit] = (),
+    random_restarts: int = 0,
 ) -> tuple[Fit, ...]:
     """Screen all pairs with finite amplitudes, and fit the most promising.
 
@@ -54,9 +54,9 @@ def fit_pairs(
     other's effect.
     """
     found: Pairs = {}
-    for base in (*(fit for fit, _ in views), *basins):
-        for _, signatures in views:
-            softer, seen_there = seen_from(problem, signatures, base, SOFT)
+    for base in (*(fit for fit, _ in views), *local_minima):
+        for _, sensitivities in views:
+            softer, seen_there = transferred_to(problem, sensitivities, base, SMALLER_INFLATION)
             for key, (left, start) in _added(problem, softer, seen_there).items():
                 if key not in found or left < found[key][0]:
                     found[key] = (left, start)
@@ -69,8 +69,8 @@ def fit_pairs(
     by_name = {cause.name: cause for cause in problem.causes}
 
     def walk(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
-        rivals = [make_rival(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
-        return quick_fits(problem, rivals, [[start] for _, start in plan], first)
+        candidates = [make_candidate(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
+        return quick_fits(problem, candidates, [[start] for _, start in plan], first)
 
     # Those that begin at a fit of one of them are near enough to begin with smaller errors.
     fits = [*walk([(key, found[key][1]) for key in added], 0), *walk(near, 2)]
@@ -82,7 +82,7 @@ def fit_pairs(
     for fit in fits:
         if best.setdefault(fit.name, fit) is not fit:
             others.setdefault(fit.name, []).append(Start.of(fit))
-    return refine(problem, list(best.values()), others, clouds, _SURVIVORS)
+    return refine(problem, list(best.values()), others, random_restarts, _SURVIVORS)
 
 
 def singles_beside(
@@ -90,19 +90,19 @@ def singles_beside(
 ) -> tuple[Fit, ...]:
     """Single causes again from where the leading pairs have led them, without their companion."""
     place = {fit.name: k for k, fit in enumerate(singles)}
-    rivals, begins = [], []
+    candidates, begins = [], []
     for fit in pairs[:_CENTRES]:
-        for cause in fit.rival.causes:
-            alone = without(problem, fit, cause)
-            rivals.append(alone.rival)
+        for cause in fit.candidate.causes:
+            alone = without_cause(problem, fit, cause)
+            candidates.append(alone.candidate)
             begins.append([Start.of(alone), Start(alone.x)])
     result = list(singles)
-    for fit in fit_rivals(problem, rivals, begins, CAREFUL):
+    for fit in fit_candidates(problem, candidates, begins, CAREFUL):
         at = place.get(fit.name)
         if at is not None and fit.chi2 < result[at].chi2 - 1.0:
             # Its starts began at one point, so that they agree says nothing.
-            result[at] = replace(fit, certified=False)
-    certify(problem, result, 0)
+            result[at] = replace(fit, converged=False)
+    search_until_converged(problem, result, 0)
     return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
 
 
@@ -127,19 +127,19 @@ def beside_a_released_constant(
     """
     known = np.array([each.prior.has_middle for each in problem.uncertain])
     p = problem.base_count
-    pulls = np.abs(single.x[:p] / single.rival.width[:p]) * known
+    pulls = np.abs(single.x[:p] / single.candidate.width[:p]) * known
     if np.max(pulls, initial=0.0) < _PULLED:
         return []
     x = single.x.copy()
     x[np.argmax(pulls)] = 0.0
-    base = fit_rivals(problem, [single.rival], [[Start(x)]], 0, exact=False)[0]
-    signatures = find_signatures(problem, base)
+    base = fit_candidates(problem, [single.candidate], [[Start(x)]], 0, exact=False)[0]
+    sensitivities = find_sensitivities(problem, base)
     result = []
     for index, cause in enumerate(problem.causes):
-        if cause.frees is not None or cause in single.rival.causes:
+        if cause.relaxes_prior is not None or cause in single.candidate.causes:
             continue
         names = sorted([single.name, cause.name])
-        for start in in_place(problem, base, signatures, index):
+        for start in starts_at(problem, base, sensitivities, index):
             result.append(((names[0], names[1]), start))
     return result
 
@@ -148,17 +148,17 @@ Pairs = dict[tuple[str, str], tuple[float, Start]]
 """For two names in the order of the alphabet: chi-square that is left, and where to begin."""
 
 
-def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
+def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
     """What the sum of two causes' responses would leave, each at its best multiple."""
-    rows = np.flatnonzero(signatures.size > UNSEEN)
-    absorbed, cause = signatures.absorbed[rows], signatures.cause[rows]
-    gram = absorbed @ absorbed.T
-    along = absorbed @ null.residual
-    power = np.diag(gram) + price(signatures)[rows]
+    rows = np.flatnonzero(sensitivities.size > UNSEEN)
+    projected, cause = sensitivities.projected[rows], sensitivities.cause[rows]
+    gram = projected @ projected.T
+    along = projected @ null.residual
+    power = np.diag(gram) + prior_cost(sensitivities)[rows]
     # Two multiples by least squares; those below zero or far above one are not trusted.
     determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
     first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
-    most = farthest(signatures)[rows]
+    most = largest_multiple(sensitivities)[rows]
     first = np.clip(first, 0.0, most[:, None])
     second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, most[None, :])
     fall = (
@@ -185,7 +185,7 @@ def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
         key, start = _joined(
             problem,
             null,
-            signatures,
+            sensitivities,
             (int(rows[i]), int(rows[j])),
             (float(first[i, j]), float(second[i, j])),
         )
@@ -196,39 +196,41 @@ def _added(problem: Problem, null: Fit, signatures: Signatures) -> Pairs:
 def _joined(
     problem: Problem,
     null: Fit,
-    signatures: Signatures,
+    sensitivities: Sensitivities,
     rows: tuple[int, int],
     scales: tuple[float, float],
 ) -> tuple[tuple[str, str], Start]:
-    """Start of a pair from two rows of the signatures."""
+    """Start of a pair from two rows of the sensitivities."""
     p, m = problem.base_count, len(problem.observed)
-    causes = [problem.causes[signatures.cause[row]] for row in rows]
+    causes = [problem.causes[sensitivities.cause[row]] for row in rows]
     columns = problem.columns(causes)
     x, slope = null.x.copy(), np.zeros((m, len(columns)))
-    x[:p] += settle(null)
+    x[:p] += linear_step(null)
     for row, scale in zip(rows, scales, strict=True):
-        at = int(signatures.at[row])
+        at = int(sensitivities.at[row])
         amount = max(float(scale), 0.2)
-        x[:p] += amount * (signatures.point[row, :p] - null.x[:p])
+        x[:p] += amount * (sensitivities.point[row, :p] - null.x[:p])
         if at < 0:
             continue
-        extra = [k for k in range(p, problem.size) if signatures.point[row, k] != 0.0]
-        x[extra] = signatures.point[row, extra]
-        x[at] = amount * signatures.amplitude[row]
-        slope[:, columns.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+        extra = [k for k in range(p, problem.size) if sensitivities.point[row, k] != 0.0]
+        x[extra] = sensitivities.point[row, extra]
+        x[at] = amount * sensitivities.amplitude[row]
+        slope[:, columns.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
     names = sorted(cause.name for cause in causes)
     return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
 
 
 def _beside(problem: Problem, single: Fit) -> Pairs:
     """What a second cause would leave beside a single one, its responses simulated anew there."""
-    softer, signatures = seen_from(problem, find_signatures(problem, single), single, SOFT)
-    screened = screen(signatures, softer.residual)
+    softer, sensitivities = transferred_to(
+        problem, find_sensitivities(problem, single), single, SMALLER_INFLATION
+    )
+    screened = screen(sensitivities, softer.residual)
     result: Pairs = {}
     for index, cause in enumerate(problem.causes):
-        if cause in single.rival.causes:
+        if cause in single.candidate.causes:
             continue
-        names = sorted([single.rival.causes[0].name, cause.name])
-        for left, start in starts(problem, softer, signatures, screened, index, 1):
+        names = sorted([single.candidate.causes[0].name, cause.name])
+        for left, start in starts(problem, softer, sensitivities, screened, index, 1):
             result[names[0], names[1]] = (left, start)
     return result

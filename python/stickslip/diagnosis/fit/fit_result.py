@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.model.problem import FREED, Cause, Problem
+from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Cause, Problem
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64)
 
 
 @dataclass(frozen=True)
-class Rival:
+class Candidate:
     """A model that competes: the recalibrated baseline and some causes.
 
     Attributes
@@ -44,11 +44,11 @@ class Rival:
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted rival.
+    """A fitted candidate.
 
     Attributes
     ----------
-    rival : Rival
+    candidate : Candidate
     x : ndarray, shape (size,)
         All coordinates.
     chi2 : float
@@ -61,14 +61,14 @@ class Fit:
     slope : ndarray, shape (m, free)
         Of the model's prediction, in the observable's unit.
     log_evidence : float
-        Laplace's, up to a constant that is common to all rivals.
-    certified : bool
+        Laplace's, up to a constant that is common to all candidates.
+    converged : bool
         Two starts ended within one unit of chi-square.
     starts : tuple of float
         What the problem's loss makes of the end of each start, best first.
     """
 
-    rival: Rival
+    candidate: Candidate
     x: Array
     chi2: float
     data_chi2: float
@@ -76,7 +76,7 @@ class Fit:
     jacobian: Array
     slope: Array
     log_evidence: float
-    certified: bool
+    converged: bool
     starts: tuple[float, ...]
 
     @property
@@ -87,12 +87,12 @@ class Fit:
     @property
     def priced_evidence(self) -> float:
         """`log_evidence` less ``PAIR_PRICE`` for a second cause: how a verdict weighs it."""
-        return self.log_evidence - (PAIR_PRICE if len(self.rival.causes) > 1 else 0.0)
+        return self.log_evidence - (PAIR_PRICE if len(self.candidate.causes) > 1 else 0.0)
 
     @property
     def name(self) -> str:
         """Names of the causes, or ``none``."""
-        return self.rival.name
+        return self.candidate.name
 
 
 @dataclass(frozen=True)
@@ -115,16 +115,16 @@ class Start:
         return Start(fit.x, fit.slope[rows])
 
 
-def make_rival(problem: Problem, causes: Sequence[Cause] = ()) -> Rival:
+def make_candidate(problem: Problem, causes: Sequence[Cause] = ()) -> Candidate:
     """The model with these causes."""
     width = np.ones(problem.base_count)
     names = [each.name for each in problem.uncertain]
     for cause in causes:
-        if cause.frees is not None:
-            width[names.index(cause.frees)] = FREED
+        if cause.relaxes_prior is not None:
+            width[names.index(cause.relaxes_prior)] = PRIOR_INFLATION
     extra = problem.columns(causes)
     free = np.array([*range(problem.base_count), *extra], dtype=np.int64)
-    return Rival(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
+    return Candidate(tuple(causes), free, np.concatenate([width, np.ones(len(extra))]))
 
 
 @dataclass(frozen=True)
@@ -155,16 +155,16 @@ class Fitted:
 
 def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
     """Parameters of the causes of a fit, and the constants that they free."""
-    freed = {cause.frees for cause in fit.rival.causes}
+    relaxed = {cause.relaxes_prior for cause in fit.candidate.causes}
     result = []
-    for position, column in enumerate(fit.rival.free.tolist()):
+    for position, column in enumerate(fit.candidate.free.tolist()):
         if column >= problem.base_count:
             extra = problem.parameters[column - problem.base_count]
             ways = extra.value, extra.continuous
             result.append(Fitted(extra.name, extra.unit, position, column, *ways, extra.shape))
             continue
         constant = problem.uncertain[column]
-        if constant.name in freed:
+        if constant.name in relaxed:
             ways = constant.prior.value, constant.prior.value
             result.append(Fitted(constant.name, constant.unit, position, column, *ways, False))
     return result

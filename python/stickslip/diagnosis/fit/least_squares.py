@@ -1,4 +1,4 @@
-"""Fits of many rival models at once, in step, so that all predictions go through one batch call.
+"""Fits of many candidate models in step, so that all predictions go through one batch call.
 
 Gauss-Newton steps inside a trust radius, on whitened residuals with a prior row for every free
 coordinate. Derivatives are differences about as wide as what the data leaves open, so that they see
@@ -9,12 +9,12 @@ and Broyden's updates, which cost nothing, in between. A jump of one condition i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import Fit, Rival, Start
+from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Start
 from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]
@@ -22,10 +22,10 @@ Array = NDArray[np.float64]
 AGREE = 1.0
 """Starts agree whose chi-squares differ by less."""
 
-SOFT, SOFTEST = 3.0, 10.0
+SMALLER_INFLATION, LARGEST_INFLATION = 3.0, 10.0
 """Factors by which errors are taken as too large, so that no walk is lost in a narrow valley."""
 
-STAGES = ((SOFTEST, np.inf), (SOFT, np.inf), (1.0, 1.5), (1.0, np.inf))
+STAGES = ((LARGEST_INFLATION, np.inf), (SMALLER_INFLATION, np.inf), (1.0, 1.5), (1.0, np.inf))
 """Errors' factor and outliers' bound of a search from afar.
 
 In the last but one, a condition whose motion is still of another kind, and whose velocity jumps
@@ -34,7 +34,7 @@ when it changes, does not hold the others back.
 
 _WIDE, _NARROW = 0.03, 1e-3
 _SECANT, _STRIDE = 1e-3, 0.3
-_CLOUD = 16
+_RESTART_POINTS = 16
 _NEAR, _FAR = 1.0, 4.0
 _BEHIND = 40.0
 _SETTLED = 0.02
@@ -44,13 +44,13 @@ _JUMP = 1.0
 
 @dataclass
 class _Walk:
-    """One start of one rival."""
+    """One start of one candidate."""
 
-    rival: Rival
+    candidate: Candidate
     x: Array
-    predicted: Array
-    residual: Array
-    chi2: float
+    predicted: Array = field(default_factory=lambda: np.zeros(0))
+    residual: Array = field(default_factory=lambda: np.zeros(0))
+    chi2: float = np.inf
     slope: Array | None = None
     fresh: bool = False
     radius: float = _NEAR
@@ -58,32 +58,32 @@ class _Walk:
 
     def jacobian(self, problem: Problem) -> Array:
         assert self.slope is not None
-        return np.vstack([problem.whiten @ self.slope, np.diag(1.0 / self.rival.width)])
+        return np.vstack([problem.whiten @ self.slope, np.diag(1.0 / self.candidate.width)])
 
 
-def fit_rivals(
+def fit_candidates(
     problem: Problem,
-    rivals: Sequence[Rival],
+    candidates: Sequence[Candidate],
     starts: Sequence[Sequence[Start]],
     iterations: int = 10,
     hopeless: float = np.inf,
-    clouds: int = 0,
+    random_restarts: int = 0,
     exact: bool = True,
 ) -> list[Fit]:
-    """Fit rivals from their starts, all in step.
+    """Fit candidates from their starts, all in step.
 
     Parameters
     ----------
     problem : Problem
         Its loss decides what is least; the fits have their plain chi-square too.
-    rivals : sequence of Rival
+    candidates : sequence of Candidate
     starts : sequence of sequence of Start
-        For each rival at least one.
+        For each candidate at least one.
     iterations : int
         Most steps of a start.
     hopeless : float
-        Rivals farther than this behind the best after two steps are not refined.
-    clouds : int
+        Candidates farther than this behind the best after two steps are not refined.
+    random_restarts : int
         Rounds of random points about every end, which get over steps that stop a slope.
     exact : bool
         Whether the derivatives at the end are taken anew; otherwise they are those of the last
@@ -92,20 +92,22 @@ def fit_rivals(
     Returns
     -------
     list of Fit
-        The best start of each rival.
+        The best start of each candidate.
     """
     low, high = problem.limits()
     groups = [
-        [_Walk(rival, np.clip(start.x, low, high), np.zeros(0), np.zeros(0), np.inf, start.slope)
-         for start in points]
-        for rival, points in zip(rivals, starts, strict=True)
+        [
+            _Walk(candidate, np.clip(start.x, low, high), slope=start.slope)
+            for start in points
+        ]
+        for candidate, points in zip(candidates, starts, strict=True)
     ]  # fmt: skip
     walks = [walk for group in groups for walk in group]
     if not walks:
         return []
     data = problem.predicted(np.stack([walk.x for walk in walks]))
     for walk, row in zip(walks, data, strict=True):
-        walk.predicted, walk.residual = row, _residual(problem, walk.rival, walk.x, row)
+        walk.predicted, walk.residual = row, _residual(problem, walk.candidate, walk.x, row)
         walk.chi2 = _cost(problem, walk.residual)
     active = walks
     for count in range(iterations):
@@ -121,9 +123,9 @@ def fit_rivals(
             active = [walk for walk in active if walk.chi2 < leads[id(walk)] + _BEHIND]
         if not active:
             break
-    if clouds:
+    if random_restarts:
         _derive(problem, [walk for walk in walks if walk.slope is None], low, high)
-    for number in range(clouds):
+    for number in range(random_restarts):
         _scatter(problem, walks, low, high, number)
     winners = [min(group, key=lambda walk: walk.chi2) for group in groups]
     _derive(problem, [walk for walk in winners if walk.slope is None], low, high)
@@ -133,9 +135,9 @@ def fit_rivals(
     return [_fit(problem, winner, group) for winner, group in zip(winners, groups, strict=True)]
 
 
-def _residual(problem: Problem, rival: Rival, x: Array, predicted: Array) -> Array:
+def _residual(problem: Problem, candidate: Candidate, x: Array, predicted: Array) -> Array:
     data = problem.whitened(predicted[None, :])[0]
-    return np.concatenate([data, -x[rival.free] / rival.width])
+    return np.concatenate([data, -x[candidate.free] / candidate.width])
 
 
 def _cost(problem: Problem, residual: Array) -> float:
@@ -151,16 +153,18 @@ def _scatter(
     random = np.random.default_rng([number, 3])
     rows = []
     for walk in walks:
-        free = walk.rival.free
+        free = walk.candidate.free
         scale = (1.0, 0.4, 0.15)[number % 3]
         lower = spread_factor(walk.jacobian(problem))
-        draws = random.standard_normal((_CLOUD, len(free)))
+        draws = random.standard_normal((_RESTART_POINTS, len(free)))
         width = np.clip(np.sqrt(np.sum(lower**2, axis=1)), 0.03, 0.5)
-        step = np.where(np.arange(_CLOUD)[:, None] % 2 == 0, draws @ lower.T, draws * width)
-        points = np.tile(walk.x, (_CLOUD, 1))
+        step = np.where(
+            np.arange(_RESTART_POINTS)[:, None] % 2 == 0, draws @ lower.T, draws * width
+        )
+        points = np.tile(walk.x, (_RESTART_POINTS, 1))
         points[:, free] += scale * step
         rows.append(np.clip(points, low, high))
-    data = problem.predicted(np.vstack(rows)).reshape(len(walks), _CLOUD, -1)
+    data = problem.predicted(np.vstack(rows)).reshape(len(walks), _RESTART_POINTS, -1)
     for walk, points, predicted in zip(walks, rows, data, strict=True):
         _move(problem, walk, points, predicted)
 
@@ -173,7 +177,7 @@ def spread_factor(jacobian: Array) -> Array:
 def _move(problem: Problem, walk: _Walk, points: Array, predicted: Array) -> float:
     """Go to the best of some points if it is better; the fall of chi-square, or less than 0."""
     residuals = [
-        _residual(problem, walk.rival, x, row) for x, row in zip(points, predicted, strict=True)
+        _residual(problem, walk.candidate, x, row) for x, row in zip(points, predicted, strict=True)
     ]
     costs = [_cost(problem, each) for each in residuals]
     best = int(np.argmin(costs))
@@ -195,20 +199,20 @@ def _derive(
     places = [
         (walk, column, *_sides(walk.x[k], width, low[k], high[k]))
         for walk in walks
-        for column, (k, width) in enumerate(zip(walk.rival.free, _widths(problem, walk),
+        for column, (k, width) in enumerate(zip(walk.candidate.free, _widths(problem, walk),
                                                 strict=True))
     ]  # fmt: skip
     sd = problem.sd
     near = _slopes(problem, [(walk, column, first) for walk, column, first, _ in places])
     smooth = [
-        np.all(np.abs(slope * (first - walk.x[walk.rival.free[column]])) <= _JUMP * sd)
+        np.all(np.abs(slope * (first - walk.x[walk.candidate.free[column]])) <= _JUMP * sd)
         for slope, (walk, column, first, _) in zip(near, places, strict=True)
     ]
     again = [k for k, fine in enumerate(smooth) if central or not fine]
     far = _slopes(problem, [(places[k][0], places[k][1], places[k][3]) for k in again])
     for k, other in zip(again, far, strict=True):
         walk, column, first, second = places[k]
-        one, two = np.array([first, second]) - walk.x[walk.rival.free[column]]
+        one, two = np.array([first, second]) - walk.x[walk.candidate.free[column]]
         if one * two > 0.0:
             # Of the stretch from the first value to the second.
             other = (two * other - one * near[k]) / (two - one)
@@ -217,7 +221,7 @@ def _derive(
         both = np.where(jumped, milder, 0.5 * (near[k] + other))
         near[k] = np.where(np.isfinite(near[k]), np.where(np.isfinite(other), both, near[k]), other)
     for walk in walks:
-        walk.slope, walk.fresh = np.zeros((len(sd), len(walk.rival.free))), True
+        walk.slope, walk.fresh = np.zeros((len(sd), len(walk.candidate.free))), True
     for (walk, column, *_), slope in zip(places, near, strict=True):
         assert walk.slope is not None
         walk.slope[:, column] = np.where(np.isfinite(slope), slope, 0.0)
@@ -226,7 +230,7 @@ def _derive(
 def _widths(problem: Problem, walk: _Walk) -> Array:
     """Widths of the differences of each free coordinate."""
     if walk.slope is None:
-        return np.full(len(walk.rival.free), _WIDE)
+        return np.full(len(walk.candidate.free), _WIDE)
     spread = 1.0 / np.sqrt(np.sum(walk.jacobian(problem) ** 2, axis=0))
     return np.asarray(np.clip(spread, _NARROW, _WIDE))
 
@@ -245,7 +249,7 @@ def _slopes(problem: Problem, places: Sequence[tuple[_Walk, int, float]]) -> lis
     if not places:
         return []
     points = np.stack([walk.x for walk, *_ in places])
-    columns = [walk.rival.free[column] for walk, column, _ in places]
+    columns = [walk.candidate.free[column] for walk, column, _ in places]
     steps = np.array([value for *_, value in places]) - points[range(len(places)), columns]
     points[range(len(places)), columns] += steps
     level = np.stack([walk.predicted for walk, *_ in places])
@@ -263,9 +267,9 @@ def _advance(problem: Problem, walks: Sequence[_Walk], low: Array, high: Array) 
         normal = jacobian.T @ jacobian
         slope = jacobian.T @ (walk.residual * root)
         point = walk.x.copy()
-        point[walk.rival.free] += _within(normal, slope, walk.radius)
+        point[walk.candidate.free] += _within(normal, slope, walk.radius)
         points.append(np.clip(point, low, high))
-        taken = (points[-1] - walk.x)[walk.rival.free]
+        taken = (points[-1] - walk.x)[walk.candidate.free]
         hoped.append(float(2.0 * slope @ taken - taken @ normal @ taken))
     predicted = problem.predicted(np.stack(points))
     for walk, point, row, promised in zip(walks, points, predicted, hoped, strict=True):
@@ -309,7 +313,7 @@ def _within(normal: Array, slope: Array, radius: float) -> Array:
 def _broyden(walk: _Walk, point: Array, row: Array, sd: Array) -> Array:
     """Derivatives that agree with what the step from here has shown."""
     assert walk.slope is not None
-    step = (point - walk.x)[walk.rival.free]
+    step = (point - walk.x)[walk.candidate.free]
     length = float(np.linalg.norm(step))
     gap = row - walk.predicted - walk.slope @ step
     # A short step says more of the jumps of the model than of its slope.
@@ -323,11 +327,11 @@ def _fit(problem: Problem, best: _Walk, walks: Sequence[_Walk]) -> Fit:
     ends = sorted(walk.chi2 for walk in walks)
     assert best.slope is not None
     jacobian = best.jacobian(problem)
-    scaled = jacobian * best.rival.width
+    scaled = jacobian * best.candidate.width
     determinant = np.linalg.slogdet(scaled.T @ scaled)[1]
     m = len(problem.observed)
     return Fit(
-        best.rival,
+        best.candidate,
         best.x,
         float(best.residual @ best.residual),
         float(np.sum(best.residual[:m] ** 2)),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import qmc
 
-from stickslip.diagnosis.fit.fit_result import Rival
+from stickslip.diagnosis.fit.fit_result import Candidate
 from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]
@@ -19,28 +19,30 @@ Item = TypeVar("Item")
 _FARTHEST, _LARGEST = 7.0, 2.5
 
 
-def scan(problem: Problem, rival: Rival, count: int, seed: int) -> Array:
-    """Coordinates of a Sobol scan of all that the rival fits, best first.
+def sobol_scan(problem: Problem, candidate: Candidate, count: int, seed: int) -> Array:
+    """Coordinates of a Sobol scan of all that the candidate fits, best first.
 
     Constants are drawn from their priors; a freed one is looked for at up to seven standard
     deviations of its prior, evenly, and a cause at all amplitudes that are not extreme.
     """
-    p, free = problem.base_count, rival.free
+    p, free = problem.base_count, candidate.free
     low, high = problem.limits()
     x = np.zeros((count, problem.size))
     if len(free):
         sobol = qmc.Sobol(len(free), scramble=True, seed=seed)
         share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
-        known = np.where(rival.width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
+        known = np.where(candidate.width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
         least, most = np.maximum(low[free], -_LARGEST), np.minimum(high[free], _LARGEST)
         x[:, free] = np.where(free < p, known, least + (most - least) * share)
         x[0] = 0.0
-    prior = np.sum((x[:, free] / rival.width) ** 2, axis=1)
+    prior = np.sum((x[:, free] / candidate.width) ** 2, axis=1)
     chi2 = problem.misfit(problem.residuals(x)) + prior
     return np.asarray(x[np.argsort(chi2, kind="stable")])
 
 
-def apart(items: Iterable[Item], place: Callable[[Item], Array], distance: float) -> list[Item]:
+def well_separated(
+    items: Iterable[Item], place: Callable[[Item], Array], distance: float
+) -> list[Item]:
     """Those that are not closer than a distance to an earlier one."""
     kept: list[Item] = []
     for item in items:

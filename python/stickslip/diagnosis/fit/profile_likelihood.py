@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import Fit, Fitted, Rival, Start, fitted_parameters
-from stickslip.diagnosis.fit.least_squares import AGREE, fit_rivals
+from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Fitted, Start, fitted_parameters
+from stickslip.diagnosis.fit.least_squares import AGREE, fit_candidates
+from stickslip.diagnosis.fit.single_cause import search_until_converged
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.fit.single_cause import certify
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def profile(problem: Problem, fit: Fit) -> list[Profile]:
     return [_profile(fit, each, line) for each, line in _lines(problem, fit)]
 
 
-def settled(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
+def moved_to_profile_minimum(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
     """A fit's profiles, about a better fit where they have led to one, which comes first.
 
     A lower place that is so narrow that it has less evidence is no better one.
@@ -97,13 +97,13 @@ def settled(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
         if best.chi2.min() > fit.chi2 - _LOWER:
             break
         begin = Start(best.fits[int(np.argmin(best.chi2))].x)
-        lower = fit_rivals(problem, [fit.rival], [[begin]], _STEPS)[0]
+        lower = fit_candidates(problem, [fit.candidate], [[begin]], _STEPS)[0]
         if lower.log_evidence <= fit.log_evidence:
             break
         # As far apart as starts that agree may end.
-        near = fit.certified and fit.chi2 - lower.chi2 < AGREE
-        checked = [replace(lower, certified=near, starts=fit.starts)]
-        certify(problem, checked, 0)
+        near = fit.converged and fit.chi2 - lower.chi2 < AGREE
+        checked = [replace(lower, converged=near, starts=fit.starts)]
+        search_until_converged(problem, checked, 0)
         fit = checked[0]
         lines = _lines(problem, fit)
     return fit, [_profile(fit, each, line) for each, line in lines]
@@ -148,10 +148,10 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
     Every one begins where the covariance leads it, and at a random place about that; then where its
     neighbours have ended, since a step of chi-square stops many a walk.
     """
-    rival = fit.rival
-    keep = rival.free != column
-    held = Rival(rival.causes, rival.free[keep], rival.width[keep])
-    prior_width = float(rival.width[~keep][0])
+    candidate = fit.candidate
+    keep = candidate.free != column
+    held = Candidate(candidate.causes, candidate.free[keep], candidate.width[keep])
+    prior_width = float(candidate.width[~keep][0])
     slope, covariance = fit.slope[:, keep], fit.covariance
     random = np.random.default_rng(29)
     done = {} if known is None else dict(zip(known.u.tolist(), known.fits, strict=True))
@@ -162,16 +162,16 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
             continue
         led = fit.x.copy()
         step = value - fit.x[column]
-        led[rival.free] += step * covariance[:, ~keep][:, 0] / covariance[~keep, ~keep][0]
+        led[candidate.free] += step * covariance[:, ~keep][:, 0] / covariance[~keep, ~keep][0]
         drawn = led.copy()
-        drawn[rival.free] += 2.0 * random.multivariate_normal(
+        drawn[candidate.free] += 2.0 * random.multivariate_normal(
             np.zeros(len(keep)), covariance, method="eigh"
         )
         for x in (led, drawn):
             x[column] = value
         begins.append([Start(x, slope) for x in (led, drawn)])
-    rivals = [held] * len(u)
-    fits = fit_rivals(problem, rivals, begins, _STEPS, _HOPELESS, exact=False)
+    candidates = [held] * len(u)
+    fits = fit_candidates(problem, candidates, begins, _STEPS, _HOPELESS, exact=False)
     changed = list(range(len(u)))
     for _ in range(_ROUNDS):
         beside = {k for other in changed for k in (other - 1, other + 1) if 0 <= k < len(u)}
@@ -197,8 +197,8 @@ def _from_neighbours(
                 x = fits[other].x.copy()
                 x[column] = u[k]
                 begins[-1].append(Start(x, fits[other].slope))
-    rivals = [fits[k].rival for k in which]
-    again = fit_rivals(problem, rivals, begins, _STEPS, _HOPELESS, exact=False)
+    candidates = [fits[k].candidate for k in which]
+    again = fit_candidates(problem, candidates, begins, _STEPS, _HOPELESS, exact=False)
     return dict(zip(which, again, strict=True))
 
 

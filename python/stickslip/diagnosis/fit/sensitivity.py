@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start
-from stickslip.diagnosis.model.problem import FREED, Problem
+from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Problem
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ AMPLITUDES = (0.15, 0.6, 2.0)
 """Of the response, in units of the parameter's scale."""
 
 SAME = 0.9
-"""Causes whose absorbed signatures have a larger cosine are one isolability class."""
+"""Causes whose projected sensitivities have a larger cosine are one distinguishability class."""
 
 _FAR = 6.0
 
@@ -30,7 +30,7 @@ UNSEEN = 1e-3
 
 
 @dataclass(frozen=True)
-class Signatures:
+class Sensitivities:
     """Absorbed responses of all causes, a row each.
 
     Attributes
@@ -45,13 +45,13 @@ class Signatures:
         Its coordinate; 1 for a freed constant.
     gap : ndarray, shape (rows, m)
         Response in the observable's unit.
-    raw, absorbed : ndarray, shape (rows, m + p)
+    raw, projected : ndarray, shape (rows, m + p)
         Whitened response with prior rows, before and after recalibration.
     basis : ndarray, shape (m + p, p)
         Orthonormal; what recalibration can do.
 
     About a fit with causes of its own, p counts their parameters too: what they can undo is
-    absorbed.
+    projected.
     """
 
     cause: NDArray[np.int64]
@@ -60,21 +60,21 @@ class Signatures:
     amplitude: Array
     gap: Array
     raw: Array
-    absorbed: Array
+    projected: Array
     basis: Array
 
     @property
     def size(self) -> Array:
         """Signal to noise of each row after absorption."""
-        return np.asarray(np.linalg.norm(self.absorbed, axis=1))
+        return np.asarray(np.linalg.norm(self.projected, axis=1))
 
     def directions(self) -> Array:
         """Unit vectors of the rows that can be seen."""
         seen = self.size > UNSEEN
-        return np.asarray(self.absorbed[seen] / self.size[seen, None])
+        return np.asarray(self.projected[seen] / self.size[seen, None])
 
 
-def find_signatures(problem: Problem, base: Fit) -> Signatures:
+def find_sensitivities(problem: Problem, base: Fit) -> Sensitivities:
     """Responses of all causes at the recalibrated model, or of all others about a fit of some.
 
     Parameters
@@ -85,39 +85,39 @@ def find_signatures(problem: Problem, base: Fit) -> Signatures:
 
     Returns
     -------
-    Signatures
+    Sensitivities
     """
     basis = np.linalg.qr(base.jacobian)[0]
-    free, m = base.rival.free, len(problem.observed)
+    free, m = base.candidate.free, len(problem.observed)
     owner, at, amplitude, points = _plan(problem, base)
     names = [each.name for each in problem.uncertain]
-    freed = [
-        (index, names.index(cause.frees), sign)
+    relaxed = [
+        (index, names.index(cause.relaxes_prior), sign)
         for index, cause in enumerate(problem.causes)
-        if cause.frees is not None and cause not in base.rival.causes
+        if cause.relaxes_prior is not None and cause not in base.candidate.causes
         for sign in (1.0, -1.0)
     ]
-    gap = np.zeros((len(points) + len(freed), m))
+    gap = np.zeros((len(points) + len(relaxed), m))
     if len(points):
         predicted = problem.predicted(np.vstack([base.x, points]))
         response = predicted[1:] - predicted[0]
         gap[: len(points)] = np.where(np.isfinite(response), response, 0.0)
     raw = np.hstack([gap @ problem.whiten.T, np.zeros((len(gap), len(free)))])
-    for row, (_, column, sign) in enumerate(freed, start=len(points)):
+    for row, (_, column, sign) in enumerate(relaxed, start=len(points)):
         raw[row, m + column] = -sign
-    absorbed = raw - (raw @ basis) @ basis.T
+    projected = raw - (raw @ basis) @ basis.T
     # The point of each row: the baseline moves to undo what it can of the response.
     move = np.linalg.lstsq(base.jacobian, raw.T, rcond=None)[0].T
-    full = np.vstack([points, np.tile(base.x, (len(freed), 1))])
+    full = np.vstack([points, np.tile(base.x, (len(relaxed), 1))])
     full[:, free] -= np.clip(move, -_FAR, _FAR)
-    return Signatures(
-        np.array(owner + [index for index, _, _ in freed], dtype=np.int64),
+    return Sensitivities(
+        np.array(owner + [index for index, _, _ in relaxed], dtype=np.int64),
         full,
-        np.array(at + [-1] * len(freed), dtype=np.int64),
-        np.array(amplitude + [1.0] * len(freed)),
+        np.array(at + [-1] * len(relaxed), dtype=np.int64),
+        np.array(amplitude + [1.0] * len(relaxed)),
         gap,
         raw,
-        absorbed,
+        projected,
         basis,
     )
 
@@ -128,7 +128,7 @@ def _plan(problem: Problem, base: Fit) -> tuple[list[int], list[int], list[float
     low, high = problem.limits()
     owner, where, size, points = [], [], [], [np.zeros((0, problem.size))]
     for index, cause in enumerate(problem.causes):
-        if cause.frees is not None or cause in base.rival.causes:
+        if cause.relaxes_prior is not None or cause in base.candidate.causes:
             continue
         columns = problem.columns([cause])
         shapes = [at for at in columns if problem.parameters[at - p].shape]
@@ -149,9 +149,9 @@ def _plan(problem: Problem, base: Fit) -> tuple[list[int], list[int], list[float
     return owner, where, size, np.vstack(points)
 
 
-def seen_from(
-    problem: Problem, signatures: Signatures, fit: Fit, factor: float
-) -> tuple[Fit, Signatures]:
+def transferred_to(
+    problem: Problem, sensitivities: Sensitivities, fit: Fit, factor: float
+) -> tuple[Fit, Sensitivities]:
     """The same responses about another fit, with errors larger by a factor.
 
     The responses are not simulated anew, but what the constants can absorb of them, and what is
@@ -161,19 +161,19 @@ def seen_from(
     -------
     fit : Fit
         With residual and Jacobian of the larger errors.
-    signatures : Signatures
+    sensitivities : Sensitivities
     """
-    m, free = len(problem.observed), fit.rival.free
+    m, free = len(problem.observed), fit.candidate.free
     weight = np.concatenate([np.full(m, 1.0 / factor), np.ones(len(free))])
     residual, jacobian = fit.residual * weight, fit.jacobian * weight[:, None]
     softer = replace(fit, residual=residual, jacobian=jacobian, chi2=float(residual @ residual))
-    raw = signatures.raw * weight
+    raw = sensitivities.raw * weight
     basis = np.linalg.qr(jacobian)[0]
-    absorbed = raw - (raw @ basis) @ basis.T
+    projected = raw - (raw @ basis) @ basis.T
     move = np.linalg.lstsq(jacobian, raw.T, rcond=None)[0].T
-    point = signatures.point.copy()
+    point = sensitivities.point.copy()
     point[:, free] = fit.x[free] - np.clip(move, -_FAR, _FAR)
-    return softer, replace(signatures, point=point, raw=raw, absorbed=absorbed, basis=basis)
+    return softer, replace(sensitivities, point=point, raw=raw, projected=projected, basis=basis)
 
 
 @dataclass(frozen=True)
@@ -195,150 +195,159 @@ class Screened:
     log_evidence: Array
 
 
-def screen(signatures: Signatures, residual: Array) -> Screened:
+def screen(sensitivities: Sensitivities, residual: Array) -> Screened:
     """Linear estimate of what every row would explain of a residual of recalibration."""
-    power, cost = signatures.size**2, price(signatures)
-    along = signatures.absorbed @ residual
-    scale = np.clip(along / (power + cost), 0.0, farthest(signatures))
+    power, cost = sensitivities.size**2, prior_cost(sensitivities)
+    along = sensitivities.projected @ residual
+    scale = np.clip(along / (power + cost), 0.0, largest_multiple(sensitivities))
     fall = 2.0 * scale * along - scale**2 * (power + cost)
     return Screened(scale, residual @ residual - fall, 0.5 * fall - 0.5 * np.log1p(power / cost))
 
 
-def farthest(signatures: Signatures) -> Array:
+def largest_multiple(sensitivities: Sensitivities) -> Array:
     """Multiple of each row up to which its response is trusted, shape (rows,)."""
-    return np.where(signatures.at < 0, 8.0, 1.8)
+    return np.where(sensitivities.at < 0, 8.0, 1.8)
 
 
-def guesses(problem: Problem, signatures: Signatures, residual: Array) -> dict[str, float]:
+def linear_evidence(
+    problem: Problem, sensitivities: Sensitivities, residual: Array
+) -> dict[str, float]:
     """Log-evidence of every cause that can be seen, above no cause, by linear screening."""
-    above = screen(signatures, residual).log_evidence
+    above = screen(sensitivities, residual).log_evidence
     result: dict[str, float] = {}
-    for row in np.flatnonzero(signatures.size > UNSEEN):
-        name = problem.causes[signatures.cause[row]].name
+    for row in np.flatnonzero(sensitivities.size > UNSEEN):
+        name = problem.causes[sensitivities.cause[row]].name
         result[name] = max(result.get(name, -np.inf), float(above[row]))
     return result
 
 
-def price(signatures: Signatures) -> Array:
+def prior_cost(sensitivities: Sensitivities) -> Array:
     """Chi-square of the amplitude's prior at each row, shape (rows,).
 
     A freed constant is a shift of the prior's mean, of which each row is one standard deviation.
     """
-    return np.where(signatures.at < 0, 1.0 / (FREED**2 - 1.0), signatures.amplitude**2)
+    return np.where(
+        sensitivities.at < 0, 1.0 / (PRIOR_INFLATION**2 - 1.0), sensitivities.amplitude**2
+    )
 
 
 def starts(
-    problem: Problem, base: Fit, signatures: Signatures, screened: Screened, cause: int, count: int
+    problem: Problem,
+    base: Fit,
+    sensitivities: Sensitivities,
+    screened: Screened,
+    cause: int,
+    count: int,
 ) -> list[tuple[float, Start]]:
     """Where fits of a cause should begin: its most promising amplitudes, of both signs first.
 
     Each with what is left of chi-square there by linear estimate. Causes that the base has are
     there too.
     """
-    rows = np.flatnonzero((signatures.cause == cause) & (signatures.size > UNSEEN))
+    rows = np.flatnonzero((sensitivities.cause == cause) & (sensitivities.size > UNSEEN))
     rows = rows[np.argsort(screened.left[rows], kind="stable")]
     chosen: list[int] = []
     signs: set[tuple[int, float]] = set()
     for row in rows:
-        kind = (int(signatures.at[row]), float(np.sign(signatures.amplitude[row])))
+        kind = (int(sensitivities.at[row]), float(np.sign(sensitivities.amplitude[row])))
         if kind not in signs:
             signs.add(kind)
             chosen.append(int(row))
     chosen += [int(row) for row in rows if row not in chosen]
     # What the constants would gain by themselves is common to all rows.
-    basis = signatures.basis
+    basis = sensitivities.basis
     own = float(np.sum((basis.T @ base.residual) ** 2))
     return [
-        (float(screened.left[row]) - own, _start(problem, base, signatures, screened, row))
+        (float(screened.left[row]) - own, _start(problem, base, sensitivities, screened, row))
         for row in chosen[:count]
     ]
 
 
-def settle(base: Fit) -> Array:
+def linear_step(base: Fit) -> Array:
     """How the free coordinates want to move from a fit; zero at the best one, shape (free,)."""
     return np.clip(np.linalg.lstsq(base.jacobian, base.residual, rcond=None)[0], -2.0, 2.0)
 
 
 def _start(
-    problem: Problem, base: Fit, signatures: Signatures, screened: Screened, row: int
+    problem: Problem, base: Fit, sensitivities: Sensitivities, screened: Screened, row: int
 ) -> Start:
     scale = max(float(screened.scale[row]), 0.3)
-    x = signatures.point[row].copy()
-    free = base.rival.free
-    x[free] = base.x[free] + scale * (x[free] - base.x[free]) + settle(base)
-    return with_cause(problem, base, signatures, row, x, scale)
+    x = sensitivities.point[row].copy()
+    free = base.candidate.free
+    x[free] = base.x[free] + scale * (x[free] - base.x[free]) + linear_step(base)
+    return with_cause(problem, base, sensitivities, row, x, scale)
 
 
-def in_place(problem: Problem, base: Fit, signatures: Signatures, cause: int) -> list[Start]:
+def starts_at(problem: Problem, base: Fit, sensitivities: Sensitivities, cause: int) -> list[Start]:
     """Starts at which a cause is added to a fit and nothing else moves, of either sign."""
-    if problem.causes[cause].frees is not None:
+    if problem.causes[cause].relaxes_prior is not None:
         return [Start(base.x, base.slope)]
     result: list[Start] = []
-    raw = signatures.raw
+    raw = sensitivities.raw
     for sign in (1.0, -1.0):
-        mine = (signatures.cause == cause) & (signatures.size > UNSEEN)
-        rows = np.flatnonzero(mine & (np.sign(signatures.amplitude) == sign))
+        mine = (sensitivities.cause == cause) & (sensitivities.size > UNSEEN)
+        rows = np.flatnonzero(mine & (np.sign(sensitivities.amplitude) == sign))
         if not len(rows):
             continue
-        power = np.sum(raw[rows] ** 2, axis=1) + signatures.amplitude[rows] ** 2
+        power = np.sum(raw[rows] ** 2, axis=1) + sensitivities.amplitude[rows] ** 2
         along = raw[rows] @ base.residual
         scale = np.clip(along / power, 0.5, 1.5)
         k = int(np.argmax(2.0 * scale * along - scale**2 * power))
         x = base.x.copy()
-        x[problem.base_count :] = signatures.point[rows[k], problem.base_count :]
+        x[problem.base_count :] = sensitivities.point[rows[k], problem.base_count :]
         # Causes of the base's own stay where they are too.
-        own = base.rival.free[base.rival.free >= problem.base_count]
+        own = base.candidate.free[base.candidate.free >= problem.base_count]
         x[own] = base.x[own]
-        result.append(with_cause(problem, base, signatures, int(rows[k]), x, float(scale[k])))
+        result.append(with_cause(problem, base, sensitivities, int(rows[k]), x, float(scale[k])))
     return result
 
 
 def with_cause(
-    problem: Problem, base: Fit, signatures: Signatures, row: int, x: Array, scale: float
+    problem: Problem, base: Fit, sensitivities: Sensitivities, row: int, x: Array, scale: float
 ) -> Start:
     """A start with a multiple of a row's amplitude, and the derivatives that are known of it."""
-    at = int(signatures.at[row])
+    at = int(sensitivities.at[row])
     if at < 0:
         return Start(x, base.slope)
     x[at] *= scale
-    added = problem.columns([problem.causes[signatures.cause[row]]])
-    every = sorted([*base.rival.free, *added])
+    added = problem.columns([problem.causes[sensitivities.cause[row]]])
+    every = sorted([*base.candidate.free, *added])
     slope = np.zeros((len(problem.observed), len(every)))
-    slope[:, [every.index(k) for k in base.rival.free]] = base.slope
-    slope[:, every.index(at)] = signatures.gap[row] / signatures.amplitude[row]
+    slope[:, [every.index(k) for k in base.candidate.free]] = base.slope
+    slope[:, every.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
     return Start(x, slope)
 
 
-def isolability(problem: Problem, signatures: Signatures, residual: Array) -> Array:
-    """Cosine between the absorbed signatures of all pairs of causes, shape (causes, causes).
+def distinguishability(problem: Problem, sensitivities: Sensitivities, residual: Array) -> Array:
+    """Cosine between the projected sensitivities of all pairs of causes, shape (causes, causes).
 
     Each cause is taken at the amplitude that fits best; 0 for one that cannot be seen.
 
     Parameters
     ----------
     problem : Problem
-    signatures : Signatures
+    sensitivities : Sensitivities
         About the recalibrated model.
     residual : ndarray, shape (m + p,)
         Whitened misfit of that one, the rows of its p constants last.
     """
-    chosen = np.zeros((len(problem.causes), signatures.raw.shape[1]))
+    chosen = np.zeros((len(problem.causes), sensitivities.raw.shape[1]))
     for index in range(len(problem.causes)):
-        row = best_row(signatures, residual, index)
+        row = best_row(sensitivities, residual, index)
         if row is not None:
-            chosen[index] = signatures.absorbed[row] / signatures.size[row]
+            chosen[index] = sensitivities.projected[row] / sensitivities.size[row]
     return np.asarray(np.abs(chosen @ chosen.T))
 
 
-def best_row(signatures: Signatures, residual: Array, cause: int) -> int | None:
+def best_row(sensitivities: Sensitivities, residual: Array, cause: int) -> int | None:
     """Row of a cause that takes most from the residual, None if none can be seen."""
-    rows = np.flatnonzero((signatures.cause == cause) & (signatures.size > UNSEEN))
+    rows = np.flatnonzero((sensitivities.cause == cause) & (sensitivities.size > UNSEEN))
     if not len(rows):
         return None
-    return int(rows[np.argmin(screen(signatures, residual).left[rows])])
+    return int(rows[np.argmin(screen(sensitivities, residual).left[rows])])
 
 
-def classes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
+def indistinguishable_causes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
     """Groups of causes that these data can hardly tell apart, those of two and more."""
     unseen = set(range(len(cosines)))
     groups = []

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start
-from stickslip.diagnosis.fit.least_squares import fit_rivals
+from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.inference.cross_validation import restricted
 from stickslip.diagnosis.model.problem import Problem
 
@@ -66,9 +66,11 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, NDArray[np.int6
     ]
     for name, rows in ((name, parts[name]) for name in kept):
         inside = restricted(problem, rows, covariance)
-        fit = fit_rivals(inside, [null.rival], [[Start.of(null, rows)]], _STEPS, exact=False)[0]
+        fit = fit_candidates(
+            inside, [null.candidate], [[Start.of(null, rows)]], _STEPS, exact=False
+        )[0]
         sd = np.sqrt(np.diag(fit.covariance))
-        found.append(Part(name, len(rows), fit.x[null.rival.free], sd))
+        found.append(Part(name, len(rows), fit.x[null.candidate.free], sd))
     return found
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2 as chi2_law
 
-from stickslip.diagnosis.fit.fit_result import Fit, Start
-from stickslip.diagnosis.fit.least_squares import fit_rivals
-from stickslip.diagnosis.model.problem import LOST, Problem
 from stickslip.diagnosis.data.noise import whitener
+from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.model.problem import LOST, Problem
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Gain:
         Of the extended model's error, weighed by the prediction's own covariance too, and beyond
         what an error that set-ups share lets expect.
     choice : str
-        Name of the rival that the other conditions alone rank first.
+        Name of the candidate that the other conditions alone rank first.
     predicted_before, predicted_after : ndarray
         At the held-out conditions.
     """
@@ -60,7 +60,7 @@ class Gain:
 
 
 def split(
-    count: int, seed: int, group: ArrayLike | None = None, unusual: int | None = None
+    count: int, seed: int, group: ArrayLike | None = None, singleton_condition: int | None = None
 ) -> NDArray[np.int64]:
     """Conditions to hold out: both ends of the table, a spread of interior points, and an unusual
     one.
@@ -72,7 +72,7 @@ def split(
     seed : int
     group : array_like of int, shape (count,), optional
         Conditions that are held out together; of two to seven groups the last is held out.
-    unusual : int, optional
+    singleton_condition : int, optional
         A condition that is like no other.
     """
     groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
@@ -86,7 +86,7 @@ def split(
     inner = [
         int(random.integers(low, max(high, low + 1))) for low, high in itertools.pairwise(edges)
     ]
-    also = [] if unusual is None else [int(groups[unusual])]
+    also = [] if singleton_condition is None else [int(groups[singleton_condition])]
     return np.flatnonzero(np.isin(groups, [0, number - 1, *inner, *also]))
 
 
@@ -117,7 +117,7 @@ def predictive_gain(
         inside = restricted(problem, keep, covariance)
         both = (null, chosen)
         begins = [[Start.of(fit, keep)] for fit in both]
-        refits = fit_rivals(inside, [fit.rival for fit in both], begins, 6, exact=False)
+        refits = fit_candidates(inside, [fit.candidate for fit in both], begins, 6, exact=False)
         error = problem.observed - problem.predicted(np.stack([fit.x for fit in refits]))
         scores = []
         for row, full, refit in zip(error, both, refits, strict=True):
@@ -137,7 +137,7 @@ def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> 
     return replace(
         problem,
         predict=predict,
-        draft=None,
+        low_fidelity=None,
         observed=problem.observed[keep],
         whiten=whitener(covariance[np.ix_(keep, keep)]),
     )
@@ -149,7 +149,7 @@ def measure_gain(
     held_out: NDArray[np.int64],
     null: Fit,
     chosen: Fit,
-    rivals: list[Fit],
+    candidates: list[Fit],
     seed: int,
 ) -> Gain | None:
     """Refit without the held-out conditions, then predict them.
@@ -164,7 +164,7 @@ def measure_gain(
         From `split`.
     null, chosen : Fit
         Of all conditions; only where their fits began is taken from them.
-    rivals : list of Fit
+    candidates : list of Fit
         Others that could have been chosen.
     seed : int
         Of the bootstrap.
@@ -178,10 +178,10 @@ def measure_gain(
         return None
     keep = np.setdiff1d(np.arange(len(problem.observed)), held_out)
     inside = restricted(problem, keep, covariance)
-    others = [fit for fit in rivals if fit is not chosen]
+    others = [fit for fit in candidates if fit is not chosen]
     fits = [null, chosen, *others]
     begins = [[Start.of(fit, keep)] for fit in fits]
-    refits = fit_rivals(inside, [fit.rival for fit in fits], begins, 6, exact=False)
+    refits = fit_candidates(inside, [fit.candidate for fit in fits], begins, 6, exact=False)
     everywhere = problem.predicted(np.stack([refits[0].x, refits[1].x]))
     predicted = everywhere[:, held_out]
     error = problem.observed[held_out] - predicted

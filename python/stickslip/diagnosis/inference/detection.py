@@ -17,8 +17,8 @@ from scipy.stats import chi2 as chi2_law
 from scipy.stats import f as f_law
 
 from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.fit.sensitivity import Signatures
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def lack_of_fit_p(chi2: float, free: int, dof: float) -> float:
     return float(f_law.sf(chi2 / free, free, dof))
 
 
-def detect(problem: Problem, null: Fit, signatures: Signatures, seed: int) -> Detection:
+def detect(problem: Problem, null: Fit, sensitivities: Sensitivities, seed: int) -> Detection:
     """Test the recalibrated model: is anything left of the data?
 
     Parameters
@@ -75,7 +75,7 @@ def detect(problem: Problem, null: Fit, signatures: Signatures, seed: int) -> De
     problem : Problem
     null : Fit
         The recalibrated model.
-    signatures : Signatures
+    sensitivities : Sensitivities
         About it, of the causes that the score looks for; there may be none.
     seed : int
         Of the draws of pure noise.
@@ -86,9 +86,9 @@ def detect(problem: Problem, null: Fit, signatures: Signatures, seed: int) -> De
     """
     m, p = len(problem.observed), problem.base_count
     random = np.random.default_rng([seed, 11])
-    directions = signatures.directions()
+    directions = sensitivities.directions()
     score = float(np.max(directions @ null.residual)) if len(directions) else 0.0
-    noise = _noise(random, _DRAWS, m + p, signatures.basis, problem.dof)
+    noise = _noise(random, _DRAWS, m + p, sensitivities.basis, problem.dof)
     largest = np.max(noise @ directions.T, axis=1) if len(directions) else np.zeros(_DRAWS)
     misfit = np.sum(noise**2, axis=1)
     threshold = float(np.quantile(largest, 1.0 - ALPHA / 2))

@@ -1,4 +1,4 @@
-"""How well rivals could be told apart where nothing was measured, for any forward model."""
+"""How well proposals could be told apart where nothing was measured, for any forward model."""
 
 from __future__ import annotations
 
@@ -9,38 +9,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.model.problem import Predict
 from stickslip.diagnosis.inference.verdict import MARGIN
+from stickslip.diagnosis.model.problem import Predict
+from stickslip.diagnosis.pipeline import Diagnosis
 
 Array = NDArray[np.float64]
 
 TRIALS = 3
 """Trials of a new condition."""
 
-RIVALS = 3
-"""How many of the leading rivals are compared."""
+CANDIDATES = 3
+"""How many of the leading proposals are compared."""
 
 _STEP = 0.1
 
 
 @dataclass(frozen=True)
 class Separation:
-    """How well the leading rivals could be told apart at candidate conditions.
+    """How well the leading proposals could be told apart at proposal conditions.
 
     Attributes
     ----------
-    rivals : list of Fit
-    predicted, sd : ndarray, shape (rivals, candidates)
-        What each rival predicts, and its own uncertainty, in the observable's unit.
-    chi2 : ndarray, shape (candidates,)
-        Expected between the two rivals that the candidate tells apart best.
-    pair : ndarray of int, shape (candidates, 2)
+    proposals : list of Fit
+    predicted, sd : ndarray, shape (proposals, proposals)
+        What each proposal predicts, and its own uncertainty, in the observable's unit.
+    chi2 : ndarray, shape (proposals,)
+        Expected between the two proposals that the proposal tells apart best.
+    pair : ndarray of int, shape (proposals, 2)
         These two.
     """
 
-    rivals: list[Fit]
+    candidates: list[Fit]
     predicted: Array
     sd: Array
     chi2: Array
@@ -48,43 +48,43 @@ class Separation:
 
 
 def separate(
-    found: Diagnosis, predict: Predict, candidates: Any, trials: int = TRIALS
+    found: Diagnosis, predict: Predict, proposals: Any, trials: int = TRIALS
 ) -> Separation | None:
-    """Compare what the rivals predict at conditions that were not measured.
+    """Compare what the proposals predict at conditions that were not measured.
 
     What is named is to be told from the runner-up and what is close to that, an ambiguous set's
-    members from one another. Each rival is taken as fitted, with its own uncertainty at the new
+    members from one another. Each proposal is taken as fitted, with its own uncertainty at the new
     condition; where nothing was found, there is nothing to separate.
 
     Parameters
     ----------
     found : Diagnosis
     predict : callable
-        As that of the diagnosis, of the candidates alone; NaN where a rival cannot compute one.
-    candidates : Any
+        As that of the diagnosis, of the proposals alone; NaN where a proposal cannot compute one.
+    proposals : Any
         Handed to `predict` as it is.
     trials : int
         Trials of the new condition, with the noise of the others.
     """
-    rivals = _rivals(found)
-    if len(rivals) < 2:
+    candidates = _candidates(found)
+    if len(candidates) < 2:
         return None
     centre, spread = [], []
-    for fit in rivals:
+    for fit in candidates:
         width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
         points = [fit.x]
-        for k, step in zip(fit.rival.free, width, strict=True):
+        for k, step in zip(fit.candidate.free, width, strict=True):
             for sign in (1.0, -1.0):
                 point = fit.x.copy()
                 point[k] += sign * step
                 points.append(point)
         values = found.problem.physical(np.stack(points))
-        predicted = np.asarray(predict(candidates, values), dtype=float)
+        predicted = np.asarray(predict(proposals, values), dtype=float)
         slope = _slopes(predicted, width[:, None])
         centre.append(predicted[0])
         spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
     level, variance = np.array(centre), np.array(spread)
-    # A condition that one of the rivals cannot compute is no proposal.
+    # A condition that one of the proposals cannot compute is no proposal.
     sound = np.all(np.isfinite(level) & np.isfinite(variance), axis=0)
     level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
     noise = _trial_variance(found, np.mean(level, axis=0)) / trials
@@ -92,19 +92,19 @@ def separate(
     leads = found.verdict.word in ("named", "pair")
     chi2 = np.zeros(level.shape[1])
     pair = np.zeros((level.shape[1], 2), dtype=np.int64)
-    for a, b in itertools.combinations(range(len(rivals)), 2):
+    for a, b in itertools.combinations(range(len(candidates)), 2):
         if leads and a > 0:
             continue
         gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
         pair[gap > chi2] = (a, b)
         chi2 = np.maximum(chi2, gap)
-    return Separation(rivals, level, np.sqrt(variance), chi2, pair)
+    return Separation(candidates, level, np.sqrt(variance), chi2, pair)
 
 
 def _slopes(predicted: Array, width: Array) -> Array:
     """Central differences of a point and pairs about it; of one side if the other has none.
 
-    A rival may stand at an end of what the model can compute, such as a static friction that is
+    A proposal may stand at an end of what the model can compute, such as a static friction that is
     just above the kinetic one.
     """
     centre, up, down = predicted[0], predicted[1::2], predicted[2::2]
@@ -121,7 +121,7 @@ def _trial_variance(found: Diagnosis, level: Array) -> Array:
     return np.asarray(noise.floor**2 + (noise.relative * level) ** 2)
 
 
-def _rivals(found: Diagnosis) -> list[Fit]:
+def _candidates(found: Diagnosis) -> list[Fit]:
     if not found.detection.found:
         return []
     both = [*found.ranking.singles, *found.ranking.pairs]
@@ -129,19 +129,20 @@ def _rivals(found: Diagnosis) -> list[Fit]:
     chosen = found.verdict.fit
     if chosen is not None and found.verdict.word in ("named", "pair"):
         # What has the cause and one more says the same of it.
-        own = set(chosen.rival.causes)
-        others = [fit for fit in fits if not own <= set(fit.rival.causes)]
+        own = set(chosen.candidate.causes)
+        others = [fit for fit in fits if not own <= set(fit.candidate.causes)]
         # Only the runner-up and those beside it: farther ones are told apart already, however much
         # more they would differ elsewhere.
         first = max((fit.priced_evidence for fit in others), default=0.0)
         fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
     if found.verdict.word == "ambiguous" and chosen is not None:
         # Only those that the verdict cannot choose between.
-        names, size = set(found.verdict.causes), len(chosen.rival.causes)
+        names, size = set(found.verdict.causes), len(chosen.candidate.causes)
         undecided = [
             fit
             for fit in fits
-            if len(fit.rival.causes) == size and {each.name for each in fit.rival.causes} <= names
+            if len(fit.candidate.causes) == size
+            and {each.name for each in fit.candidate.causes} <= names
         ]
         fits = undecided if len(undecided) > 1 else fits
-    return fits[:RIVALS]
+    return fits[:CANDIDATES]

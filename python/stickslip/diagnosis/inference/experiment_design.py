@@ -1,4 +1,4 @@
-"""Which experiment would tell the rivals apart best."""
+"""Which experiment would tell the proposals apart best."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
+from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
 
 _KEPT = 3
 DECISIVE = 4.0
-"""Expected chi-square that tells two rivals apart: two standard deviations."""
+"""Expected chi-square that tells two proposals apart: two standard deviations."""
 
 _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.mode": ("IPP", "OPP"),
@@ -70,9 +70,9 @@ class Experiment:
         Settings of ``[drive]`` by bare name.
     why : str
     separation : float
-        Expected chi-square between the two rivals that it separates best, three trials.
+        Expected chi-square between the two proposals that it separates best, three trials.
     predictions : dict
-        For each rival its velocity and standard deviation, m/s.
+        For each proposal its velocity and standard deviation, m/s.
     """
 
     drive: Mapping[str, Value]
@@ -87,27 +87,27 @@ class Experiment:
 
 
 def propose(examination: Examination) -> list[Experiment]:
-    """The three drives that separate the leading rivals best, each of another kind.
+    """The three drives that separate the leading proposals best, each of another kind.
 
     Candidates are variations of what was measured; see `separate`. Of a condition and its mirror
     image one is enough.
     """
     simulator = examination.simulator
-    candidates = _candidates(examination.conditions) if examination.conditions else []
-    if simulator is None or not candidates:
+    proposals = _proposals(examination.conditions) if examination.conditions else []
+    if simulator is None or not proposals:
         return []
 
     def predict(drives: Any, parameters: Array) -> Array:
         return simulator(drives, examination.combined.shared(parameters))
 
-    found = separate(examination.found, predict, candidates)
+    found = separate(examination.found, predict, proposals)
     if found is None:
         return []
     chosen: list[Experiment] = []
     kinds: list[tuple[Value, ...]] = []
     taken: list[int] = []
     for index in np.argsort(-found.chi2, kind="stable"):
-        drive = candidates[index]
+        drive = proposals[index]
         kind = (drive["drive.mode"], drive["drive.direction"], drive["drive.frequency"])
         level = found.predicted
         mirrored = any(np.allclose(level[:, index], -level[:, k], rtol=1e-6) for k in taken)
@@ -115,7 +115,7 @@ def propose(examination: Examination) -> list[Experiment]:
             continue
         kinds.append(kind)
         taken.append(int(index))
-        first, second = (found.rivals[k].name for k in found.pair[index])
+        first, second = (found.candidates[k].name for k in found.pair[index])
         chi2 = float(found.chi2[index])
         chosen.append(
             Experiment(
@@ -128,7 +128,7 @@ def propose(examination: Examination) -> list[Experiment]:
                         "velocity": float(level[k, index]),
                         "sd": float(found.sd[k, index]),
                     }
-                    for k, fit in enumerate(found.rivals)
+                    for k, fit in enumerate(found.candidates)
                 },
             )
         )
@@ -157,7 +157,7 @@ def _middle(conditions: Sequence[Mapping[str, Value]], key: str) -> float:
     return float(np.median([float(each[f"drive.{key}"]) for each in conditions]))
 
 
-def _candidates(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:
+def _proposals(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:
     """Variations of the measured conditions, none of which was measured."""
     by_mode: dict[Value, dict[str, Value]] = {}
     for mode in _CHOICES["drive.mode"]:

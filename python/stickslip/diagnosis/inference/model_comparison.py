@@ -1,7 +1,7 @@
-"""The recalibrated model against all its rivals, each under errors that hold where it stands.
+"""The recalibrated model against all its candidates, each under errors that hold where it stands.
 
-A rival may lead to a better recalibration, which is then tested in its turn, so that no cause is
-blamed for a search that ended in the wrong valley.
+A candidate may lead to a better recalibration, which is then tested in its turn, so that no cause
+is blamed for a search that ended in the wrong valley.
 """
 
 from __future__ import annotations
@@ -12,35 +12,35 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.inference.detection import Detection, detect
-from stickslip.diagnosis.fit.fit_result import Fit, Start
-from stickslip.diagnosis.fit.least_squares import fit_rivals
-from stickslip.diagnosis.model.problem import Problem
 from stickslip.diagnosis.data.noise import whitener
+from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, singles_beside
-from stickslip.diagnosis.fit.baseline import Recalibration, at_full_weight, model_roughness
+from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
     COMFORTABLE,
     Ranking,
     adequacy,
     fit_singles,
-    look_again,
-    nested,
     refine,
-    settle_null,
+    refit_null,
+    refit_worse_than_null,
+    search_near_leaders,
 )
-from stickslip.diagnosis.fit.sensitivity import Signatures, find_signatures
+from stickslip.diagnosis.inference.detection import Detection, detect
+from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], object]
 """Told the fraction that is done, 0 to 1, and what comes next."""
 
-_CLOUDS, _SMOOTH = 3, 1.0
+_RANDOM_RESTARTS, _SMOOTH = 3, 1.0
 _LEADERS = 2
 
 
 @dataclass(frozen=True)
-class Base:
+class AssessedBaseline:
     """The recalibrated model, with errors that hold where it stands, and what is left of it.
 
     Attributes
@@ -52,7 +52,7 @@ class Base:
     roughness : ndarray, shape (m,)
         Standard deviation of that scatter, in the observable's unit.
     null : Fit
-    signatures : Signatures
+    sensitivities : Sensitivities
     detection : Detection
     """
 
@@ -60,27 +60,29 @@ class Base:
     covariance: Array
     roughness: Array
     null: Fit
-    signatures: Signatures
+    sensitivities: Sensitivities
     detection: Detection
 
     @property
-    def clouds(self) -> int:
+    def random_restarts(self) -> int:
         """Rounds of random points that its fits need."""
-        return _clouds(self.roughness, self.covariance)
+        return _random_restarts(self.roughness, self.covariance)
 
 
-def _clouds(roughness: Array, covariance: Array) -> int:
+def _random_restarts(roughness: Array, covariance: Array) -> int:
     share = float(np.sum(roughness**2 / np.diag(covariance)))
-    return _CLOUDS if share > _SMOOTH else 0
+    return _RANDOM_RESTARTS if share > _SMOOTH else 0
 
 
-def examine(problem: Problem, bare: Array, null: Fit, seed: int) -> Base:
-    """Add the model's own scatter at a fit to the data's `bare` errors, fit again, and test.
+def assess_baseline(
+    problem: Problem, data_covariance: Array, null: Fit, seed: int
+) -> AssessedBaseline:
+    """Add the model's own scatter at a fit to the errors of the data, fit again, and test.
 
     Parameters
     ----------
     problem : Problem
-    bare : ndarray, shape (m, m)
+    data_covariance : ndarray, shape (m, m)
         Covariance of the data alone.
     null : Fit
         The recalibrated model.
@@ -91,26 +93,28 @@ def examine(problem: Problem, bare: Array, null: Fit, seed: int) -> Base:
     Base
     """
     roughness = model_roughness(problem, null, seed)
-    covariance = bare + np.diag(roughness**2)
+    covariance = data_covariance + np.diag(roughness**2)
     problem = replace(problem, whiten=whitener(covariance))
-    clouds = _clouds(roughness, covariance)
-    again = fit_rivals(problem, [null.rival], [[Start.of(null)]], 6, clouds=clouds)[0]
-    null = replace(again, certified=null.certified, starts=null.starts)
-    signatures = find_signatures(problem, null)
-    detection = detect(problem, null, signatures, seed)
-    return Base(problem, covariance, roughness, null, signatures, detection)
+    random_restarts = _random_restarts(roughness, covariance)
+    again = fit_candidates(
+        problem, [null.candidate], [[Start.of(null)]], 6, random_restarts=random_restarts
+    )[0]
+    null = replace(again, converged=null.converged, starts=null.starts)
+    sensitivities = find_sensitivities(problem, null)
+    detection = detect(problem, null, sensitivities, seed)
+    return AssessedBaseline(problem, covariance, roughness, null, sensitivities, detection)
 
 
-def compare(
-    base: Base, bare: Array, found: Recalibration, seed: int, say: Progress
-) -> tuple[Base, Ranking]:
-    """Fit all rivals.
+def compare_candidates(
+    base: AssessedBaseline, data_covariance: Array, found: Recalibration, seed: int, say: Progress
+) -> tuple[AssessedBaseline, Ranking]:
+    """Fit all candidates.
 
     Parameters
     ----------
-    base : Base
-        From `examine`.
-    bare : ndarray, shape (m, m)
+    base : AssessedBaseline
+        From `assess_baseline`.
+    data_covariance : ndarray, shape (m, m)
         Covariance of the data alone.
     found : Recalibration
         What `recalibrate` gave.
@@ -120,83 +124,85 @@ def compare(
 
     Returns
     -------
-    base : Base
-        Another one if the rivals have led to a better recalibration.
+    base : AssessedBaseline
+        Another one if the candidates have led to a better recalibration.
     ranking : Ranking
     """
-    problem, null, clouds = base.problem, base.null, base.clouds
-    basins = at_full_weight(problem, found.basins)
-    views = [(null, base.signatures)]
+    problem, null, random_restarts = base.problem, base.null, base.random_restarts
+    local_minima = with_stated_errors(problem, found.local_minima)
+    views = [(null, base.sensitivities)]
     if found.centre is not None:
         # Far from all priors the recalibrated model is no place to look at causes from.
-        centre = at_full_weight(problem, [found.centre])[0]
-        views.append((centre, find_signatures(problem, centre)))
-    singles = fit_singles(problem, views, basins, clouds)
-    singles = look_again(problem, singles, singles[:_LEADERS], clouds)
-    base, singles = _settled(base, bare, singles, seed)
+        centre = with_stated_errors(problem, [found.centre])[0]
+        views.append((centre, find_sensitivities(problem, centre)))
+    singles = fit_singles(problem, views, local_minima, random_restarts)
+    singles = search_near_leaders(problem, singles, singles[:_LEADERS], random_restarts)
+    base, singles = _settled(base, data_covariance, singles, seed)
     # A near twin whose searches did not agree may be found from where the leader is now.
-    if any(not fit.certified for fit in singles[1:_LEADERS]):
-        singles = look_again(base.problem, singles, singles[:1], base.clouds)
+    if any(not fit.converged for fit in singles[1:_LEADERS]):
+        singles = search_near_leaders(base.problem, singles, singles[:1], base.random_restarts)
     if not base.detection.found:
         return base, Ranking(base.null, singles, ())
-    if singles and base.clouds:
-        # The best rival may sit where the model jumps more than at the null; its scatter counts
+    if singles and base.random_restarts:
+        # The best candidate may sit where the model jumps more than at the null; its scatter counts
         # for all alike.
         more = model_roughness(base.problem, singles[0], seed)
         if np.any(more > 1.2 * base.roughness):
-            base, singles = _rougher(base, bare, np.maximum(base.roughness, more), singles)
-            singles = refine(base.problem, singles, {}, base.clouds)
+            base, singles = _rougher(
+                base, data_covariance, np.maximum(base.roughness, more), singles
+            )
+            singles = refine(base.problem, singles, {}, base.random_restarts)
     ranking = Ranking(base.null, singles, ())
     # The best single of two effects is often neither, so adequacy decides and not the rank.
     sufficient = any(adequacy(base.problem, fit) >= COMFORTABLE for fit in singles[:3])
     if singles and not sufficient:
         say(0.6, "fitting pairs of causes")
         if base.problem is not problem:
-            others = at_full_weight(base.problem, [fit for fit, _ in views[1:]])
-            views[1:] = [(fit, find_signatures(base.problem, fit)) for fit in others]
-            basins = at_full_weight(base.problem, basins)
-        views[0] = (base.null, base.signatures)
-        pairs = fit_pairs(base.problem, views, singles, basins, base.clouds)
-        pairs = look_again(base.problem, pairs, pairs[:1], base.clouds)
+            others = with_stated_errors(base.problem, [fit for fit, _ in views[1:]])
+            views[1:] = [(fit, find_sensitivities(base.problem, fit)) for fit in others]
+            local_minima = with_stated_errors(base.problem, local_minima)
+        views[0] = (base.null, base.sensitivities)
+        pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
+        pairs = search_near_leaders(base.problem, pairs, pairs[:1], base.random_restarts)
         singles = singles_beside(base.problem, singles, pairs)
-        base, fits = _settled(base, bare, [*singles, *pairs], seed)
-        singles = tuple(fit for fit in fits if len(fit.rival.causes) == 1)
-        pairs = tuple(fit for fit in fits if len(fit.rival.causes) == 2)
+        base, fits = _settled(base, data_covariance, [*singles, *pairs], seed)
+        singles = tuple(fit for fit in fits if len(fit.candidate.causes) == 1)
+        pairs = tuple(fit for fit in fits if len(fit.candidate.causes) == 2)
         ranking = Ranking(base.null, singles, pairs)
     return base, ranking
 
 
 def _settled(
-    base: Base, bare: Array, fits: Sequence[Fit], seed: int
-) -> tuple[Base, tuple[Fit, ...]]:
-    """The null from its rivals' constants, examined anew if it is better, and they from its own."""
-    singles = [fit for fit in fits if len(fit.rival.causes) == 1]
-    null = settle_null(base.problem, base.null, singles)
+    base: AssessedBaseline, data_covariance: Array, fits: Sequence[Fit], seed: int
+) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
+    """The null from the candidates' constants, assessed anew if better; they from its own."""
+    singles = [fit for fit in fits if len(fit.candidate.causes) == 1]
+    null = refit_null(base.problem, base.null, singles)
     ordered = tuple(sorted(fits, key=lambda fit: -fit.log_evidence))
     if null is base.null:
-        return base, nested(base.problem, null, ordered)
-    base = examine(base.problem, bare, null, seed)
-    return base, nested(base.problem, base.null, reweighed(base.problem, ordered))
+        return base, refit_worse_than_null(base.problem, null, ordered)
+    base = assess_baseline(base.problem, data_covariance, null, seed)
+    return base, refit_worse_than_null(base.problem, base.null, reweighed(base.problem, ordered))
 
 
 def _rougher(
-    base: Base, bare: Array, roughness: Array, fits: Sequence[Fit]
-) -> tuple[Base, tuple[Fit, ...]]:
+    base: AssessedBaseline, data_covariance: Array, roughness: Array, fits: Sequence[Fit]
+) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
     """The same with a larger scatter of the model; the test that it has passed stands."""
-    covariance = bare + np.diag(roughness**2)
+    covariance = data_covariance + np.diag(roughness**2)
     problem = replace(base.problem, whiten=whitener(covariance))
     (null,) = reweighed(problem, [base.null])
-    signatures = find_signatures(problem, null)
-    rough = Base(problem, covariance, roughness, null, signatures, base.detection)
+    sensitivities = find_sensitivities(problem, null)
+    rough = AssessedBaseline(problem, covariance, roughness, null, sensitivities, base.detection)
     return rough, reweighed(problem, fits)
 
 
 def reweighed(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
     """Fits under other errors, best first; what their starts have shown still holds."""
     begins = [[Start.of(fit)] for fit in fits]
-    fitted = fit_rivals(problem, [fit.rival for fit in fits], begins, 1, exact=False)
+    fitted = fit_candidates(problem, [fit.candidate for fit in fits], begins, 1, exact=False)
     kept = [
-        replace(new, certified=old.certified, starts=old.starts)
+        replace(new, converged=old.converged, starts=old.starts)
         for new, old in zip(fitted, fits, strict=True)
     ]
     return tuple(sorted(kept, key=lambda fit: -fit.log_evidence))

@@ -1,10 +1,10 @@
-"""How the rivals stand to one another, as the verdict weighs them."""
+"""How the candidates stand to one another, as the verdict weighs them."""
 
 from __future__ import annotations
 
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.inference.verdict import MARGIN, next_best
+from stickslip.diagnosis.inference.verdict import MARGIN, describe_runner_up
+from stickslip.diagnosis.pipeline import Diagnosis
 
 _SINGLES, _PAIRS = 7, 5
 
@@ -19,12 +19,12 @@ def set_members(found: Diagnosis) -> list[Fit]:
         return []
     if found.verdict.word != "ambiguous":
         return [chosen]
-    among, pairs = set(found.verdict.causes), len(chosen.rival.causes) > 1
+    among, pairs = set(found.verdict.causes), len(chosen.candidate.causes) > 1
     others = [
         fit
         for fit in (found.ranking.pairs if pairs else found.ranking.singles)
         if fit is not chosen
-        and among.issuperset(cause.name for cause in fit.rival.causes)
+        and among.issuperset(cause.name for cause in fit.candidate.causes)
         # Two close pairs have four names, of which other pairs can be made too.
         and not (pairs and chosen.log_evidence - fit.log_evidence >= MARGIN)
     ]
@@ -55,4 +55,4 @@ def runner_up(found: Diagnosis) -> str:
         )
     claimed = {fit.name for fit in set_members(found)}
     others = [fit for fit in fits if fit.name not in claimed]
-    return next_best(found.problem, verdict.fit, null, others)
+    return describe_runner_up(found.problem, verdict.fit, null, others)

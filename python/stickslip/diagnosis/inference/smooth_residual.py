@@ -37,7 +37,7 @@ class Settings:
     kinds: NDArray[np.int64]
 
 
-def smooth_ceiling(problem: Problem, null: Fit, settings: Settings) -> float:
+def smooth_residual_bound(problem: Problem, null: Fit, settings: Settings) -> float:
     """Chi-square that the smooth function takes from the recalibrated model's misfit.
 
     Less what it would take of pure noise on average.
@@ -52,7 +52,7 @@ def smooth_ceiling(problem: Problem, null: Fit, settings: Settings) -> float:
     n, size = len(settings.numbers), len(null.residual)
     spread = np.std(settings.numbers, axis=0)
     scaled = settings.numbers[:, spread > 0.0] / spread[spread > 0.0]
-    apart = np.sum((scaled[:, None, :] - scaled[None, :, :]) ** 2, axis=2)
+    well_separated = np.sum((scaled[:, None, :] - scaled[None, :, :]) ** 2, axis=2)
     same = settings.kinds[:, None] == settings.kinds[None, :]
     basis = np.linalg.qr(null.jacobian)[0]
     project = np.eye(size) - basis @ basis.T
@@ -60,7 +60,7 @@ def smooth_ceiling(problem: Problem, null: Fit, settings: Settings) -> float:
     best, taken = -np.inf, 0.0
     for amplitude, length in itertools.product(_SIZES, _LENGTHS):
         kernel = np.zeros((size, size))
-        kernel[:n, :n] = amplitude**2 * np.exp(-0.5 * apart / length**2) * same
+        kernel[:n, :n] = amplitude**2 * np.exp(-0.5 * well_separated / length**2) * same
         signal = project @ kernel @ project
         total = signal + np.eye(size)
         solved = np.linalg.solve(total, residual)

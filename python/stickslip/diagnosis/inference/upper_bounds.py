@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.diagnosis.fit.sensitivity import UNSEEN, Sensitivities
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.fit.sensitivity import UNSEEN, Signatures
 
 Array = NDArray[np.float64]
 
 
-def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> dict[str, float]:
+def upper_bounds(
+    problem: Problem, sensitivities: Sensitivities, residual: Array
+) -> dict[str, float]:
     """95 % upper limit of the magnitude of every parameter of a cause, in its own unit.
 
     Of one that acts as it falls, the lowest value that it could have. From the responses that were
@@ -21,7 +23,7 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
     Parameters
     ----------
     problem : Problem
-    signatures : Signatures
+    sensitivities : Sensitivities
         About the recalibrated model.
     residual : ndarray, shape (m + p,)
         Whitened misfit of that one, the rows of its p constants last.
@@ -38,8 +40,8 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
             for sign in (1.0, -1.0):
                 rows = [
                     row
-                    for row in np.flatnonzero(signatures.cause == index)
-                    if signatures.point[row, at] * sign > 0.0
+                    for row in np.flatnonzero(sensitivities.cause == index)
+                    if sensitivities.point[row, at] * sign > 0.0
                 ]
                 far = high if sign > 0 else -low
                 if not rows:
@@ -47,8 +49,8 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
                 # Whatever the shape, so the limit is that of the shape that is seen least.
                 nearest: dict[tuple[float, ...], float] = {}
                 for row in rows:
-                    bend = tuple(signatures.point[row, shapes])
-                    reach = _reach(signatures, residual, int(row), far)
+                    bend = tuple(sensitivities.point[row, shapes])
+                    reach = _reach(sensitivities, residual, int(row), far)
                     nearest[bend] = min(nearest.get(bend, far), reach)
                 limit = max(limit, *nearest.values())
             sign = 1.0 if high >= -low else -1.0
@@ -58,18 +60,18 @@ def upper_bounds(problem: Problem, signatures: Signatures, residual: Array) -> d
     return bounds
 
 
-def _reach(signatures: Signatures, residual: Array, row: int, far: float) -> float:
-    size = float(signatures.size[row])
+def _reach(sensitivities: Sensitivities, residual: Array, row: int, far: float) -> float:
+    size = float(sensitivities.size[row])
     if size < UNSEEN:
         return far
-    estimate = float(signatures.absorbed[row] @ residual) / size**2
+    estimate = float(sensitivities.projected[row] @ residual) / size**2
     limit = max(estimate, 0.0) + 1.96 / size
     # A response at one amplitude says little of amplitudes far from it, larger or smaller.
-    return abs(float(signatures.amplitude[row])) * max(limit, 1.0 / 3.0) if limit < 3.0 else far
+    return abs(float(sensitivities.amplitude[row])) * max(limit, 1.0 / 3.0) if limit < 3.0 else far
 
 
 def smallest_effects(
-    problem: Problem, signatures: Signatures, threshold: float
+    problem: Problem, sensitivities: Sensitivities, threshold: float
 ) -> dict[str, float]:
     """Smallest size of every parameter of a cause that these data would show in four cases of five.
 
@@ -78,22 +80,22 @@ def smallest_effects(
     Parameters
     ----------
     problem : Problem
-    signatures : Signatures
+    sensitivities : Sensitivities
     threshold : float
         Of the score.
     """
     wanted = threshold + 0.84
     found: dict[str, float] = {}
     nearest: dict[str, float] = {}
-    for row in np.flatnonzero(signatures.at >= 0):
-        parameter = problem.parameters[signatures.at[row] - problem.base_count]
+    for row in np.flatnonzero(sensitivities.at >= 0):
+        parameter = problem.parameters[sensitivities.at[row] - problem.base_count]
         found.setdefault(parameter.name, np.inf)
-        ratio = wanted / max(float(signatures.size[row]), UNSEEN)
+        ratio = wanted / max(float(sensitivities.size[row]), UNSEEN)
         # A response says little of amplitudes far beyond its own.
         if ratio > 3.0 or abs(np.log(ratio)) >= nearest.get(parameter.name, np.inf):
             continue
         nearest[parameter.name] = abs(float(np.log(ratio)))
-        own = float(parameter.value(np.array([signatures.amplitude[row]]))[0])
+        own = float(parameter.value(np.array([sensitivities.amplitude[row]]))[0])
         start = parameter.high if parameter.downward else parameter.absent
         size = abs(own - start) * ratio
         found[parameter.name] = start - size if parameter.downward else size

@@ -10,14 +10,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.inference.detection import Detection, lack_of_fit_p
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit
-from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.fit.single_cause import ADEQUATE, Ranking, adequacy
 from stickslip.diagnosis.fit.sensitivity import SAME
+from stickslip.diagnosis.fit.single_cause import ADEQUATE, Ranking, adequacy
+from stickslip.diagnosis.inference.detection import Detection, lack_of_fit_p
+from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]
-Word = Literal["none", "named", "ambiguous", "pair", "unexplained", "data-problem"]
+VerdictKind = Literal["none", "named", "ambiguous", "pair", "unexplained", "data-problem"]
 
 MARGIN = 3.0
 """Log-evidence by which a named cause leads."""
@@ -63,7 +63,7 @@ class Verdict:
         Over all causes, ``none`` and ``unknown``; they sum to 1.
     """
 
-    word: Word
+    word: VerdictKind
     causes: tuple[str, ...]
     fit: Fit | None
     reasons: tuple[str, ...]
@@ -75,9 +75,9 @@ def decide(
     detection: Detection,
     ranking: Ranking,
     cosines: Array,
-    guessed: Mapping[str, float],
-    helps: Callable[[Fit], bool],
-    ceiling: float | None = None,
+    linear_evidence: Mapping[str, float],
+    improves_prediction: Callable[[Fit], bool],
+    smooth_bound: float | None = None,
     tables: Sequence[Table] = (),
 ) -> Verdict:
     """The verdict by the rules of the documentation.
@@ -88,22 +88,22 @@ def decide(
     detection : Detection
     ranking : Ranking
     cosines : ndarray, shape (causes, causes)
-        Isolability.
-    guessed : dict
+        Distinguishability.
+    linear_evidence : dict
         Log-evidence of each cause above no cause by linear screening, for those without a fit.
-    helps : callable
-        Whether a rival predicts held-out conditions better than the recalibrated model.
-    ceiling : float, optional
+    improves_prediction : callable
+        Whether a candidate predicts held-out conditions better than the recalibrated model.
+    smooth_bound : float, optional
         Chi-square that a smooth function of the settings would take from the misfit.
     tables : sequence of Table, optional
         Kinds of data that have to agree each.
     """
-    chance = probabilities(problem, ranking, guessed)
+    chance = probabilities(problem, ranking, linear_evidence)
     if not detection.found:
         return Verdict("none", (), None, ("both tests pass",), chance)
-    said = _decided(problem, ranking, cosines, helps, chance)
+    said = _decided(problem, ranking, cosines, improves_prediction, chance)
     if said.fit is not None and said.word in ("named", "pair"):
-        share = share_of_ceiling(ranking.null, said.fit, ceiling)
+        share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
         if share is not None and share < _LEAST_SHARE:
             reason = (
                 f"{said.fit.name} takes {100.0 * share:.0f} % of what a smooth function of the "
@@ -135,31 +135,31 @@ def _unknown(chance: Mapping[str, float], refused: Sequence[str]) -> dict[str, f
     return result
 
 
-def share_of_ceiling(null: Fit, fit: Fit, ceiling: float | None) -> float | None:
+def share_of_smooth_bound(null: Fit, fit: Fit, smooth_bound: float | None) -> float | None:
     """Part of what a smooth function of the settings explains that a fit explains too."""
-    return None if not ceiling else (null.chi2 - fit.chi2) / ceiling
+    return None if not smooth_bound else (null.chi2 - fit.chi2) / smooth_bound
 
 
 def _decided(
     problem: Problem,
     ranking: Ranking,
     cosines: Array,
-    helps: Callable[[Fit], bool],
+    improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
 ) -> Verdict:
     """The verdict if something was detected and its causes explain enough."""
     singles, null = ranking.singles, ranking.null
     adequate = [fit for fit in singles if adequacy(problem, fit) >= ADEQUATE]
     if not adequate:
-        return _without_single(problem, ranking, helps, chance)
+        return _without_single(problem, ranking, improves_prediction, chance)
     best = adequate[0]
     if best is not singles[0] and singles[0].log_evidence > best.log_evidence + MARGIN:
-        return _without_single(problem, ranking, helps, chance)
+        return _without_single(problem, ranking, improves_prediction, chance)
     led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
     if any(adequacy(problem, fit) >= ADEQUATE for fit in led):
-        return _without_single(problem, ranking, helps, chance)
+        return _without_single(problem, ranking, improves_prediction, chance)
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
-    # A rival that is not quite adequate itself may still be too near to be dismissed.
+    # A candidate that is not quite adequate itself may still be too near to be dismissed.
     close = [fit for fit in singles if best.log_evidence - fit.log_evidence < MARGIN]
     alike = [
         fit
@@ -167,21 +167,25 @@ def _decided(
         if cosines[index[best.name], index[fit.name]] > SAME
         and best.log_evidence - fit.log_evidence < 2 * MARGIN
     ]
-    rivals = [fit for fit in singles if fit in close or fit in alike]
-    if len(rivals) > 1:
-        names = tuple(fit.name for fit in rivals)
+    candidates = [fit for fit in singles if fit in close or fit in alike]
+    if len(candidates) > 1:
+        names = tuple(fit.name for fit in candidates)
         said = "the evidence does not separate them"
-        if all(fit in alike or fit is best for fit in rivals):
+        if all(fit in alike or fit is best for fit in candidates):
             said = "their effects on this data are alike once the model is recalibrated"
-        return Verdict("ambiguous", names, best, (said, *_doubts(problem, null, best)), chance)
-    reasons = _doubts(problem, null, best, helps)
+        return Verdict(
+            "ambiguous", names, best, (said, *_reasons_against(problem, null, best)), chance
+        )
+    reasons = _reasons_against(problem, null, best, improves_prediction)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
     others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
-    return Verdict("named", (best.name,), best, (next_best(problem, best, null, others),), chance)
+    return Verdict(
+        "named", (best.name,), best, (describe_runner_up(problem, best, null, others),), chance
+    )
 
 
-def next_best(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> str:
+def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> str:
     """How the best of the others stands to what is said, after the price of a second cause.
 
     Parameters
@@ -190,7 +194,7 @@ def next_best(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> 
     said, null : Fit
         What is said, and the recalibrated model.
     others : sequence of Fit
-        All other rivals.
+        All other candidates.
 
     Returns
     -------
@@ -207,8 +211,8 @@ def next_best(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> 
     return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
 
 
-def confirmed(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
-    """The verdict beside the rival that the conditions which are not held out rank first.
+def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
+    """The verdict beside the candidate that the conditions which are not held out rank first.
 
     What a part of the conditions turns into something else is not claimed. A cause fewer or more is
     nothing else: it takes many conditions to tell.
@@ -217,9 +221,9 @@ def confirmed(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
     if fit is None or choice == fit.name:
         return verdict
     said = f"without the held-out conditions {choice} would lead"
-    rivals = [*ranking.singles, *ranking.pairs]
-    other = next((each for each in rivals if each.name == choice), fit)
-    own, theirs = ({cause.name for cause in each.rival.causes} for each in (fit, other))
+    candidates = [*ranking.singles, *ranking.pairs]
+    other = next((each for each in candidates if each.name == choice), fit)
+    own, theirs = ({cause.name for cause in each.candidate.causes} for each in (fit, other))
     if verdict.word not in ("named", "pair") or own <= theirs or theirs <= own:
         return replace(verdict, reasons=(*verdict.reasons, said))
     # Single causes and pairs make no set together.
@@ -227,18 +231,18 @@ def confirmed(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
     return replace(verdict, word="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
 
 
-def _doubts(
-    problem: Problem, null: Fit, best: Fit, helps: Callable[[Fit], bool] | None = None
+def _reasons_against(
+    problem: Problem, null: Fit, best: Fit, improves_prediction: Callable[[Fit], bool] | None = None
 ) -> list[str]:
-    """Why a rival that leads all others is not claimed all the same."""
+    """Why a candidate that leads all others is not claimed all the same."""
     reasons = []
     if best.log_evidence - null.log_evidence < MARGIN:
         reasons.append("the log-evidence is less than 3 above that of no cause")
-    if not best.certified:
+    if not best.converged:
         reasons.append("fits from different starts do not agree")
     # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
-    shaped = any(cause.frees is None for cause in best.rival.causes)
-    if helps is not None and shaped and not helps(best):
+    shaped = any(cause.relaxes_prior is None for cause in best.candidate.causes)
+    if improves_prediction is not None and shaped and not improves_prediction(best):
         reasons.append("conditions that are left out are not predicted better")
     if _at_limit(problem, best):
         reasons.append("an amplitude is at the end of its physical range")
@@ -248,7 +252,7 @@ def _doubts(
 def _without_single(
     problem: Problem,
     ranking: Ranking,
-    helps: Callable[[Fit], bool],
+    improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
 ) -> Verdict:
     best_single = ranking.singles[0] if ranking.singles else ranking.null
@@ -266,13 +270,13 @@ def _without_single(
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
     close = [fit for fit in ranking.pairs if best.log_evidence - fit.log_evidence < MARGIN]
-    names = tuple(sorted({cause.name for fit in close for cause in fit.rival.causes}))
+    names = tuple(sorted({cause.name for fit in close for cause in fit.candidate.causes}))
     if len(close) > 1:
         said = f"{len(close)} pairs explain the data about as well: " + "; ".join(
             fit.name for fit in close[:4]
         )
         return Verdict("ambiguous", names, best, (said,), chance)
-    reasons = _doubts(problem, ranking.null, best, helps)
+    reasons = _reasons_against(problem, ranking.null, best, improves_prediction)
     if reasons:
         return Verdict("ambiguous", names, best, tuple(reasons), chance)
     return Verdict("pair", names, best, ("no single cause explains the data as well",), chance)
@@ -280,7 +284,7 @@ def _without_single(
 
 def _at_limit(problem: Problem, fit: Fit) -> bool:
     low, high = problem.limits()
-    extra = fit.rival.free[problem.base_count :]
+    extra = fit.candidate.free[problem.base_count :]
     return bool(np.any((fit.x[extra] >= high[extra]) & np.isfinite(high[extra])) or
                 np.any((fit.x[extra] <= low[extra]) & (low[extra] < 0.0)))  # fmt: skip
 
@@ -293,7 +297,7 @@ def prior_probabilities(problem: Problem) -> dict[str, float]:
 
 
 def probabilities(
-    problem: Problem, ranking: Ranking, guessed: Mapping[str, float]
+    problem: Problem, ranking: Ranking, linear_evidence: Mapping[str, float]
 ) -> dict[str, float]:
     """Posterior over all causes, ``none`` and ``unknown``, summing to 1.
 
@@ -313,19 +317,20 @@ def probabilities(
         "none": math.log(_NONE) + nothing,
         "unknown": math.log(_UNKNOWN) + generic,
     }
-    evidence = {name: nothing + above for name, above in guessed.items()}
+    evidence = {name: nothing + above for name, above in linear_evidence.items()}
     evidence |= {fit.name: _worth(problem, fit) for fit in ranking.singles}
     for cause in problem.causes:
         weights[cause.name] = math.log(share) + evidence.get(cause.name, nothing)
     couples = [
         (fit, math.log(share) + math.log(0.1 / max(len(problem.causes), 1)) + _worth(problem, fit))
         for fit in ranking.pairs
-        if fit.log_evidence > max(evidence.get(each.name, -math.inf) for each in fit.rival.causes)
+        if fit.log_evidence
+        > max(evidence.get(each.name, -math.inf) for each in fit.candidate.causes)
     ]
     top = max([*weights.values(), *(weight for _, weight in couples)])
     result = {name: math.exp(weight - top) for name, weight in weights.items()}
     for fit, weight in couples:
-        for cause in fit.rival.causes:
+        for cause in fit.candidate.causes:
             result[cause.name] += 0.5 * math.exp(weight - top)
     total = sum(result.values())
     ordered = sorted(result.items(), key=lambda item: (item[0] in ("none", "unknown"), -item[1]))

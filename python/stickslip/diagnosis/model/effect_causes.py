@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
-from stickslip.scenario.named_effects import effects
-from stickslip.scenario.keys import Key, known_keys
 from stickslip.measurement.priors import Prior
+from stickslip.scenario.keys import Key, known_keys
+from stickslip.scenario.named_effects import effects
 from stickslip.scenario.scenario import Scenario
 
 

@@ -17,14 +17,14 @@ Array = NDArray[np.float64]
 Predict = Callable[[Any, Array], Array]
 """``predict(conditions, parameters)``: from shape (vectors, parameters) to (vectors, m)."""
 
-FREED = 10.0
+PRIOR_INFLATION = 10.0
 """By how much a constant's prior is widened when it is itself the suspect."""
 
 LOST = 1e3
 """Whitened residual of a condition that the model cannot compute."""
 
 
-class Remembered:
+class PredictionCache:
     """A prediction that is not made twice: fits begin where others have ended.
 
     Parameters
@@ -169,7 +169,7 @@ class Cause:
     name, meaning : str
     parameters : tuple of CauseParameter
         Empty for a freed constant.
-    frees : str, optional
+    relaxes_prior : str, optional
         Name of the uncertain parameter whose prior is widened.
 
     Raises
@@ -181,7 +181,7 @@ class Cause:
     name: str
     parameters: tuple[CauseParameter, ...] = ()
     meaning: str = ""
-    frees: str | None = None
+    relaxes_prior: str | None = None
 
     def __post_init__(self) -> None:
         given = self.parameters
@@ -212,7 +212,7 @@ class Problem:
     outlier : float
         Whitened residual beyond which a misfit counts less and less (Cauchy's loss); infinity for
         least squares.
-    draft : callable, optional
+    low_fidelity : callable, optional
         A cheaper `predict`, whose errors are small where those of the data are taken as too large.
     """
 
@@ -224,7 +224,7 @@ class Problem:
     uncertain: tuple[Uncertain, ...]
     causes: tuple[Cause, ...] = ()
     outlier: float = np.inf
-    draft: Predict | None = None
+    low_fidelity: Predict | None = None
     parameters: tuple[CauseParameter, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -273,12 +273,14 @@ class Problem:
         """Observables at coordinates, shape (vectors, m)."""
         return np.asarray(self.predict(self.conditions, self.physical(x)), dtype=float)
 
-    def tempered(self, factor: float, outlier: float = np.inf) -> Problem:
+    def with_inflated_errors(self, factor: float, outlier: float = np.inf) -> Problem:
         """The same with errors larger by a factor, so that the priors weigh more.
 
         With a factor above 1 it is predicted by the draft, if there is one.
         """
-        predict = self.draft if self.draft is not None and factor > 1.0 else self.predict
+        predict = (
+            self.low_fidelity if self.low_fidelity is not None and factor > 1.0 else self.predict
+        )
         return replace(self, whiten=self.whiten / factor, outlier=outlier, predict=predict)
 
     def misfit(self, whitened: Array) -> Array:

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.data.conditions import Conditions
-from stickslip.diagnosis.model.problem import Cause, Uncertain
-from stickslip.diagnosis.data.noise import NoiseModel
-from stickslip.scenario.keys import Value
 from stickslip._util.processor_count import worker_count
+from stickslip.diagnosis.data.conditions import Conditions
+from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 
 Array = NDArray[np.float64]

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from stickslip.diagnosis.observables.angle import AngleChannel
-from stickslip.diagnosis.observables.observable import Channel, Sketch
+from stickslip.diagnosis.observables.angle import AngleObservable
 from stickslip.diagnosis.observables.combined import Combined
-from stickslip.diagnosis.observables.field import FieldChannel
-from stickslip.diagnosis.observables.tracking.film import find_tracking
+from stickslip.diagnosis.observables.field import FieldObservable
+from stickslip.diagnosis.observables.observable import Observable, ReportSection
+from stickslip.diagnosis.observables.tracking.film import find_films
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement, Table
 
-__all__ = ["Channel", "Combined", "Sketch", "find_channels"]
+__all__ = ["Channel", "Combined", "ReportSection", "find_channels"]
 
 
-def find_channels(measurement: Measurement, threads: int) -> list[Channel]:
+def find_observables(measurement: Measurement, threads: int) -> list[Observable]:
     """Channels of all tables of a measurement but those of velocities."""
     scenario = measurement.scenario
-    channels: list[Channel] = [*find_tracking(measurement.tracking, threads)]
+    observables: list[Observable] = [*find_films(measurement.tracking, threads)]
     try:
         for title, table in _titled("Static tilt, [[angle]]", measurement.angle):
-            channels.append(AngleChannel(table, scenario, title))
+            observables.append(AngleObservable(table, scenario, title))
         for title, table in _titled("Field calibration, [[field]]", measurement.field):
-            channels.append(FieldChannel(table, scenario, title))
+            observables.append(FieldObservable(table, scenario, title))
     except ScenarioError as error:
         raise ScenarioError(f"{measurement.path}: {error}") from None
-    return channels
+    return observables
 
 
 def _titled(title: str, tables: Sequence[Table]) -> Iterator[tuple[str, Table]]:

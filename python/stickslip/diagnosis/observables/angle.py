@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.observables.angle_noise import Noise, estimate
-from stickslip.diagnosis.observables.observable import Sketch
-from stickslip.diagnosis.observables.repeats import merge
-from stickslip.diagnosis.observables.curve_noise import curvature, order_along
 from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.observables.angle_noise import Noise, estimate
+from stickslip.diagnosis.observables.curve_noise import curvature, order_along
+from stickslip.diagnosis.observables.observable import ReportSection
+from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 
@@ -28,7 +28,7 @@ _ALONE_LEAST = math.radians(5.0)
 _FEW = 0.2
 
 
-class AngleChannel:
+class AngleObservable:
     """A table of static tilts, with the core's balance of torques as its model.
 
     Fields are those of the coils at the robot, in the world's frame; they are taken as held long
@@ -73,13 +73,13 @@ class AngleChannel:
         """Angles as they are read, rad, shape (vectors, m); NaN where values make no scenario."""
         return _core.static_tilts(self._base, list(names), parameters, self.fields)
 
-    def sketches(
+    def report_sections(
         self,
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> list[Sketch]:
+    ) -> list[ReportSection]:
         """Angles against the field, with both models."""
         from stickslip.diagnosis.report.figures import against_model
 
@@ -126,7 +126,7 @@ class AngleChannel:
             "rms_recalibrated": math.radians(error[0]),
             "rms_extended": None if after is None else math.radians(error[1]),
         }
-        return [Sketch(self.title, picture, tuple(lines), numbers)]
+        return [ReportSection(self.title, picture, tuple(lines), numbers)]
 
 
 def _rms(error: Array) -> float:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.observables.repeats import ENOUGH, FEWEST, Repeats, widening
 from stickslip.diagnosis.observables.curve_noise import noise_of_curve
+from stickslip.diagnosis.observables.repeats import ENOUGH, FEWEST, Repeats, widening
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.simulation.coils import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.coils import COIL_NAMES
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.observables.observable import Channel
+from stickslip.diagnosis.observables.observable import Observable
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Combined:
         Of all columns.
     shared : sequence of str
         Columns that are scenario keys.
-    channels : sequence of Channel
+    observables : sequence of Observable
     """
 
     def __init__(
@@ -32,15 +32,15 @@ class Combined:
         velocities: Callable[[Any, Array], Array],
         names: Sequence[str],
         shared: Sequence[str],
-        channels: Sequence[Channel],
+        observables: Sequence[Observable],
     ) -> None:
         self.velocities = velocities
         self.names = tuple(names)
-        self.channels = tuple(channels)
+        self.observables = tuple(observables)
         self._shared = [self.names.index(name) for name in shared]
         self._columns = [
             [k for k, name in enumerate(names) if k in self._shared or name in own]
-            for own in ({each.name for each in channel.nuisance} for channel in channels)
+            for own in ({each.name for each in observable.nuisance} for observable in observables)
         ]
 
     def shared(self, parameters: Array) -> Array:
@@ -52,12 +52,12 @@ class Combined:
         blocks = []
         if len(conditions):
             blocks.append(self.velocities(conditions, self.shared(parameters)))
-        for channel, columns in zip(self.channels, self._columns, strict=True):
+        for observable, columns in zip(self.observables, self._columns, strict=True):
             names = [self.names[k] for k in columns]
-            blocks.append(channel.predict(names, parameters[:, columns]))
+            blocks.append(observable.predict(names, parameters[:, columns]))
         return np.hstack(blocks)
 
-    def sketch_arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
+    def report_arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
         """Names and values that a channel's sketches take, from values of all columns."""
         columns = self._columns[number]
         return [self.names[k] for k in columns], parameters[columns]

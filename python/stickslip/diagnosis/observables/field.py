@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.simulation.coils import COIL_NAMES
-from stickslip.diagnosis.observables.observable import Sketch
+from stickslip.diagnosis.data.unit_check import magnitude_mismatch
+from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.coil_field import CoilField
 from stickslip.diagnosis.observables.field_noise import estimate, far_rows
+from stickslip.diagnosis.observables.observable import ReportSection
 from stickslip.diagnosis.observables.repeats import merge
-from stickslip.diagnosis.model.problem import Uncertain
-from stickslip.diagnosis.data.unit_check import far_off
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.coils import COIL_NAMES
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ _PLACE = ("x", "y", "z")
 _FIELD = ("Bx", "By", "Bz")
 
 
-class FieldChannel:
+class FieldObservable:
     """A table of fields, with the five coils' Biot-Savart field as its model.
 
     Parameters
@@ -87,13 +87,13 @@ class FieldChannel:
         """Bx, By, Bz of each row one after another, T, shape (vectors, 3 m)."""
         return self.model(names, parameters).reshape(len(parameters), -1)
 
-    def sketches(
+    def report_sections(
         self,
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> list[Sketch]:
+    ) -> list[ReportSection]:
         """Fields of all rows, with both models."""
         from stickslip.diagnosis.report.figures import against_model
 
@@ -129,7 +129,7 @@ class FieldChannel:
             "rms_extended": error[1] if after is not None else None,
         }
         line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
-        return [Sketch(self.title, picture, (line,), numbers)]
+        return [ReportSection(self.title, picture, (line,), numbers)]
 
 
 def _rms(values: Array) -> float:
@@ -175,7 +175,7 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
     read, made, most = map(_rms, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1)))
     # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
     usual = float(np.clip(read, made, most))
-    far = far_off(read, usual, "T", "what the stated coils make of the currents")
+    far = magnitude_mismatch(read, usual, "T", "what the stated coils make of the currents")
     if far is not None:
         strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
         largest = float(np.max(np.abs(currents[:, strongest])))

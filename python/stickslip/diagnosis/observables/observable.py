@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Sketch:
+class ReportSection:
     """A part of the report: a figure, and what there is to say of it.
 
     Attributes
@@ -35,7 +35,7 @@ class Sketch:
     numbers: dict[str, object]
 
 
-class Channel(Protocol):
+class Observable(Protocol):
     """Data of one kind, reduced to observables, with a forward model for them.
 
     Attributes
@@ -72,13 +72,13 @@ class Channel(Protocol):
         """
         ...
 
-    def sketches(
+    def report_sections(
         self,
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> list[Sketch]:
+    ) -> list[ReportSection]:
         """Parts of the report for two vectors of values, shape (names,).
 
         `held_out`, shape (k,), says which observables were held out for the gain.

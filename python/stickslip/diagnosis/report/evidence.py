@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.data.conditions import panel
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.data.conditions import panel
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.model.problem import Problem
 from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.pipeline import Diagnosis
 
 Array = NDArray[np.float64]
 
@@ -136,10 +136,10 @@ def pattern(changes: Mapping[str, Mapping[str, float]]) -> str:
 def _without(problem: Problem, fit: Fit) -> Array:
     """Coordinates of a fit with its causes absent and freed constants as stated."""
     x = fit.x.copy()
-    x[fit.rival.free[problem.base_count :]] = 0.0
-    freed = {cause.frees for cause in fit.rival.causes}
+    x[fit.candidate.free[problem.base_count :]] = 0.0
+    relaxed = {cause.relaxes_prior for cause in fit.candidate.causes}
     for k, each in enumerate(problem.uncertain):
-        if each.name in freed:
+        if each.name in relaxed:
             x[k] = 0.0
     return x
 

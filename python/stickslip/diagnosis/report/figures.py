@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.data.conditions import panel, sorted_by_settings
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.ranking import leading, set_members
+from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
@@ -217,7 +217,7 @@ def readings(place: Array, observed: Array, sd: Array | None, words: tuple[str, 
 
 
 def ranking(found: Diagnosis) -> str | None:
-    """Log-evidence of the leading rivals above no cause, after the price of a second cause."""
+    """Log-evidence of the leading candidates above no cause, after the price of a second cause."""
     fits = leading(found)
     if not fits:
         return None
@@ -230,8 +230,8 @@ def ranking(found: Diagnosis) -> str | None:
     return png(figure)
 
 
-def isolability(found: Diagnosis) -> str:
-    """Map of the cosines between absorbed signatures."""
+def distinguishability(found: Diagnosis) -> str:
+    """Map of the cosines between projected sensitivities."""
     names = [cause.name for cause in found.problem.causes]
     size = 2.0 + 0.18 * len(names)
     figure, (frame,) = axes(1, size + 0.5, size)

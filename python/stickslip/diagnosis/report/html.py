@@ -11,21 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.diagnosis.observables import Sketch
-from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
-from stickslip.diagnosis.pipeline import Diagnosis
-from stickslip.diagnosis.api import Examination
-from stickslip.diagnosis.inference.experiment_design import Experiment
-from stickslip.diagnosis.report.parameters import short
-from stickslip.diagnosis.inference.discrimination import TRIALS
-from stickslip.diagnosis.inference.ranking import set_members
-from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
-from stickslip.errors import ScenarioError
 from stickslip._util.atomic_files import text_writer, write_together
-from stickslip._util.strict_json import json_text
-from stickslip.scenario.keys import known_keys
-from stickslip.measurement.reading import Measurement
 from stickslip._util.plain_text import printable_lines
+from stickslip._util.strict_json import json_text
+from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
+from stickslip.diagnosis.inference.discrimination import TRIALS
+from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.observables import ReportSection
+from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
+from stickslip.diagnosis.report.parameters import short
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_writers
 
@@ -55,7 +55,7 @@ def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
     changes = {
         each.name: float(values[k]) for k, each in enumerate(problem.uncertain) if each.name in keys
     }
-    for k in fit.rival.free[problem.base_count :]:
+    for k in fit.candidate.free[problem.base_count :]:
         changes[problem.parameters[k - problem.base_count].name] = float(values[k])
     try:
         return scenario.replace(changes)
@@ -77,9 +77,11 @@ def write_report(
         If a file cannot be written.
     """
     found = examination.found
-    sketches = examination.sketches()
+    report_sections = examination.report_sections()
     # All three are made before the first is written.
-    texts = report_texts(examination, measurement, experiments, sketches, gain_unit(examination))
+    texts = report_texts(
+        examination, measurement, experiments, report_sections, gain_unit(examination)
+    )
     extended = extended_scenario(found, measurement.scenario)
     origin = _origin(found, measurement, extended)
     write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
@@ -89,15 +91,15 @@ def report_texts(
     examination: Examination,
     source: Source,
     experiments: Sequence[Experiment],
-    sketches: Sequence[Sketch],
+    report_sections: Sequence[ReportSection],
     unit: str,
 ) -> dict[str, str]:
     """Contents of report.json and report.html; `unit` is that of the held-out observables."""
     full = {**summary(examination, source, experiments), **details(examination, source, unit)}
-    full["channels"] = {each.title: each.numbers for each in sketches}
+    full["channels"] = {each.title: each.numbers for each in report_sections}
     full["gain_unit"] = unit
     full |= further(examination)
-    page = page_text(examination, full, sketches, experiments)
+    page = page_text(examination, full, report_sections, experiments)
     return {JSON: json_text(full) + "\n", PAGE: page}
 
 
@@ -131,7 +133,7 @@ def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> l
 
 
 def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Rows of the leading rivals and of no cause, in the order in which the verdict weighs them."""
+    """Rows of the leading candidates and of no cause, as the verdict weighs them."""
     rows = [row for row in ranking if row["leading"]]
     return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
 
@@ -148,7 +150,7 @@ def _typical_error(found: Diagnosis) -> str:
 def page_text(
     examination: Examination,
     full: Mapping[str, Any],
-    sketches: Sequence[Sketch],
+    report_sections: Sequence[ReportSection],
     experiments: Sequence[Experiment],
 ) -> str:
     """The report as one page that needs no other file."""
@@ -174,7 +176,7 @@ def page_text(
         downward={short(each.name) for each in found.problem.parameters if each.downward},
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
         simulated=examination.simulator is not None,
-        held="readings" if examination.combined.channels and not conditions else "conditions",
+        held="readings" if examination.combined.observables and not conditions else "conditions",
         curves=figures.velocities(found, conditions, examination.given),
         profiles=[figures.profile(each) for each in found.profiles],
         columns=[heading(key) for key in among],
@@ -184,7 +186,7 @@ def page_text(
         )
         if conditions
         else "",
-        rivals=_leading(full["ranking"]),
+        candidates=_leading(full["ranking"]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
         decisive=any(each.decides for each in experiments),
@@ -192,7 +194,7 @@ def page_text(
         observables=len(found.problem.observed),
         models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
         typical=_typical_error(found),
-        sketches=sketches,
+        report_sections=report_sections,
         ranking=figures.ranking(found),
-        isolability=figures.isolability(found) if found.problem.causes else "",
+        distinguishability=figures.distinguishability(found) if found.problem.causes else "",
     )

@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.fit.single_cause import adequacy
+from stickslip.diagnosis.inference.constancy import changing, refit_parts
+from stickslip.diagnosis.inference.experiment_design import Experiment, advice
+from stickslip.diagnosis.inference.ranking import leading, runner_up
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects
+from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.report.evidence import (
     carriers,
     misfit_by_part,
@@ -18,17 +27,8 @@ from stickslip.diagnosis.report.evidence import (
     velocity_changes,
     where_it_lives,
 )
-from stickslip.diagnosis.inference.constancy import changing, refit_parts
-from stickslip.diagnosis.pipeline import Diagnosis
-from stickslip.diagnosis.api import Examination
-from stickslip.diagnosis.inference.experiment_design import Experiment, advice
-from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
-from stickslip.diagnosis.fit.single_cause import adequacy
-from stickslip.diagnosis.inference.ranking import leading, runner_up
-from stickslip.diagnosis.inference.verdict import share_of_ceiling
 from stickslip.diagnosis.report.messages import headline
+from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
 
 Array = NDArray[np.float64]
 
@@ -151,13 +151,13 @@ def details(examination: Examination, measurement: Source, unit: str) -> dict[st
         "flat_directions": flat_directions(problem, found.null),
         "ranking": [
             {
-                "causes": [cause.name for cause in fit.rival.causes],
+                "causes": [cause.name for cause in fit.candidate.causes],
                 "chi2": fit.chi2,
                 "data_chi2": fit.data_chi2,
                 "misfit_p": adequacy(problem, fit),
                 "log_evidence": fit.log_evidence - found.null.log_evidence,
                 "priced_evidence": fit.priced_evidence - found.null.log_evidence,
-                "certified": fit.certified,
+                "certified": fit.converged,
                 "leading": fit.name in shown,
                 "parameters": describe(problem, fit),
             }
@@ -167,7 +167,7 @@ def details(examination: Examination, measurement: Source, unit: str) -> dict[st
             each.name: {"value": each.value.tolist(), "chi2": each.chi2.tolist(), "unit": each.unit}
             for each in found.profiles
         },
-        "isolability_classes": [list(each) for each in found.classes],
+        "isolability_classes": [list(each) for each in found.indistinguishable_causes],
         "isolability": {
             "causes": [cause.name for cause in problem.causes],
             "cosines": found.cosines.tolist(),
@@ -183,10 +183,10 @@ def further(examination: Examination) -> dict[str, Any]:
     """What the verdict rests on, and what takes some more simulations."""
     found, problem = examination.found, examination.found.problem
     parts = refit_parts(problem, found.null, examination.parts())
-    smallest = smallest_effects(problem, found.signatures, found.detection.threshold)
+    smallest = smallest_effects(problem, found.sensitivities, found.detection.threshold)
     share = None
     if found.verdict.fit is not None:
-        share = share_of_ceiling(found.null, found.verdict.fit, found.ceiling)
+        share = share_of_smooth_bound(found.null, found.verdict.fit, found.smooth_bound)
     judged = found.verdict.word != "data-problem"
     misfit = misfit_by_part(examination) if judged else {}
     velocities = velocity_changes(examination)
@@ -210,7 +210,7 @@ def further(examination: Examination) -> dict[str, Any]:
         },
         "changing": changing(problem, parts),
         "smallest_effects": {short(name): value for name, value in smallest.items()},
-        "smooth_ceiling": found.ceiling,
+        "smooth_ceiling": found.smooth_bound,
         "share_of_ceiling": share,
         "carried_by": carriers(examination),
         "advice": advice(found),
@@ -229,7 +229,7 @@ def gain_unit(examination: Examination) -> str:
     """Unit of what is held out: velocities, where there are any, else the channels' observables."""
     if examination.conditions:
         return "m/s"
-    kinds = {channel.name for channel in examination.combined.channels}
+    kinds = {observable.name for observable in examination.combined.observables}
     return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
 
 

@@ -38,13 +38,13 @@ def headline(found: Diagnosis) -> str:
     elif verdict.word == "pair":
         both = " and ".join(verdict.causes)
         text = f"The data point to two causes together, {both}: {_sizes(found)}."
-    elif verdict.fit is not None and len(verdict.causes) == len(verdict.fit.rival.causes):
+    elif verdict.fit is not None and len(verdict.causes) == len(verdict.fit.candidate.causes):
         members = " and ".join(verdict.causes)
         best = "is the best candidate" if len(verdict.causes) == 1 else "are the best pair"
         text = f"{members} {best}, but {verdict.reasons[0]}."
     else:
         first, more = verdict.causes[:_LISTED], len(verdict.causes) - _LISTED
-        pair = verdict.fit is not None and len(verdict.fit.rival.causes) > 1
+        pair = verdict.fit is not None and len(verdict.fit.candidate.causes) > 1
         text = "Two of these together" if pair else "One of these"
         text += f", and these data cannot say which: {', '.join(first)}"
         text += f" and {more} more." if more > 0 else "."

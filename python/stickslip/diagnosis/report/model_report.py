@@ -8,11 +8,11 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.diagnosis.report import figures
-from stickslip.diagnosis.observables import Sketch
+from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.observables import ReportSection
 from stickslip.diagnosis.observables.combined import Combined
 from stickslip.diagnosis.pipeline import Diagnosis
-from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.html import report_texts, write_files
 from stickslip.errors import ScenarioError
 
@@ -63,10 +63,12 @@ def write_model_report(
     names = [each.name for each in problem.uncertain] + [each.name for each in problem.parameters]
     model = Combined(problem.predict, names, names, ())
     examination = Examination(found, None, [], model, (), np.zeros(0))
-    write_files(out, report_texts(examination, _Own(title), [], [_sketch(found, at, labels)], unit))
+    write_files(
+        out, report_texts(examination, _Own(title), [], [_report_section(found, at, labels)], unit)
+    )
 
 
-def _sketch(found: Diagnosis, place: Array, labels: tuple[str, str]) -> Sketch:
+def _report_section(found: Diagnosis, place: Array, labels: tuple[str, str]) -> ReportSection:
     """Data and models; no model where nothing was learnt, and no error where none is known."""
     problem, fit, m = found.problem, found.verdict.fit, len(place)
     observed = problem.observed[:m]
@@ -99,4 +101,4 @@ def _sketch(found: Diagnosis, place: Array, labels: tuple[str, str]) -> Sketch:
         **{name: row.tolist() for name, row in models.items()},
         "held_out": [] if found.gain is None else found.gain.held_out.tolist(),
     }
-    return Sketch("Data and models", picture, (), numbers)
+    return ReportSection("Data and models", picture, (), numbers)

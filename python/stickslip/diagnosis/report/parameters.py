@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.fit.fit_result import Fit, fitted_parameters
-from stickslip.diagnosis.model.problem import Problem
 from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.pipeline import Diagnosis
 
 
 def short(name: str) -> str:

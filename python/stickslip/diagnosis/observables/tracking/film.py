@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.stats import chi2 as chi2_law
 
+from stickslip.diagnosis.data.unit_check import magnitude_mismatch
+from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.observables.observable import ReportSection
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
-from stickslip.diagnosis.observables.observable import Sketch
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
@@ -25,8 +27,6 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
-from stickslip.diagnosis.model.problem import Uncertain
-from stickslip.diagnosis.data.unit_check import far_off
 from stickslip.measurement.priors import Prior
 from stickslip.measurement.tracking import FEWEST, TrackingRun
 
@@ -86,8 +86,8 @@ class Quantity:
         return self.reduction.matrix @ self.values
 
 
-class TrackingChannel:
-    """Frames of one run, folded on the drive's phase; see `Channel`.
+class FilmObservable:
+    """Frames of one run, folded on the drive's phase; see `Observable`.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class TrackingChannel:
         Of the run, from 1; its name is ``tracking.<number>``.
     threads : int
         Simulations at a time.
-    family : list of TrackingChannel, optional
+    family : list of FilmObservable, optional
         All channels of the measurement, to which this one is added; runs of both directions are
         compared in the report.
     """
@@ -106,7 +106,7 @@ class TrackingChannel:
         run: TrackingRun,
         number: int = 1,
         threads: int = 1,
-        family: list[TrackingChannel] | None = None,
+        family: list[FilmObservable] | None = None,
     ) -> None:
         self.run, self.threads = run, threads
         self.name = f"tracking.{number}"
@@ -173,13 +173,13 @@ class TrackingChannel:
             [each.reduction.matrix @ frames[each.name][each.frames] for each in self.quantities]
         )
 
-    def sketches(
+    def report_sections(
         self,
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> list[Sketch]:
+    ) -> list[ReportSection]:
         """The force view of this run, and of both directions with the last of them."""
         from stickslip.diagnosis.observables.tracking.report_section import draw
 
@@ -207,11 +207,11 @@ class TrackingChannel:
         return Camera(self.run.exposure).frames(motion, self.run.columns["t"], wanted)
 
 
-def find_tracking(runs: Sequence[TrackingRun], threads: int) -> list[TrackingChannel]:
+def find_films(runs: Sequence[TrackingRun], threads: int) -> list[FilmObservable]:
     """A channel for each tracked run."""
-    family: list[TrackingChannel] = []
+    family: list[FilmObservable] = []
     for number, run in enumerate(runs, start=1):
-        TrackingChannel(run, number, threads, family)
+        FilmObservable(run, number, threads, family)
     return family
 
 
@@ -293,7 +293,7 @@ def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) 
         # A coil that hardly carries a current shows the logger's noise, or what another induces.
         what, unit, largest = "its size", "A", max(_rms(nominal[each]) for each in _CURRENTS)
     measured, usual = _rms(read), _rms(own)
-    far = far_off(measured, float(np.clip(measured, usual, max(usual, largest))), unit)
+    far = magnitude_mismatch(measured, float(np.clip(measured, usual, max(usual, largest))), unit)
     return None if far is None else f"{what} is {far}"
 
 

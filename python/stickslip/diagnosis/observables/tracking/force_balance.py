@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.simulation.coils import Coils
 from stickslip.diagnosis.observables.tracking.camera import Recording
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.coils import Coils
 
 Array = NDArray[np.float64]
 

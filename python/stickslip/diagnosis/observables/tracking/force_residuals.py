@@ -24,7 +24,7 @@ from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.camera import Recording
-    from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+    from stickslip.diagnosis.observables.tracking.film import FilmObservable
 
 Array = NDArray[np.float64]
 
@@ -125,13 +125,13 @@ class ForceView:
 
 
 def force_view(
-    channel: TrackingChannel, names: Sequence[str], values: Array, seed: int = 0
+    observable: FilmObservable, names: Sequence[str], values: Array, seed: int = 0
 ) -> ForceView | None:
     """Compare a film with a simulation of given values, force by force.
 
     Parameters
     ----------
-    channel : TrackingChannel
+    observable : FilmObservable
         Such as ``TrackingChannel(run)``.
     names : sequence of str
         Dotted scenario keys and the channel's nuisances.
@@ -144,20 +144,20 @@ def force_view(
     ForceView or None
         None where the simulation fails, or the drive has no phase.
     """
-    run, at = channel.run, channel.keys(names)
+    run, at = observable.run, observable.keys(names)
     if run.scenario.drive.mode == "program":
         return None
     try:
         scenario = run.scenario.replace({names[k]: float(values[k]) for k in at})
     except ScenarioError:
         return None
-    rate = channel.rate
+    rate = observable.rate
     keys = [names[k] for k in at]
-    motion = next(record(run.scenario, keys, values[None, at], rate, channel.threads))
+    motion = next(record(run.scenario, keys, values[None, at], rate, observable.threads))
     if motion is None:
         return None
-    camera = channel.camera(names, values)
-    folds = Folds(channel, motion, camera)
+    camera = observable.camera(names, values)
+    folds = Folds(observable, motion, camera)
     if folds.orders == 0:
         return None
     balance = Balance(scenario, motion, folds.true_times)

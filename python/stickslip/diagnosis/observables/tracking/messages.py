@@ -6,10 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from stickslip.diagnosis.observables.tracking.force_residuals import FEWEST_ORDERS, ForceView, Residual, Slope
+from stickslip.diagnosis.observables.tracking.force_residuals import (
+    FEWEST_ORDERS,
+    ForceView,
+    Residual,
+    Slope,
+)
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+    from stickslip.diagnosis.observables.tracking.film import FilmObservable
 
 CLEAR = 3.5
 """A residual differs from zero beyond this t: of some ten looks one in 200 does by chance."""
@@ -121,7 +126,7 @@ def _drift_line(view: ForceView) -> str:
 
 
 def direction_lines(
-    one: TrackingChannel, other: TrackingChannel
+    one: FilmObservable, other: FilmObservable
 ) -> tuple[list[str], dict[str, object]]:
     """Sentences and numbers on two runs that differ in their direction alone."""
     forward, reverse = one.advance, other.advance
@@ -142,10 +147,10 @@ def direction_lines(
     views = (one.last_view, other.last_view)
     if all(view is not None and view.slipping is not None for view in views):
         parts = []
-        for channel, view in ((one, views[0]), (other, views[1])):
+        for observable, view in ((one, views[0]), (other, views[1])):
             assert view is not None
             assert view.slipping is not None
-            sign = -1.0 if channel.run.scenario.drive.direction == "-x" else 1.0
+            sign = -1.0 if observable.run.scenario.drive.direction == "-x" else 1.0
             mean = view.slipping.slopes[0]
             parts.append((sign, mean.value, mean.sd))
         even = 0.5 * sum(sign * value for sign, value, _ in parts)

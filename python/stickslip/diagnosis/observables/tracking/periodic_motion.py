@@ -12,7 +12,7 @@ from stickslip.diagnosis.observables.tracking.camera import Camera, Recording
 from stickslip.diagnosis.observables.tracking.force_balance import Kinematics
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+    from stickslip.diagnosis.observables.tracking.film import FilmObservable
 
 Array = NDArray[np.float64]
 
@@ -25,16 +25,16 @@ class Folds:
 
     Parameters
     ----------
-    channel : TrackingChannel
+    observable : FilmObservable
     motion : mapping of ndarray
         Recording of the simulation that is compared.
     camera : Camera
         Of the run, as fitted.
     """
 
-    def __init__(self, channel: TrackingChannel, motion: Recording, camera: Camera) -> None:
-        run = channel.run
-        theta, x = (each for each in channel.quantities[:2])
+    def __init__(self, observable: FilmObservable, motion: Recording, camera: Camera) -> None:
+        run = observable.run
+        theta, x = (each for each in observable.quantities[:2])
         steady = np.zeros(len(run.columns["t"]), dtype=bool)
         steady[np.flatnonzero(theta.frames)] = theta.folded.steady
         both = theta.frames & x.frames & steady

@@ -8,15 +8,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.observables.observable import Sketch
-from stickslip.diagnosis.observables.tracking.force_residuals import FEWEST_ORDERS, ForceView, Residual, force_view
-from stickslip.diagnosis.observables.tracking.messages import advance_lines, direction_lines, view_lines
+from stickslip.diagnosis.observables.observable import ReportSection
+from stickslip.diagnosis.observables.tracking.force_residuals import (
+    FEWEST_ORDERS,
+    ForceView,
+    Residual,
+    force_view,
+)
+from stickslip.diagnosis.observables.tracking.messages import (
+    advance_lines,
+    direction_lines,
+    view_lines,
+)
 from stickslip.diagnosis.report.figures import png
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from stickslip.diagnosis.observables.tracking.film import TrackingChannel
+    from stickslip.diagnosis.observables.tracking.film import FilmObservable
 
 Array = NDArray[np.float64]
 
@@ -24,50 +33,50 @@ _BLUE, _ORANGE, _GREY = "#0072B2", "#D55E00", "#777777"
 
 
 def draw(
-    channel: TrackingChannel,
+    observable: FilmObservable,
     names: Sequence[str],
     recalibrated: Array,
     extended: Array | None,
     held_out: bool,
-) -> list[Sketch]:
-    """A sketch of one run; with the last run of a pair of directions, one of their difference."""
-    view = force_view(channel, names, recalibrated)
-    title = f"Tracking of {channel.run.file}"
+) -> list[ReportSection]:
+    """The section of one run; with the second of two directions, one of their difference."""
+    view = force_view(observable, names, recalibrated)
+    title = f"Tracking of {observable.run.file}"
     if view is None:
         line = (
             "No view of forces: the drive has no phase to fold on, the frames are too few, or the "
             "recalibrated model does not simulate."
         )
-        return [Sketch(title, "", (line,), {"held_out": held_out})]
-    after = None if extended is None else force_view(channel, names, extended)
-    advance = _advance(channel, names, recalibrated, None if after is None else extended)
+        return [ReportSection(title, "", (line,), {"held_out": held_out})]
+    after = None if extended is None else force_view(observable, names, extended)
+    advance = _advance(observable, names, recalibrated, None if after is None else extended)
     lines = [*advance_lines(advance), *view_lines(view, after)]
     numbers = {"held_out": held_out, "advance": advance, **_numbers(view, after)}
-    sketches = [Sketch(title, _figure(view, after), tuple(lines), numbers)]
-    channel.last_view = view
-    for other in channel.family[: channel.family.index(channel)]:
-        if opposite(channel, other) and other.last_view is not None:
-            lines, numbers = direction_lines(other, channel)
-            title = f"{other.run.file} and {channel.run.file}: forward and reversed"
-            sketches.append(Sketch(title, "", tuple(lines), numbers))
-    return sketches
+    report_sections = [ReportSection(title, _figure(view, after), tuple(lines), numbers)]
+    observable.last_view = view
+    for other in observable.family[: observable.family.index(observable)]:
+        if opposite(observable, other) and other.last_view is not None:
+            lines, numbers = direction_lines(other, observable)
+            title = f"{other.run.file} and {observable.run.file}: forward and reversed"
+            report_sections.append(ReportSection(title, "", tuple(lines), numbers))
+    return report_sections
 
 
 def _advance(
-    channel: TrackingChannel, names: Sequence[str], recalibrated: Array, extended: Array | None
+    observable: FilmObservable, names: Sequence[str], recalibrated: Array, extended: Array | None
 ) -> dict[str, float] | None:
     """Way of a pulse, m: measured, its error, and what the models make of it."""
-    measured = channel.advance
+    measured = observable.advance
     if measured is None:
         return None
     found = dict(zip(("measured", "sd"), measured, strict=True))
-    found["recalibrated"] = channel.advance_of(names, recalibrated)
+    found["recalibrated"] = observable.advance_of(names, recalibrated)
     if extended is not None:
-        found["extended"] = channel.advance_of(names, extended)
+        found["extended"] = observable.advance_of(names, extended)
     return found
 
 
-def opposite(one: TrackingChannel, other: TrackingChannel) -> bool:
+def opposite(one: FilmObservable, other: FilmObservable) -> bool:
     """Whether two runs differ in their direction alone."""
     drive = one.run.scenario.drive
     turned = "+x" if drive.direction == "-x" else "-x"
@@ -162,11 +171,11 @@ def _row(
         if k:
             each.sharey(axes[0])
             each.tick_params(labelleft=False)
-        at, value, sd = _apart(view, found)
+        at, value, sd = _well_separated(view, found)
         each.errorbar(variable[at], value * unit, sd * unit, fmt="o", color=_BLUE,
                       ecolor="#9cc4de", ms=3.5, lw=1.0, label="recalibrated")  # fmt: skip
         if after is not None:
-            at, value, _ = _apart(view, after)
+            at, value, _ = _well_separated(view, after)
             each.plot(variable[at], value * unit, "D", color=_ORANGE, mfc="none", ms=4,
                       label="with the cause")  # fmt: skip
     axes[0].set_ylabel(label)
@@ -174,7 +183,7 @@ def _row(
         axes[3].legend(fontsize=7, frameon=False)
 
 
-def _apart(view: ForceView, found: Residual) -> tuple[NDArray[np.int64], Array, Array]:
+def _well_separated(view: ForceView, found: Residual) -> tuple[NDArray[np.int64], Array, Array]:
     """Places, values and errors, half as far apart as the smoothing tells them apart."""
     step = max(1, len(view.phase) // (4 * view.orders))
     kept = slice(step // 2 % max(len(found.where), 1), None, step)
