@@ -8,7 +8,7 @@ import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model, pipeline
 from stickslip.diagnosis.inference.cross_validation import measure_gain
-from stickslip.diagnosis.pipeline import AuxiliaryData
+from stickslip.diagnosis.model.problem import AuxiliaryData
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth

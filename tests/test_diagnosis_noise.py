@@ -8,7 +8,7 @@ import pytest
 from line_model import X, line
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.data.noise import fit_noise
-from stickslip.diagnosis.inference.detection import lack_of_fit_p
+from stickslip.diagnosis.fit.goodness import lack_of_fit_p
 
 
 def test_errors_that_set_ups_share_do_not_pull_a_fit_down():

@@ -20,7 +20,8 @@ from stickslip.diagnosis.fit.single_cause import (
 )
 from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
 from stickslip.diagnosis.inference.model_comparison import reweighed
-from stickslip.diagnosis.model.problem import PredictionCache, Problem
+from stickslip.diagnosis.model.prediction_cache import PredictionCache
+from stickslip.diagnosis.model.problem import Problem
 
 X = np.linspace(1.0, 3.0, 16)
 SD = 0.05

@@ -9,7 +9,7 @@ import pytest
 
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import diagnose_model
-from stickslip.diagnosis.fit.single_cause import Ranking
+from stickslip.diagnosis.fit.fit_result import Ranking
 from stickslip.diagnosis.inference.verdict import (
     Table,
     Verdict,

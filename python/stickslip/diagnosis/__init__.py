@@ -5,8 +5,9 @@ from __future__ import annotations
 from stickslip.diagnosis.api import Examination, diagnose
 from stickslip.diagnosis.inference.discrimination import Separation, separate
 from stickslip.diagnosis.inference.experiment_design import Experiment, propose
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.model.problem import Cause, CauseParameter, Problem, Uncertain
-from stickslip.diagnosis.pipeline import Diagnosis, diagnose_model
+from stickslip.diagnosis.pipeline import diagnose_model
 from stickslip.diagnosis.report.html import write_report
 from stickslip.diagnosis.report.json_keys import summary
 from stickslip.diagnosis.report.messages import headline
@@ -16,9 +17,9 @@ from stickslip.measurement.priors import Prior
 __all__ = [
     "Cause",
     "CauseParameter",
-    "Diagnosis",
     "Examination",
     "Experiment",
+    "Findings",
     "Prior",
     "Problem",
     "Separation",

@@ -19,13 +19,16 @@ from stickslip.diagnosis.data.conditions import (
 )
 from stickslip.diagnosis.data.noise import fit_noise
 from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign, wrong_size
-from stickslip.diagnosis.data.pooling import pooled_observables, pooled_velocities, smooth_settings
+from stickslip.diagnosis.data.pooling import pooled_velocities
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import Progress
+from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library, parameter_unit
 from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.model.simulator import TOLERANCES, Simulator, loosest_tolerances
 from stickslip.diagnosis.observables import Combined, ReportSection, find_observables
-from stickslip.diagnosis.pipeline import Diagnosis, diagnose_model
+from stickslip.diagnosis.observables.combined import pooled_observables
+from stickslip.diagnosis.pipeline import diagnose_model
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
@@ -35,6 +38,7 @@ from stickslip.simulation.run_notes import peak_voltages
 Array = NDArray[np.float64]
 
 _LOW_FIDELITY_PULSES = 5.0
+_FEWEST_FOR_SMOOTH = 8
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,11 @@ class Examination:
 
     Attributes
     ----------
-    found : Diagnosis
+    found : Findings
     simulator : Simulator, optional
         Of mean velocities; a user's own model has none.
     conditions : list of dict
-        Drive settings by dotted key, of the first rows of `Diagnosis.problem.observed`.
+        Drive settings by dotted key, of the first rows of `Findings.problem.observed`.
     combined : Combined
         The forward model of all rows; its channels' rows follow those of the conditions.
     left_out : tuple of str
@@ -56,7 +60,7 @@ class Examination:
         Velocities of the scenario as it was given, m/s; NaN where it has none.
     """
 
-    found: Diagnosis
+    found: Findings
     simulator: Simulator | None
     conditions: list[dict[str, Value]]
     combined: Combined
@@ -244,3 +248,15 @@ def _top_voltage(measurement: Measurement) -> float:
     ]
     drives += [run.scenario for run in measurement.tracking]
     return max(volts for each in drives or [stated] for volts in peak_voltages(each).values())
+
+
+def smooth_settings(conditions: Conditions) -> Settings | None:
+    """Where the conditions lie, if they are enough for a smooth function."""
+    if len(conditions) < _FEWEST_FOR_SMOOTH:
+        return None
+    keys = ("drive.frequency", "drive.peak", "drive.hold", "drive.base")
+    numbers = np.array([[float(each[key]) for key in keys] for each in conditions])
+    numbers[:, 0] = np.log(numbers[:, 0])
+    words = [(each["drive.mode"], each["drive.direction"]) for each in conditions]
+    number = {word: k for k, word in enumerate(dict.fromkeys(words))}
+    return Settings(numbers, np.array([number[word] for word in words]))

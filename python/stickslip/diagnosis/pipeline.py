@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,24 +14,22 @@ from scipy.linalg import block_diag
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
 from stickslip.diagnosis.data.noise import NoiseModel, fit_noise, whitener
 from stickslip.diagnosis.fit.baseline import recalibrate
-from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import (
-    Sensitivities,
     distinguishability,
     indistinguishable_causes,
     linear_evidence,
 )
-from stickslip.diagnosis.fit.single_cause import Ranking, refit_null
+from stickslip.diagnosis.fit.single_cause import refit_null
 from stickslip.diagnosis.inference.cross_validation import (
-    Gain,
     folds,
     measure_gain,
     predictive_gain,
     split,
 )
-from stickslip.diagnosis.inference.detection import Detection
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import (
     Progress,
     assess_baseline,
@@ -46,83 +44,11 @@ from stickslip.diagnosis.inference.verdict import (
     decide,
     prior_probabilities,
 )
-from stickslip.diagnosis.model.problem import Cause, Predict, PredictionCache, Problem, Uncertain
+from stickslip.diagnosis.model.prediction_cache import PredictionCache
+from stickslip.diagnosis.model.problem import AuxiliaryData, Cause, Predict, Problem, Uncertain
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class AuxiliaryData:
-    """Observables beside the trials, of another kind, whose errors are known.
-
-    Attributes
-    ----------
-    observed : ndarray, shape (k,)
-    covariance : ndarray, shape (k, k)
-    group : ndarray of int, shape (k,)
-        Observables that belong together, numbered from 0.
-    """
-
-    observed: Array
-    covariance: Array
-    group: NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """All that the engine found.
-
-    Attributes
-    ----------
-    problem : Problem
-    noise : NoiseModel
-    roughness : ndarray, shape (m,)
-        Scatter of the model itself under tiny changes of its parameters, in the observable's unit;
-        part of the errors.
-    null : Fit
-        The recalibrated model.
-    detection : Detection
-    sensitivities : Sensitivities
-    ranking : Ranking
-    cosines : ndarray, shape (causes, causes)
-    indistinguishable_causes : list of tuple of str
-        Causes that these data can hardly tell apart.
-    verdict : Verdict
-    bounds : dict
-        95 % upper limits, filled for the verdict none.
-    smooth_bound : float, optional
-        Chi-square that a smooth function of the settings would take from the misfit, where the
-        settings were given.
-    gain : Gain, optional
-    profiles : tuple of Profile
-        Of the parameters of the verdict's fit.
-    notes : tuple of str
-    seed : int
-    """
-
-    problem: Problem
-    noise: NoiseModel
-    roughness: Array
-    null: Fit
-    detection: Detection
-    sensitivities: Sensitivities
-    ranking: Ranking
-    cosines: Array
-    indistinguishable_causes: list[tuple[str, ...]]
-    verdict: Verdict
-    bounds: dict[str, float]
-    smooth_bound: float | None
-    gain: Gain | None
-    profiles: tuple[Profile, ...]
-    notes: tuple[str, ...]
-    seed: int
-
-    @property
-    def held_out(self) -> NDArray[np.bool_]:
-        """Which of the problem's observables were held out for the gain, shape (m,)."""
-        rows = () if self.gain is None else self.gain.held_out
-        return np.isin(np.arange(len(self.problem.observed)), rows)
 
 
 def diagnose_model(
@@ -146,7 +72,7 @@ def diagnose_model(
     data_problem: str | None = None,
     seed: int = 0,
     progress: Progress | None = None,
-) -> Diagnosis:
+) -> Findings:
     """Diagnose measured data with a forward model of one's own.
 
     Parameters
@@ -194,7 +120,7 @@ def diagnose_model(
 
     Returns
     -------
-    Diagnosis
+    Findings
 
     Raises
     ------
@@ -342,7 +268,7 @@ def diagnose_model(
         )
     alike = indistinguishable_causes(problem, cosines)
     say(1.0, "done")
-    return Diagnosis(
+    return Findings(
         problem, noise, roughness, null, detection, sensitivities, ranking, cosines,
         alike, verdict, bounds, smooth_bound, gain, tuple(profiles), tuple(notes), seed,
     )  # fmt: skip

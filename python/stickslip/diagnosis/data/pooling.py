@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
-from stickslip.diagnosis.data.conditions import Conditions
-from stickslip.diagnosis.inference.smooth_residual import Settings
-from stickslip.diagnosis.observables import Observable
-from stickslip.diagnosis.pipeline import AuxiliaryData
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
-
-_FEW = 8
 
 
 def pooled_velocities(
@@ -50,30 +41,3 @@ def _rank(key: tuple[tuple[str, Value], ...]) -> tuple[object, ...]:
     numbers = {name: float(value) for name, value in key if not isinstance(value, str)}
     frequency = numbers.pop("drive.frequency", 0.0)
     return (*words, *(numbers[name] for name in sorted(numbers)), frequency)
-
-
-def pooled_observables(observables: Sequence[Observable]) -> AuxiliaryData | None:
-    """Rows of all channels one after another."""
-    if not observables:
-        return None
-    groups, above = [], 0
-    for observable in observables:
-        groups.append(observable.group + above)
-        above += int(observable.group.max()) + 1
-    return AuxiliaryData(
-        np.concatenate([observable.observed for observable in observables]),
-        np.asarray(block_diag(*(observable.covariance for observable in observables)), dtype=float),
-        np.concatenate(groups),
-    )
-
-
-def smooth_settings(conditions: Conditions) -> Settings | None:
-    """Where the conditions lie, if they are enough for a smooth function."""
-    if len(conditions) < _FEW:
-        return None
-    keys = ("drive.frequency", "drive.peak", "drive.hold", "drive.base")
-    numbers = np.array([[float(each[key]) for key in keys] for each in conditions])
-    numbers[:, 0] = np.log(numbers[:, 0])
-    words = [(each["drive.mode"], each["drive.direction"]) for each in conditions]
-    number = {word: k for k, word in enumerate(dict.fromkeys(words))}
-    return Settings(numbers, np.array([number[word] for word in words]))

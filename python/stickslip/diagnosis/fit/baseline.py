@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
+from stickslip.diagnosis.fit.goodness import lack_of_fit_p
 from stickslip.diagnosis.fit.least_squares import AGREE, LARGEST_INFLATION, STAGES, fit_candidates
 from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
-from stickslip.diagnosis.inference.detection import lack_of_fit_p
 from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]

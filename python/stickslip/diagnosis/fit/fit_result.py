@@ -168,3 +168,28 @@ def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
             ways = constant.prior.value, constant.prior.value
             result.append(Fitted(constant.name, constant.unit, position, column, *ways, False))
     return result
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Candidates, best first.
+
+    Attributes
+    ----------
+    null : Fit
+    singles, pairs : tuple of Fit
+        By log-evidence, falling.
+    """
+
+    null: Fit
+    singles: tuple[Fit, ...]
+    pairs: tuple[Fit, ...]
+
+    def replaced(self, old: Fit, new: Fit) -> Ranking:
+        """The same with a better fit of one candidate."""
+
+        def ordered(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+            fits = tuple(new if fit is old else fit for fit in fits)
+            return tuple(sorted(fits, key=lambda fit: -fit.log_evidence))
+
+        return Ranking(self.null, ordered(self.singles), ordered(self.pairs))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,16 +25,10 @@ from stickslip.diagnosis.fit.sensitivity import (
     transferred_to,
     with_cause,
 )
-from stickslip.diagnosis.inference.detection import lack_of_fit_p
 from stickslip.diagnosis.model.problem import Cause, Problem
 
 Array = NDArray[np.float64]
 
-ADEQUATE = 0.01
-"""A model is adequate whose lack of fit has at least this p-value."""
-
-COMFORTABLE = 0.3
-"""With a single cause of at least this p-value, no pair is looked for."""
 
 CAREFUL = 10
 """Steps of a careful fit."""
@@ -47,46 +40,6 @@ _WITHIN = 14.0
 _HOPELESS = (np.inf, 8.0, 40.0, 30.0)
 _LEADING, _ROUNDS = 2, (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
 _SCAN, _RELAXED_STARTS = 128, 3
-
-
-@dataclass(frozen=True)
-class Ranking:
-    """Candidates, best first.
-
-    Attributes
-    ----------
-    null : Fit
-    singles, pairs : tuple of Fit
-        By log-evidence, falling.
-    """
-
-    null: Fit
-    singles: tuple[Fit, ...]
-    pairs: tuple[Fit, ...]
-
-    def replaced(self, old: Fit, new: Fit) -> Ranking:
-        """The same with a better fit of one candidate."""
-
-        def ordered(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
-            fits = tuple(new if fit is old else fit for fit in fits)
-            return tuple(sorted(fits, key=lambda fit: -fit.log_evidence))
-
-        return Ranking(self.null, ordered(self.singles), ordered(self.pairs))
-
-
-def adequacy(problem: Problem, fit: Fit) -> float:
-    """p-value of the lack of fit of a candidate.
-
-    How large an effect is says nothing of whether it explains: the prior row of an amplitude is the
-    evidence's, not the misfit's.
-    """
-    base = problem.base_count
-    extra = len(fit.candidate.free) - base
-    # The prior row of a freed constant is nearly void.
-    extra += sum(cause.relaxes_prior is not None for cause in fit.candidate.causes)
-    constants = fit.x[fit.candidate.free[:base]] / fit.candidate.width[:base]
-    chi2 = fit.data_chi2 + float(constants @ constants)
-    return lack_of_fit_p(chi2, len(problem.observed) - extra, problem.dof)
 
 
 Views = Sequence[tuple[Fit, Sensitivities]]

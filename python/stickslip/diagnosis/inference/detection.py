@@ -13,10 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_law
-from scipy.stats import f as f_law
 
 from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.fit.goodness import lack_of_fit_p
 from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.model.problem import Problem
 
@@ -56,15 +55,6 @@ class Detection:
     threshold: float
     bootstrapped: bool
     found: bool
-
-
-def lack_of_fit_p(chi2: float, free: int, dof: float) -> float:
-    """Probability of a larger chi-square of `free` degrees of freedom, by pooled scatter."""
-    if free <= 0:
-        return 1.0
-    if not math.isfinite(dof):
-        return float(chi2_law.sf(chi2, free))
-    return float(f_law.sf(chi2 / free, free, dof))
 
 
 def detect(problem: Problem, null: Fit, sensitivities: Sensitivities, seed: int) -> Detection:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.problem import Predict
-from stickslip.diagnosis.pipeline import Diagnosis
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class Separation:
 
 
 def separate(
-    found: Diagnosis, predict: Predict, proposals: Any, trials: int = TRIALS
+    found: Findings, predict: Predict, proposals: Any, trials: int = TRIALS
 ) -> Separation | None:
     """Compare what the proposals predict at conditions that were not measured.
 
@@ -58,7 +58,7 @@ def separate(
 
     Parameters
     ----------
-    found : Diagnosis
+    found : Findings
     predict : callable
         As that of the diagnosis, of the proposals alone; NaN where a proposal cannot compute one.
     proposals : Any
@@ -113,7 +113,7 @@ def _slopes(predicted: Array, width: Array) -> Array:
     return np.asarray(np.where(both, (up - down) / (2.0 * width), one_sided))
 
 
-def _trial_variance(found: Diagnosis, level: Array) -> Array:
+def _trial_variance(found: Findings, level: Array) -> Array:
     """Variance of one trial at a level; the usual one where errors were stated for each mean."""
     noise = found.noise
     if noise.floor == 0.0 and noise.relative == 0.0:
@@ -121,7 +121,7 @@ def _trial_variance(found: Diagnosis, level: Array) -> Array:
     return np.asarray(noise.floor**2 + (noise.relative * level) ** 2)
 
 
-def _candidates(found: Diagnosis) -> list[Fit]:
+def _candidates(found: Findings) -> list[Fit]:
     if not found.detection.found:
         return []
     both = [*found.ranking.singles, *found.ranking.pairs]

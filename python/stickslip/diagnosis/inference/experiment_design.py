@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
-from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
@@ -137,7 +137,7 @@ def propose(examination: Examination) -> list[Experiment]:
     return chosen
 
 
-def advice(found: Diagnosis) -> list[str]:
+def advice(found: Findings) -> list[str]:
     """What to look at beside the drive, to tell the causes of a set apart."""
     names = set(found.verdict.causes) if found.verdict.word == "ambiguous" else set()
     said = []

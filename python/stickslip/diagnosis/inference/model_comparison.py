@@ -15,13 +15,11 @@ from numpy.typing import NDArray
 from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, singles_beside
-from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start
+from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
-    COMFORTABLE,
-    Ranking,
-    adequacy,
     fit_singles,
     refine,
     refit_null,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN, describe_runner_up
-from stickslip.diagnosis.pipeline import Diagnosis
 
 _SINGLES, _PAIRS = 7, 5
 
 
-def set_members(found: Diagnosis) -> list[Fit]:
+def set_members(found: Findings) -> list[Fit]:
     """The verdict's own fit, and the others of its set where it cannot choose.
 
     Empty without an extended model.
@@ -31,14 +31,14 @@ def set_members(found: Diagnosis) -> list[Fit]:
     return [chosen, *others]
 
 
-def leading(found: Diagnosis) -> list[Fit]:
+def leading(found: Findings) -> list[Fit]:
     """The best single causes and the best pairs, by evidence after the price of a second cause."""
     singles = sorted(found.ranking.singles, key=lambda fit: -fit.log_evidence)[:_SINGLES]
     pairs = sorted(found.ranking.pairs, key=lambda fit: -fit.log_evidence)[:_PAIRS]
     return sorted([*singles, *pairs], key=lambda fit: -fit.priced_evidence)
 
 
-def runner_up(found: Diagnosis) -> str:
+def runner_up(found: Findings) -> str:
     """What comes next after what is claimed; for `unexplained`, what comes nearest.
 
     Empty where nothing was fitted, and where it is the reason of a name already.

@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit
+from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking
+from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
 from stickslip.diagnosis.fit.sensitivity import SAME
-from stickslip.diagnosis.fit.single_cause import ADEQUATE, Ranking, adequacy
-from stickslip.diagnosis.inference.detection import Detection, lack_of_fit_p
+from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]

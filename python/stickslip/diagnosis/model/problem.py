@@ -24,44 +24,6 @@ LOST = 1e3
 """Whitened residual of a condition that the model cannot compute."""
 
 
-class PredictionCache:
-    """A prediction that is not made twice: fits begin where others have ended.
-
-    Parameters
-    ----------
-    predict : callable
-        Of one object of conditions, always the same.
-    count : int
-        How many observables it returns for each vector.
-    """
-
-    def __init__(self, predict: Predict, count: int) -> None:
-        self._predict = predict
-        self._count = count
-        self._rows: dict[bytes, Array] = {}
-
-    def __call__(self, conditions: Any, parameters: Array) -> Array:
-        """Observables of shape (vectors, m).
-
-        Raises
-        ------
-        ScenarioError
-            If that is not the shape that comes.
-        """
-        keys = [row.tobytes() for row in np.ascontiguousarray(parameters)]
-        new = {key: row for key, row in zip(keys, parameters, strict=True) if key not in self._rows}
-        if new:
-            predicted = np.asarray(self._predict(conditions, np.stack(list(new.values()))))
-            if predicted.shape != (len(new), self._count):
-                raise ScenarioError(
-                    f"predict: of {len(new)} vectors of parameters it returned shape "
-                    f"{predicted.shape}; allowed is (vectors, observables), here "
-                    f"{(len(new), self._count)}"
-                )
-            self._rows.update(zip(new, predicted.astype(float), strict=True))
-        return np.stack([self._rows[key] for key in keys])
-
-
 @dataclass(frozen=True)
 class Uncertain:
     """A parameter of the model that is known by its prior.
@@ -308,3 +270,20 @@ class Problem:
     def residuals(self, x: Array) -> Array:
         """Whitened residuals at coordinates, shape (vectors, m)."""
         return self.whitened(self.predicted(x))
+
+
+@dataclass(frozen=True)
+class AuxiliaryData:
+    """Observables beside the trials, of another kind, whose errors are known.
+
+    Attributes
+    ----------
+    observed : ndarray, shape (k,)
+    covariance : ndarray, shape (k, k)
+    group : ndarray of int, shape (k,)
+        Observables that belong together, numbered from 0.
+    """
+
+    observed: Array
+    covariance: Array
+    group: NDArray[np.int64]

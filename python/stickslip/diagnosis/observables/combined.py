@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
+from stickslip.diagnosis.model.problem import AuxiliaryData
 from stickslip.diagnosis.observables.observable import Observable
 
 Array = NDArray[np.float64]
@@ -61,3 +63,18 @@ class Combined:
         """Names and values that a channel's sketches take, from values of all columns."""
         columns = self._columns[number]
         return [self.names[k] for k in columns], parameters[columns]
+
+
+def pooled_observables(observables: Sequence[Observable]) -> AuxiliaryData | None:
+    """Rows of all channels one after another."""
+    if not observables:
+        return None
+    groups, above = [], 0
+    for observable in observables:
+        groups.append(observable.group + above)
+        above += int(observable.group.max()) + 1
+    return AuxiliaryData(
+        np.concatenate([observable.observed for observable in observables]),
+        np.asarray(block_diag(*(observable.covariance for observable in observables)), dtype=float),
+        np.concatenate(groups),
+    )

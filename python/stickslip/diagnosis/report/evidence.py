@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.data.conditions import panel
 from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.pipeline import Diagnosis
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def where_it_lives(parts: Mapping[str, Mapping[str, float | int | None]]) -> str
     return f"Misfit of the recalibrated model per condition: larger {' and '.join(said)}."
 
 
-def signal_to_noise(found: Diagnosis) -> dict[str, float] | None:
+def signal_to_noise(found: Findings) -> dict[str, float] | None:
     """Strength of the claimed cause in the data, before and after the constants absorb of it.
 
     Before, the cause is switched on with all constants as the extended model has them.

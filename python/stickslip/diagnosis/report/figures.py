@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.data.conditions import panel, sorted_by_settings
 from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import leading, set_members
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
 
 
-def velocities(found: Diagnosis, conditions: Sequence[Mapping[str, Value]], given: Array) -> str:
+def velocities(found: Findings, conditions: Sequence[Mapping[str, Value]], given: Array) -> str:
     """Data and models against frequency, a column for each mode and direction.
 
     `given` are the velocities of the scenario as it was given, m/s. Residuals are below. At
@@ -123,7 +123,7 @@ def _legend(frames: Iterable[Any]) -> dict[str, Any]:
     return legend
 
 
-def _models(found: Diagnosis, m: int) -> dict[str, Array]:
+def _models(found: Findings, m: int) -> dict[str, Array]:
     """Velocities of the fitted models at the m conditions, mm/s."""
     if found.verdict.word == "data-problem":
         return {}
@@ -216,7 +216,7 @@ def readings(place: Array, observed: Array, sd: Array | None, words: tuple[str, 
     return png(figure)
 
 
-def ranking(found: Diagnosis) -> str | None:
+def ranking(found: Findings) -> str | None:
     """Log-evidence of the leading candidates above no cause, after the price of a second cause."""
     fits = leading(found)
     if not fits:
@@ -230,7 +230,7 @@ def ranking(found: Diagnosis) -> str | None:
     return png(figure)
 
 
-def distinguishability(found: Diagnosis) -> str:
+def distinguishability(found: Findings) -> str:
     """Map of the cosines between projected sensitivities."""
     names = [cause.name for cause in found.problem.causes]
     size = 2.0 + 0.18 * len(names)

@@ -18,9 +18,9 @@ from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.inference.discrimination import TRIALS
 from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.observables import ReportSection
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
 from stickslip.diagnosis.report.parameters import short
 from stickslip.errors import ScenarioError
@@ -41,7 +41,7 @@ _SHOWN = {
 }
 
 
-def extended_scenario(found: Diagnosis, scenario: Scenario) -> Scenario:
+def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
     """The scenario with recalibrated constants and, where there is one, the cause.
 
     Of data that allows no diagnosis nothing is learnt, so the scenario stays as it is.
@@ -115,7 +115,7 @@ def write_files(
     write_together({**texts_by_path, **(others or {})})
 
 
-def _origin(found: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
+def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> list[str]:
     """Where an extended scenario is from, and what it has changed."""
     lines = [f"stickslip diagnose {measurement.path.name}: {found.verdict.word}"]
     if found.verdict.causes:
@@ -138,7 +138,7 @@ def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
 
 
-def _typical_error(found: Diagnosis) -> str:
+def _typical_error(found: Findings) -> str:
     """Noise of one trial at the median velocity."""
     if found.noise.dof == 0.0:
         return "not known"

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.fit.single_cause import adequacy
+from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.inference.constancy import changing, refit_parts
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import leading, runner_up
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects
 from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.report.evidence import (
     carriers,
     misfit_by_part,
@@ -217,7 +217,7 @@ def further(examination: Examination) -> dict[str, Any]:
     }
 
 
-def _level(found: Diagnosis, unit: str) -> float | None:
+def _level(found: Findings, unit: str) -> float | None:
     """Mean size of what is held out, where it has one unit: its error is given in per cent."""
     if found.gain is None or unit == "SI":
         return None

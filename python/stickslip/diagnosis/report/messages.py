@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stickslip.diagnosis.pipeline import Diagnosis
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.report.parameters import extended_parameters, short
 
 _NAMELESS = {
@@ -26,7 +26,7 @@ def rounded(value: float, sd: float) -> str:
     return number if ten == 0 else f"({number})e{ten}"
 
 
-def headline(found: Diagnosis) -> str:
+def headline(found: Findings) -> str:
     """The verdict in one sentence, and in a second one if there is no certain gain."""
     verdict = found.verdict
     if verdict.word in _NAMELESS:
@@ -58,7 +58,7 @@ def headline(found: Diagnosis) -> str:
     return text
 
 
-def _sizes(found: Diagnosis) -> str:
+def _sizes(found: Findings) -> str:
     """The fitted parameters with their errors; of a constant, how far it is from the stated."""
     stated = {each.name: float(each.prior.value(0.0)) for each in found.problem.uncertain}
     said = []

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.diagnosis.api import Examination
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.observables import ReportSection
 from stickslip.diagnosis.observables.combined import Combined
-from stickslip.diagnosis.pipeline import Diagnosis
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.html import report_texts, write_files
 from stickslip.errors import ScenarioError
@@ -27,7 +27,7 @@ class _Own:
 
 def write_model_report(
     out: str | PathLike[str],
-    found: Diagnosis,
+    found: Findings,
     title: str,
     *,
     place: ArrayLike | None = None,
@@ -39,7 +39,7 @@ def write_model_report(
     Parameters
     ----------
     out : str or path-like
-    found : Diagnosis
+    found : Findings
     title : str
     place : array_like, shape (m,), optional
         Abscissa of each condition in the figure; its number, if not given.
@@ -68,7 +68,7 @@ def write_model_report(
     )
 
 
-def _report_section(found: Diagnosis, place: Array, labels: tuple[str, str]) -> ReportSection:
+def _report_section(found: Findings, place: Array, labels: tuple[str, str]) -> ReportSection:
     """Data and models; no model where nothing was learnt, and no error where none is known."""
     problem, fit, m = found.problem, found.verdict.fit, len(place)
     observed = problem.observed[:m]

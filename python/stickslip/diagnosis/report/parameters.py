@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from stickslip.diagnosis.fit.fit_result import Fit, fitted_parameters
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.model.problem import Problem
-from stickslip.diagnosis.pipeline import Diagnosis
 
 
 def short(name: str) -> str:
@@ -27,7 +27,7 @@ def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
     return result
 
 
-def extended_parameters(found: Diagnosis) -> dict[str, dict[str, float | str]]:
+def extended_parameters(found: Findings) -> dict[str, dict[str, float | str]]:
     """Parameters of the extended model; of a set, what each of its members would need."""
     members = set_members(found)
     if not members:

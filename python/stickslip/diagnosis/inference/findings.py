@@ -1,0 +1,75 @@
+"""All that a diagnosis found, as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.diagnosis.fit.fit_result import Fit, Ranking
+from stickslip.diagnosis.fit.profile_likelihood import Profile
+from stickslip.diagnosis.fit.sensitivity import Sensitivities
+from stickslip.diagnosis.inference.cross_validation import Gain
+from stickslip.diagnosis.inference.detection import Detection
+from stickslip.diagnosis.inference.verdict import Verdict
+from stickslip.diagnosis.model.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Findings:
+    """All that the engine found.
+
+    Attributes
+    ----------
+    problem : Problem
+    noise : NoiseModel
+    roughness : ndarray, shape (m,)
+        Scatter of the model itself under tiny changes of its parameters, in the observable's unit;
+        part of the errors.
+    null : Fit
+        The recalibrated model.
+    detection : Detection
+    sensitivities : Sensitivities
+    ranking : Ranking
+    cosines : ndarray, shape (causes, causes)
+    indistinguishable_causes : list of tuple of str
+        Causes that these data can hardly tell apart.
+    verdict : Verdict
+    bounds : dict
+        95 % upper limits, filled for the verdict none.
+    smooth_bound : float, optional
+        Chi-square that a smooth function of the settings would take from the misfit, where the
+        settings were given.
+    gain : Gain, optional
+    profiles : tuple of Profile
+        Of the parameters of the verdict's fit.
+    notes : tuple of str
+    seed : int
+    """
+
+    problem: Problem
+    noise: NoiseModel
+    roughness: Array
+    null: Fit
+    detection: Detection
+    sensitivities: Sensitivities
+    ranking: Ranking
+    cosines: Array
+    indistinguishable_causes: list[tuple[str, ...]]
+    verdict: Verdict
+    bounds: dict[str, float]
+    smooth_bound: float | None
+    gain: Gain | None
+    profiles: tuple[Profile, ...]
+    notes: tuple[str, ...]
+    seed: int
+
+    @property
+    def held_out(self) -> NDArray[np.bool_]:
+        """Which of the problem's observables were held out for the gain, shape (m,)."""
+        rows = () if self.gain is None else self.gain.held_out
+        return np.isin(np.arange(len(self.problem.observed)), rows)
