@@ -1,5 +1,7 @@
 """Every bad input through the real command: exit status 2, one line, nothing left behind."""
 
+import os
+
 import pytest
 
 from command_line import stickslip
@@ -228,6 +230,32 @@ def test_what_is_read_is_not_overwritten(tmp_path, option, link):
     (tmp_path / "s.toml").write_text(HEAD)
     check(stickslip("run", "s.toml", setting, option, "v.csv", cwd=tmp_path), "--set drive.file")
     assert (tmp_path / "v.csv").read_text() == CSV
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="needs a folder that takes no file")
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["run", "s.toml", "--out", "/proc/a.nc"], "/proc/a.nc"),
+        (["run", "s.toml", "--plot", "/proc/a.png"], "/proc/a.png"),
+        (["run", "s.toml", "--out", "a" * 300 + ".nc"], "aaa.nc: File name too long"),
+        (["sweep", "s.toml", "--vary=drive.peak=1e-3", "--out", "/proc/a.nc"], "/proc/a.nc"),
+        (["sweep", "s.toml", "--vary=drive.peak=1e-3", "--out", "a" * 250 + ".nc"], "aaa.nc: its"),
+        (["diagnose", "m.toml", "--out", "/proc"], "/proc"),
+        (["reproduce", "--only=fig8", "--out", "/proc"], "/proc"),
+        (["init", "/proc/s.toml"], "/proc/s.toml"),
+    ],
+)
+def test_a_place_that_takes_no_file_is_refused_before_the_work(tmp_path, arguments, name):
+    (tmp_path / "s.toml").write_text(HEAD)
+    (tmp_path / "velocity.csv").write_text("velocity\n1e-3\n")
+    (tmp_path / "m.toml").write_text(
+        'stickslip_measurement = 1\nscenario = "s.toml"\n[[velocity]]\nfile = "velocity.csv"\n'
+    )
+    done = stickslip(*arguments, cwd=tmp_path)
+    check(done, "cannot write", name)
+    assert ".lock" not in done.stderr
+    assert len(list(tmp_path.iterdir())) == 3
 
 
 def test_a_device_is_not_replaced(tmp_path):
