@@ -9,16 +9,17 @@ import click
 
 from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
-from stickslip.cli.settings import with_settings
+from stickslip.cli.settings import read_with
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError
 from stickslip.json_text import json_text
+from stickslip.number_text import highest
 from stickslip.run import SUFFIXES
-from stickslip.scenario import Scenario
 
 if TYPE_CHECKING:
     from stickslip.run import Run
+    from stickslip.scenario import Scenario
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin.
 _RATE = 2e4
@@ -89,7 +90,7 @@ def command(
     --out and --plot record on a uniform grid if the scenario's record.rate is "none". The exit
     status is 1 if the simulation failed, with the reason on standard error.
     """
-    loaded = with_settings(Scenario.from_toml(scenario), settings)
+    loaded = read_with(scenario, settings)
     _check_stretch(loaded, plot, start, stop)
     if out is not None or plot is not None:
         _check_targets(out, plot, scenario, settings)
@@ -177,7 +178,7 @@ def _check_stretch(
             raise ScenarioError(f"{option}: allowed with --plot only")
         if not 0.0 <= time <= scenario.duration:
             raise ScenarioError(
-                f"{option} = {time!r}: allowed is from 0 to {scenario.duration:g} s, "
+                f"{option} = {time!r}: allowed is from 0 to {highest(scenario.duration)} s, "
                 "the duration of the run"
             )
     if start is not None and stop is not None and start >= stop:
