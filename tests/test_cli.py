@@ -314,6 +314,7 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
 
     done = stickslip("run", scenario, option, folder / name, preexec_fn=limit)
     assert done.returncode == 1
+    assert done.stdout == stickslip("run", scenario).stdout  # nobody simulates it again
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1
     assert list(folder.iterdir()) == []

@@ -14,11 +14,13 @@ from command_line import COMMAND, stickslip
 from made_measurement import write
 from report_page import without_pictures
 from stickslip import Scenario, simulate
+from stickslip.cli import diagnose_command
 from stickslip.cli.commands import stickslip as commands
 from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.library import _SHAPES, _SIZES, library
 from stickslip.diagnosis.simulator import Simulator, loosest_tolerances
 from stickslip.extensions import effects
+from stickslip.files import NotWritten
 
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain",
@@ -209,6 +211,21 @@ def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
     assert (process.returncode, output) == (130, b"")
     assert re.search(rb"stickslip: interrupted at the stage '[a-z ]+', nothing written\n$", errors)
     assert not out.exists()
+
+
+def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
+    def full(*_):
+        raise NotWritten("cannot write report.html: No space left on device")
+
+    told = []
+    monkeypatch.setattr("stickslip.diagnosis.examination.diagnose", lambda *_, **__: "found")
+    monkeypatch.setattr("stickslip.diagnosis.experiments.propose", lambda *_: "next")
+    monkeypatch.setattr("stickslip.diagnosis.report.write_report", full)
+    monkeypatch.setattr(diagnose_command, "_tell", lambda *given: told.append(given))
+    path = write(tmp_path, {})
+    with pytest.raises(NotWritten):
+        diagnose_command.command.callback(path, tmp_path / "found", False, 0, 1)
+    assert [(found, proposed) for found, _, proposed, _ in told] == [("found", "next")]
 
 
 def test_the_command_is_listed_with_an_example():

@@ -97,15 +97,16 @@ def command(
         loaded = _with_record(loaded, for_plot=plot is not None)
     run = _simulated(loaded)
 
-    if out is not None:
-        run.save(out)
-    if plot is not None:
-        _draw(run, plot, start, stop)
-    click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
-    if not run.ok:
-        say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
-        return 1
-    return 0
+    try:
+        if out is not None:
+            run.save(out)
+        if plot is not None:
+            _draw(run, plot, start, stop)
+    finally:  # what was simulated is told also where a disk was full
+        click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
+        if not run.ok:
+            say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
+    return 0 if run.ok else 1
 
 
 def _simulated(scenario: Scenario) -> Run:
