@@ -1,8 +1,12 @@
 """Every bad input through the real command: exit status 2, one line, nothing left behind."""
 
+import os
+
 import pytest
 
 from command_line import stickslip
+from stickslip import ScenarioError
+from stickslip.cli.settings import parse_value, read_with
 
 HEAD = "stickslip = 1\n[drive]\n"
 CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
@@ -176,6 +180,10 @@ OPTIONS = {
         ["--set", "drive.pulses", "drive.file"],
     ),
     "late start": (["--start", "9"], ["--start = 9.0", "1.05 s"]),
+    "late start, six digits": (
+        ["--set", "drive.ramp=0.123456789", "--start", "1.12346"],
+        ["--start = 1.12346", "from 0 to 1.12345 s"],
+    ),
     "no stretch": (["--start", "0.1", "--stop", "0.1"], ["--start", "--stop"]),
     "missing voltages": (["--set", "drive.file=no.csv"], ["no.csv", "No such file"]),
     "unknown option": (["--frequency", "3"], ["--frequency"]),
@@ -228,6 +236,75 @@ def test_what_is_read_is_not_overwritten(tmp_path, option, link):
     (tmp_path / "s.toml").write_text(HEAD)
     check(stickslip("run", "s.toml", setting, option, "v.csv", cwd=tmp_path), "--set drive.file")
     assert (tmp_path / "v.csv").read_text() == CSV
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="needs a folder that takes no file")
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["run", "s.toml", "--out", "/proc/a.nc"], "/proc/a.nc"),
+        (["run", "s.toml", "--plot", "/proc/a.png"], "/proc/a.png"),
+        (["run", "s.toml", "--out", "a" * 300 + ".nc"], "aaa.nc: File name too long"),
+        (["sweep", "s.toml", "--vary=drive.peak=1e-3", "--out", "/proc/a.nc"], "/proc/a.nc"),
+        (["sweep", "s.toml", "--vary=drive.peak=1e-3", "--out", "a" * 250 + ".nc"], "aaa.nc: its"),
+        (["diagnose", "m.toml", "--out", "/proc"], "/proc"),
+        (["reproduce", "--only=fig8", "--out", "/proc"], "/proc"),
+        (["init", "/proc/s.toml"], "/proc/s.toml"),
+    ],
+)
+def test_a_place_that_takes_no_file_is_refused_before_the_work(tmp_path, arguments, name):
+    (tmp_path / "s.toml").write_text(HEAD)
+    (tmp_path / "velocity.csv").write_text("velocity\n1e-3\n")
+    (tmp_path / "m.toml").write_text(
+        'stickslip_measurement = 1\nscenario = "s.toml"\n[[velocity]]\nfile = "velocity.csv"\n'
+    )
+    done = stickslip(*arguments, cwd=tmp_path)
+    check(done, "cannot write", name)
+    assert ".lock" not in done.stderr
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+REPLACED = {
+    "value": ("frequency = -3", ["drive.frequency=30"]),
+    "word": ('edge = "up"', ["drive.edge=fall"]),
+    "together": ("base = 3e-3", ["drive.peak=4e-3"]),
+    "section": ("[robot]\nmass = 0", ["robot.mass=25e-9"]),
+    "effect": ("[effects.surface_tilt]\nangle = 9", ["effects.surface_tilt.angle=0.1"]),
+    "file": ('mode = "program"\nfile = "no.csv"', ["drive.file=v.csv"]),
+    "mode": ('mode = "program"\nfile = "no.csv"', ["drive.mode=OPP", "drive.pulses=4"]),
+    "whole drive": ("frequency = -3", ["drive.file=v.csv"]),
+}
+
+
+@pytest.mark.parametrize("name", REPLACED)
+def test_a_value_that_is_replaced_is_not_judged(tmp_path, monkeypatch, name):
+    text, settings = REPLACED[name]
+    (tmp_path / "s.toml").write_text(f"{HEAD}{text}\n")
+    (tmp_path / "v.csv").write_text(CSV)
+    monkeypatch.chdir(tmp_path)
+    found = read_with(tmp_path / "s.toml", settings)
+    for key, value in (each.split("=") for each in settings):
+        if key != "drive.file":
+            assert found.get(key) == parse_value(value)
+    with pytest.raises(ScenarioError, match=r"s\.toml.*: "):
+        read_with(tmp_path / "s.toml", ["drag.linear=1e-6"])
+
+
+def test_what_is_not_replaced_is_judged(tmp_path):
+    (tmp_path / "s.toml").write_text(HEAD + "frequency = -3\npeak = -1\n")
+    done = stickslip("run", tmp_path / "s.toml", "--set", "drive.frequency=30")
+    check(done, "s.toml: drive.peak = -1")
+    (tmp_path / "s.toml").write_text(HEAD)
+    done = stickslip("run", tmp_path / "s.toml", "--set", "drive.base=0.1")
+    check(done, "s.toml with --set: drive.peak = 0.0025 with drive.base = 0.1")
+
+
+def test_a_file_is_named_once(tmp_path):
+    (tmp_path / "s.toml").write_text(PROGRAM)
+    (tmp_path / "v.csv").write_text(CSV + "2,0,0\n")
+    done = stickslip("run", tmp_path / "s.toml")
+    check(done, 'drive.file = "v.csv": row 4')
+    assert done.stderr.count("v.csv") == 1
 
 
 def test_a_device_is_not_replaced(tmp_path):

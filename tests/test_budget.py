@@ -15,7 +15,7 @@ def test_a_run_stops_at_its_budget():
     run = simulate(twenty.replace({"solver.max_steps": 1000}))
     assert run.status == "too_many_steps"
     # Nothing in the scenario is stiff, so the budget itself is what there is to change.
-    assert "raise solver.max_steps" in run.message
+    assert "solver.max_steps = 1000 allows; raise solver.max_steps" in run.message
     assert 0.0 < run.summary()["simulated_time"] < run.scenario.duration
     assert run.summary()["steps"]["accepted"] == 1000
     enough = simulate(twenty.replace({"solver.max_steps": 100_000}))
@@ -63,6 +63,24 @@ def test_endless_work_is_refused_in_one_line(changes, key, allowed):
     assert "allowed" in text
     assert allowed in text
     assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "others", "before"),
+    [
+        ("solver.max_step", 1e-8, {"solver.max_steps": 997}, "at least "),
+        ("effects.sample_hold.period", 1e-8, {"solver.max_steps": 1003}, "at least "),
+        ("drive.pulses", 10**9, {"solver.max_steps": 999}, "at most "),
+        ("record.rate", 1e9, {"drive.frequency": 37.0}, "here "),
+        ("contact.adhesion_range", 1e-3, {"robot.height": 0.1234567e-3}, "side, "),
+    ],
+)
+def test_a_limit_that_is_printed_is_short_and_allowed(key, value, others, before):
+    with pytest.raises(ScenarioError) as refusal:
+        scenario(PULSES, others, {key: value})
+    limit = str(refusal.value).partition(before)[2].split()[0]
+    assert len(limit) <= len("0.000123456")
+    assert scenario(PULSES, others, {key: float(limit)}).get(key) == float(limit)
 
 
 def test_a_budget_of_just_the_steps_that_a_run_needs_is_enough():

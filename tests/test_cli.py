@@ -261,6 +261,20 @@ def test_an_interrupt_stops_within_a_fifth_of_a_second(scenario, settings):
     assert fastest < 0.2
 
 
+def test_an_interrupt_of_the_imports_is_silent():
+    code = (
+        "import sys\nbefore = set(sys.modules)\nfrom stickslip.cli import main\n"
+        "print(*(m for m in sys.modules if m not in before and 'importlib' not in m))\n"
+        "class Interrupt:\n"
+        "    def find_spec(name, *_): raise KeyboardInterrupt\n"
+        "sys.stdout.flush()\nsys.meta_path.insert(0, Interrupt)\nmain(['--version'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (130, "")
+    # What is imported before `main` can answer takes less than a millisecond.
+    assert done.stdout == "__future__ stickslip stickslip.cli\n"
+
+
 def test_a_short_run_has_no_bar(scenario):
     assert stickslip("run", scenario).stderr == ""
 
@@ -300,6 +314,7 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
 
     done = stickslip("run", scenario, option, folder / name, preexec_fn=limit)
     assert done.returncode == 1
+    assert done.stdout == stickslip("run", scenario).stdout  # nobody simulates it again
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1
     assert list(folder.iterdir()) == []

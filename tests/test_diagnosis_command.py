@@ -14,6 +14,8 @@ from command_line import COMMAND, stickslip
 from made_measurement import write
 from report_page import without_pictures
 from stickslip import Scenario, simulate
+from stickslip._util.atomic_files import NotWritten
+from stickslip.cli import diagnose_command
 from stickslip.cli.commands import stickslip as commands
 from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.model.effect_causes import _SHAPES, _SIZES, library
@@ -209,6 +211,23 @@ def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
     assert (process.returncode, output) == (130, b"")
     assert re.search(rb"stickslip: interrupted at the stage '[a-z ]+', nothing written\n$", errors)
     assert not out.exists()
+
+
+def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
+    def full(*_):
+        raise NotWritten("cannot write report.html: No space left on device")
+
+    told = []
+    monkeypatch.setattr("stickslip.diagnosis.api.diagnose", lambda *_, **__: "found")
+    monkeypatch.setattr(
+        "stickslip.diagnosis.inference.experiment_design.propose", lambda *_: "next"
+    )
+    monkeypatch.setattr("stickslip.diagnosis.report.html.write_report", full)
+    monkeypatch.setattr(diagnose_command, "_tell", lambda *given: told.append(given))
+    path = write(tmp_path, {})
+    with pytest.raises(NotWritten):
+        diagnose_command.command.callback(path, tmp_path / "found", False, 0, 1)
+    assert [(found, proposed) for found, _, proposed, _ in told] == [("found", "next")]
 
 
 def test_the_command_is_listed_with_an_example():

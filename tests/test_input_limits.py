@@ -29,8 +29,14 @@ def refused(path, *words, read=Scenario.from_toml):
 
 
 DOCUMENTS = {
-    "5000 digits": ("frequency = " + "9" * 5000, ["line 3, frequency = 999", "64 bits"]),
-    "65 bits": (f"pulses = {2**64}", [f"drive.pulses = {2**64}", "64 bits"]),
+    "5000 digits": (
+        "frequency = " + "9" * 5000,
+        ["line 3, frequency = 999", "for drive.frequency is a number from 1e-06", "64 bits"],
+    ),
+    "65 bits": (
+        f"pulses = {2**64}",
+        [f"drive.pulses = {2**64}", "a whole number from 1 to 1e+12", "64 bits"],
+    ),
     "hexadecimal": ("pulses = 0x" + "f" * 5000, ["drive.pulses = ", "64 bits"]),
     "900 parts": ("frequency" + ".a" * 900 + " = 1", ["line 3, frequency.a.a", "16 parts"]),
     # The parser alone would take minutes for this one.

@@ -181,6 +181,16 @@ def test_a_saved_run_is_opened_and_drawn(run, tmp_path):
         open_run(tmp_path / "other.nc")
 
 
+@pytest.mark.parametrize("data", [b"", b"no netCDF file\n", b"\x89HDF\r\n\x1a\n" + bytes(600)])
+def test_what_is_no_netcdf_file_is_refused_in_one_line(tmp_path, data):
+    path = tmp_path / "run.nc"
+    path.write_bytes(data)
+    with pytest.raises(ScenarioError) as refusal:
+        open_run(path)
+    allowed = "allowed is a netCDF file that Run.save or --out wrote"
+    assert str(refusal.value) == f"{path}: is no netCDF file; {allowed}"
+
+
 def test_a_record_of_events_as_csv_has_their_words(tmp_path):
     run = simulate(SCENARIO.replace({"record.rate": "events"}))
     run.save(tmp_path / "run.csv")

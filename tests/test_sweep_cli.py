@@ -212,6 +212,16 @@ def test_values_that_are_refused(scenario, tmp_path, name):
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
 
 
+def test_a_value_that_is_varied_is_not_judged(tmp_path):
+    (tmp_path / "s.toml").write_text(TEXT + "frequency = -3\n")
+    done = stickslip("sweep", "s.toml", "--vary=drive.frequency=30,40", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    done = stickslip("sweep", "s.toml", "--vary=drive.peak=2e-3,3e-3", cwd=tmp_path)
+    check(done, "s.toml: drive.frequency = -3")
+    done = stickslip("sweep", "s.toml", "--vary=drive.frequency=-1,30", cwd=tmp_path)
+    check(done, "--vary: drive.frequency = -1")
+
+
 OPTIONS = {
     "jobs 0": (["--jobs=0"], ["--jobs", "0"]),
     "jobs 1.5": (["--jobs=1.5"], ["--jobs", "1.5"]),

@@ -148,6 +148,14 @@ def test_what_is_refused_is_refused_in_one_line(case):
     assert stickslip.effects() == before
 
 
+def test_the_ends_of_a_range_are_printed_short_and_allowed():
+    register(nothing, parameter(low=1 / 3, high=0.1 + 0.2 + 1 / 3, default=0.5), name="ends")
+    with pytest.raises(stickslip.ScenarioError, match=r"a number from 0\.333334 to 0\.633333"):
+        stickslip.Scenario(effects={"ends": {"k": 9.0}})
+    for end in (0.333334, 0.633333):
+        assert stickslip.Scenario(effects={"ends": {"k": end}}).effects["ends"]["k"] == end
+
+
 def test_what_is_not_registered_cannot_be_taken_back():
     for name in ("own", "surface_tilt", 3):
         with pytest.raises(ValueError, match="is not registered"):

@@ -1,12 +1,12 @@
 #include "stickslip/assembly.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "stickslip/number_text.hpp"
 
 namespace stickslip {
 namespace {
@@ -19,13 +19,6 @@ constexpr double kMostSamples = 1e7;
 
 // Of solver.max_step, s.
 constexpr double kLeastMaxStep = 1e-9;
-
-// The shortest digits that read back as the same number.
-std::string digits(double value) {
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-    return {text.data(), end};
-}
 
 [[noreturn]] void refuse(const char* key, double value, const std::string& allowed) {
     throw std::invalid_argument(std::string(key) + " = " + digits(value) + ": allowed is " +
@@ -47,10 +40,11 @@ double pulsing_time(const Drive& drive) {
 void check_work(const Scenario& s, double duration) {
     const auto most = static_cast<double>(s.solver.max_steps);
     const auto refuse_span = [&](const char* key, double value, const char* zero) {
-        if (value > 0.0 && duration / value > most) {
+        const double least = duration / most;
+        if (value > 0.0 && value < least) {
             refuse(key, value,
-                   std::string(zero) + "at least " + digits(duration / most) + " s in a run of " +
-                       digits(duration) + " s with solver.max_steps = " + digits(most));
+                   std::string(zero) + "at least " + lowest(least) + " s in a run of " +
+                       rounded(duration) + " s with solver.max_steps = " + digits(most));
         }
     };
     refuse_span("solver.max_step", s.solver.max_step, "0 (no limit) or ");
@@ -58,7 +52,8 @@ void check_work(const Scenario& s, double duration) {
     // A pulse has two straight parts at least.
     if (s.drive.mode != DriveMode::program && 2.0 * static_cast<double>(s.drive.pulses) > most) {
         refuse("drive.pulses", static_cast<double>(s.drive.pulses),
-               "at most " + digits(0.5 * most) + " with solver.max_steps = " + digits(most));
+               "at most " + digits(std::floor(0.5 * most)) +
+                   " with solver.max_steps = " + digits(most));
     }
 }
 
@@ -77,7 +72,7 @@ void check(const Scenario& s) {
     const double side = std::min(s.robot.length, s.robot.height);
     if (s.contact.adhesion_range > side) {
         refuse("contact.adhesion_range", s.contact.adhesion_range,
-               "at most the robot's shorter side, " + digits(side) + " m");
+               "at most the robot's shorter side, " + highest(side) + " m");
     }
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
@@ -100,9 +95,10 @@ void check(const Scenario& s) {
     }
     const double longest = make_program(s).duration();  // refuses voltages that are not finite
     check_work(s, longest);
-    if (s.record.kind == RecordKind::uniform && s.record.rate * longest > kMostSamples) {
+    const double highest_rate = kMostSamples / longest;
+    if (s.record.kind == RecordKind::uniform && s.record.rate > highest_rate) {
         refuse("record.rate", s.record.rate,
-               "at most 1e7 samples in all, here " + digits(kMostSamples / longest) + " Hz");
+               "at most 1e7 samples in all, here " + highest(highest_rate) + " Hz");
     }
 }
 

@@ -191,6 +191,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       segments_(program_, hold_period_, {window_.start, window_.end}),
       burst_span_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
     result_.stiffness = stiffness(scenario, model_, integrator_.options().swing_rate);
+    result_.most_steps = scenario.solver.max_steps;
     body_.z = model_.shape.half_rise(0);
     contact_x_ = model_.shape.half_base(0);
 }

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "stickslip/number_text.hpp"
+
 namespace stickslip {
 namespace {
 
@@ -261,7 +263,7 @@ std::vector<EffectDescription> make_effects() {
 
 std::string out_of_range(const Parameter& parameter, double value) {
     std::ostringstream text;
-    text << parameter.key << " = " << value << ": allowed is " << allowed_range(parameter);
+    text << parameter.key << " = " << digits(value) << ": allowed is " << allowed_range(parameter);
     return text.str();
 }
 
@@ -315,9 +317,9 @@ std::string allowed_range(const Parameter& parameter) {
     std::ostringstream text;
     const bool has_unit = std::string_view(parameter.unit) != "-";
     text << (parameter.integer ? "a whole number" : "a number");
-    text << (parameter.low_allowed ? " from " : " above ") << parameter.low;
+    text << (parameter.low_allowed ? " from " : " above ") << lowest(parameter.low);
     const bool bounded = std::isfinite(parameter.high);
-    if (bounded) text << (parameter.low_allowed ? " to " : " up to ") << parameter.high;
+    if (bounded) text << (parameter.low_allowed ? " to " : " up to ") << highest(parameter.high);
     if (has_unit) text << " " << parameter.unit;
     if (!bounded) text << " upwards";
     return text.str();

@@ -66,8 +66,8 @@ std::string message(const RunResult& result) {
                  << remedy(result, "change solver.rtol, or look at friction and restitution");
             break;
         case Status::too_many_steps:
-            text << "the run had taken as many steps as solver.max_steps allows; "
-                 << remedy(result, "raise solver.max_steps, or simulate less time");
+            text << "the run had taken as many steps as solver.max_steps = " << result.most_steps
+                 << " allows; " << remedy(result, "raise solver.max_steps, or simulate less time");
             break;
         case Status::not_finite:
             if (!result.effect.empty()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <string>
 
 #include "stickslip/recording.hpp"
@@ -16,9 +17,10 @@ struct RunResult {
     Summary summary;
     StepCounts steps;
     Recording recording;
-    BodyState final_state;  ///< robot's own frame
-    std::string effect;     ///< of the user, that gave what is not finite and ended the run
-    Stiffness stiffness;    ///< what makes steps short, for the message
+    BodyState final_state;        ///< robot's own frame
+    std::string effect;           ///< of the user, that gave what is not finite and ended the run
+    Stiffness stiffness;          ///< what makes steps short, for the message
+    std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
 };
 
 /// "ok", "step_underflow", ...

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "stickslip/number_text.hpp"
+
 namespace stickslip {
 namespace {
 
@@ -18,22 +20,21 @@ void check_block(const VoltageBlock& block, std::size_t index) {
                                     ", allowed is 1 or more");
     }
     if (block.points.front().time != 0.0) {
-        throw std::invalid_argument(
-            where + "the first point is at t = " + std::to_string(block.points.front().time) +
-            " s, it has to be at 0");
+        throw std::invalid_argument(where + "the first point is at t = " +
+                                    digits(block.points.front().time) + " s, it has to be at 0");
     }
     double previous = 0.0;
     for (const VoltagePoint& point : block.points) {
         if (!std::isfinite(point.time) || point.time < previous) {
-            throw std::invalid_argument(where + "t = " + std::to_string(point.time) +
-                                        " s follows " + std::to_string(previous) +
+            throw std::invalid_argument(where + "t = " + digits(point.time) + " s follows " +
+                                        digits(previous) +
                                         " s, times have to be finite and must not fall");
         }
         previous = point.time;
         for (const double voltage : point.voltage) {
             if (!std::isfinite(voltage)) {
-                throw std::invalid_argument(
-                    where + "a voltage at t = " + std::to_string(point.time) + " s is not finite");
+                throw std::invalid_argument(where + "a voltage at t = " + digits(point.time) +
+                                            " s is not finite");
             }
         }
     }

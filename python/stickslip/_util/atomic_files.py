@@ -96,8 +96,21 @@ def check_writable(path: str | PathLike[str]) -> None:
             raise PermissionError(f"cannot write {path}: it is read-only")
     if not folder.is_dir():
         raise FileNotFoundError(f"cannot write {path}: there is no folder {Path(path).parent}")
-    if not os.access(folder, os.W_OK):
-        raise PermissionError(f"cannot write {path}: no permission to write in {folder}")
+    _try_to_write(path, folder)
+
+
+def _try_to_write(path: str | PathLike[str], folder: Path) -> None:
+    """Make an empty file and remove it: rights alone do not tell what a file system takes."""
+    trial = folder / f".{secrets.token_hex(8)}.tmp"
+    try:
+        trial.touch(exist_ok=False)
+    except PermissionError:
+        raise PermissionError(f"cannot write {path}: no permission to write in {folder}") from None
+    except OSError as error:
+        raise type(error)(f"cannot write {path}: {error.strerror}") from None
+    finally:
+        with contextlib.suppress(OSError):
+            trial.unlink()
 
 
 def _resolved(path: str | PathLike[str]) -> Path:
@@ -107,7 +120,13 @@ def _resolved(path: str | PathLike[str]) -> Path:
     except OSError as error:
         raise OSError(f"cannot write {path}: {error}") from None
     target = Path(os.path.realpath(path))
-    if target.is_symlink():
+    try:
+        mode = os.lstat(target).st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return target
+    except OSError as error:  # a name that is too long, say
+        raise OSError(f"cannot write {path}: {error.strerror}") from None
+    if stat.S_ISLNK(mode):
         raise OSError(f"cannot write {path}: its links lead in a circle")
     return target
 
@@ -127,7 +146,6 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
         raise NotADirectoryError(f"cannot write {path}: it is not a folder")
     made: list[Path] = []
     try:
-        # Rights alone do not tell: some file systems take no new folder from anyone.
         for folder in reversed([target, *target.parents]):
             if not folder.exists():
                 folder.mkdir()
@@ -138,8 +156,7 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
         for folder in reversed(made):
             folder.rmdir()
     if target.exists():
-        if not os.access(target, os.W_OK):
-            raise PermissionError(f"cannot write {path}: no permission to write in it")
+        _try_to_write(path, target)
         for name in files:
             check_writable(Path(path) / name)
 
@@ -181,6 +198,8 @@ def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     OSError
         If one cannot be written; then all are as they were before.
     """
+    for path in writers:  # before another file's error could name this one
+        check_writable(path)
     with contextlib.ExitStack() as stack:
         for path, write in writers.items():
             write(stack.enter_context(replacing(path)))

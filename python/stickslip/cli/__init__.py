@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
-from typing import NoReturn
 
-from stickslip._util.plain_text import printable
+TYPE_CHECKING = False  # as in the package
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import NoReturn
 
 BAD_INPUT = 2
 FAILED = 1
@@ -62,6 +64,8 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 
 def _one_line(message: object) -> str:
+    from stickslip._util.plain_text import printable
+
     return printable(" ".join(str(message).split()))
 
 

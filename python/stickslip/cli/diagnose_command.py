@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +13,11 @@ from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
 from stickslip.cli.targets import check_folder_target
 from stickslip.scenario.toml_file import voltages_beside
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.api import Examination
+    from stickslip.diagnosis.inference.experiment_design import Experiment
+    from stickslip.measurement import Measurement
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -33,12 +40,8 @@ def command(
     ambiguous, pair, unexplained, data-problem.
     """
     from stickslip.diagnosis.api import diagnose
-    from stickslip.diagnosis.data.conditions import changes
-    from stickslip.diagnosis.inference.experiment_design import advice, propose
-    from stickslip.diagnosis.inference.ranking import runner_up
+    from stickslip.diagnosis.inference.experiment_design import propose
     from stickslip.diagnosis.report.html import EXTENDED, FILES, write_report
-    from stickslip.diagnosis.report.json_keys import summary
-    from stickslip.diagnosis.report.messages import headline
     from stickslip.measurement import read_measurement
 
     data = read_measurement(measurement)
@@ -60,7 +63,6 @@ def command(
                     report(0.95 * done, stage)
 
             examination = diagnose(data, seed=seed, threads=jobs, progress=diagnosing)
-            found = examination.found
             report(0.95, "next experiment")
             experiments = propose(examination)
             if out is not None:
@@ -70,9 +72,31 @@ def command(
         kept = "" if now == "report" else ", nothing written"
         say(f"stickslip: interrupted at the stage '{now}'{kept}", err=True)
         raise
+    except OSError:
+        if now == "report":  # what was found is told also where a disk was full
+            _tell(examination, data, experiments, as_json)
+        raise
+    _tell(examination, data, experiments, as_json)
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(FILES)}")
+
+
+def _tell(
+    examination: Examination,
+    data: Measurement,
+    experiments: Sequence[Experiment],
+    as_json: bool,
+) -> None:
+    from stickslip.diagnosis.data.conditions import changes
+    from stickslip.diagnosis.inference.experiment_design import advice
+    from stickslip.diagnosis.inference.ranking import runner_up
+    from stickslip.diagnosis.report.json_keys import summary
+    from stickslip.diagnosis.report.messages import headline
+
     if as_json:
         click.echo(json_text(summary(examination, data, experiments)))
         return
+    found = examination.found
     say(f"{found.verdict.word}: {headline(found)}")
     reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
     second = runner_up(found)
@@ -92,5 +116,3 @@ def command(
         say(f"  next experiment: {what}")
     for line in advice(found):
         say(f"  beside the drive: {line}")
-    if out is not None:
-        say(f"  in {out}: {', '.join(FILES)}")

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stickslip._util.number_text import highest
 from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
 from stickslip.cli.progress import progress_bar
-from stickslip.cli.settings import with_settings
+from stickslip.cli.settings import read_with
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError
-from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import SUFFIXES
 
 if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.run import Run
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin.
@@ -89,22 +90,23 @@ def command(
     --out and --plot record on a uniform grid if the scenario's record.rate is "none". The exit
     status is 1 if the simulation failed, with the reason on standard error.
     """
-    loaded = with_settings(Scenario.from_toml(scenario), settings)
+    loaded = read_with(scenario, settings)
     _check_stretch(loaded, plot, start, stop)
     if out is not None or plot is not None:
         _check_targets(out, plot, scenario, settings)
         loaded = _with_record(loaded, for_plot=plot is not None)
     run = _simulated(loaded)
 
-    if out is not None:
-        run.save(out)
-    if plot is not None:
-        _draw(run, plot, start, stop)
-    click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
-    if not run.ok:
-        say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
-        return 1
-    return 0
+    try:
+        if out is not None:
+            run.save(out)
+        if plot is not None:
+            _draw(run, plot, start, stop)
+    finally:  # what was simulated is told also where a disk was full
+        click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
+        if not run.ok:
+            say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
+    return 0 if run.ok else 1
 
 
 def _simulated(scenario: Scenario) -> Run:
@@ -177,7 +179,7 @@ def _check_stretch(
             raise ScenarioError(f"{option}: allowed with --plot only")
         if not 0.0 <= time <= scenario.duration:
             raise ScenarioError(
-                f"{option} = {time!r}: allowed is from 0 to {scenario.duration:g} s, "
+                f"{option} = {time!r}: allowed is from 0 to {highest(scenario.duration)} s, "
                 "the duration of the run"
             )
     if start is not None and stop is not None and start >= stop:

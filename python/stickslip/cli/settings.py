@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value
+from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value, checked
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
+from stickslip.scenario.toml_file import read_parts
 
 QUOTES = ("'", '"')
 
@@ -80,28 +82,39 @@ def unquoted(text: str) -> str:
     return text
 
 
-def with_settings(scenario: Scenario, settings: tuple[str, ...]) -> Scenario:
-    """The scenario with all ``--set`` options, the last of each key.
+def read_with(
+    path: Path, settings: Sequence[str], vary: Mapping[str, Value] | None = None
+) -> Scenario:
+    """The scenario of a file with all ``--set`` options, the last of each key.
 
-    Voltages that are set take the place of the whole drive, but its direction.
+    `vary` has allowed values of ``--vary``, which come too. Voltages that are set take the place of
+    the whole drive, but its direction. What the file has in place of a new value may be wrong.
 
     Raises
     ------
     ScenarioError
-        If a key is unknown or a value not allowed.
+        If the file is no scenario, a key is unknown or a value not allowed.
     """
-    if not settings:
-        return scenario
     changes = dict(parse_setting(text) for text in settings)
     if PROGRAM in changes:
         changes.setdefault("drive.mode", "program")
     elif changes.get("drive.mode", "program") != "program":
         changes[PROGRAM] = None
     try:
-        refuse_sawtooth(changes.get("drive.mode", scenario.drive.mode), changes)
-        return scenario.replace(changes)
+        for key, value in changes.items():
+            if key != PROGRAM:
+                checked(key, value)
     except ScenarioError as error:
         raise ScenarioError(f"--set: {error}") from None
+    changes |= vary or {}
+    parts = read_parts(path, changes)
+    options = [name for name, given in (("--set", settings), ("--vary", vary)) if given]
+    try:
+        refuse_sawtooth(parts["drive"].mode, changes)
+        return Scenario(**parts)
+    except ScenarioError as error:
+        where = f"{path} with {' and '.join(options)}" if options else path
+        raise ScenarioError(f"{where}: {error}") from None
 
 
 def _waveform(path: str) -> Any:

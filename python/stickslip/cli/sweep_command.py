@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -11,11 +12,12 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.cluster import cluster
 from stickslip.cli.lines import say
 from stickslip.cli.progress import count_bar
-from stickslip.cli.settings import parse_setting, with_settings
+from stickslip.cli.settings import parse_setting, read_with
 from stickslip.cli.sweep_table import as_dict, failure, table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.cli.vary import parse_vary
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.sweeping.points import Points, grid
@@ -99,18 +101,33 @@ def command(
 
 
 def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) -> Points:
-    base = Scenario.from_toml(scenario)
     values = parse_vary(vary)
     for key, _ in map(parse_setting, settings):
         if key in values:
             raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
-    base = with_settings(base, settings)
+    base = _base(scenario, settings, values)
     try:
         if "drive.mode" not in values:
             refuse_sawtooth(base.drive.mode, values)
         return grid(base, values)
     except ScenarioError as error:
         raise ScenarioError(f"--vary: {error}") from None
+
+
+def _base(
+    scenario: Path, settings: tuple[str, ...], values: Mapping[str, Sequence[Value]]
+) -> Scenario:
+    """What the points have in common; a value that is varied is the file's own, if it can be."""
+    try:
+        return read_with(scenario, settings)
+    except ScenarioError:
+        if not scenario.is_file():  # a pipe can be read once
+            raise
+        try:
+            grid(Scenario(), values)
+        except ScenarioError as error:
+            raise ScenarioError(f"--vary: {error}") from None
+        return read_with(scenario, settings, {key: each[0] for key, each in values.items()})
 
 
 def _check_out(out: Path, resume: bool, inputs: Inputs) -> None:

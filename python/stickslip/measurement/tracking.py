@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.number_text import highest
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.scenario.keys import FILE, shown
@@ -148,7 +149,7 @@ def _exposure(name: str, value: object, rate: float) -> float:
     if not number or not 0.0 <= float(value) <= top * (1 + 1e-9):  # type: ignore[arg-type]
         raise ScenarioError(
             f"[[tracking]] {name}: exposure = {shown(value)}: allowed is from 0 to the time between"
-            f" two frames{f', {top:g} s' if math.isfinite(top) else ''}"
+            f" two frames{f', {highest(top)} s' if math.isfinite(top) else ''}"
         )
     return float(value)  # type: ignore[arg-type]
 

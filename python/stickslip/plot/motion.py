@@ -69,7 +69,7 @@ class Motion:
         last = self.t[-1] if stop is None else stop
         chosen = (self.t >= first) & (self.t <= last)
         if np.count_nonzero(chosen) < 2:
-            raise ValueError(f"there are less than two samples from {first} s to {last} s")
+            raise ValueError(f"there are less than two samples from {first:g} s to {last:g} s")
         arrays = {name: getattr(self, name)[chosen] for name in (*_DRAWN, "contact")}
         return Motion(**arrays, length=self.length, height=self.height, heading=self.heading)
 

@@ -60,7 +60,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     first, last, what = _stretch(run, start, stop)
     chosen = (run.t >= first) & (run.t <= last)
     if np.count_nonzero(chosen) < 2:
-        raise ValueError(f"there are less than two samples from {first} s to {last} s")
+        raise ValueError(f"there are less than two samples from {first:g} s to {last:g} s")
 
     with matplotlib.rc_context(style.RC):
         figure = Figure(figsize=(8.0, 9.0), layout="constrained")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,8 +12,16 @@ from typing import TYPE_CHECKING, Any
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
 from stickslip._util.plain_text import printable, quoted
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import PROGRAM, PROGRAM_HINT, Value, known_keys, shown, suggestion
-from stickslip.scenario.named_effects import EffectSettings
+from stickslip.scenario.keys import (
+    FILE,
+    PROGRAM,
+    PROGRAM_HINT,
+    Value,
+    known_keys,
+    shown,
+    suggestion,
+)
+from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import SAWTOOTH, SECTIONS, refuse_sawtooth
 from stickslip.scenario.toml_text import parse_toml
@@ -29,9 +37,28 @@ _MOST_BYTES = 1 << 20
 
 def read_scenario(path: str | PathLike[str]) -> Scenario:
     """See `Scenario.from_toml`."""
+    parts = read_parts(path, {})
+    try:
+        return Scenario(**parts)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+
+
+def read_parts(path: str | PathLike[str], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The sections of a file as `Scenario` takes them, with other values.
+
+    `changes` are values that are allowed, as `Scenario.replace` takes them. What the file has in
+    their place is not judged: it is not simulated.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read, is no scenario, or holds another key or value that is not
+        allowed.
+    """
     path = Path(path)
     try:
-        return _scenario(read_document(path), path.parent)
+        return _parts(read_document(path), path.parent, changes)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
 
@@ -67,7 +94,7 @@ def read_document(
     return parse_toml(text)
 
 
-def _scenario(document: dict[str, Any], folder: Path) -> Scenario:
+def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
     _check_version(document)
     known = [*SECTIONS, "effects"]
     for name, content in document.items():
@@ -82,19 +109,44 @@ def _scenario(document: dict[str, Any], folder: Path) -> Scenario:
     if "drive" not in document:
         raise ScenarioError("[drive] is missing: it is required, if only as an empty section")
 
-    sections: dict[str, Any] = {}
+    parts: dict[str, Any] = {}
     for name, section in SECTIONS.items():
         values = dict(document.get(name, {}))
         for field, value in values.items():
-            if name == "drive" and field == "file":
-                continue
-            _check_field(name, field, value)
+            if f"{name}.{field}" != FILE:
+                _check_field(name, field, value)
+        own = {key.partition(".")[2]: changes[key] for key in changes if key.startswith(f"{name}.")}
         if name == "drive":
-            refuse_sawtooth(values.get("mode"), [f"drive.{field}" for field in values])
-        if name == "drive" and "file" in values:
-            values["program"] = _program(values.pop("file"), folder)
-        sections[name] = section(**values)
-    return Scenario(**sections, effects=EffectSettings(document.get("effects")))
+            values = _drive(values, own, folder)
+        parts[name] = section(**(values | own))
+    parts["effects"] = EffectSettings(_effects(document.get("effects"), changes))
+    return parts
+
+
+def _drive(values: dict[str, Any], own: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """What a file's [drive] has beside the values `own`, with its voltages as a program."""
+    if own.get("program") is not None:
+        return {field: value for field, value in values.items() if field == "direction"}
+    left = {field: value for field, value in values.items() if field not in own}
+    if "file" in left or "mode" not in own:
+        refuse_sawtooth(own.get("mode", values.get("mode")), [f"drive.{field}" for field in left])
+    if "file" in left:
+        file = left.pop("file")
+        if "program" not in own:
+            left["program"] = _program(file, folder)
+    return left
+
+
+def _effects(table: Any, changes: Mapping[str, Any]) -> Any:
+    """A file's effects with other values; what is no table stays, to be refused."""
+    for key, value in changes.items():
+        if not key.startswith(PREFIX) or not isinstance(table, dict | None):
+            continue
+        _, name, parameter = key.split(".", 2)
+        settings = (table or {}).get(name, {})
+        if isinstance(settings, dict):
+            table = {**(table or {}), name: {**settings, parameter: value}}
+    return table
 
 
 def _check_version(document: dict[str, Any]) -> None:
@@ -122,10 +174,12 @@ def _program(file: object, folder: Path) -> Waveform:
 
     if not isinstance(file, str) or not file:
         raise ScenarioError(f"drive.file = {shown(file)}: allowed is the path of a CSV file")
+    path = folder / file
     try:
-        return Waveform.from_csv(folder / file)
+        return Waveform.from_csv(path)
     except ScenarioError as error:
-        raise ScenarioError(f"drive.file = {shown(file)}: {error}") from None
+        reason = str(error).removeprefix(printable(f"{path}: "))
+        raise ScenarioError(f"drive.file = {shown(file)}: {reason}") from None
 
 
 def write_scenario(

@@ -7,7 +7,7 @@ import sys
 from typing import Any
 
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
+from stickslip.scenario.keys import known_keys, shown
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -27,6 +27,7 @@ _DEEP_KEY = re.compile(
     re.DOTALL,
 )
 _LONG_NUMBER = re.compile(r"[0-9_]{1000,}")
+_SECTION = re.compile(r"^[ \t]*\[([^\[\]\n]+)\]", re.MULTILINE)
 _WHOLE = range(-(2**63), 2**63)
 
 
@@ -52,17 +53,19 @@ def parse_toml(text: str) -> dict[str, Any]:
     except ValueError:  # Python converts no number of thousands of digits
         number = _LONG_NUMBER.search(text)
         start = number.start() if number else 0
-        raise _refused(text, start, "a whole number of at most 64 bits") from None
+        key = _key_at(text, start)
+        raise _refused(text, start, _whole(key), key) from None
     _check("", document, _DEEPEST)
     return document
 
 
-def _refused(text: str, place: int, allowed: str) -> ScenarioError:
+def _refused(text: str, place: int, allowed: str, key: str = "") -> ScenarioError:
     """The error of what stands at a place of the text, with its line."""
     number = text.count("\n", 0, place) + 1
     line = text.split("\n")[number - 1].strip()
     begin = line if len(line) <= 60 else f"{line[:57]}..."
-    return ScenarioError(f"line {number}, {begin}: allowed is {allowed}")
+    whose = f" for {key}" if key in known_keys() else ""
+    return ScenarioError(f"line {number}, {begin}: allowed{whose} is {allowed}")
 
 
 def _check(key: str, value: object, levels: int) -> None:
@@ -73,4 +76,19 @@ def _check(key: str, value: object, levels: int) -> None:
         for name, each in value.items() if isinstance(value, dict) else enumerate(value):
             _check(f"{key}.{name}" if key else str(name), each, levels - 1)
     elif isinstance(value, int) and value not in _WHOLE:
-        raise ScenarioError(f"{key} = {shown(value)}: allowed is a whole number of at most 64 bits")
+        raise ScenarioError(f"{key} = {shown(value)}: allowed is {_whole(key)}")
+
+
+def _whole(key: str) -> str:
+    """What is allowed in place of a whole number that is too large."""
+    most = "a whole number of at most 64 bits, from -2^63 to 2^63 - 1"
+    known = known_keys().get(key)
+    return f"{known.allowed}; in TOML, {most}" if known else most
+
+
+def _key_at(text: str, place: int) -> str:
+    """The dotted key of the line with that place, as far as its text tells."""
+    before = text[:place]
+    name = before.rpartition("\n")[2].partition("=")[0].strip()
+    sections = _SECTION.findall(before)
+    return f"{sections[-1].strip()}.{name}" if sections else name

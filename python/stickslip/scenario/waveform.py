@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
+from stickslip._util.number_text import highest
 from stickslip.simulation.coils import COIL_NAMES
 
 if TYPE_CHECKING:
@@ -119,7 +120,9 @@ class Waveform:
         if edge not in ("rise", "fall"):
             raise ValueError(f'edge = {edge!r}: allowed is one of "rise", "fall"')
         if not 0.0 <= edge_time < period:
-            raise ValueError(f"edge_time = {edge_time!r}: allowed is from 0 to less than {period}")
+            raise ValueError(
+                f"edge_time = {edge_time!r}: allowed is from 0 to less than {highest(period)}"
+            )
         bottom = _five(low)
         top_time = edge_time if edge == "rise" else period - edge_time
         return cls.from_points([0.0, top_time, period], [bottom, _five(high), bottom])
@@ -218,7 +221,7 @@ class Waveform:
         """
         times = np.asarray(t, dtype=np.float64)
         if not np.all((times >= 0.0) & (times <= self.duration)):
-            raise ValueError(f"t: allowed are times from 0 to {self.duration} s")
+            raise ValueError(f"t: allowed are times from 0 to {highest(self.duration)} s")
         result = np.empty((*times.shape, len(COIL_NAMES)))
         start = 0.0
         for block_times, block_voltages, repeats in self._blocks:

@@ -21,6 +21,8 @@ from stickslip.simulation.run import COLUMNS, Run
 
 SAMPLES = "t"
 
+_ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
+
 
 def dataset(run: Run) -> xarray.Dataset:
     """See `Run.to_xarray`."""
@@ -77,19 +79,22 @@ def open_run(path: str | PathLike[str]) -> xarray.Dataset:
 
     Raises
     ------
-    ValueError
-        If the file holds no run, or is not as it was written.
+    ScenarioError
+        If the file is no netCDF file, holds no run, or is not as it was written.
     OSError
-        If it cannot be read, or is no netCDF file.
+        If it cannot be read.
     """
     try:
         check_checksum(path)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
-    with xarray.open_dataset(path, engine="h5netcdf") as file:
-        data = file.load()
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf") as file:
+            data = file.load()
+    except Exception:  # whatever HDF5 and its readers raise for another file
+        raise ScenarioError(f"{path}: is no netCDF file; {_ALLOWED}") from None
     if SAMPLES not in data.coords or "scenario" not in data.attrs:
-        raise ValueError(f"{path}: is no run; allowed is a file that Run.save or --out wrote")
+        raise ScenarioError(f"{path}: is no run; {_ALLOWED}")
     return data
 
 

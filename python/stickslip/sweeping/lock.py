@@ -23,7 +23,7 @@ def held(path: str | PathLike[str] | None) -> Iterator[None]:
     Raises
     ------
     ScenarioError
-        If another sweep writes the file.
+        If another sweep writes the file, or the lock cannot be made.
     """
     target = Path(os.path.realpath(path or ""))
     # Where nothing can be written, no other sweep writes, and a file that is complete can be read.
@@ -41,7 +41,10 @@ def held(path: str | PathLike[str] | None) -> Iterator[None]:
 
 def _locked(lock: Path, path: str | PathLike[str]) -> int:
     while True:
-        descriptor = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            descriptor = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError as error:
+            raise ScenarioError(f"cannot write {path}: its lock: {error.strerror}") from None
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -90,7 +90,7 @@ def sweep(
     ScenarioError
         If there is no point, a key is unknown, a value not allowed or twice on one axis; if
         `resume` meets a file that is not of this sweep, or not as it was written; or if another
-        sweep is writing `out`.
+        sweep is writing `out`, or the lock against that cannot be made beside it.
     ValueError
         If `jobs` is not a whole number above zero, or `resume` comes without `out`.
     FileExistsError
