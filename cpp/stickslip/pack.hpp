@@ -2,8 +2,10 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -131,6 +133,22 @@ template <int N>
 [[gnu::always_inline]] inline Pack<N> select(typename Pack<N>::Mask where, Pack<N> yes,
                                              Pack<N> no) {
     return Pack<N>(where.bits ? yes.v : no.v);
+}
+
+/// `target` becomes `source` where `where` holds; both are numbers of the type Real throughout.
+template <class Real, class Numbers>
+[[gnu::always_inline]] inline void blend(MaskOf<Real> where, Numbers& target,
+                                         const Numbers& source) {
+    if constexpr (std::is_same_v<Real, double>) {
+        if (where) target = source;
+    } else {
+        static_assert(sizeof(Numbers) % sizeof(Real) == 0);
+        auto* to = reinterpret_cast<Real*>(&target);
+        const auto* from = reinterpret_cast<const Real*>(&source);
+        for (std::size_t k = 0; k < sizeof(Numbers) / sizeof(Real); ++k) {
+            to[k] = select(where, from[k], to[k]);
+        }
+    }
 }
 
 /// As std::min and std::max: the first where the two do not compare.

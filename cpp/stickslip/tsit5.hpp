@@ -216,15 +216,20 @@ struct Tsit5Progress {
     [[gnu::always_inline]] void attempt(const Phase& phase) {
         error = tsit5_stages(phase, step, samples);
     }
-    /// Moves on to the end of an accepted step.
-    [[gnu::always_inline]] void commit(const Phase& phase, MaskOf<Real> cut) {
-        accepted += Real(1.0);
-        control.accept(step.width, error, cut);
-        trace.step(phase, step.width, step.first, step.slope[0], step.last, step.slope[6]);
-        tau = select(cut, tau_end, tau + step.width);
-        step.first = step.last;
-        step.slope[0] = step.slope[6];
-        samples.start = samples.end;
+    /// Moves on to the end of the step where it is `done`; `cut`: it goes to the end of the
+    /// stretch.
+    [[gnu::always_inline]] void commit(const Phase& phase, MaskOf<Real> done, MaskOf<Real> cut) {
+        WidthControl<Real> next_control = control;
+        next_control.accept(step.width, error, cut);
+        blend<Real>(done, control, next_control);
+        MotionTrace<Real> longer = trace;
+        longer.step(phase, step.width, step.first, step.slope[0], step.last, step.slope[6]);
+        blend<Real>(done, trace, longer);
+        accepted = select(done, accepted + 1.0, accepted);
+        tau = select(done, select(cut, tau_end, tau + step.width), tau);
+        blend<Real>(done, step.first, step.last);
+        blend<Real>(done, step.slope[0], step.slope[6]);
+        blend<Real>(done, samples.start, samples.end);
     }
 };
 
@@ -362,7 +367,7 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
         end = leave(p, {Status::ok, event, tau, last, p.trace});
         return true;
     }
-    p.commit(phase, to_end);
+    p.commit(phase, true, to_end);
     phase.rebase(step.first);
     if (phase.outside()) return ended(Status::left_workspace);
     if (to_end) return ended(Status::ok);
