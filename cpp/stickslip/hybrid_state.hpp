@@ -1,5 +1,6 @@
 #pragma once
 
+#include "stickslip/face_slide.hpp"
 #include "stickslip/phases.hpp"
 #include "stickslip/rest.hpp"
 
