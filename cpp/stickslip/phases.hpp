@@ -138,7 +138,7 @@ private:
         const LoadOf<Real> load =
             dynamics_->load_near_surface(field, contact_x_ - pose.lever, pose.height, pose,
                                          y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
-        return corner_stick(robot(), robot().per_corner_inertia, pose, y[1], load);
+        return corner_stick(robot(), pose, y[1], load);
     }
 
     Real contact_x_;
