@@ -83,6 +83,8 @@ private:
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;
+    const StepDemand demand_;
+    Effort effort_;
     PhaseMemory memory_;
     RunResult result_;
     std::int64_t segment_count_ = 0;
@@ -108,8 +110,8 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       segments_(program_, hold_period_, {window_.start, window_.end}),
       transitions_(dynamics_, state_),
       // Fifty free swings.
-      watch_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
-    result_.stiffness = stiffness(scenario, model_, integrator_.options().swing_rate);
+      watch_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate),
+      demand_(scenario, model_, integrator_.options().swing_rate, program_.duration()) {
     state_.body.z = model_.shape.half_rise(0);
     state_.contact_x = model_.shape.half_base(0);
 }
@@ -138,6 +140,9 @@ RunResult HybridLoop<Integrator>::take_result() {
     result_.recording = recorder_.take();
     chain_.apply(result_.summary, result_.recording);
     result_.final_state = state_.body;
+    effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
+    result_.stiffness = demand_.stiffness(effort_);
+    result_.bound = demand_.bound(effort_);
     return std::move(result_);
 }
 
@@ -167,6 +172,7 @@ bool HybridLoop<Integrator>::next_segment() {
     VoltageSegment voltages;
     if (!segments_.next(voltages)) return false;
     if (++segment_count_ > integrator_.options().most_steps) {
+        effort_.stretches = segment_count_;
         result_.status = Status::too_many_steps;
         return false;
     }
@@ -287,6 +293,8 @@ template <class Integrator>
 template <class Phase>
 void HybridLoop<Integrator>::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
     observer_.phase(phase, end, end.tau - tau_, state_.body.quadrant);
+    effort_.moving_time += end.tau - tau_;
+    if (end.event == Event::none) ++effort_.stretches;
     pass_to(end.tau);
     result_.status = end.status;
     state_.body = phase.body(end.y);
