@@ -9,18 +9,14 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 add_library(stickslip_options INTERFACE)
 
-if(MSVC)
-  target_compile_options(stickslip_options INTERFACE /W4)
-else()
-  # No -ffast-math: results must not depend on how the compiler reorders sums. No contraction to
-  # fused multiply-add for the same reason: two machines, and two inlinings, must agree.
-  target_compile_options(stickslip_options INTERFACE
-    -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-    -ffp-contract=off
-    # Straight-line vectorisation packs what the stages of an integrator wrote one by one, and waits.
-    $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-vectorize>
-  )
-endif()
+# No -ffast-math: results must not depend on how the compiler reorders sums. No contraction to
+# fused multiply-add for the same reason: two machines, and two inlinings, must agree.
+target_compile_options(stickslip_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+  -ffp-contract=off
+  # Straight-line vectorisation packs what the stages of an integrator wrote one by one, and waits.
+  $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-vectorize>
+)
 
 if(STICKSLIP_SANITIZE)
   target_compile_options(stickslip_options INTERFACE

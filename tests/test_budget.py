@@ -23,15 +23,66 @@ def test_a_run_stops_at_its_budget():
     assert enough.summary() == simulate(twenty).summary()
 
 
-@pytest.mark.parametrize("method", ["tsit5", "arkode"])
-def test_a_stiff_run_names_the_key_to_blame(method):
-    changes = {"drag.rotational": 1e-3, "solver.max_steps": 20_000, "solver.method": method}
+def assert_that_the_key_is_to_blame(changes, key, how):
+    """The run needs more than its budget, and not with the value that its message names."""
     run = simulate(scenario(PULSES, changes))
     assert run.status == "too_many_steps"
-    found = re.search(r"drag\.rotational = 0\.001 makes .* take a value near (\S+)$", run.message)
-    assert found
-    sane = simulate(scenario(PULSES, changes, {"drag.rotational": float(found[1])}))
+    found = re.search(rf"{re.escape(key)} = \S+ {how} .* take a value near (\S+)$", run.message)
+    assert found, run.message
+    sane = simulate(scenario(PULSES, changes, {key: float(found[1])}))
     assert sane.ok, sane.message
+
+
+@pytest.mark.parametrize("method", ["tsit5", "arkode"])
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"drag.rotational": 1e-3}, "drag.rotational"),
+        # The drag itself makes 4e4 1/s.
+        ({"drag.linear": 1e-3, "effects.angle_drag.strength": 1e3}, "effects.angle_drag.strength"),
+    ],
+)
+def test_a_stiff_run_names_the_key_to_blame(changes, key, method):
+    how = {"solver.max_steps": 20_000, "solver.method": method}
+    assert_that_the_key_is_to_blame({**changes, **how}, key, "makes a motion of")
+
+
+PASSING = [
+    # The gap within which the corner is pulled is that of rounding.
+    ({"contact.adhesion_range": 3e-18, "contact.adhesion": 1e-6}, "contact.adhesion_range"),
+    ({"effects.stribeck_friction.velocity": 1e-12, "contact.static_friction": 0.3,
+      "contact.kinetic_friction": 0.2, "drag.linear": 1e-7}, "effects.stribeck_friction.velocity"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "key"), PASSING)
+def test_a_motion_that_grows_is_to_blame_where_steps_were_that_short(changes, key):
+    most = {"solver.max_steps": 20_000}
+    assert_that_the_key_is_to_blame({**changes, **most}, key, "makes a motion of")
+
+
+@pytest.mark.parametrize(("changes", "key"), PASSING)
+def test_a_motion_that_grows_is_not_to_blame_for_a_small_budget(changes, key):
+    # Such a motion is fast, and over at once: the run needs about as many steps without.
+    slower = {key: 1e5 * changes[key], "solver.max_steps": 300}
+    run = simulate(scenario(PULSES, changes, slower))
+    assert run.status == "too_many_steps"
+    assert run.message.endswith("raise solver.max_steps, or simulate less time")
+
+
+# Nothing rests, so that every stretch of time takes steps.
+FRICTIONLESS = {
+    "drive.ramp": 0.0, "drag.linear": 1e-6, "contact.adhesion": 0.0,
+    "contact.static_friction": 0.0, "contact.kinetic_friction": 0.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["tsit5", "arkode"])
+@pytest.mark.parametrize("key", ["effects.sample_hold.period", "solver.max_step"])
+def test_a_key_that_cuts_the_time_into_too_many_steps_is_to_blame(key, method):
+    # 50 ms in all: as many parts as the budget has steps, beside which there are events.
+    how = {key: 1e-5, "solver.max_steps": 5000, "solver.method": method}
+    assert_that_the_key_is_to_blame({**FRICTIONLESS, **how}, key, "alone takes at least")
 
 
 def test_strong_linear_drag_reaches_its_end():

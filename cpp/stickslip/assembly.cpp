@@ -57,6 +57,12 @@ void check_work(const Scenario& s, double duration) {
     }
 }
 
+// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
+PerCoil field_gain(const Scenario& s) {
+    const double in_plane = 1.0 + s.effects.field_gain_in_plane;
+    return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
+}
+
 }  // namespace
 
 void check(const Scenario& s) {
@@ -167,11 +173,6 @@ MeasurementChain make_measurement_chain(const Scenario& s) {
             s.effects.angle_offset_angle};
 }
 
-PerCoil field_gain(const Scenario& s) {
-    const double in_plane = 1.0 + s.effects.field_gain_in_plane;
-    return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
-}
-
 VoltageProgram make_program(const Scenario& s) {
     const double limit = s.effects.amplifier_limit_voltage;
     VoltageProgram program;
@@ -184,6 +185,49 @@ VoltageProgram make_program(const Scenario& s) {
         program = sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
     }
     return limit > 0.0 ? clipped(program, limit) : program;
+}
+
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils) {
+    PerCoil gain = field_gain(scenario);
+    // Coupled coils all have current.
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const bool driven = program.largest_voltage()[k] > 0.0 ||
+                            scenario.effects.mutual_inductance_coupling != 0.0;
+        if (!driven) gain[k] = 0.0;
+    }
+    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
+                      scenario.effects.ambient_field_bz);
+}
+
+// Natural scales: the free swing about a corner in the strongest field, under weight and adhesion.
+StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
+                                    const VoltageProgram& program, const CoilSet& coils,
+                                    const std::atomic<bool>* stop) {
+    double field = std::hypot(scenario.effects.ambient_field_bx, scenario.effects.ambient_field_bz);
+    for (const double voltage : program.largest_voltage()) {
+        field += voltage / scenario.coil.resistance * coils.centre_field_per_ampere();
+    }
+    const double radius = model.shape.radius();
+    const double weight = model.mass * scenario.gravity + model.adhesion.strength;
+    const double torque = model.moment * field + weight * radius;
+    StepperOptions result;
+    result.max_step = scenario.solver.max_step;
+    result.most_steps = scenario.solver.max_steps;
+    const double swing = std::sqrt(torque / model.corner_inertia());
+    result.swing_rate = swing > 0.0 ? swing : 1.0;
+    result.scales = {radius, radius * result.swing_rate, result.swing_rate};
+    // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
+    // proportion to the damping, the error of a run goes with rtol whatever the drag.
+    constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
+    constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
+    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag);
+    const double damping = least_drag / model.mass / result.swing_rate;
+    const double rtol = scenario.solver.rtol;
+    result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
+                                std::min(rtol, kLeastTolerance));
+    result.stop = stop;
+    return result;
 }
 
 Window measuring_window(const Scenario& s) {

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <atomic>
+
 #include "stickslip/circuit.hpp"
+#include "stickslip/local_field.hpp"
 #include "stickslip/measurement_chain.hpp"
 #include "stickslip/model.hpp"
 #include "stickslip/scenario.hpp"
+#include "stickslip/stepping.hpp"
 
 /// From the values of a scenario to the parts of its simulation, each effect put where it acts.
 namespace stickslip {
@@ -23,11 +27,17 @@ Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
 
 MeasurementChain make_measurement_chain(const Scenario& scenario);
 
-/// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
-PerCoil field_gain(const Scenario& scenario);
-
 /// Voltages in the robot's own frame.
 VoltageProgram make_program(const Scenario& scenario);
+
+/// The field near the robot, of the coils that have current. `coils` have to outlive it.
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils);
+
+/// How accurate the steps are to be, from the natural scales of the motion. `stop` may be nullptr.
+StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
+                                    const VoltageProgram& program, const CoilSet& coils,
+                                    const std::atomic<bool>* stop);
 
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);

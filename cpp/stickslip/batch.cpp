@@ -57,28 +57,6 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
     if (failure) std::rethrow_exception(failure);
 }
 
-namespace {
-
-int workers_for(std::size_t count, int threads) {
-    return static_cast<int>(
-        std::min<std::size_t>(count, static_cast<std::size_t>(std::max(threads, 1))));
-}
-
-}  // namespace
-
-void run_tasks(std::size_t count, int threads, RunControl& control,
-               const std::function<void(std::size_t)>& task, const std::function<void()>& poll) {
-    std::atomic<std::size_t> next = 0;
-    run_workers(
-        workers_for(count, threads), control,
-        [&] {
-            for (std::size_t index = next++; index < count && !control.stop; index = next++) {
-                task(index);
-            }
-        },
-        poll);
-}
-
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,
@@ -86,8 +64,9 @@ void simulate_tasks(std::size_t count, int threads, RunControl& control,
     // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache.
     constexpr std::size_t kLanesAPlace = 4;
     const LaneKernels& kernels = lane_kernels();
-    const int workers = workers_for(count, threads);
-    if (workers == 0) return;
+    if (count == 0) return;
+    const int workers =
+        static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
     // No thread takes so many at once that another has nothing to do.
     const std::size_t lanes =
         std::clamp<std::size_t>(count / static_cast<std::size_t>(workers), 1,

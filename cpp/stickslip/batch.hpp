@@ -9,20 +9,16 @@
 
 namespace stickslip {
 
-/// Runs `task(index)` for index 0 ... count-1 on `threads` threads (at least one, this one not
-/// among them) and calls `poll` on this thread about every 50 ms until all are done. Which thread
-/// does which index has no influence on a result that depends on its index alone. An exception of a
-/// task or of `poll` makes the others stop (control.stop) and is thrown again here.
-void run_tasks(std::size_t count, int threads, RunControl& control,
-               const std::function<void(std::size_t)>& task, const std::function<void()>& poll);
-
-/// Runs `work()` on each of `threads` threads, with `poll` and exceptions as above.
+/// Runs `work()` on each of `threads` threads (at least one, this one not among them) and calls
+/// `poll` on this thread about every 50 ms until all are done. An exception of `work` or of `poll`
+/// makes the others stop (control.stop) and is thrown again here.
 void run_workers(int threads, RunControl& control, const std::function<void()>& work,
                  const std::function<void()>& poll);
 
 /// Simulates the tasks 0 ... count-1 on `threads` threads, in lanes. `scenario(index)` makes a
 /// task's scenario, or none for one that is refused; `done(index, result)` takes its result. Both
-/// are called on any of the threads, once for each task that was begun.
+/// are called on any of the threads, once for each task that was begun; which thread that is has no
+/// influence on a result. `poll` and exceptions as above.
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,

@@ -21,8 +21,7 @@ public:
         if (slip_velocity != 0.0) return sliding(quadrant, pose, load, slip_velocity);
         if (onset != 0) return breaking_loose(quadrant, pose, load, onset);
 
-        const CornerStick stick =
-            corner_stick(model_, 1.0 / model_.corner_inertia(), pose, body_.omega, load);
+        const CornerStick stick = corner_stick(dynamics_.robot(), pose, body_.omega, load);
         const int slip = opposite_sign(stick.reaction.friction);
         const double limit =
             model_.friction.static_limit(slip, contact_x(pose)) * stick.reaction.normal;
@@ -68,7 +67,7 @@ private:
     Resolution sliding(int quadrant, const Pose& pose, const Load& load, double slip_velocity) {
         const int slip = slip_velocity > 0.0 ? 1 : -1;
         const CornerSlip motion =
-            corner_slip(model_, pose, body_.omega, load,
+            corner_slip(dynamics_.robot(), pose, body_.omega, load,
                         slip * model_.friction.kinetic(slip, slip_velocity, contact_x(pose)));
         if (motion.effective_inertia <= 0.0) {
             // A reaction that lifts presses here: the formula's N is positive where the free corner
@@ -86,7 +85,7 @@ private:
     // stable.
     Resolution breaking_loose(int quadrant, const Pose& pose, const Load& load, int slip) {
         const CornerSlip motion =
-            corner_slip(model_, pose, body_.omega, load,
+            corner_slip(dynamics_.robot(), pose, body_.omega, load,
                         slip * model_.friction.kinetic(slip, 0.0, contact_x(pose)));
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{Touch::none, 0}, quadrant};

@@ -25,8 +25,6 @@ struct ReactionOf {
 };
 using Reaction = ReactionOf<double>;
 
-// In what follows `robot` has the mass and the inertia: a Model or a PlainDynamics.
-
 /// A corner that neither slips nor leaves: the paper's case 3, Eqs. (10)-(14) with P fixed.
 template <class Real>
 struct CornerStickOf {
@@ -35,14 +33,12 @@ struct CornerStickOf {
 };
 using CornerStick = CornerStickOf<double>;
 
-/// per_corner_inertia: 1 / (J + m r^2), 1/(kg m^2).
-template <class Robot, class Real>
-[[gnu::always_inline]] inline CornerStickOf<Real> corner_stick(const Robot& robot,
-                                                               Real per_corner_inertia,
+template <class Real>
+[[gnu::always_inline]] inline CornerStickOf<Real> corner_stick(const PlainDynamics<Real>& robot,
                                                                const PoseOf<Real>& pose, Real omega,
                                                                const LoadOf<Real>& load) {
     const Real moment = load.torque + (pose.height * load.fx + pose.lever * load.fz);
-    const Real alpha = moment * per_corner_inertia;
+    const Real alpha = moment * robot.per_corner_inertia;
     const Real ww = omega * omega;
     const Real ax = alpha * pose.height + ww * pose.lever;
     const Real az = alpha * pose.lever - ww * pose.height;
@@ -62,13 +58,14 @@ struct CornerSlipOf {
 };
 using CornerSlip = CornerSlipOf<double>;
 
-template <class Robot, class Real>
-inline Real painleve_inertia(const Robot& robot, const PoseOf<Real>& pose, Real coefficient) {
+template <class Real>
+inline Real painleve_inertia(const PlainDynamics<Real>& robot, const PoseOf<Real>& pose,
+                             Real coefficient) {
     return robot.inertia + robot.mass * pose.lever * (pose.lever - coefficient * pose.height);
 }
 
-template <class Robot, class Real>
-[[gnu::always_inline]] inline CornerSlipOf<Real> corner_slip(const Robot& robot,
+template <class Real>
+[[gnu::always_inline]] inline CornerSlipOf<Real> corner_slip(const PlainDynamics<Real>& robot,
                                                              const PoseOf<Real>& pose, Real omega,
                                                              const LoadOf<Real>& load,
                                                              Real coefficient) {
@@ -79,7 +76,7 @@ template <class Robot, class Real>
     const Real rest = adhesion - robot.mass * ww * pose.height - load.fz;
     const Real alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
     const Real normal = robot.mass * pose.lever * alpha + rest;
-    const Real ax = (load.fx - coefficient * normal) * per_mass(robot);
+    const Real ax = (load.fx - coefficient * normal) * robot.per_mass;
     return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective};
 }
 

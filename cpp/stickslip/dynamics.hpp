@@ -89,11 +89,6 @@ struct PlainDynamics {
     }
 };
 
-template <class Real>
-inline Real per_mass(const PlainDynamics<Real>& robot) {
-    return robot.per_mass;
-}
-
 /// What is known of the robot between two events: the model, the field about the robot, the
 /// quadrant.
 class Dynamics {

@@ -39,6 +39,12 @@ struct EventSamples {
         return w[0] * early[i] + w[1] * late[i] + w[2] * end[i];
     }
 
+    /// Where the tangents at the ends, of these two slopes, have the same value.
+    [[gnu::always_inline]] Real tangents_meet(std::size_t i, Real falling, Real rising) const {
+        const Real meet = (end[i] - start[i] - rising) / (falling - rising);
+        return lesser(greater(meet, Real(0.0)), Real(1.0));
+    }
+
     /// Positive at both ends: could function i be negative between? Falling at the start and rising
     /// at the end, the two tangents meet at a lower bound where the function is convex; they are
     /// made steeper by a part for what the stages miss.
@@ -50,8 +56,7 @@ struct EventSamples {
         const Real rising = 1.25 * end_slope(i);
         const auto turns = (falling < 0.0) & (rising > 0.0);
         if (!any(turns)) return (lowest[i] < 0.0) | drops;
-        const Real meet = lesser(
-            greater((end[i] - start[i] - rising) / (falling - rising), Real(0.0)), Real(1.0));
+        const Real meet = tangents_meet(i, falling, rising);
         const auto below =
             (start[i] + falling * meet < 0.0) | (end[i] - rising * (1.0 - meet) < 0.0);
         return (lowest[i] < 0.0) | drops | (turns & below);
@@ -162,11 +167,6 @@ public:
     }
 
 private:
-    static double tangents_meet(const EventSamples<M>& g, std::size_t i, double falling,
-                                double rising) {
-        return std::clamp((g.end[i] - g.start[i] - rising) / (falling - rising), 0.0, 1.0);
-    }
-
     // Not positive at the end: where may a root before `s` be? Where the stages do not simply fall,
     // looks on the way, so that of several roots the first is found.
     template <class Value>
@@ -238,7 +238,7 @@ private:
             return g.early[i] > floor && g.late[i] > 0.0 && value(i, 0.6) > floor &&
                    value(i, 0.95) > floor;
         }
-        const double s = std::clamp(tangents_meet(g, i, falling, rising), 0.02, 0.98);
+        const double s = std::clamp(g.tangents_meet(i, falling, rising), 0.02, 0.98);
         const double middle = value(i, s);
         // g = start + b s + c s^2 through the three.
         const double c = ((g.end[i] - g.start[i]) - (middle - g.start[i]) / s) / (1.0 - s);

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "stickslip/assembly.hpp"
-#include "stickslip/impact.hpp"
-#include "stickslip/phases.hpp"
+#include "stickslip/contact_transitions.hpp"
+#include "stickslip/hybrid_state.hpp"
+#include "stickslip/progress_watch.hpp"
 #include "stickslip/recording.hpp"
-#include "stickslip/rest.hpp"
 #include "stickslip/simulation.hpp"
 #include "stickslip/stepping.hpp"
 
@@ -27,7 +26,7 @@ public:
     /// Plays up to the next phase that has to be integrated; false if the run is over.
     bool next_phase();
     /// Calls `use` with that phase.
-    void with_phase(auto&& use);
+    void with_phase(auto&& use) { stickslip::with_phase(dynamics_, state_, use); }
     template <class Phase>
     void end_phase(Phase& phase, const PhaseEnd<Phase>& end);
     RunResult take_result();
@@ -43,8 +42,8 @@ public:
     Integrator& integrator() { return integrator_; }
     PhaseMemory& memory() { return memory_; }
     Dynamics& dynamics() { return dynamics_; }
-    const BodyState& body() const { return body_; }
-    int slip() const { return mode_.slip; }
+    const BodyState& body() const { return state_.body; }
+    int slip() const { return state_.mode.slip; }
     double tau() const { return tau_; }
     double tau_end() const { return segment_.duration; }
 
@@ -54,31 +53,12 @@ private:
     void finish();
     void run_rest();
 
-    // Events.
     void handle(Event event, double tau);
-    void react(Event event, double tau);
-    void land(int quadrant, Arrival arrival, double tau);
-    void touch_down(int corner_offset, double tau);
-    void settle(Touch touch, double slip_velocity, int onset, double tau);
-    void pivot_on_rear_end();
-    void count(EventKind kind);
-    void count_change(const ContactMode& before);
-    void record_events(double tau);
-    Snapshot snapshot_now(double tau) const;
-    void watch_progress(double tau);
+    void after_event(double tau);
     void pass_to(double tau);
-
     void sample_until(double limit, double from, auto&& snapshot_at);
-    void place_by_contact();
+    void record(double t, double tau, const Snapshot& snapshot);
     double absolute(double tau) const { return segment_.start + tau; }
-    Pose pose() { return dynamics_.rebase_angle(body_.angle); }
-
-    static StepperOptions options(const Scenario& scenario, const Model& model,
-                                  const VoltageProgram& program, const CoilSet& coils,
-                                  RunControl* control);
-    static LocalField local_field(const Scenario& scenario, const VoltageProgram& program,
-                                  const CoilSet& coils);
-    static double longest_look(const Model& model, const StepperOptions& options);
 
     const double sign_;
     const Window window_;
@@ -100,77 +80,15 @@ private:
     double tau_ = 0.0;  // s, in the segment
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
-    BodyState body_;
-    ContactMode mode_;
-    double contact_x_ = 0.0;  // m, pivot corner; kept, not derived, so that a stuck corner stays
-    double slip_velocity_ = 0.0;  // m/s
+    HybridState state_;
+    ContactTransitions transitions_;
+    ProgressWatch watch_;
+    const StepDemand demand_;
+    Effort effort_;
     PhaseMemory memory_;
-    std::vector<EventKind> pending_;  // counted, not yet recorded
     RunResult result_;
-    // See watch_progress.
-    static constexpr int kMostStalls = 4;
-    double last_event_ = -1.0;   // s
-    double burst_start_ = -1.0;  // s
-    double burst_span_;          // s, of fifty free swings
-    int stalls_ = 0;
-    int burst_ = 0;
     std::int64_t segment_count_ = 0;
 };
-
-template <class Integrator>
-LocalField HybridLoop<Integrator>::local_field(const Scenario& scenario,
-                                               const VoltageProgram& program,
-                                               const CoilSet& coils) {
-    PerCoil gain = field_gain(scenario);
-    // Coupled coils all have current.
-    for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const bool driven = program.largest_voltage()[k] > 0.0 ||
-                            scenario.effects.mutual_inductance_coupling != 0.0;
-        if (!driven) gain[k] = 0.0;
-    }
-    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
-                      scenario.effects.ambient_field_bz);
-}
-
-// Natural scales: the free swing about a corner in the strongest field, under weight and adhesion.
-template <class Integrator>
-StepperOptions HybridLoop<Integrator>::options(const Scenario& scenario, const Model& model,
-                                               const VoltageProgram& program, const CoilSet& coils,
-                                               RunControl* control) {
-    double field = std::hypot(scenario.effects.ambient_field_bx, scenario.effects.ambient_field_bz);
-    for (const double voltage : program.largest_voltage()) {
-        field += voltage / scenario.coil.resistance * coils.centre_field_per_ampere();
-    }
-    const double radius = model.shape.radius();
-    const double weight = model.mass * scenario.gravity + model.adhesion.strength;
-    const double torque = model.moment * field + weight * radius;
-    StepperOptions result;
-    result.max_step = scenario.solver.max_step;
-    result.most_steps = scenario.solver.max_steps;
-    const double swing = std::sqrt(torque / model.corner_inertia());
-    result.swing_rate = swing > 0.0 ? swing : 1.0;
-    result.scales = {radius, radius * result.swing_rate, result.swing_rate};
-    // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
-    // proportion to the damping, the error of a run goes with rtol whatever the drag.
-    constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
-    constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
-    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag);
-    const double damping = least_drag / model.mass / result.swing_rate;
-    const double rtol = scenario.solver.rtol;
-    result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
-                                std::min(rtol, kLeastTolerance));
-    result.stop = control ? &control->stop : nullptr;
-    return result;
-}
-
-// A user's force may change with time while the body rests, and nothing is known of how fast: it is
-// looked at as often as a phase's first step would.
-template <class Integrator>
-double HybridLoop<Integrator>::longest_look(const Model& model, const StepperOptions& options) {
-    if (model.user_effects.empty()) return std::numeric_limits<double>::infinity();
-    const double look = 0.25 / options.swing_rate;
-    return options.max_step > 0.0 ? std::min(look, options.max_step) : look;
-}
 
 template <class Integrator>
 HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control)
@@ -182,18 +100,21 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       coils_(scenario.coil.geometry),
       model_(make_model(scenario)),
       circuit_(make_circuit(scenario, program_)),
-      dynamics_(model_, local_field(scenario, program_, coils_)),
-      integrator_(options(scenario, model_, program_, coils_, control)),
+      dynamics_(model_, make_local_field(scenario, program_, coils_)),
+      integrator_(make_stepper_options(scenario, model_, program_, coils_,
+                                       control ? &control->stop : nullptr)),
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
       longest_look_(longest_look(model_, integrator_.options())),
       segments_(program_, hold_period_, {window_.start, window_.end}),
-      burst_span_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate) {
-    result_.stiffness = stiffness(scenario, model_, integrator_.options().swing_rate);
+      transitions_(dynamics_, state_),
+      // Fifty free swings.
+      watch_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate),
+      demand_(scenario, model_, integrator_.options().swing_rate, program_.duration()) {
     result_.most_steps = scenario.solver.max_steps;
-    body_.z = model_.shape.half_rise(0);
-    contact_x_ = model_.shape.half_base(0);
+    state_.body.z = model_.shape.half_rise(0);
+    state_.contact_x = model_.shape.half_base(0);
 }
 
 template <class Integrator>
@@ -202,7 +123,7 @@ RunResult HybridLoop<Integrator>::run() {
         while (next_phase()) {
             with_phase([&](auto phase) {
                 end_phase(phase, integrator_.advance(phase, memory_, tau_, segment_.duration,
-                                                     phase.begin(body_), observer(phase)));
+                                                     phase.begin(state_.body), observer(phase)));
             });
         }
     } catch (const WrenchNotFinite& failure) {
@@ -216,9 +137,13 @@ RunResult HybridLoop<Integrator>::run() {
 template <class Integrator>
 RunResult HybridLoop<Integrator>::take_result() {
     result_.steps = integrator_.counts();
+    result_.summary.events = transitions_.counts();
     result_.recording = recorder_.take();
     chain_.apply(result_.summary, result_.recording);
-    result_.final_state = body_;
+    result_.final_state = state_.body;
+    effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
+    result_.stiffness = demand_.stiffness(effort_);
+    result_.bound = demand_.bound(effort_);
     return std::move(result_);
 }
 
@@ -227,10 +152,10 @@ bool HybridLoop<Integrator>::next_phase() {
     while (result_.status == Status::ok) {
         if (tau_ >= segment_.duration) {
             if (!next_segment()) break;
-        } else if (mode_.touch == Touch::face && mode_.slip == 0) {
+        } else if (state_.rests()) {
             run_rest();
         } else {
-            dynamics_.set_quadrant(body_.quadrant);
+            dynamics_.set_quadrant(state_.body.quadrant);
             return true;
         }
     }
@@ -248,22 +173,23 @@ bool HybridLoop<Integrator>::next_segment() {
     VoltageSegment voltages;
     if (!segments_.next(voltages)) return false;
     if (++segment_count_ > integrator_.options().most_steps) {
+        effort_.stretches = segment_count_;
         result_.status = Status::too_many_steps;
         return false;
     }
     // Boundaries of stretches carry rounding; the window's ends are two of them.
     const double slack = 1e-9 * program_.duration();
     if (!measured_ && voltages.start >= window_.start - slack) {
-        observer_.open(voltages.start, body_.x);
+        observer_.open(voltages.start, state_.body.x);
         measured_ = true;
     }
     if (observer_.is_open() && voltages.start >= window_.end - slack) {
-        observer_.close(voltages.start, body_.x, sign_, result_.summary);
+        observer_.close(voltages.start, state_.body.x, sign_, result_.summary);
     }
     begin_segment(voltages);
     if (!begun_) {
-        settle(Touch::face, 0.0, 0, 0.0);  // it may not be able to lie still
-        if (recorder_.at_events()) record_events(0.0);
+        transitions_.begin();
+        after_event(0.0);
         begun_ = true;
     }
     return true;
@@ -283,22 +209,9 @@ template <class Integrator>
 void HybridLoop<Integrator>::finish() {
     // The grid's last sample may lie beyond the end by rounding.
     sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
-                 [&](double) { return snapshot_now(segment_.duration); });
+                 [&](double) { return snapshot(dynamics_, state_, segment_.duration); });
     if (observer_.is_open()) {
-        observer_.close(program_.duration(), body_.x, sign_, result_.summary);
-    }
-}
-
-template <class Integrator>
-void HybridLoop<Integrator>::with_phase(auto&& use) {
-    if (mode_.touch == Touch::none) {
-        use(FlightPhase(dynamics_));
-    } else if (mode_.touch == Touch::face) {
-        use(FaceSlidePhase(dynamics_, mode_.slip));
-    } else if (mode_.slip == 0) {
-        use(CornerStickPhase(dynamics_, contact_x_));
-    } else {
-        use(CornerSlipPhase(dynamics_, contact_x_, mode_.slip, slip_velocity_));
+        observer_.close(program_.duration(), state_.body.x, sign_, result_.summary);
     }
 }
 
@@ -308,18 +221,47 @@ void HybridLoop<Integrator>::sample_until(double limit, double from, auto&& snap
     const auto stopped = [&] { return control_ && control_->stop.load(std::memory_order_relaxed); };
     for (double t = recorder_.next_time(); t <= limit && !stopped(); t = recorder_.next_time()) {
         const double tau = std::max(t, from) - segment_.start;
-        const Snapshot snapshot = snapshot_at(tau);
-        recorder_.add(t, snapshot, mode_, dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
-                      segment_.currents(tau));
+        record(t, tau, snapshot_at(tau));
+    }
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::record(double t, double tau, const Snapshot& snapshot) {
+    recorder_.add(t, snapshot, state_.mode,
+                  dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
+                  segment_.currents(tau));
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::handle(Event event, double tau) {
+    watch_.event(absolute(tau));
+    if (watch_.hangs()) result_.status = Status::too_many_events;
+    transitions_.handle(event, tau);
+    after_event(tau);
+    const BodyState& body = state_.body;
+    if (!std::isfinite(body.x + body.z + body.angle + body.vx + body.vz + body.omega)) {
+        result_.status = Status::not_finite;
+    }
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::after_event(double tau) {
+    memory_ = {};
+    memory_.stalled = watch_.stalled();
+    if (!recorder_.at_events()) return;
+    // One sample for each change at this instant, with the state after all of them.
+    for (const EventKind kind : transitions_.changes()) {
+        record(absolute(tau), tau, snapshot(dynamics_, state_, tau));
+        recorder_.add_event(kind);
     }
 }
 
 template <class Integrator>
 void HybridLoop<Integrator>::run_rest() {
-    const FaceRest rest(dynamics_, body_);
+    const FaceRest rest(dynamics_, state_.body);
     const FaceRest::End end = rest.advance(memory_, tau_, segment_.duration, fastest_decay_,
                                            longest_look_, integrator_.options().stop);
-    observer_.rest(body_.theta());
+    observer_.rest(state_.body.theta());
     sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });
     pass_to(end.tau);
     if (end.event != Event::none) {
@@ -351,13 +293,15 @@ auto HybridLoop<Integrator>::observer(Phase& phase) {
 template <class Integrator>
 template <class Phase>
 void HybridLoop<Integrator>::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
-    observer_.phase(phase, end, end.tau - tau_, body_.quadrant);
+    observer_.phase(phase, end, end.tau - tau_, state_.body.quadrant);
+    effort_.moving_time += end.tau - tau_;
+    if (end.event == Event::none) ++effort_.stretches;
     pass_to(end.tau);
     result_.status = end.status;
-    body_ = phase.body(end.y);
+    state_.body = phase.body(end.y);
     if constexpr (Phase::kSlips) {
-        contact_x_ = phase.contact_x(end.y);
-        slip_velocity_ = phase.slip_velocity(end.y);
+        state_.contact_x = phase.contact_x(end.y);
+        state_.slip_velocity = phase.slip_velocity(end.y);
     }
     // Near the point where sliding loses its solution the reaction grows faster than any step can
     // follow: the limit is the impulse that stops the slip.
@@ -375,5 +319,3 @@ void HybridLoop<Integrator>::end_phase(Phase& phase, const PhaseEnd<Phase>& end)
 }
 
 }  // namespace stickslip
-
-#include "stickslip/hybrid_events.hpp"

@@ -42,18 +42,6 @@ private:
     mutable MaskOf<Real> far_;
 };
 
-/// `target` becomes `source` where `where` holds; both are numbers throughout.
-template <class Real, class Numbers>
-[[gnu::always_inline]] inline void blend(MaskOf<Real> where, Numbers& target,
-                                         const Numbers& source) {
-    static_assert(sizeof(Numbers) % sizeof(Real) == 0);
-    auto* to = reinterpret_cast<Real*>(&target);
-    const auto* from = reinterpret_cast<const Real*>(&source);
-    for (std::size_t k = 0; k < sizeof(Numbers) / sizeof(Real); ++k) {
-        to[k] = select(where, from[k], to[k]);
-    }
-}
-
 template <template <class> class PhaseOf, class Real>
 LaneRound lane_step(double* memory) {
     using Numbers = LaneNumbers<PhaseOf, PackDynamics<Real>>;
@@ -87,20 +75,10 @@ LaneRound lane_step(double* memory) {
               (magnitude(centre.z - n.field.centre_z) > p.half_reach);
 
     const auto done = !flagged;
-    auto control = p.control;
-    control.accept(p.step.width, p.error, to_end);
-    blend<Real>(done, p.control, control);
-    auto trace = p.trace;
-    trace.step(phase, p.step.width, p.step.first, p.step.slope[0], p.step.last, p.step.slope[6]);
-    blend<Real>(done, p.trace, trace);
     const BasePose<Real> base = {angle, n.robot.base.turns + 1.0, pose};
     blend<Real>(done, n.robot.base, base);
-    p.accepted = select(done, p.accepted + 1.0, p.accepted);
-    p.tau = select(done, p.tau + p.step.width, p.tau);
     for (Real& unarmed : n.unarmed) unarmed = select(done, Real(0.0), unarmed);
-    blend<Real>(done, p.step.first, p.step.last);
-    blend<Real>(done, p.step.slope[0], p.step.slope[6]);
-    blend<Real>(done, p.samples.start, p.samples.end);
+    p.commit(phase, done, to_end);
     return {members(flagged), members(far), members(to_end)};
 }
 

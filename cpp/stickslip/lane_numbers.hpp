@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "stickslip/phases.hpp"
-#include "stickslip/tsit5.hpp"
+#include "stickslip/tsit5_step.hpp"
 
 namespace stickslip {
 

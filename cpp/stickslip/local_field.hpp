@@ -6,6 +6,7 @@
 
 #include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/elementary.hpp"
 #include "stickslip/pack.hpp"
 
 namespace stickslip {

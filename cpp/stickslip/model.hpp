@@ -42,8 +42,4 @@ struct Model {
     double corner_inertia() const { return inertia + mass * shape.radius() * shape.radius(); }
 };
 
-inline double per_mass(const Model& model) {
-    return 1.0 / model.mass;
-}
-
 }  // namespace stickslip

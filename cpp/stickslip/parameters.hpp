@@ -10,14 +10,14 @@ namespace stickslip {
 
 /// A numeric key of a scenario file: the one place where its unit, range and meaning stand.
 struct Parameter {
-    const char* key;   ///< "section.name", "effects.effect.name"
-    const char* unit;  ///< SI, "-" for none
-    double low, high;
-    bool low_allowed;  ///< whether `low` itself is allowed
-    bool integer;
-    const char* meaning;
-    double (*get)(const Scenario&);
-    void (*set)(Scenario&, double);
+    const char* key = nullptr;   ///< "section.name", "effects.effect.name"
+    const char* unit = nullptr;  ///< SI, "-" for none
+    double low = 0.0, high = 0.0;
+    bool low_allowed = true;  ///< whether `low` itself is allowed
+    bool integer = false;
+    const char* meaning = nullptr;
+    double (*get)(const Scenario&) = nullptr;
+    void (*set)(Scenario&, double) = nullptr;
 };
 
 /// A key that takes one of a few words.

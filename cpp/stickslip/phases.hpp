@@ -7,9 +7,10 @@
 
 #include "stickslip/phase_types.hpp"
 
-/// Between two events the robot moves smoothly in one of four phases (a face that sticks does not
-/// move at all: see rest.hpp). Each phase has the fewest coordinates that its contact leaves free,
-/// so a sticking corner cannot creep and a touching one cannot penetrate. A phase offers
+/// Between two events the robot moves smoothly in one of four phases (a face that slides:
+/// face_slide.hpp; one that sticks does not move at all: rest.hpp). Each phase has the fewest
+/// coordinates that its contact leaves free, so a sticking corner cannot creep and a touching one
+/// cannot penetrate. A phase offers
 ///   kDim, kEvents      number of coordinates and of event functions
 ///   kSlips, kFlies     whether a contact slips, whether nothing touches
 ///   kEvent             what each event function is; it fires when its function falls through zero
@@ -137,7 +138,7 @@ private:
         const LoadOf<Real> load =
             dynamics_->load_near_surface(field, contact_x_ - pose.lever, pose.height, pose,
                                          y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
-        return corner_stick(robot(), robot().per_corner_inertia, pose, y[1], load);
+        return corner_stick(robot(), pose, y[1], load);
     }
 
     Real contact_x_;
@@ -225,60 +226,6 @@ private:
     Real contact_x_, slip_velocity_, slip_;
 };
 using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
-
-/// A face slides: y = (x of the centre of mass, slip velocity).
-class FaceSlidePhase : public PhaseBase<Dynamics> {
-public:
-    static constexpr int kDim = 2;
-    static constexpr int kEvents = 3;
-    static constexpr bool kSlips = true;
-    static constexpr bool kFlies = false;
-    using State = std::array<Real, kDim>;
-    using Values = std::array<Real, kEvents>;
-    static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
-                                                          Event::slip_stops};
-
-    FaceSlidePhase(Dynamics& dynamics, int slip) : PhaseBase(dynamics), slip_(slip) {}
-
-    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
-                                      Values& g) const {
-        Load load;
-        const FaceReaction reaction = solve(field, y, load);
-        dydt = {y[1], (load.fx + reaction.friction) * robot().per_mass};
-        g = {reaction.ahead, reaction.behind, slip_ * y[1]};
-    }
-    double event(std::size_t i, double tau, const auto& y) const {
-        if (i == 2) return slip_ * y[1];
-        return event_by_rates(*this, i, tau, y);
-    }
-    void rebase(const State& y) { rebase_to(*this, y); }
-    Point<double> centre(const State& y, const Pose&) const { return {y[0], height()}; }
-    State begin(const BodyState& body) const { return {body.x, body.vx}; }
-    BodyState body(const State& y) const {
-        return {y[0], height(), 0.0, y[1], 0.0, 0.0, quadrant()};
-    }
-    Snapshot snapshot(double tau, const State& y) const {
-        Load load;
-        const FaceReaction reaction = solve(field_at(tau), y, load);
-        return {body(y), {reaction.normal(), reaction.friction}, contact_x(y), y[1]};
-    }
-    State scale(const Scales& s) const { return {s.length, s.velocity}; }
-    double speed(const State& y) const { return std::abs(y[1]); }
-    double angle(const State&) const { return 0.0; }
-    double omega(const State&) const { return 0.0; }
-    double contact_x(const State& y) const { return y[0] + model().shape.half_base(quadrant()); }
-    double slip_velocity(const State& y) const { return y[1]; }
-
-private:
-    double height() const { return model().shape.half_rise(quadrant()); }
-    FaceReaction solve(const Expansion& field, const State& y, Load& load) const {
-        load = dynamics_->load(field, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
-        return face_reaction(model(), quadrant(), load, false,
-                             slip_ * model().friction.kinetic(slip_, y[1], y[0]));
-    }
-
-    int slip_;
-};
 
 /// Nothing touches: y = (x, z, angle, vx, vz, omega).
 template <class D>

@@ -47,6 +47,18 @@ std::string remedy(const RunResult& result, const char* otherwise) {
     return text.str();
 }
 
+// The same where the steps were all taken.
+std::string budget_remedy(const RunResult& result) {
+    const StepBound& bound = result.bound;
+    if (bound.key == nullptr) {
+        return remedy(result, "raise solver.max_steps, or simulate less time");
+    }
+    std::ostringstream text;
+    text << bound.key << " = " << bound.value << " alone takes at least " << std::floor(bound.steps)
+         << " of them; raise solver.max_steps, or take a value near " << bound.sane;
+    return text.str();
+}
+
 }  // namespace
 
 std::string message(const RunResult& result) {
@@ -67,7 +79,7 @@ std::string message(const RunResult& result) {
             break;
         case Status::too_many_steps:
             text << "the run had taken as many steps as solver.max_steps = " << result.most_steps
-                 << " allows; " << remedy(result, "raise solver.max_steps, or simulate less time");
+                 << " allows; " << budget_remedy(result);
             break;
         case Status::not_finite:
             if (!result.effect.empty()) {

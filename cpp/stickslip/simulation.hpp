@@ -19,7 +19,8 @@ struct RunResult {
     Recording recording;
     BodyState final_state;        ///< robot's own frame
     std::string effect;           ///< of the user, that gave what is not finite and ended the run
-    Stiffness stiffness;          ///< what makes steps short, for the message
+    Stiffness stiffness;          ///< what made steps short, for the message
+    StepBound bound;              ///< the same, whatever moved
     std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "stickslip/model.hpp"
 #include "stickslip/scenario.hpp"
 
@@ -18,6 +20,36 @@ struct Stiffness {
     bool is_stiff() const;
 };
 
-Stiffness stiffness(const Scenario& scenario, const Model& model, double swing_rate);
+/// The key that cut the time into a good part of the steps that a run may have, whatever moved.
+struct StepBound {
+    const char* key = nullptr;  ///< nullptr if there is none
+    double value = 0.0;         ///< s
+    double steps = 0.0;         ///< that it took at least
+    double sane = 0.0;          ///< s, of which the whole run takes a tenth of its budget
+};
+
+/// What a run has spent.
+struct Effort {
+    double moving_time = 0.0;    ///< s, that was integrated
+    double steps = 0.0;          ///< tried
+    std::int64_t stretches = 0;  ///< of voltage, that took a step or were counted as one
+};
+
+/// What may make the steps of a scenario short.
+class StepDemand {
+public:
+    /// swing_rate: rad/s; duration: s, of the whole run.
+    StepDemand(const Scenario& scenario, const Model& model, double swing_rate, double duration);
+
+    /// In a run that has come to an early end.
+    Stiffness stiffness(const Effort& effort) const;
+    StepBound bound(const Effort& effort) const;
+
+private:
+    Stiffness lasting_;  // of motions that go on
+    Stiffness passing_;  // also of those that the body leaves as fast
+    double swing_;
+    double hold_period_, max_step_, duration_, most_steps_;
+};
 
 }  // namespace stickslip

@@ -4,7 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cstdint>
-#include <set>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -72,30 +72,27 @@ TEST_CASE("batch: a scenario that makes no sense is refused before any runs") {
 }
 
 TEST_CASE("batch: each task once, whatever the number of threads") {
+    const auto kNeverDone = [](std::size_t, RunResult&&) { FAIL("no task was simulated"); };
     for (const int threads : {-1, 0, 1, 3, 100}) {
         RunControl control;
-        std::vector<std::atomic<int>> runs(50);
-        run_tasks(
-            runs.size(), threads, control, [&](std::size_t i) { ++runs[i]; }, kNoPoll);
-        for (const std::atomic<int>& n : runs) CHECK(n == 1);
+        std::vector<std::atomic<int>> asked(50);
+        const auto refuse = [&](std::size_t i) -> std::optional<Scenario> {
+            ++asked[i];
+            return std::nullopt;
+        };
+        simulate_tasks(asked.size(), threads, control, refuse, kNeverDone, kNoPoll);
+        for (const std::atomic<int>& n : asked) CHECK(n == 1);
+        CHECK_NOTHROW(simulate_tasks(0, threads, control, refuse, kNeverDone, kNoPoll));
     }
-    RunControl control;
-    CHECK_NOTHROW(run_tasks(
-        0, 2, control, [](std::size_t) {}, kNoPoll));
 }
 
-TEST_CASE("batch: an exception of poll stops the tasks and is thrown again") {
+TEST_CASE("batch: an exception of poll stops the workers and is thrown again") {
     RunControl control;
-    std::atomic<int> started = 0;
-    const auto task = [&](std::size_t) {
-        ++started;
-        wait_until(control.stop);
-    };
     const auto poll = [] { throw std::runtime_error("interrupted from the keyboard"); };
-    CHECK_THROWS_WITH_AS(run_tasks(10, 2, control, task, poll), "interrupted from the keyboard",
-                         std::runtime_error);
+    CHECK_THROWS_WITH_AS(run_workers(
+                             2, control, [&] { wait_until(control.stop); }, poll),
+                         "interrupted from the keyboard", std::runtime_error);
     CHECK(control.stop);
-    CHECK(started <= 2);  // none began after the stop
 }
 
 TEST_CASE("batch: an exception of poll ends simulations that would take long") {
@@ -108,16 +105,29 @@ TEST_CASE("batch: an exception of poll ends simulations that would take long") {
                          std::runtime_error);
 }
 
-TEST_CASE("batch: an exception of a task stops the others and is thrown again") {
+TEST_CASE("batch: an exception of a worker stops the others and is thrown again") {
     RunControl control;
     std::atomic<int> started = 0;
-    const auto task = [&](std::size_t index) {
-        ++started;
-        if (index == 1) throw std::domain_error("task 1");
+    const auto work = [&] {
+        if (++started == 2) throw std::domain_error("the second");
         wait_until(control.stop);
     };
-    CHECK_THROWS_WITH_AS(run_tasks(10, 2, control, task, kNoPoll), "task 1", std::domain_error);
-    CHECK(started <= 3);
+    CHECK_THROWS_WITH_AS(run_workers(3, control, work, kNoPoll), "the second", std::domain_error);
+    CHECK(control.stop);
+}
+
+TEST_CASE("batch: no task begins after a stop") {
+    RunControl control;
+    std::atomic<int> asked = 0;
+    const auto scenario = [&](std::size_t) -> std::optional<Scenario> {
+        if (++asked == 2) throw std::domain_error("the second");
+        wait_until(control.stop);
+        return Scenario{};
+    };
+    CHECK_THROWS_WITH_AS(simulate_tasks(
+                             10, 2, control, scenario, [](std::size_t, RunResult&&) {}, kNoPoll),
+                         "the second", std::domain_error);
+    CHECK(asked == 2);
 }
 
 TEST_CASE("batch: polls while it waits, on the calling thread") {
@@ -128,7 +138,7 @@ TEST_CASE("batch: polls while it waits, on the calling thread") {
         caller = std::this_thread::get_id();
         polled = true;
     };
-    run_tasks(
-        1, 1, control, [&](std::size_t) { wait_until(polled); }, poll);
+    run_workers(
+        1, control, [&] { wait_until(polled); }, poll);
     CHECK(caller == std::this_thread::get_id());
 }

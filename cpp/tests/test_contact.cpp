@@ -12,6 +12,7 @@ using namespace stickslip;
 using stickslip::test::in_uniform_field;
 using stickslip::test::kRounding;
 using stickslip::test::paper_model;
+using stickslip::test::plain_robot;
 using stickslip::test::Random;
 
 namespace {
@@ -61,11 +62,11 @@ double residual(const Model& model, const Draw& draw, double angular_acceleratio
 
 TEST_CASE("sticking corner: satisfies Newton's and Euler's equations with P at rest") {
     const Model model = paper_model();
+    const PlainDynamics<double> robot = plain_robot(model);
     Random random(1);
     for (int n = 0; n < 1000; ++n) {
         const Draw draw = random_draw(random, model);
-        const CornerStick stick =
-            corner_stick(model, 1.0 / model.corner_inertia(), draw.pose, draw.omega, draw.load);
+        const CornerStick stick = corner_stick(robot, draw.pose, draw.omega, draw.load);
         // J + m r^2 comes from other sums than the residual: a dozen roundings.
         CHECK(residual(model, draw, stick.angular_acceleration, 0.0, stick.reaction.normal,
                        stick.reaction.friction) < 16.0 * kRounding);
@@ -74,13 +75,14 @@ TEST_CASE("sticking corner: satisfies Newton's and Euler's equations with P at r
 
 TEST_CASE("slipping corner: satisfies Newton's and Euler's equations with friction at its limit") {
     const Model model = paper_model();
+    const PlainDynamics<double> robot = plain_robot(model);
     Random random(2);
     int tried = 0;
     for (int n = 0; n < 1000; ++n) {
         const Draw draw = random_draw(random, model);
         const double coefficient = random.between(-2.0, 2.0);
-        const CornerSlip slip = corner_slip(model, draw.pose, draw.omega, draw.load, coefficient);
-        CHECK(slip.effective_inertia == painleve_inertia(model, draw.pose, coefficient));
+        const CornerSlip slip = corner_slip(robot, draw.pose, draw.omega, draw.load, coefficient);
+        CHECK(slip.effective_inertia == painleve_inertia(robot, draw.pose, coefficient));
         if (std::abs(slip.effective_inertia) < 0.1 * model.inertia) continue;
         ++tried;
         // Cancellation in the effective inertia by up to a factor 10, in its parts 4 J.
@@ -124,8 +126,7 @@ TEST_CASE("kinematics: the centripetal term of Eq. (13) points from the corner t
     const double theta = 0.4, omega = 1000.0;
     const double r = model.shape.radius(), psi = theta + std::atan(0.4);
     const Pose pose = model.shape.pose(0, std::cos(theta), std::sin(theta));
-    const CornerStick stick =
-        corner_stick(model, 1.0 / model.corner_inertia(), pose, omega, Load{});
+    const CornerStick stick = corner_stick(plain_robot(model), pose, omega, Load{});
     const double pull = model.mass * r * omega * omega;
     CHECK(stick.angular_acceleration == 0.0);
     CHECK(stick.reaction.friction == doctest::Approx(pull * std::cos(psi)).epsilon(1e-14));
@@ -200,10 +201,11 @@ TEST_CASE("Painleve: sliding first loses its solution at mu = 4/3 and theta = 41
     // J + m lever (lever - mu height) = 0 means mu = (1/3 + cos^2)/(cos sin) of theta + phi, with
     // J = m r^2/3. With t = tan it is (4 + t^2)/(3 t): least at t = 2, where it is 4/3.
     const Model model = paper_model();
+    const PlainDynamics<double> robot = plain_robot(model);
     const double angle = std::atan(2.0) - std::atan(0.4);
     CHECK(angle * 180.0 / std::numbers::pi == doctest::Approx(41.6).epsilon(0.05 / 41.6));
     const auto inertia = [&](double theta, double mu) {
-        return painleve_inertia(model, model.shape.pose(0, std::cos(theta), std::sin(theta)), mu);
+        return painleve_inertia(robot, model.shape.pose(0, std::cos(theta), std::sin(theta)), mu);
     };
     CHECK(std::abs(inertia(angle, 4.0 / 3.0)) < 16.0 * kRounding * model.inertia);
     double least = 1.0, least_angle = 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stickslip/elementary.hpp"
 #include "stickslip/pack.hpp"
 #include "support.hpp"
 

@@ -121,7 +121,8 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
         ++tally.impulse;
         CHECK(draw.slip_velocity != 0.0);
         const double sign = draw.slip_velocity > 0.0 ? 1.0 : -1.0;
-        CHECK(painleve_inertia(model, pose, sign * model.friction.kinetic_coefficient) <= 0.0);
+        CHECK(painleve_inertia(dynamics.robot(), pose, sign * model.friction.kinetic_coefficient) <=
+              0.0);
         // And flight is none: without a reaction the corner, which still adheres, would sink.
         std::array<Corner, 2> adhering = {};
         adhering[0] = {pose.lever, -adhesion, 0.0};
@@ -157,11 +158,10 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
         corners[0] = {pose.lever, reaction.ahead, reaction.friction};
         corners[1] = {-pose.lever, reaction.behind, 0.0};
     } else if (found.mode.slip == 0) {
-        const CornerStick stick =
-            corner_stick(model, 1.0 / model.corner_inertia(), pose, body.omega, load);
+        const CornerStick stick = corner_stick(dynamics.robot(), pose, body.omega, load);
         corners[0] = {pose.lever, stick.reaction.normal, stick.reaction.friction};
     } else {
-        const CornerSlip slip = corner_slip(model, pose, body.omega, load, coefficient);
+        const CornerSlip slip = corner_slip(dynamics.robot(), pose, body.omega, load, coefficient);
         CHECK(slip.effective_inertia > 0.0);
         tolerance *= std::max(1.0, model.inertia / slip.effective_inertia);
         corners[0] = {pose.lever, slip.normal, -coefficient * slip.normal};

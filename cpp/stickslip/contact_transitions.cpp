@@ -1,0 +1,171 @@
+#include "stickslip/contact_transitions.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stickslip {
+
+void ContactTransitions::begin() {
+    changes_.clear();
+    settle(Touch::face, 0.0, 0, 0.0);
+}
+
+void ContactTransitions::handle(Event event, double tau) {
+    changes_.clear();
+    react(event, tau);
+}
+
+void ContactTransitions::react(Event event, double tau) {
+    switch (event) {
+        case Event::none:
+            break;
+        case Event::lift_off:
+            settle(Touch::none, 0.0, 0, tau);
+            break;
+        case Event::breaks_forward:
+            settle(state_.mode.touch, 0.0, 1, tau);
+            break;
+        case Event::breaks_backward:
+            settle(state_.mode.touch, 0.0, -1, tau);
+            break;
+        case Event::slip_stops:
+            settle(state_.mode.touch, 0.0, 0, tau);
+            break;
+        case Event::ahead_lifts:
+            pivot_on_rear_end();
+            settle(Touch::corner, state_.slip_velocity, 0, tau);
+            break;
+        case Event::behind_lifts:
+            settle(Touch::corner, state_.slip_velocity, 0, tau);
+            break;
+        case Event::behind_lands:
+            if (state_.mode.touch == Touch::none)
+                touch_down(-1, tau);
+            else
+                land(state_.body.quadrant, Arrival::behind, tau);
+            break;
+        case Event::ahead_lands:
+            if (state_.mode.touch == Touch::none)
+                touch_down(1, tau);
+            else
+                land(state_.body.quadrant + 1, Arrival::ahead, tau);
+            break;
+        case Event::pivot_touches:
+            touch_down(0, tau);
+            break;
+        case Event::opposite_touches:
+            touch_down(2, tau);
+            break;
+        case Event::sliding_jams:
+            stop_slip_by_impulse(model(), pose(), state_.slip_velocity, state_.body);
+            count(EventKind::painleve);
+            settle(Touch::corner, 0.0, 0, tau);
+            break;
+    }
+}
+
+// A body on one corner has turned until a face lies on the surface.
+void ContactTransitions::land(int quadrant, Arrival arrival, double tau) {
+    BodyState& body = state_.body;
+    const bool old_slips = state_.mode.slip != 0;
+    BodyState before = body;
+    before.quadrant = quadrant;
+    before.angle = 0.0;
+    if (quadrant != body.quadrant) state_.contact_x += 2.0 * model().shape.half_base(quadrant);
+    const double front = state_.contact_x;
+    const ImpactResult impact = face_impact(model(), before, arrival, old_slips);
+    body = impact.body;
+    if (body.quadrant != quadrant)
+        state_.contact_x = front - 2.0 * model().shape.half_base(quadrant);
+    place_by_contact();
+    const bool on_front = body.quadrant == quadrant;
+    if (impact.touch == Touch::face) {
+        count(EventKind::landing);
+    } else if (impact.touch == Touch::corner && on_front == (arrival == Arrival::ahead)) {
+        count(EventKind::roll_over);
+    } else {
+        count(EventKind::rebound);
+    }
+    settle(impact.touch, impact.slip_velocity, 0, tau);
+}
+
+// The corner `offset` quadrants on from the pivot meets the surface out of flight.
+void ContactTransitions::touch_down(int offset, double tau) {
+    // A gap below which the second corner of a face has arrived with the first, m.
+    constexpr double kTogether = 1e-13;
+    BodyState& body = state_.body;
+    // The body may have turned on since the flight's quadrant was set: of the quadrants in which
+    // this corner is the lowest, the one of the angle.
+    const double quarters = body.theta() / kQuarterTurn;
+    const int corner = body.quadrant + offset;
+    body.angle = body.theta();
+    body.quadrant = corner + 4 * static_cast<int>(std::lround((quarters - corner - 0.5) / 4.0));
+    body.angle = std::clamp(body.angle - body.quadrant * kQuarterTurn, 0.0, kQuarterTurn);
+    count(EventKind::touch_down);
+    const double to_behind = 2.0 * model().shape.half_base(body.quadrant) * body.angle;
+    const double to_ahead =
+        2.0 * model().shape.half_rise(body.quadrant) * (kQuarterTurn - body.angle);
+    ImpactResult impact;
+    if (to_behind < kTogether || to_ahead < kTogether) {
+        if (to_ahead < kTogether) body.quadrant += 1;
+        body.angle = 0.0;
+        impact = face_impact(model(), body, Arrival::both, false);
+    } else {
+        dynamics_.set_quadrant(body.quadrant);
+        impact = corner_impact(model(), pose(), body);
+    }
+    body = impact.body;
+    dynamics_.set_contact_age(-tau);
+    dynamics_.set_quadrant(body.quadrant);
+    state_.contact_x = body.x + pose().lever;
+    place_by_contact();
+    settle(impact.touch, impact.slip_velocity, 0, tau);
+}
+
+// Puts the centre of mass where the pivot corner on the surface has it.
+void ContactTransitions::place_by_contact() {
+    BodyState& body = state_.body;
+    dynamics_.set_quadrant(body.quadrant);
+    const Pose now = pose();
+    body.x = state_.contact_x - now.lever;
+    body.z = now.height;
+}
+
+// Takes the rear end of the face for the pivot.
+void ContactTransitions::pivot_on_rear_end() {
+    BodyState& body = state_.body;
+    state_.contact_x -= 2.0 * model().shape.half_base(body.quadrant);
+    body.quadrant -= 1;
+    body.angle = kQuarterTurn;
+}
+
+// Finds the mode that the forces allow for what touches, and enters it.
+void ContactTransitions::settle(Touch touch, double slip_velocity, int onset, double tau) {
+    const ContactMode before = state_.mode;
+    const Resolution found =
+        resolve_contact(dynamics_, tau, state_.body, touch, slip_velocity, onset);
+    if (found.quadrant != state_.body.quadrant) pivot_on_rear_end();
+    state_.slip_velocity = slip_velocity;
+    state_.mode = found.mode;
+    if (state_.rests()) state_.body.vx = state_.body.vz = state_.body.omega = 0.0;
+    count_change(before);
+    if (found.impulse) react(Event::sliding_jams, tau);
+}
+
+void ContactTransitions::count(EventKind kind) {
+    ++counts_[static_cast<std::size_t>(kind)];
+    changes_.push_back(kind);
+}
+
+void ContactTransitions::count_change(const ContactMode& before) {
+    if (before.touch == Touch::face && state_.mode.touch == Touch::corner) count(EventKind::tip);
+    if (before.touch != Touch::none && state_.mode.touch == Touch::none) {
+        count(EventKind::lift_off);
+    } else if (before.touch != Touch::none && before.slip != state_.mode.slip) {
+        count(before.slip == 0        ? EventKind::slip_start
+              : state_.mode.slip == 0 ? EventKind::stick
+                                      : EventKind::reversal);
+    }
+}
+
+}  // namespace stickslip

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "stickslip/hybrid_state.hpp"
+#include "stickslip/impact.hpp"
+#include "stickslip/recording.hpp"
+
+namespace stickslip {
+
+/// What an event makes of the state: an impact if there is one, then the mode that the forces
+/// allow.
+class ContactTransitions {
+public:
+    ContactTransitions(Dynamics& dynamics, HybridState& state)
+        : dynamics_(dynamics), state_(state) {}
+
+    /// Flat and at rest, which the forces may not allow.
+    void begin();
+    /// An event at tau seconds into the stretch.
+    void handle(Event event, double tau);
+
+    /// Of the last event, in their order.
+    const std::vector<EventKind>& changes() const { return changes_; }
+    /// Of the whole run.
+    const std::array<std::int64_t, kEventKinds>& counts() const { return counts_; }
+
+private:
+    void react(Event event, double tau);
+    void land(int quadrant, Arrival arrival, double tau);
+    void touch_down(int corner_offset, double tau);
+    void settle(Touch touch, double slip_velocity, int onset, double tau);
+    void pivot_on_rear_end();
+    void place_by_contact();
+    void count(EventKind kind);
+    void count_change(const ContactMode& before);
+
+    const Model& model() const { return dynamics_.model(); }
+    Pose pose() { return dynamics_.rebase_angle(state_.body.angle); }
+
+    Dynamics& dynamics_;
+    HybridState& state_;
+    std::vector<EventKind> changes_;
+    std::array<std::int64_t, kEventKinds> counts_ = {};
+};
+
+}  // namespace stickslip

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "stickslip/phases.hpp"
+
+namespace stickslip {
+
+/// A face slides: y = (x of the centre of mass, slip velocity).
+class FaceSlidePhase : public PhaseBase<Dynamics> {
+public:
+    static constexpr int kDim = 2;
+    static constexpr int kEvents = 3;
+    static constexpr bool kSlips = true;
+    static constexpr bool kFlies = false;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
+    static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
+                                                          Event::slip_stops};
+
+    FaceSlidePhase(Dynamics& dynamics, int slip) : PhaseBase(dynamics), slip_(slip) {}
+
+    [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
+                                      Values& g) const {
+        Load load;
+        const FaceReaction reaction = solve(field, y, load);
+        dydt = {y[1], (load.fx + reaction.friction) * robot().per_mass};
+        g = {reaction.ahead, reaction.behind, slip_ * y[1]};
+    }
+    double event(std::size_t i, double tau, const auto& y) const {
+        if (i == 2) return slip_ * y[1];
+        return event_by_rates(*this, i, tau, y);
+    }
+    void rebase(const State& y) { rebase_to(*this, y); }
+    Point<double> centre(const State& y, const Pose&) const { return {y[0], height()}; }
+    State begin(const BodyState& body) const { return {body.x, body.vx}; }
+    BodyState body(const State& y) const {
+        return {y[0], height(), 0.0, y[1], 0.0, 0.0, quadrant()};
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        Load load;
+        const FaceReaction reaction = solve(field_at(tau), y, load);
+        return {body(y), {reaction.normal(), reaction.friction}, contact_x(y), y[1]};
+    }
+    State scale(const Scales& s) const { return {s.length, s.velocity}; }
+    double speed(const State& y) const { return std::abs(y[1]); }
+    double angle(const State&) const { return 0.0; }
+    double omega(const State&) const { return 0.0; }
+    double contact_x(const State& y) const { return y[0] + model().shape.half_base(quadrant()); }
+    double slip_velocity(const State& y) const { return y[1]; }
+
+private:
+    double height() const { return model().shape.half_rise(quadrant()); }
+    FaceReaction solve(const Expansion& field, const State& y, Load& load) const {
+        load = dynamics_->load(field, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
+        return face_reaction(model(), quadrant(), load, false,
+                             slip_ * model().friction.kinetic(slip_, y[1], y[0]));
+    }
+
+    int slip_;
+};
+
+}  // namespace stickslip

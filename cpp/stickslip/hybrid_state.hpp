@@ -1,0 +1,47 @@
+#pragma once
+
+#include "stickslip/face_slide.hpp"
+#include "stickslip/phases.hpp"
+#include "stickslip/rest.hpp"
+
+namespace stickslip {
+
+/// What goes on from phase to phase.
+struct HybridState {
+    BodyState body;
+    ContactMode mode;
+    double contact_x = 0.0;      ///< m, pivot corner; kept, not derived, so that a stuck one stays
+    double slip_velocity = 0.0;  ///< m/s
+
+    bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
+};
+
+/// Calls `use` with the phase of a state that does not rest.
+void with_phase(Dynamics& dynamics, const HybridState& state, auto&& use) {
+    const int slip = state.mode.slip;
+    if (state.mode.touch == Touch::none) {
+        use(FlightPhase(dynamics));
+    } else if (state.mode.touch == Touch::face) {
+        use(FaceSlidePhase(dynamics, slip));
+    } else if (slip == 0) {
+        use(CornerStickPhase(dynamics, state.contact_x));
+    } else {
+        use(CornerSlipPhase(dynamics, state.contact_x, slip, state.slip_velocity));
+    }
+}
+
+/// What a recording sees at `tau`. The dynamics are a copy: looking must not move the bases of the
+/// steps to come.
+inline Snapshot snapshot(Dynamics dynamics, const HybridState& state, double tau) {
+    dynamics.set_quadrant(state.body.quadrant);
+    if (state.rests()) return FaceRest(dynamics, state.body).snapshot(tau);
+    Snapshot result;
+    with_phase(dynamics, state, [&](auto phase) {
+        const auto y = phase.begin(state.body);
+        phase.rebase(y);
+        result = phase.snapshot(tau, y);
+    });
+    return result;
+}
+
+}  // namespace stickslip
