@@ -88,7 +88,7 @@ ArkodeSession Arkode::begin(Phase& phase, bool stalled, double tau, double tau_e
     State tolerance = phase.scale(options_.scales);
     for (double& value : tolerance) value *= options_.tolerance;
     // A fast exponential of the currents would be leapt over, as in Tsit5.
-    double first = std::min(0.02 / options_.swing_rate, std::max(phase.fading_time(), tau));
+    double first = std::min(0.02 / options_.swing_rate, std::max(phase.min_time_constant(), tau));
     if (stalled) first = std::min(first, kShortestStep);
     return ArkodeSession(problem, tau, y.data(), tolerance.data(), tau_end, options_.max_step,
                          first);

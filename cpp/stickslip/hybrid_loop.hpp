@@ -73,7 +73,7 @@ private:
     Recorder recorder_;
     SummaryObserver observer_;
     RunControl* control_;
-    const double longest_look_;  // s, at rest
+    const double max_check_interval_;  // s, at rest
 
     SegmentStream segments_;
     CurrentSegment segment_;
@@ -106,7 +106,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
-      longest_look_(longest_look(model_, integrator_.options())),
+      max_check_interval_(max_check_interval(model_, integrator_.options())),
       segments_(program_, hold_period_, {window_.start, window_.end}),
       transitions_(dynamics_, state_),
       // Fifty free swings.
@@ -260,7 +260,7 @@ template <class Integrator>
 void HybridLoop<Integrator>::run_rest() {
     const FaceRest rest(dynamics_, state_.body);
     const FaceRest::End end = rest.advance(memory_, tau_, segment_.duration, fastest_decay_,
-                                           longest_look_, integrator_.options().stop);
+                                           max_check_interval_, integrator_.options().stop);
     observer_.rest(state_.body.theta());
     sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });
     pass_to(end.tau);

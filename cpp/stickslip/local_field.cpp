@@ -35,7 +35,7 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
 
 void LocalField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
-    fading_time_ = 0.5 / *std::max_element(segment.rate.begin(), segment.rate.end());
+    min_time_constant_ = 0.5 / *std::max_element(segment.rate.begin(), segment.rate.end());
     stretch_.rate = segment.rate[0];
     if (expanded_) combine();
 }

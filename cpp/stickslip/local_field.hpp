@@ -90,7 +90,7 @@ public:
     double reach() const { return reach_; }
 
     /// Half the time constant of the fastest exponential of the stretch, s.
-    double fading_time() const { return fading_time_; }
+    double min_time_constant() const { return min_time_constant_; }
 
     /// The robot has come so near to a coil's plane that the model of the set-up ends.
     bool outside() const { return outside_; }
@@ -120,7 +120,7 @@ private:
     const CoilSet* coils_;
     double reach_;
     double workspace_;
-    double fading_time_ = 0.0;
+    double min_time_constant_ = 0.0;
     PerCoil gain_;
     double ambient_x_, ambient_z_;
     CurrentSegment segment_;

@@ -44,7 +44,7 @@ public:
     ExpansionOf<Real> field_at(Real tau) const { return dynamics_->field_at(tau); }
     bool outside() const { return dynamics_->field().outside(); }
     double reach() const { return dynamics_->field().reach(); }
-    double fading_time() const { return dynamics_->field().fading_time(); }
+    double min_time_constant() const { return dynamics_->field().min_time_constant(); }
     /// An event function that is born above this has risen since; others may be zero but for
     /// rounding.
     double event_rounding() const { return 0.0; }

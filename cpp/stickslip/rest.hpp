@@ -92,7 +92,7 @@ private:
 
 /// A user's force may change with time while the body rests, and nothing is known of how fast: it
 /// is looked at as often as a phase's first step would.
-inline double longest_look(const Model& model, const StepperOptions& options) {
+inline double max_check_interval(const Model& model, const StepperOptions& options) {
     if (model.user_effects.empty()) return std::numeric_limits<double>::infinity();
     const double look = 0.25 / options.swing_rate;
     return options.max_step > 0.0 ? std::min(look, options.max_step) : look;

@@ -185,11 +185,11 @@ template <class Phase>
 struct Tsit5Progress {
     using Real = typename Phase::Real;
 
-    Real tau_end;      ///< s
-    Real most_steps;   ///< that may be accepted
-    Real max_step;     ///< s, infinite for no limit
-    Real fading_time;  ///< s
-    Real half_reach;   ///< m
+    Real tau_end;            ///< s
+    Real most_steps;         ///< that may be accepted
+    Real max_step;           ///< s, infinite for no limit
+    Real min_time_constant;  ///< s
+    Real half_reach;         ///< m
     // What goes on from step to step.
     Real tau;       ///< s
     Real accepted;  ///< steps
@@ -204,7 +204,7 @@ struct Tsit5Progress {
         Real width = lesser(control.proposal, max_step);
         // The exponentials of a stretch fade from its start; a step that leaps over a fast one sees
         // its first value alone, and the error estimate hardly notices.
-        width = lesser(width, greater(fading_time, tau));
+        width = lesser(width, greater(min_time_constant, tau));
         // The field's expansion must hold over the step.
         const Real speed = phase.speed(step.first);
         const auto far = width * speed > half_reach;
