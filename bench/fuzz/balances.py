@@ -172,10 +172,9 @@ def _gained(record: Record, energy: Array, load: tuple[Array, Array, Array], sca
         work += 0.5 * (force[1:] + force[:-1]) * step
         # Exact for a force that rises or falls all the way along the step, whose way may be forth
         # and back.
-        way = np.maximum(
-            np.abs(step), np.maximum(np.abs(rate[1:]), np.abs(rate[:-1])) * np.diff(record.t)
-        )
-        error += 0.5 * np.abs(np.diff(force)) * way
+        fastest = np.maximum(np.abs(rate[1:]), np.abs(rate[:-1]))
+        change = np.abs(np.diff(force)) if record.follows_currents else np.max(np.abs(force))
+        error += 0.5 * change * np.maximum(np.abs(step), fastest * np.diff(record.t))
     ledger = np.append(0.0, np.cumsum(np.diff(energy) - work))
     # What a torque does that turns within the step.
     natural = record.scenario.robot.mass * record.fastest

@@ -44,6 +44,8 @@ class Record:
         +1 or -1 for a contact that slips to the robot's front or rear, else 0.
     fine : bool
         Whether the samples are near enough to each other for a balance.
+    follows_currents : bool
+        Whether they are for the currents too, which may rise and fall between two of them if not.
     swing : float
         Angular frequency of the fastest free swing, rad/s.
     """
@@ -68,6 +70,7 @@ class Record:
     current: Array  # shape (n, 5), A, those that make the field, world's frame
     sign: float
     fine: bool
+    follows_currents: bool
     swing: float
 
     @property
@@ -184,8 +187,8 @@ def recorded_together(
     ]
     grids = simulate_batch(on_grid, threads=1)
     records = {
-        id(run): _merged(grid, run, _fastest(swing, run) / rate <= _MOST_PHASE, swing)
-        for run, grid, (rate, swing) in zip(begun, grids, rates, strict=True)
+        id(run): _merged(grid, run, swing)
+        for run, grid, (_, swing) in zip(begun, grids, rates, strict=True)
     }
     return [(records.get(id(run)), run) for run in events]
 
@@ -205,9 +208,12 @@ def _fastest(swing: float, run: Run) -> float:
     return swing + damping(run.scenario, float(np.max(np.abs(run.omega), initial=0.0)))
 
 
-def _merged(grid: Run, events: Run, fine: bool, swing: float) -> Record:
+def _merged(grid: Run, events: Run, swing: float) -> Record:
     """A sample of the grid at the very time of an event is the state before it."""
     scenario = events.scenario
+    most = _MOST_PHASE * float(grid.scenario.record.rate)
+    fine = _fastest(swing, events) <= most
+    follows_currents = scenario.coil.resistance / scenario.coil.inductance <= most
     sign = 1.0 if scenario.drive.direction == "+x" else -1.0
     order = np.argsort(np.concatenate([grid.t, events.t]), kind="stable")
     late = np.concatenate([np.zeros(len(grid.t), bool), np.ones(len(events.t), bool)])
@@ -223,7 +229,8 @@ def _merged(grid: Run, events: Run, fine: bool, swing: float) -> Record:
         scenario, late[order], contact, (sign * slips).astype(int), both("t"), both("x", sign),
         both("z"), both("theta"), both("vx", sign), both("vz"), both("omega"),
         both("normal_force"), both("friction_force", sign), both("contact_x", sign),
-        both("slip_velocity", sign), both("bx", sign), both("bz"), current, sign, fine, swing,
+        both("slip_velocity", sign), both("bx", sign), both("bz"), current, sign, fine,
+        follows_currents, swing,
     )  # fmt: skip
 
 
