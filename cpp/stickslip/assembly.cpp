@@ -176,18 +176,33 @@ PerCoil field_gain(const Scenario& s) {
     return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
 }
 
+VoltageProgram asked_program(const Scenario& s) {
+    if (s.drive.mode == DriveMode::program) {
+        return s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
+    }
+    const CoilSet coils(s.coil.geometry);
+    Drive drive = s.drive;
+    drive.edge_time += s.effects.edge_time_time;
+    return sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
+}
+
 VoltageProgram make_program(const Scenario& s) {
     const double limit = s.effects.amplifier_limit_voltage;
-    VoltageProgram program;
-    if (s.drive.mode == DriveMode::program) {
-        program = s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
-    } else {
-        const CoilSet coils(s.coil.geometry);
-        Drive drive = s.drive;
-        drive.edge_time += s.effects.edge_time_time;
-        program = sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
-    }
+    const VoltageProgram program = asked_program(s);
     return limit > 0.0 ? clipped(program, limit) : program;
+}
+
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils) {
+    PerCoil gain = field_gain(scenario);
+    // Coupled coils all have current.
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const bool driven = program.largest_voltage()[k] > 0.0 ||
+                            scenario.effects.mutual_inductance_coupling != 0.0;
+        if (!driven) gain[k] = 0.0;
+    }
+    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
+                      scenario.effects.ambient_field_bz);
 }
 
 Window measuring_window(const Scenario& s) {

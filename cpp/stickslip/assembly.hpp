@@ -1,6 +1,7 @@
 #pragma once
 
 #include "stickslip/circuit.hpp"
+#include "stickslip/local_field.hpp"
 #include "stickslip/measurement_chain.hpp"
 #include "stickslip/model.hpp"
 #include "stickslip/scenario.hpp"
@@ -26,8 +27,15 @@ MeasurementChain make_measurement_chain(const Scenario& scenario);
 /// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
 PerCoil field_gain(const Scenario& scenario);
 
-/// Voltages in the robot's own frame.
+/// Voltages that the drive asks for, in the robot's own frame.
+VoltageProgram asked_program(const Scenario& scenario);
+
+/// The same as the amplifiers give them.
 VoltageProgram make_program(const Scenario& scenario);
+
+/// The field near the robot, of the coils that have current. `coils` have to outlive it.
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils);
 
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);

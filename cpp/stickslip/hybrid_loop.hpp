@@ -76,8 +76,6 @@ private:
     static StepperOptions options(const Scenario& scenario, const Model& model,
                                   const VoltageProgram& program, const CoilSet& coils,
                                   RunControl* control);
-    static LocalField local_field(const Scenario& scenario, const VoltageProgram& program,
-                                  const CoilSet& coils);
     static double longest_look(const Model& model, const StepperOptions& options);
 
     const double sign_;
@@ -116,21 +114,6 @@ private:
     int burst_ = 0;
     std::int64_t segment_count_ = 0;
 };
-
-template <class Integrator>
-LocalField HybridLoop<Integrator>::local_field(const Scenario& scenario,
-                                               const VoltageProgram& program,
-                                               const CoilSet& coils) {
-    PerCoil gain = field_gain(scenario);
-    // Coupled coils all have current.
-    for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const bool driven = program.largest_voltage()[k] > 0.0 ||
-                            scenario.effects.mutual_inductance_coupling != 0.0;
-        if (!driven) gain[k] = 0.0;
-    }
-    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
-                      scenario.effects.ambient_field_bz);
-}
 
 // Natural scales: the free swing about a corner in the strongest field, under weight and adhesion.
 template <class Integrator>
@@ -182,7 +165,7 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       coils_(scenario.coil.geometry),
       model_(make_model(scenario)),
       circuit_(make_circuit(scenario, program_)),
-      dynamics_(model_, local_field(scenario, program_, coils_)),
+      dynamics_(model_, make_local_field(scenario, program_, coils_)),
       integrator_(options(scenario, model_, program_, coils_, control)),
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
