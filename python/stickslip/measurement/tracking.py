@@ -23,10 +23,13 @@ FEWEST = 20
 """Frames after the third pulse; with fewer a run says too little to be worth a simulation."""
 
 _LONGEST = 0.1
-"""Way that no walking magnet of this size goes while it is filmed, m."""
+"""Way that no walking magnet of this size goes while it is filmed, m: it is past a coil's plane."""
 
 _TURNS = 2.0 * math.pi
+"""Usual tilt that a robot that walks never has, rad; beyond it a unit is wrong."""
+
 _LIMIT = 20_000
+"""Frames that are used. Chosen: each is a column of a map of a few hundred rows, in memory."""
 
 
 @dataclass(frozen=True)
