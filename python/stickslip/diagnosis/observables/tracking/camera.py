@@ -170,6 +170,7 @@ def _nodes(exposure: float) -> tuple[Array, Array]:
     """Times about the middle of an exposure and their weights, more for a longer one."""
     if exposure == 0.0:
         return np.zeros(1), np.ones(1)
+    # Three nodes are exact for what is of the fifth order over the exposure.
     nodes, weights = np.polynomial.legendre.leggauss(3 + math.ceil(exposure / _BLUR))
     return 0.5 * exposure * nodes, 0.5 * weights
 

@@ -242,6 +242,7 @@ def frame_noise(folded: Fold, residual: Array) -> tuple[float, float]:
     count = np.bincount(group)
     widths = np.bincount(group, phase**2) / count - (np.bincount(group, phase) / count) ** 2
     free = float(len(values) - len(count))
+    # Chosen: with two repeats of a phase half of the frames are free, and some are lost.
     if free >= 0.4 * len(values) and np.max(widths) < (2 * SAME_PHASE) ** 2:
         mean = np.bincount(group, values) / count
         return float(np.sqrt(np.sum((values - mean[group]) ** 2) / free)), free - 1.0

@@ -212,6 +212,7 @@ def _modes(
     if folds.sign < 0.0:
         turned = {_FORWARD: _BACKWARD, _BACKWARD: _FORWARD}
         code = np.array([turned.get(each, each) for each in code.tolist()])
+    # A quarter of the shortest period to each side: farther away the smoothing hardly looks.
     reach = 0.25 / folds.orders
     result = {}
     for mode in (_STICK, _FORWARD, _BACKWARD):
@@ -234,7 +235,7 @@ def _residual(
 ) -> Residual | None:
     """Measured minus simulated at the places `where`, with the covariance of the noisy draws."""
     places = np.flatnonzero(where)
-    if len(places) < 4:
+    if len(places) < 4:  # a slope, a constant, and two to judge them by
         return None
     measured, simulated, drawn = (each[..., places] for each in balances)
     value, scatter = measured - simulated, drawn - simulated
@@ -269,7 +270,8 @@ def _onset(
     """Friction over normal force at the last place that sticks before a slip."""
     ends = np.flatnonzero(stick & ~np.roll(stick, -1))
     for end in ends:
-        # Between the two lies the smoothing's reach, where neither is certain.
+        # Between the two lies the smoothing's reach, where neither is certain: an eighth of a
+        # period is more than that of ten harmonics.
         following = np.roll(slip, -(end + 1))[: len(slip) // 8]
         if following.any():
             measured, simulated, drawn = (each[..., end] for each in ratios)

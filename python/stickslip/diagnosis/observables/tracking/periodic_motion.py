@@ -76,6 +76,7 @@ class Folds:
 
     def _best_order(self) -> int:
         """Order by the Bayesian information criterion, where the film's phases allow it."""
+        # A harmonic is two numbers: chosen are a third more phases and three times as many frames.
         most = min(self.distinct // 3, self.count // 6, _MOST_ORDERS)
         scores = {}
         for orders in range(2, most + 1):
