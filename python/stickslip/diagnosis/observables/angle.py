@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.angle_noise import Noise, estimate
 from stickslip.diagnosis.observables.curve_noise import curvature, order_along
-from stickslip.diagnosis.observables.observable import Comparison
+from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_neighbours
@@ -33,7 +32,7 @@ _FEW = 0.2
 """Part of the rows; where more are beyond half a turn the unit is wrong. Chosen."""
 
 
-class AngleObservable:
+class AngleObservable(TableObservable):
     """A table of static tilts, with the core's balance of torques as its model.
 
     Fields are those of the coils at the robot, in the world's frame; they are taken as held long
@@ -55,7 +54,6 @@ class AngleObservable:
     """
 
     name = "angle"
-    nuisance: tuple[Uncertain, ...] = ()
 
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
         self.title = title
@@ -66,6 +64,7 @@ class AngleObservable:
         merged = merge(fields, theta[:, None])
         order = order_along(merged.settings)
         self.fields = merged.settings[order]
+        self.settings = {"Bx": self.fields[:, 0], "Bz": self.fields[:, 1]}
         self.observed = merged.mean[order, 0]
         self.noise: Noise = estimate(self.fields, self.observed, merged)
         self.sd = self.noise.sd / np.sqrt(merged.count[order])
@@ -77,25 +76,6 @@ class AngleObservable:
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Angles as they are read, rad, shape (vectors, m); NaN where values make no scenario."""
         return _core.static_tilts(self._base, list(names), parameters, self.fields)
-
-    def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
-    ) -> Comparison:
-        """Angles of all rows beside both models, rad."""
-        return Comparison(
-            self.name,
-            self.title,
-            {"Bx": self.fields[:, 0], "Bz": self.fields[:, 1]},
-            self.observed,
-            self.sd,
-            self.predict(names, recalibrated[None, :])[0],
-            None if extended is None else self.predict(names, extended[None, :])[0],
-            held_out,
-        )
 
 
 def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[str]]:

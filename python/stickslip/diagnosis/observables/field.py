@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.unit_check import magnitude_mismatch
-from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.field_noise import estimate, far_rows
-from stickslip.diagnosis.observables.observable import Comparison
+from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
@@ -27,7 +26,7 @@ _PLACE = ("x", "y", "z")
 _FIELD = ("Bx", "By", "Bz")
 
 
-class FieldObservable:
+class FieldObservable(TableObservable):
     """A table of fields, with the five coils' Biot-Savart field as its model.
 
     Parameters
@@ -46,7 +45,7 @@ class FieldObservable:
     """
 
     name = "field"
-    nuisance: tuple[Uncertain, ...] = ()
+    components = 3
 
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
         self.title = title
@@ -66,6 +65,7 @@ class FieldObservable:
         _refuse_currents(settings[~far, :count], shares[~far], fields[~far], title)
         merged = merge(settings[~far], fields[~far])
         self.currents, self.points = merged.settings[:, :count], merged.settings[:, count:]
+        self.settings = {"currents": self.currents, "place": self.points}
         self.fields = merged.mean
         self.observed = merged.mean.reshape(-1)
         reading, origin = estimate(coils.shares(self.points, self.currents), merged)
@@ -93,22 +93,6 @@ class FieldObservable:
         ).reshape(len(parameters), -1)
         fields[np.isnan(fields).any(axis=1)] = np.nan
         return fields
-
-    def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
-    ) -> Comparison:
-        """Fields of all rows beside both models, T."""
-        before = self.predict(names, recalibrated[None, :])
-        after = None if extended is None else self.predict(names, extended[None, :]).reshape(-1, 3)
-        settings = {"currents": self.currents, "place": self.points}
-        return Comparison(
-            self.name, self.title, settings, self.fields, self.sd, before.reshape(-1, 3), after,
-            held_out[::3],
-        )  # fmt: skip
 
 
 def _rows(which: NDArray[np.bool_]) -> str:

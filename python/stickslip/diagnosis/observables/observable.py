@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.model.problem import Uncertain
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 
 Array = NDArray[np.float64]
 
@@ -53,6 +56,50 @@ class Comparison:
             root_mean_square(self.observed - self.recalibrated),
             None if after is None else root_mean_square(after),
         )
+
+
+class TableObservable:
+    """What tables of angles and of fields have alike: readings of some components, and a model.
+
+    Attributes
+    ----------
+    components : int
+        Numbers of a reading; `observed` has those of one after those of another.
+    settings : dict of ndarray, shape (n, ...)
+    """
+
+    name: str
+    title: str
+    components = 1
+    observed: Array
+    sd: Array
+    settings: Mapping[str, Array]
+    nuisance: tuple[Uncertain, ...] = ()
+
+    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+        """See `Observable`."""
+        raise NotImplementedError
+
+    def comparison(
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
+    ) -> Comparison:
+        """All readings beside both models."""
+
+        def rows(flat: Array) -> Array:
+            return flat if self.components == 1 else flat.reshape(-1, self.components)
+
+        def model(values: Array) -> Array:
+            return rows(self.predict(names, values[None, :])[0])
+
+        after = None if extended is None else model(extended)
+        return Comparison(
+            self.name, self.title, self.settings, rows(self.observed), self.sd,
+            model(recalibrated), after, held_out[:: self.components],
+        )  # fmt: skip
 
 
 class Observable(Protocol):
@@ -98,10 +145,9 @@ class Observable(Protocol):
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> Any:
+    ) -> Comparison | FilmComparison:
         """What the report shows of it for two vectors of values, shape (names,).
 
-        `held_out`, shape (k,), says which observables were held out for the gain. A `Comparison`,
-        or a `FilmComparison`.
+        `held_out`, shape (k,), says which observables were held out for the gain.
         """
         ...
