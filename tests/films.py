@@ -3,7 +3,7 @@
 import numpy as np
 
 from stickslip import Scenario
-from stickslip.diagnosis.observables.tracking.camera import Camera, noisy, record
+from stickslip.diagnosis.observables.tracking.camera import Camera, record
 from stickslip.measurement.tracking import TrackingRun
 
 NOISE = {"x": 5e-7, "theta": 5e-3, "current_x": 2e-3, "current_clamp": 2e-3}
@@ -29,6 +29,17 @@ TRUE = {"contact.kinetic_friction": 0.15, "drag.linear": 1.3e-5}
 """Of the filmed robot."""
 
 ROBOT = Scenario().replace({"drive.base": 0.5e-3, "drive.frequency": 30.0, "drive.pulses": 12})
+
+
+def noisy(frames, noise, random):
+    """Frames with pixel noise of the standard deviations `noise`.
+
+    Quantities without an entry stay as they are.
+    """
+    result = {}
+    for name, values in frames.items():
+        result[name] = values + noise.get(name, 0.0) * random.standard_normal(len(values))
+    return result
 
 
 def film(changes, camera, rate, seed, names=("x", "theta"), noise=NOISE):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario
-from stickslip.diagnosis.observables.tracking.camera import Camera, noisy, record, recording_rate
+from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
 
 RATE = 1e4  # Hz, of the recordings that are made up here
 
@@ -56,15 +56,6 @@ def test_before_and_after_the_recording_the_robot_rests():
     motion = rocking(30.0)
     frames = Camera(1e-3).frames(motion, np.array([-0.1, 0.7]))
     assert frames["theta"] == pytest.approx([motion["theta"][0], motion["theta"][-1]])
-
-
-def test_noise_has_its_size_and_readings_are_whole_quanta():
-    frames = {"x": np.zeros(20000), "theta": np.zeros(20000)}
-    read = noisy(frames, {"x": 2e-6}, np.random.default_rng(0), {"x": 1e-6})
-    # Rounding adds q^2 / 12; a sample variance errs by sqrt(2 / n), five times that is allowed.
-    assert np.var(read["x"]) == pytest.approx(4e-12 + 1e-12 / 12, rel=5 * np.sqrt(2 / 20000))
-    assert np.allclose(np.round(read["x"] / 1e-6), read["x"] / 1e-6)
-    assert np.array_equal(read["theta"], frames["theta"])
 
 
 SCENARIO = Scenario().replace(

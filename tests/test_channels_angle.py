@@ -13,6 +13,7 @@ from stickslip.diagnosis.observables import find_observables
 from stickslip.diagnosis.observables.angle_noise import READING
 from stickslip.diagnosis.observables.curve_noise import noise_of_curve, order_along
 from stickslip.diagnosis.observables.repeats import merge, widening
+from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 
@@ -76,7 +77,7 @@ def test_a_misaligned_magnet_is_named(tmp_path, seed, repeats):
     # Fourteen fields tilt it. Curvature makes the noise look larger where nothing was repeated.
     assert angle["sd"] < DEGREE * (2.5 / math.sqrt(14) if repeats == 3 else 1.0)
     assert found.gain.mae_after < found.gain.mae_before
-    (report_section,) = examination.report_sections()
+    (report_section,) = report_sections(examination.comparisons())
     assert (
         np.flatnonzero(report_section.numbers["held_out"]).tolist() == found.gain.held_out.tolist()
     )
@@ -101,7 +102,7 @@ def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
     examination = diagnose(read_measurement(path))
     assert examination.found.verdict.word == "ambiguous"
     assert {"misalignment", "angle_offset"} <= set(examination.found.verdict.causes)
-    (report_section,) = examination.report_sections()
+    (report_section,) = report_sections(examination.comparisons())
     assert "without field" in report_section.lines[-1]
 
 
@@ -130,7 +131,7 @@ def test_velocities_and_angles_together(tmp_path):
     assert "misalignment" in found.verdict.causes
     angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
-    (report_section,) = examination.report_sections()
+    (report_section,) = report_sections(examination.comparisons())
     assert (
         report_section.numbers["rms_extended"]
         < 2 * DEGREE
@@ -289,6 +290,6 @@ def test_two_tables_are_two_parts_of_the_report(tmp_path):
     (tmp_path / "second.csv").write_text((tmp_path / "angle.csv").read_text())
     path.write_text(path.read_text() + '\n[[angle]]\nfile = "second.csv"\n')
     examination = diagnose(read_measurement(path))
-    titles = [each.title for each in examination.report_sections()]
+    titles = [each.title for each in report_sections(examination.comparisons())]
     assert titles == ["Static tilt, [[angle]] 1", "Static tilt, [[angle]] 2"]
     assert len(examination.found.problem.observed) == 2 * len(FIELDS)

@@ -17,4 +17,5 @@ PYBIND11_MODULE(_core, module) {
     register_user_effect(module);
     register_simulation(module);
     register_statics(module);
+    register_balance(module);
 }

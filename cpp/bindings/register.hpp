@@ -10,5 +10,6 @@ void register_scenario(pybind11::module_& module);
 void register_user_effect(pybind11::module_& module);
 void register_simulation(pybind11::module_& module);
 void register_statics(pybind11::module_& module);
+void register_balance(pybind11::module_& module);
 
 }  // namespace stickslip::bindings

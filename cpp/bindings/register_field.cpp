@@ -1,10 +1,15 @@
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "register.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/probe.hpp"
 
 namespace py = pybind11;
 
@@ -53,6 +58,39 @@ Array gradient(const CoilSet& coils, const Array& points, const Array& currents)
     return result;
 }
 
+std::vector<double> flat(const Array& values) {
+    return {values.data(), values.data() + values.size()};
+}
+
+Array shares(const CoilSet& coils, const Array& points, const Array& currents) {
+    const std::vector<double> found = coil_shares(coils, flat(points), flat(currents));
+    Array result({points.shape(0), py::ssize_t{kCoilCount}, py::ssize_t{3}});
+    std::copy(found.begin(), found.end(), result.mutable_data());
+    return result;
+}
+
+/// Readings, shape (vectors, points, 3).
+Array readings(const Scenario& base, const std::vector<std::string>& keys, const Array& values,
+               const Array& points, const Array& currents) {
+    if (values.ndim() != 2 || values.shape(1) != static_cast<py::ssize_t>(keys.size()) ||
+        points.ndim() != 2 || points.shape(1) != 3) {
+        throw std::invalid_argument("values must be (n, keys) and points (m, 3)");
+    }
+    Array result({values.shape(0), points.shape(0), py::ssize_t{3}});
+    if (result.size() == 0) return result;
+    const std::vector<double> rows = flat(values), places = flat(points), amperes = flat(currents);
+    std::vector<double> found;
+    {
+        const py::gil_scoped_release release;
+        found = probe_readings(base, keys, rows, places, amperes);
+    }
+    // Without keys all vectors are alike.
+    for (py::ssize_t i = 0; i < result.size(); ++i) {
+        result.mutable_data()[i] = found[static_cast<std::size_t>(i) % found.size()];
+    }
+    return result;
+}
+
 }  // namespace
 
 void register_field(py::module_& module) {
@@ -68,7 +106,13 @@ void register_field(py::module_& module) {
         .def_property_readonly("turns", [](const CoilSet& self) { return self.geometry().turns; })
         .def_property_readonly("centre_field_per_ampere", &CoilSet::centre_field_per_ampere)
         .def("field", &field, py::arg("points"), py::arg("currents"))
-        .def("gradient", &gradient, py::arg("points"), py::arg("currents"));
+        .def("gradient", &gradient, py::arg("points"), py::arg("currents"))
+        .def("shares", &shares, py::arg("points"), py::arg("currents"));
+    module.def("probe_readings", &readings, py::arg("base"), py::arg("keys"), py::arg("values"),
+               py::arg("points"), py::arg("currents"));
+    py::list coil_names;
+    for (const Coil coil : kAllCoils) coil_names.append(name(coil));
+    module.attr("coil_names") = py::tuple(coil_names);
     module.attr("wire_radius") = kWireRadius;
 }
 

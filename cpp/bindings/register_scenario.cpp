@@ -122,6 +122,13 @@ VoltageProgram world_program(const Scenario& scenario) {
     return scenario.drive.direction == Direction::plus_x ? program : turned(program);
 }
 
+/// The largest that the drive asks of each coil of the world's frame, V.
+PerCoil asked_voltages(const Scenario& scenario) {
+    const VoltageProgram program = asked_program(scenario);
+    return scenario.drive.direction == Direction::plus_x ? program.largest_voltage()
+                                                         : turned(program).largest_voltage();
+}
+
 }  // namespace
 
 void register_scenario(py::module_& module) {
@@ -163,6 +170,14 @@ void register_scenario(py::module_& module) {
             py::arg("rate"))
         .def("check", &check)
         .def("program", [](const Scenario& self) { return blocks_of(world_program(self)); })
+        .def("asked_voltages", &asked_voltages)
+        .def(
+            "rocking_rate",
+            [](const Scenario& self, double tesla) { return make_model(self).rocking_rate(tesla); },
+            py::arg("tesla"))
+        .def_property_readonly(
+            "in_plane_coil",
+            [](const Scenario& self) { return name(in_plane_coil(self.drive.direction)); })
         .def_property_readonly("duration", &duration)
         .def_property_readonly("window", [](const Scenario& self) {
             const Window window = measuring_window(self);

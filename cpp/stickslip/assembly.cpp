@@ -58,11 +58,6 @@ void check_work(const Scenario& s, double duration) {
 }
 
 // Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
-PerCoil field_gain(const Scenario& s) {
-    const double in_plane = 1.0 + s.effects.field_gain_in_plane;
-    return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
-}
-
 }  // namespace
 
 void check(const Scenario& s) {
@@ -173,17 +168,24 @@ MeasurementChain make_measurement_chain(const Scenario& s) {
             s.effects.angle_offset_angle};
 }
 
+PerCoil field_gain(const Scenario& s) {
+    const double in_plane = 1.0 + s.effects.field_gain_in_plane;
+    return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
+}
+
+VoltageProgram asked_program(const Scenario& s) {
+    if (s.drive.mode == DriveMode::program) {
+        return s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
+    }
+    const CoilSet coils(s.coil.geometry);
+    Drive drive = s.drive;
+    drive.edge_time += s.effects.edge_time_time;
+    return sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
+}
+
 VoltageProgram make_program(const Scenario& s) {
     const double limit = s.effects.amplifier_limit_voltage;
-    VoltageProgram program;
-    if (s.drive.mode == DriveMode::program) {
-        program = s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
-    } else {
-        const CoilSet coils(s.coil.geometry);
-        Drive drive = s.drive;
-        drive.edge_time += s.effects.edge_time_time;
-        program = sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
-    }
+    const VoltageProgram program = asked_program(s);
     return limit > 0.0 ? clipped(program, limit) : program;
 }
 

@@ -27,7 +27,13 @@ Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
 
 MeasurementChain make_measurement_chain(const Scenario& scenario);
 
-/// Voltages in the robot's own frame.
+/// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
+PerCoil field_gain(const Scenario& scenario);
+
+/// Voltages that the drive asks for, in the robot's own frame.
+VoltageProgram asked_program(const Scenario& scenario);
+
+/// The same as the amplifiers give them.
 VoltageProgram make_program(const Scenario& scenario);
 
 /// The field near the robot, of the coils that have current. `coils` have to outlive it.

@@ -16,6 +16,8 @@ struct CoilGeometry {
     double side = 0.1385;     ///< effective side length, m
     double distance = 0.099;  ///< from the origin to each coil's plane, m
     double turns = 510.0;     ///< N_t
+
+    friend bool operator==(const CoilGeometry&, const CoilGeometry&) = default;
 };
 
 /// Currents of the five coils, A, in the order of `Coil`.

@@ -33,16 +33,32 @@ struct CornerStickOf {
 };
 using CornerStick = CornerStickOf<double>;
 
+/// Moment of a load about the touching corner, N m.
+template <class Real>
+[[gnu::always_inline]] inline Real moment_about_corner(const PoseOf<Real>& pose,
+                                                       const LoadOf<Real>& load) {
+    return load.torque + (pose.height * load.fx + pose.lever * load.fz);
+}
+
+/// Reaction at a corner that stays where it is while the body turns about it, alpha in rad/s^2. The
+/// normal force of a corner that slips along the surface is the same.
+template <class Real>
+[[gnu::always_inline]] inline ReactionOf<Real> pivot_reaction(const PlainDynamics<Real>& robot,
+                                                              const PoseOf<Real>& pose, Real omega,
+                                                              Real alpha,
+                                                              const LoadOf<Real>& load) {
+    const Real ww = omega * omega;
+    const Real ax = alpha * pose.height + ww * pose.lever;
+    const Real az = alpha * pose.lever - ww * pose.height;
+    return {robot.mass * az - load.fz + load.contact_adhesion, robot.mass * ax - load.fx};
+}
+
 template <class Real>
 [[gnu::always_inline]] inline CornerStickOf<Real> corner_stick(const PlainDynamics<Real>& robot,
                                                                const PoseOf<Real>& pose, Real omega,
                                                                const LoadOf<Real>& load) {
-    const Real moment = load.torque + (pose.height * load.fx + pose.lever * load.fz);
-    const Real alpha = moment * robot.per_corner_inertia;
-    const Real ww = omega * omega;
-    const Real ax = alpha * pose.height + ww * pose.lever;
-    const Real az = alpha * pose.lever - ww * pose.height;
-    return {alpha, {robot.mass * az - load.fz + load.contact_adhesion, robot.mass * ax - load.fx}};
+    const Real alpha = moment_about_corner(pose, load) * robot.per_corner_inertia;
+    return {alpha, pivot_reaction(robot, pose, omega, alpha, load)};
 }
 
 /// A corner that slips with friction -coefficient N, where `coefficient` carries the sign of the

@@ -48,6 +48,10 @@ VoltageProgram sawtooth_program(const Drive& drive, double volts_per_tesla) {
     return VoltageProgram(std::move(blocks));
 }
 
+Coil in_plane_coil(Direction direction) {
+    return direction == Direction::plus_x ? Coil::xp : Coil::xm;
+}
+
 VoltageProgram turned(const VoltageProgram& program) {
     std::vector<VoltageBlock> blocks = program.blocks();
     for (VoltageBlock& block : blocks) {

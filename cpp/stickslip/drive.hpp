@@ -33,6 +33,9 @@ struct Drive {
 /// without pulses.
 VoltageProgram sawtooth_program(const Drive& drive, double volts_per_tesla);
 
+/// The coil of the world's frame that drives a robot along the surface.
+Coil in_plane_coil(Direction direction);
+
 /// A world-frame program in the frame of the turned robot, and back.
 VoltageProgram turned(const VoltageProgram& program);
 

@@ -10,7 +10,7 @@ void scale(std::vector<double>& column, double factor) {
 }  // namespace
 
 void MeasurementChain::apply(Summary& summary, Recording& recording) const {
-    const double length = 1.0 + length_scale, time = 1.0 + clock_scale;
+    const double length = length_factor(), time = time_factor();
     if (length_scale != 0.0 || clock_scale != 0.0) {
         for (double* velocity :
              {&summary.mean_velocity, &summary.slip_up, &summary.slip_down, &summary.slip_flat}) {

@@ -12,6 +12,9 @@ struct MeasurementChain {
     double clock_scale = 0.0;   ///< -, times read too long by this part
     double angle_offset = 0.0;  ///< rad, added to theta
 
+    double length_factor() const { return 1.0 + length_scale; }
+    double time_factor() const { return 1.0 + clock_scale; }
+
     void apply(Summary& summary, Recording& recording) const;
 };
 

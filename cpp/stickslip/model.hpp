@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "stickslip/adhesion.hpp"
@@ -37,6 +38,9 @@ struct Model {
         return gradient_excess != 0.0 || angle_drag != 0.0 || translational_drag_quadratic != 0.0 ||
                adhesion.angle_loss != 0.0 || adhesion.ageing_rate != 0.0 || !user_effects.empty();
     }
+
+    /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.
+    double rocking_rate(double tesla) const { return std::sqrt(moment * tesla / inertia); }
 
     /// Inertia about a corner, J + m r^2.
     double corner_inertia() const { return inertia + mass * shape.radius() * shape.radius(); }

@@ -2,11 +2,12 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "stickslip/assembly.hpp"
 #include "stickslip/contact.hpp"
-#include "stickslip/parameters.hpp"
+#include "stickslip/scenario_rows.hpp"
 
 namespace stickslip {
 namespace {
@@ -44,7 +45,7 @@ public:
         const Pose pose = dynamics_.rebase_angle(angle);
         const Load load =
             dynamics_.load_near_surface(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0, 0.0);
-        return load.torque + (pose.height * load.fx + pose.lever * load.fz);
+        return moment_about_corner(pose, load);
     }
 
     /// Where turning from angle `from` in the direction `sense` ends: a quarter turn on if nothing
@@ -121,30 +122,18 @@ double static_tilt(const Model& model, double bx, double bz) {
 std::vector<double> static_tilts(const Scenario& base, const std::vector<std::string>& keys,
                                  const std::vector<double>& values,
                                  const std::vector<double>& fields) {
-    for (const std::string& key : keys) {
-        if (find_parameter(key) == nullptr && !find_user_key(key)) {
-            throw std::invalid_argument(key + ": there is no such numeric key");
-        }
-    }
-    const std::size_t points = keys.empty() ? 1 : values.size() / keys.size();
-    if (values.size() != points * keys.size() || fields.size() % 2 != 0) {
-        throw std::invalid_argument("a tilt needs a value for each key, and fields of Bx and Bz");
-    }
+    if (fields.size() % 2 != 0) throw std::invalid_argument("fields must have Bx and Bz");
+    const ScenarioRows rows(base, keys, values);
+    const std::size_t points = rows.size();
     const CoilSet coils;
     const std::size_t count = fields.size() / 2;
     std::vector<double> readings(points * count, std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < points; ++i) {
-        Scenario scenario = base;
-        try {
-            for (std::size_t k = 0; k < keys.size(); ++k) {
-                set_parameter(scenario, keys[k], values[i * keys.size() + k]);
-            }
-        } catch (const std::invalid_argument&) {
-            continue;
-        }
-        const Model model = make_model(scenario);
-        const Effects& effects = scenario.effects;
-        const double sign = frame_sign(scenario);
+        const std::optional<Scenario> scenario = rows[i];
+        if (!scenario) continue;
+        const Model model = make_model(*scenario);
+        const Effects& effects = scenario->effects;
+        const double sign = frame_sign(*scenario);
         for (std::size_t j = 0; j < count; ++j) {
             const double bx = sign * (fields[2 * j] + effects.ambient_field_bx);
             const double bz = fields[2 * j + 1] + effects.ambient_field_bz;

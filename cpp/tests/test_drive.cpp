@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "stickslip/assembly.hpp"
 #include "stickslip/coil_set.hpp"
 #include "stickslip/drive.hpp"
 #include "support.hpp"
@@ -168,4 +169,25 @@ TEST_CASE("turned: turned twice is as it was, to the last bit") {
         CHECK(twice.blocks()[0].points[i].time == was.time);
     }
     CHECK(twice.blocks()[0].repeats == 2);
+}
+
+TEST_CASE("the voltages that a drive asks for are not those that an amplifier gives") {
+    Scenario scenario;
+    scenario.effects.amplifier_limit_voltage = 1.0;
+    const double volts_per_tesla = scenario.coil.resistance / CoilSet().centre_field_per_ampere();
+    const PerCoil& asked = asked_program(scenario).largest_voltage();
+    CHECK(asked[0] == doctest::Approx(scenario.drive.peak * volts_per_tesla).epsilon(1e-15));
+    CHECK(asked[4] == doctest::Approx(scenario.drive.hold * volts_per_tesla).epsilon(1e-15));
+    CHECK(make_program(scenario).largest_voltage()[0] == 1.0);
+}
+
+TEST_CASE("the coil that drives a robot along the surface has its voltage in the world's frame") {
+    for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {
+        const VoltageProgram own = sawtooth_program(example(), kVoltsPerTesla);
+        const VoltageProgram world = direction == Direction::plus_x ? own : turned(own);
+        for (const Coil coil : {Coil::xp, Coil::xm, Coil::yp, Coil::ym}) {
+            const double volts = world.largest_voltage()[static_cast<std::size_t>(coil)];
+            CHECK((volts > 0.0) == (coil == in_plane_coil(direction)));
+        }
+    }
 }

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 __version__: str
 has_arkode: bool
 wire_radius: float
+coil_names: tuple[str, ...]
 contact_names: tuple[str, ...]
 event_names: tuple[str, ...]
 status_names: tuple[str, ...]
@@ -70,6 +71,14 @@ class _Recording(TypedDict):
     contact: NDArray[int8]
     event: NDArray[int8]
 
+class _Balances(TypedDict):
+    torque: NDArray[float64]
+    force: NDArray[float64]
+    friction_ratio: NDArray[float64]
+    contact_velocity: NDArray[float64]
+    torque_scale: float
+    weight: float
+
 _Block = tuple[NDArray[float64], NDArray[float64], int]
 
 def parameters() -> list[_Parameter]: ...
@@ -103,6 +112,16 @@ def static_tilts(
     values: NDArray[float64],
     fields: NDArray[float64],
 ) -> NDArray[float64]: ...
+def probe_readings(
+    base: Scenario,
+    keys: Sequence[str],
+    values: NDArray[float64],
+    points: NDArray[float64],
+    currents: NDArray[float64],
+) -> NDArray[float64]: ...
+def corner_balances(
+    scenario: Scenario, points: NDArray[float64], motions: NDArray[float64]
+) -> _Balances: ...
 
 class CoilSet:
     def __init__(self, side: float = ..., distance: float = ..., turns: float = ...) -> None: ...
@@ -118,6 +137,7 @@ class CoilSet:
     def gradient(
         self, points: NDArray[float64], currents: NDArray[float64]
     ) -> NDArray[float64]: ...
+    def shares(self, points: NDArray[float64], currents: NDArray[float64]) -> NDArray[float64]: ...
 
 class Scenario:
     def __init__(self, other: Scenario = ...) -> None: ...
@@ -128,6 +148,10 @@ class Scenario:
     def record_uniform(self, rate: float) -> None: ...
     def check(self) -> None: ...
     def program(self) -> list[_Block]: ...
+    def asked_voltages(self) -> list[float]: ...
+    def rocking_rate(self, tesla: float) -> float: ...
+    @property
+    def in_plane_coil(self) -> str: ...
     @property
     def duration(self) -> float: ...
     @property

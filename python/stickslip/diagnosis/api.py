@@ -26,8 +26,9 @@ from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library, parameter_unit
 from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.model.simulator import TOLERANCES, Simulator, loosest_tolerances
-from stickslip.diagnosis.observables import Combined, ReportSection, find_observables
+from stickslip.diagnosis.observables import Combined, Comparison, find_observables
 from stickslip.diagnosis.observables.combined import pooled_observables
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.pipeline import diagnose_model
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
@@ -84,21 +85,21 @@ class Examination:
                 result |= {f"low {name}": below, f"high {name}": above}
         return result
 
-    def report_sections(self) -> list[ReportSection]:
-        """Parts of the report that the channels draw."""
+    def comparisons(self) -> list[Comparison | FilmComparison]:
+        """What each channel shows beside the models: see `Observable.comparison`."""
         problem, fit = self.found.problem, self.found.verdict.fit
         null = problem.physical(self.found.null.x[None, :])[0]
         extended = None if fit is None else problem.physical(fit.x[None, :])[0]
         held_out, end = self.found.held_out, len(self.conditions)
-        drawn = []
+        found: list[Comparison | FilmComparison] = []
         for number, observable in enumerate(self.combined.observables):
             start, end = end, end + len(observable.observed)
             names, before = self.combined.report_arguments(number, null)
             after = None
             if extended is not None:
                 after = self.combined.report_arguments(number, extended)[1]
-            drawn += observable.report_sections(names, before, after, held_out[start:end])
-        return drawn
+            found.append(observable.comparison(names, before, after, held_out[start:end]))
+        return found
 
 
 def diagnose(

@@ -16,6 +16,8 @@ from stickslip.scenario.keys import shown
 
 _FORMS = "{ mean, sd }, { median, factor } or { low, high }"
 _EDGE = 5.0
+"""Standard deviations at which a range ends. Chosen: 6e-7 of it lie beyond."""
+
 _NUMBERS: dict[Literal["normal", "log-normal", "log-uniform"], tuple[str, str]] = {
     "normal": ("mean", "sd"),
     "log-normal": ("median", "factor"),

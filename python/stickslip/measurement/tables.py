@@ -17,6 +17,7 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown, suggestion
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
+"""Of a table. Chosen: far beyond what a laboratory has, and what memory holds as text."""
 
 
 class NothingSound(ScenarioError):

@@ -24,10 +24,16 @@ FEWEST = 20
 """Frames after the third pulse; with fewer a run says too little to be worth a simulation."""
 
 _LONGEST = 0.1
-"""Way that no walking magnet of this size goes while it is filmed, m."""
+"""Way that no walking magnet of this size goes while it is filmed, m: it is past a coil's plane."""
 
 _TURNS = 2.0 * math.pi
+"""Usual tilt that a robot that walks never has, rad; beyond it a unit is wrong."""
+
+_OTHER_RATE = 0.02
+"""Difference of the stated rate from that of the times, relative. Chosen: rounding has less."""
+
 _LIMIT = 20_000
+"""Frames that are used. Chosen: each is a column of a map of a few hundred rows, in memory."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +114,7 @@ def read_tracking(
     if not math.isfinite(rate):
         rate = 1.0 / spacing
         _exposure(path.name, exposure, rate * (1 - 1e-6))
-    elif abs(rate * spacing - 1.0) > 0.02:
+    elif abs(rate * spacing - 1.0) > _OTHER_RATE:
         left_out.append(
             f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are {spacing:g} s "
             "apart"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
     NothingSound,
     check_columns,
@@ -29,8 +30,12 @@ FASTEST = 1.0
 _STRONGEST, _SLOWEST = 0.1, 0.2
 """Far above the fields of such coils, T, and below any rocking that steps, Hz."""
 
-_OUTLIER, _ENOUGH = 8.0, 2000
 _MANY = 0.1
+"""Part of the rows; where more are left out a reader is told first. Chosen."""
+
+_SAME_MISTAKE = 0.5
+"""Part of the rows; where more are in another unit the table is refused. Chosen: the most."""
+
 _OTHER = ("velocity", "trial", "block", "order")
 
 
@@ -62,6 +67,17 @@ class VelocityData:
     relative_sd: float = math.nan
 
 
+@dataclass(frozen=True)
+class _Trial:
+    """A sound row."""
+
+    velocity: float
+    setting: tuple[tuple[str, Any], ...]
+    block: str
+    order: float
+    line: int
+
+
 def read_velocity(
     path: Path, scenario: Scenario, relative_sd: float
 ) -> tuple[VelocityData, list[str]]:
@@ -80,44 +96,68 @@ def read_velocity(
     ScenarioError
         If a column is missing or unknown, or no row is sound.
     """
+    trials, left_out = _sound_rows(path, scenario)
+    velocity = np.array([each.velocity for each in trials])
+    condition = _numbered([each.setting for each in trials])
+    size = float(np.median(np.abs(velocity)))
+    if size > FASTEST:
+        raise ScenarioError(
+            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s. "
+            "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
+        )
+    sound = _without_outliers(path.name, velocity, condition, left_out)
+    fast = sound & (np.abs(velocity) > FASTEST)
+    if fast.any():
+        lines = [trials[k].line for k in np.flatnonzero(fast)]
+        left_out.append(
+            f"{path.name} {listed(lines)}: a velocity above {FASTEST} m/s; "
+            "if it is in mm/s or um/s, divide it by 1e3 or 1e6"
+        )
+        sound &= ~fast
+    blocks = _numbered([each.block for each in trials if each.block])
+    block = np.full(len(trials), -1, dtype=np.int64)
+    block[[bool(each.block) for each in trials]] = blocks
+    kept = [trials[k] for k in np.flatnonzero(sound)]
+    data = VelocityData(
+        tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
+        velocity[sound],
+        _numbered([each.setting for each in kept]),
+        block[sound],
+        np.array([each.order for each in kept]),
+        relative_sd,
+    )
+    return data, left_out
+
+
+def _numbered(values: Sequence[Any]) -> NDArray[np.int64]:
+    """Each value's place among the different ones, in the order in which they come."""
+    places = {value: k for k, value in enumerate(dict.fromkeys(values))}
+    return np.array([places[value] for value in values], dtype=np.int64)
+
+
+def _sound_rows(path: Path, scenario: Scenario) -> tuple[list[_Trial], list[str]]:
+    """Rows that can be meant, and what was left out."""
     header, rows = read_rows(path)
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
     reasons: dict[str, list[int]] = {}
-    groups: dict[tuple[tuple[str, Any], ...], int] = {}
-    blocks: dict[str, int] = {}
-    kept: list[tuple[float, int, int, float, int]] = []
-    seen: set[tuple[str, ...]] = set()
     wrong: list[tuple[int, str]] = []
+    kept: list[_Trial] = []
+    seen: set[tuple[str, ...]] = set()
     for line, row in rows:
-        if len(row) != len(header):
-            reasons.setdefault(f"{len(row)} cells, not {len(header)}", []).append(line)
-            continue
-        cells = dict(zip(header, row, strict=True))
-        velocity = number(cells["velocity"])
-        if not math.isfinite(velocity):
-            said = f"velocity {shown(cells['velocity'])} is no number"
-            reasons.setdefault(said, []).append(line)
-            continue
-        if tuple(row) in seen and ("trial" in cells or "order" in cells):
-            reasons.setdefault("repeats an earlier line", []).append(line)
-            continue
-        try:
-            setting = _setting(cells, drive, scenario)
-        except ScenarioError as error:
-            reasons.setdefault(str(error), []).append(line)
-            continue
-        other = _in_other_unit(dict(setting))
+        why, setting = _refused(row, header, seen, drive, scenario)
+        other = "" if why else _in_other_unit(dict(setting))
         if other:
             wrong.append((line, other))
-            reasons.setdefault(other, []).append(line)
+        if why or other:
+            reasons.setdefault(why or other, []).append(line)
             continue
         seen.add(tuple(row))
-        group = groups.setdefault(setting, len(groups))
-        block = blocks.setdefault(cells["block"], len(blocks)) if cells.get("block") else -1
-        kept.append((velocity, group, block, number(cells.get("order", "")), line))
-    if len(wrong) > 0.5 * len(rows):
+        cells = dict(zip(header, row, strict=True))
+        order = number(cells.get("order", ""))
+        kept.append(_Trial(number(cells["velocity"]), setting, cells.get("block", ""), order, line))
+    if len(wrong) > _SAME_MISTAKE * len(rows):
         line, other = wrong[0]
         raise ScenarioError(f"{path}: line {line}: {other}; {len(wrong)} rows are like this")
     left_out = [f"{path.name} {listed(lines)}: {reason}" for reason, lines in reasons.items()]
@@ -127,34 +167,28 @@ def read_velocity(
     if not kept:
         reason = next(iter(reasons), "it has none")
         raise NothingSound(f"{path}: no row is sound; the first: {reason}")
-    velocity_all = np.array([each[0] for each in kept])
-    condition = np.array([each[1] for each in kept])
-    size = float(np.median(np.abs(velocity_all)))
-    if size > FASTEST:
-        raise ScenarioError(
-            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s. "
-            "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
-        )
-    sound = _without_outliers(path.name, velocity_all, condition, left_out)
-    fast = sound & (np.abs(velocity_all) > FASTEST)
-    if fast.any():
-        lines = [each[4] for each, out in zip(kept, fast, strict=True) if out]
-        left_out.append(
-            f"{path.name} {listed(lines)}: a velocity above {FASTEST} m/s; "
-            "if it is in mm/s or um/s, divide it by 1e3 or 1e6"
-        )
-        sound &= ~fast
-    numbers = {old: new for new, old in enumerate(dict.fromkeys(condition[sound].tolist()))}
-    settings = list(groups)
-    data = VelocityData(
-        tuple(dict(settings[old]) for old in numbers),
-        velocity_all[sound],
-        np.array([numbers[old] for old in condition[sound].tolist()], dtype=np.int64),
-        np.array([each[2] for each in kept], dtype=np.int64)[sound],
-        np.array([each[3] for each in kept])[sound],
-        relative_sd,
-    )
-    return data, left_out
+    return kept, left_out
+
+
+def _refused(
+    row: list[str],
+    header: list[str],
+    seen: set[tuple[str, ...]],
+    drive: list[str],
+    scenario: Scenario,
+) -> tuple[str, tuple[tuple[str, Any], ...]]:
+    """Why a row cannot be used, empty if it can, and its drive settings."""
+    if len(row) != len(header):
+        return f"{len(row)} cells, not {len(header)}", ()
+    cells = dict(zip(header, row, strict=True))
+    if not math.isfinite(number(cells["velocity"])):
+        return f"velocity {shown(cells['velocity'])} is no number", ()
+    if tuple(row) in seen and ("trial" in cells or "order" in cells):
+        return "repeats an earlier line", ()
+    try:
+        return "", _setting(cells, drive, scenario)
+    except ScenarioError as error:
+        return str(error), ()
 
 
 def _setting(
@@ -200,23 +234,8 @@ def _in_other_unit(setting: Mapping[str, Value]) -> str:
 def _without_outliers(
     name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[str]
 ) -> NDArray[np.bool_]:
-    """Leave out a trial that lies absurdly far from the others of its condition.
-
-    Three trials have no scale of their own, so all conditions share one, which has a part that does
-    not fall with the velocity: slow conditions scatter by more than their share.
-    """
-    deviation = np.zeros(velocity.shape)
-    level = np.zeros(velocity.shape)
-    for each in np.unique(condition):
-        inside = condition == each
-        level[inside] = np.median(velocity[inside])
-        if inside.sum() >= 3:
-            deviation[inside] = np.abs(velocity[inside] - level[inside])
-    # The median of three leaves one deviation at zero, so the rest are the scale.
-    positive = deviation > 0.0
-    if not positive.any():
-        return np.ones(velocity.shape, dtype=bool)
-    far = deviation > _OUTLIER * _usual(deviation[positive], level[positive])(level)
+    """Leave out a trial that lies absurdly far from the others of its condition."""
+    far, level = far_from_their_group(velocity, condition)
     for index in np.flatnonzero(far):
         ratio = velocity[index] / level[index] if level[index] else math.inf
         unit = " (a factor of 1000: a wrong unit?)" if 0.9e3 < abs(ratio) < 1.1e3 else ""
@@ -226,26 +245,3 @@ def _without_outliers(
             f"near {level[index]:.4g} m/s{unit}"
         )
     return np.asarray(~far)
-
-
-def _usual(
-    deviation: NDArray[np.float64], level: NDArray[np.float64]
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """Standard deviation of a trial at a level, sqrt(a^2 + (b level)^2), whatever a few trials do.
-
-    The likeliest of a grid under Student's law with two degrees of freedom, which wild trials do
-    not move, made to agree with the median. Of a long table some trials tell enough.
-    """
-    if len(deviation) > _ENOUGH:
-        some = np.random.default_rng(0).choice(len(deviation), _ENOUGH, replace=False)
-        deviation, level = deviation[some], level[some]
-    moving = np.abs(level[level != 0.0])
-    size = float(np.median(moving)) if len(moving) else 1.0
-    middle = float(np.median(deviation))
-    parts = middle * np.geomspace(0.02, 50.0, 40)
-    floor, slope = (each.ravel() for each in np.meshgrid(parts, parts / size))
-    scale = np.hypot(floor[:, None], slope[:, None] * level)
-    loss = np.sum(np.log(scale) + 1.5 * np.log1p(0.5 * (deviation / scale) ** 2), axis=1)
-    best = int(np.argmin(loss))
-    unit = 1.48 * float(np.median(deviation / scale[best]))
-    return lambda at: np.asarray(unit * np.hypot(floor[best], slope[best] * at))

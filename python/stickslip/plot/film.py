@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.canvas import root_figure
 from stickslip.plot.motion import Motion, corners, lowest_corner, motion
@@ -97,9 +98,9 @@ def _new_panels(count: int) -> list[Axes]:
 def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     """The outline, the surface and the moment at one sample, in µm."""
     outline = corners(motion, sample) * 1e6
-    axes.axhline(0.0, color=style.BLACK, linewidth=1.0)
+    axes.axhline(0.0, color=palette.BLACK, linewidth=1.0)
     axes.add_patch(
-        Polygon(outline, closed=True, facecolor="#E8EEF4", edgecolor=style.BLACK, linewidth=1.2)
+        Polygon(outline, closed=True, facecolor="#E8EEF4", edgecolor=palette.BLACK, linewidth=1.2)
     )
     front = 0.5 * (outline[0] + outline[3])
     centre = outline.mean(axis=0)
@@ -107,15 +108,15 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
         "",
         xy=tuple(centre + 0.75 * (front - centre)),
         xytext=tuple(centre - 0.35 * (front - centre)),
-        arrowprops={"arrowstyle": "->", "color": style.BLUE, "linewidth": 1.4},
+        arrowprops={"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4},
     )
 
 
 def mark_contact(axes: Axes, here: float, before: float | None) -> None:
     """Where the body touches, and where it did before, in µm."""
-    axes.plot([here], [-9.0], marker="^", markersize=7, color=style.VERMILION, linestyle="none")
+    axes.plot([here], [-9.0], marker="^", markersize=7, color=palette.VERMILION, linestyle="none")
     if before is not None:
-        axes.axvline(before, color=style.VERMILION, linestyle="--", linewidth=1.1)
+        axes.axvline(before, color=palette.VERMILION, linestyle="--", linewidth=1.1)
 
 
 def _share_limits(panels: Sequence[Axes], motion: Motion, samples: Sequence[int]) -> None:

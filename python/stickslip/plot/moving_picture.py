@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from stickslip._util import palette
 from stickslip._util.atomic_files import replacing
 from stickslip.plot import style
 from stickslip.plot.film import draw_body, mark_contact
@@ -133,7 +134,7 @@ class _View:
             "",
             xy=(foot[0] + field[0], foot[1] + field[1]),
             xytext=foot,
-            arrowprops={"arrowstyle": "->", "color": style.GREEN, "linewidth": 1.8},
+            arrowprops={"arrowstyle": "->", "color": palette.GREEN, "linewidth": 1.8},
         )
         axes.set_xlim(self._left, self._right)
         axes.set_ylim(-_MARGIN, self._top)

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.plot.time_axes import draw_fields, draw_tilt, legend_above
@@ -111,7 +112,7 @@ def _title(run: Run, what: str) -> str:
 
 def _draw_path(axes: Axes, t: _Array, x: _Array) -> None:
     shown = length(x)
-    axes.plot(t, x * shown.factor, color=style.BLACK)
+    axes.plot(t, x * shown.factor, color=palette.BLACK)
     axes.set_ylabel(f"x ({shown.unit})")
     readable(axes, y=shown.least)
 
@@ -128,15 +129,15 @@ def _shade_window(panels: list[Axes], t: _Array, run: Run) -> list[Artist]:
         return []
     for axes in panels:
         axes.axvspan(start, end, facecolor=_SHADE, edgecolor="none", zorder=0)
-    return [Patch(facecolor=_SHADE, edgecolor=style.GREY, label="measuring window")]
+    return [Patch(facecolor=_SHADE, edgecolor=palette.GREY, label="measuring window")]
 
 
 def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run, shaded: list[Artist]) -> None:
     scenario = run.scenario
-    axes.plot(t, force * 1e6, color=style.GREEN, linewidth=0.9)
+    axes.plot(t, force * 1e6, color=palette.GREEN, linewidth=0.9)
     at_rest = scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
     resting = axes.axhline(
-        at_rest * 1e6, color=style.GREY, linestyle=":", label="weight + adhesion"
+        at_rest * 1e6, color=palette.GREY, linestyle=":", label="weight + adhesion"
     )
     axes.set_ylabel("normal force (µN)")
     readable(axes, y=LEAST_FORCE)
@@ -166,7 +167,7 @@ def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int
     handles = [
         Patch(
             facecolor=style.CONTACT_COLOURS[Run.contact_names[code]],
-            edgecolor=style.GREY,
+            edgecolor=palette.GREY,
             label=style.CONTACT_LABELS[Run.contact_names[code]],
         )
         for code in visible

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-# Okabe and Ito (2008): told apart with every kind of colour vision.
-BLACK = "#000000"
-ORANGE = "#E69F00"
-SKY = "#56B4E9"
-GREEN = "#009E73"
-YELLOW = "#F0E442"
-BLUE = "#0072B2"
-VERMILION = "#D55E00"
-PURPLE = "#CC79A7"
-GREY = "#999999"
+from stickslip._util.palette import (
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT_GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    YELLOW,
+)
 
 CONTACT_COLOURS = {
     "flight": "#FFFFFF",
@@ -34,7 +35,7 @@ RC: Any = {
     "legend.fontsize": 8.0,
     "lines.linewidth": 1.2,
     "axes.grid": True,
-    "grid.color": "#DDDDDD",
+    "grid.color": LIGHT_GREY,
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
 }

@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from stickslip.plot import style
+from stickslip._util import palette
 from stickslip.plot.scales import LEAST_FIELD, LEAST_TILT, LEAST_VELOCITY, readable
 
 _Array = NDArray[np.float64]
@@ -17,8 +17,8 @@ _Array = NDArray[np.float64]
 
 def draw_fields(axes: Axes, t: _Array, bx: _Array, bz: _Array) -> None:
     """Both components of the field, mT; `t` in s, fields in T."""
-    lines = axes.plot(t, bx * 1e3, color=style.BLUE, label="$B_x$")
-    lines += axes.plot(t, bz * 1e3, color=style.VERMILION, linestyle="--", label="$B_z$")
+    lines = axes.plot(t, bx * 1e3, color=palette.BLUE, label="$B_x$")
+    lines += axes.plot(t, bz * 1e3, color=palette.VERMILION, linestyle="--", label="$B_z$")
     axes.set_ylabel("field (mT)")
     readable(axes, y=LEAST_FIELD)
     legend_above(axes, lines)
@@ -28,12 +28,12 @@ def draw_tilt(axes: Axes, t: _Array, theta: _Array, slip: _Array) -> None:
     """Tilt in degrees on the left, contact velocity in mm/s on the right; arguments in SI."""
     # The upper of the two, the tilt lies on top of the velocity's spikes.
     velocity, tilt = axes, axes.twinx()
-    velocity.plot(t, slip * 1e3, color=style.ORANGE, linewidth=0.9, label="contact velocity")
+    velocity.plot(t, slip * 1e3, color=palette.ORANGE, linewidth=0.9, label="contact velocity")
     velocity.set_ylabel("contact velocity (mm/s)")
     velocity.yaxis.set_label_position("right")
     velocity.yaxis.tick_right()
     velocity.grid(visible=False, axis="y")
-    tilt.plot(t, np.degrees(theta), color=style.BLUE, label=r"$\theta$")
+    tilt.plot(t, np.degrees(theta), color=palette.BLUE, label=r"$\theta$")
     tilt.set_ylabel(r"tilt $\theta$ (degrees)")
     tilt.yaxis.set_label_position("left")
     tilt.yaxis.tick_left()

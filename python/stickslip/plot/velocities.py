@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.canvas import own_axes, root_figure
 from stickslip.plot.scales import readable
@@ -28,7 +29,7 @@ _LOG_RATIO = 100.0
 
 _STYLES = list(
     zip(
-        (style.BLUE, style.VERMILION, style.GREEN, style.PURPLE) * 2,
+        (palette.BLUE, palette.VERMILION, palette.GREEN, palette.PURPLE) * 2,
         ("-", "--", "-.", ":", "--", "-", ":", "-."),
         ("o", "s", "^", "D", "v", "P", "X", "*"),
         strict=True,

@@ -8,6 +8,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.units import Quantity, quantity
 from stickslip.reproduction.curves import CURVES, Curves
@@ -24,10 +25,10 @@ _WORDS = {
     "peak": "greatest pulsing field",
 }
 _STYLES = {
-    "IPP": (style.BLUE, "-", "o"),
-    "OPP": (style.VERMILION, "--", "s"),
+    "IPP": (palette.BLUE, "-", "o"),
+    "OPP": (palette.VERMILION, "--", "s"),
 }
-_SECOND = (style.GREEN, "-.")
+_SECOND = (palette.GREEN, "-.")
 _PAINLEVE_FRICTION = 4.0 / 3.0
 # Beyond this a velocity would press all others to the axis, m/s; below the other, mm/s, the scale
 # stays linear.
@@ -97,7 +98,7 @@ def _draw_points(axes: Axes, points: Sequence[MeasuredPoint], across: Quantity) 
         axes.plot(
             [p.x * across.factor for p in points],
             [p.y * 1e3 for p in points],
-            color=style.BLACK,
+            color=palette.BLACK,
             marker=marker,
             markerfacecolor="none",
             linestyle="none",
@@ -119,4 +120,4 @@ def _press_together(axes: Axes, table: Table) -> None:
 def _mark_painleve(axes: Axes) -> None:
     """From here on a sliding contact can have no consistent force."""
     first = _PAINLEVE_FRICTION / KINETIC_SHARE
-    axes.axvline(first, color=style.GREY, linestyle=":", label=r"$\mu_k$ = 4/3: Painlevé beyond")
+    axes.axvline(first, color=palette.GREY, linestyle=":", label=r"$\mu_k$ = 4/3: Painlevé beyond")

@@ -16,6 +16,7 @@ from stickslip import _core
 from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import append_checksum, check_checksum
 from stickslip.errors import ScenarioError
+from stickslip.scenario.waveform_json import voltage_blocks
 from stickslip.simulation.coils import COIL_NAMES
 from stickslip.simulation.run import COLUMNS, Run
 
@@ -61,12 +62,8 @@ def _attributes(run: Run) -> dict[str, Any]:
         "notes": json.dumps(summary["notes"]),
         "events": json.dumps(summary["events"]),
     }
-    program = run.scenario.drive.program
-    if program is not None:
-        attributes["voltage_blocks"] = json.dumps(
-            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
-        )
-    return attributes
+    voltages = voltage_blocks(run.scenario.drive.program)
+    return {**attributes, "voltage_blocks": voltages} if voltages else attributes
 
 
 def open_run(path: str | PathLike[str]) -> xarray.Dataset:

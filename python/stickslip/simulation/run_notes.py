@@ -18,8 +18,6 @@ LOOSE_TOLERANCE = 1e-5
 """Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
 mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
 
-_COILS = ("xp", "xm", "yp", "ym", "clamp")
-
 
 def run_notes(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     """Facts about a run, a line each; none for most runs."""
@@ -72,17 +70,5 @@ def _of_solver(scenario: Scenario) -> list[str]:
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
-    """Largest magnitude of the voltage of each coil that the drive uses, V."""
-    drive, coil = scenario.drive, scenario.coil
-    if drive.program is not None:
-        highest = [
-            max(float(abs(v[:, k]).max()) for _, v, _ in drive.program.blocks)
-            for k in range(len(_COILS))
-        ]
-        return dict(zip(_COILS, highest, strict=True))
-    winding = _core.CoilSet(coil.side, coil.distance, coil.turns)
-    scale = coil.resistance / winding.centre_field_per_ampere
-    pulsing = max(abs(drive.peak), abs(drive.base)) * scale
-    holding = drive.hold * scale
-    in_plane, clamp = (pulsing, holding) if drive.mode == "IPP" else (holding, pulsing)
-    return {"xp" if drive.direction == "+x" else "xm": in_plane, "clamp": clamp}
+    """Largest magnitude of the voltage that the drive asks of each coil, V."""
+    return dict(zip(_core.coil_names, scenario.to_core().asked_voltages(), strict=True))

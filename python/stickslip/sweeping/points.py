@@ -28,6 +28,7 @@ from stickslip.scenario.keys import (
 from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import PROGRAM, SECTIONS
+from stickslip.scenario.waveform_json import voltage_blocks
 from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000
@@ -112,12 +113,7 @@ class Points:
 
     def voltages(self) -> str:
         """The voltages of a program as JSON, which a scenario's text leaves out; else empty."""
-        program = self.scenario.drive.program
-        if program is None:
-            return ""
-        return json.dumps(
-            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
-        )
+        return voltage_blocks(self.scenario.drive.program)
 
 
 def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:

@@ -7,16 +7,16 @@ from collections.abc import Iterator, Sequence
 from stickslip.diagnosis.observables.angle import AngleObservable
 from stickslip.diagnosis.observables.combined import Combined
 from stickslip.diagnosis.observables.field import FieldObservable
-from stickslip.diagnosis.observables.observable import Observable, ReportSection
+from stickslip.diagnosis.observables.observable import Comparison, Observable
 from stickslip.diagnosis.observables.tracking.film import find_films
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement, Table
 
-__all__ = ["Channel", "Combined", "ReportSection", "find_channels"]
+__all__ = ["Combined", "Comparison", "Observable", "find_observables"]
 
 
 def find_observables(measurement: Measurement, threads: int) -> list[Observable]:
-    """Channels of all tables of a measurement but those of velocities."""
+    """Observables of all tables of a measurement but those of velocities."""
     scenario = measurement.scenario
     observables: list[Observable] = [*find_films(measurement.tracking, threads)]
     try:

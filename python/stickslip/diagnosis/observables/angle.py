@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.angle_noise import Noise, estimate
 from stickslip.diagnosis.observables.curve_noise import curvature, order_along
-from stickslip.diagnosis.observables.observable import ReportSection
+from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import far_from_their_neighbours
 from stickslip.scenario.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -22,13 +22,17 @@ Array = NDArray[np.float64]
 _STRONGEST = 1.0
 """Field that no table of this kind has, T; beyond it a unit is wrong."""
 
-_WEAK = 0.05
-_ALONE = 8.0
 _ALONE_LEAST = math.radians(5.0)
+"""Distance from the neighbours' line that is never far, rad. Chosen: ten errors of a reading."""
+
+_FEWEST = 8
+"""Rows; of fewer none is taken for a slip. Chosen: six distances tell their scale to 50 %."""
+
 _FEW = 0.2
+"""Part of the rows; where more are beyond half a turn the unit is wrong. Chosen."""
 
 
-class AngleObservable:
+class AngleObservable(TableObservable):
     """A table of static tilts, with the core's balance of torques as its model.
 
     Fields are those of the coils at the robot, in the world's frame; they are taken as held long
@@ -50,7 +54,6 @@ class AngleObservable:
     """
 
     name = "angle"
-    nuisance: tuple[Uncertain, ...] = ()
 
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
         self.title = title
@@ -61,6 +64,7 @@ class AngleObservable:
         merged = merge(fields, theta[:, None])
         order = order_along(merged.settings)
         self.fields = merged.settings[order]
+        self.settings = {"Bx": self.fields[:, 0], "Bz": self.fields[:, 1]}
         self.observed = merged.mean[order, 0]
         self.noise: Noise = estimate(self.fields, self.observed, merged)
         self.sd = self.noise.sd / np.sqrt(merged.count[order])
@@ -72,66 +76,6 @@ class AngleObservable:
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Angles as they are read, rad, shape (vectors, m); NaN where values make no scenario."""
         return _core.static_tilts(self._base, list(names), parameters, self.fields)
-
-    def report_sections(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
-    ) -> list[ReportSection]:
-        """Angles against the field, with both models."""
-        from stickslip.diagnosis.report.figures import against_model
-
-        before = self.predict(names, recalibrated[None, :])[0]
-        after = None if extended is None else self.predict(names, extended[None, :])[0]
-        component = int(np.argmax(np.ptp(self.fields, axis=0)))
-        varied = self.fields[:, component]
-        order = np.argsort(varied, kind="stable")
-        other = self.fields[:, 1 - component]
-        picture = against_model(
-            varied[order] * 1e3,
-            np.degrees(self.observed[order]),
-            np.degrees(self.sd[order]),
-            np.degrees(before[order]),
-            None if after is None else np.degrees(after[order]),
-            held_out[order],
-            (f"{('Bx', 'Bz')[component]} (mT)", "theta (degrees)"),
-            joined=bool(np.ptp(other) <= 1e-3 * np.ptp(varied)),
-        )
-        error = [_rms(self.observed - before)]
-        said = f"The recalibrated model misses these angles by {error[0]:.2f} degrees"
-        if after is not None:
-            error.append(_rms(self.observed - after))
-            said += f", the extended one by {error[1]:.2f}"
-        lines = [
-            said + " (root mean square).",
-            "Each is the angle at which the magnetic torque and the weight about the corner it "
-            "pivots on cancel, after the field was raised from zero.",
-        ]
-        size = np.hypot(*self.fields.T)
-        if np.all(size > _WEAK * np.max(size)):
-            lines.append(
-                "No angle was read without field. One such reading tells an offset of the camera, "
-                "which is there too, from what tilts the robot."
-            )
-        numbers: dict[str, object] = {
-            "Bx": self.fields[:, 0].tolist(),
-            "Bz": self.fields[:, 1].tolist(),
-            "theta": self.observed.tolist(),
-            "sd": self.sd.tolist(),
-            "recalibrated": before.tolist(),
-            "extended": None if after is None else after.tolist(),
-            "held_out": held_out.tolist(),
-            "rms_recalibrated": math.radians(error[0]),
-            "rms_extended": None if after is None else math.radians(error[1]),
-        }
-        return [ReportSection(self.title, picture, tuple(lines), numbers)]
-
-
-def _rms(error: Array) -> float:
-    """Root mean square, degrees."""
-    return math.degrees(math.sqrt(float(np.mean(error**2))))
 
 
 def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[str]]:
@@ -158,13 +102,10 @@ def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[s
 
 def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Array, list[str]]:
     """Leave out a row that lies far from two neighbours which agree with each other."""
-    if len(theta) < 8 or len(np.unique(fields, axis=0)) < len(theta):
+    if len(theta) < _FEWEST or len(np.unique(fields, axis=0)) < len(theta):
         return fields, theta, []
-    distance, slope = curvature(fields, theta)
-    scale = max(1.48 * float(np.median(np.abs(distance))), _ALONE_LEAST / _ALONE)
-    alone = (np.abs(distance) > _ALONE * scale) & (np.abs(distance) > 2.0 * np.abs(slope))
     kept = np.ones(len(theta), dtype=bool)
-    kept[1:-1] = ~alone
+    kept[1:-1] = ~far_from_their_neighbours(*curvature(fields, theta), _ALONE_LEAST)
     left_out = [
         f"{title}: theta of {value:.4g} rad at Bx = {bx:.4g} T, Bz = {bz:.4g} T, far from both "
         "its neighbours"

@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.root_mean_square import root_mean_square
+from stickslip.measurement.outliers import free_of_bends
+
 Array = NDArray[np.float64]
 
-# Of independent errors, four fifths are below this many standard deviations.
-_SHARE, _QUANTILE = 0.8, 1.2816
-_FAR = 3.5
 # Differences of neighbours share readings: the sum of their squares varies as that of this part of
 # them would if they were independent, 1 / (1 + 2 (4/6)^2 + 2 (1/6)^2).
 _INDEPENDENT = 0.51
@@ -83,9 +83,8 @@ def noise_of_curve(settings: Array, values: Array) -> tuple[float, float]:
     distance, slope = curvature(settings, values)
     # A stretch where nothing moves says nothing of the noise where something does.
     moving = (distance != 0.0) | (slope != 0.0)
-    distance = np.abs(distance[moving])
+    distance = distance[moving]
     if len(distance) < 3:
         return math.nan, 0.0
-    rough = float(np.quantile(distance, _SHARE)) / _QUANTILE
-    kept = distance[distance <= _FAR * rough]
-    return math.sqrt(float(np.mean(kept**2))), _INDEPENDENT * len(kept)
+    kept = distance[free_of_bends(distance)]
+    return root_mean_square(kept), _INDEPENDENT * len(kept)

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.unit_check import magnitude_mismatch
-from stickslip.diagnosis.model.problem import Uncertain
-from stickslip.diagnosis.observables.coil_field import CoilField
 from stickslip.diagnosis.observables.field_noise import estimate, far_rows
-from stickslip.diagnosis.observables.observable import ReportSection
+from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
@@ -21,11 +20,13 @@ from stickslip.simulation.coils import COIL_NAMES
 Array = NDArray[np.float64]
 
 _STRONGEST, _FARTHEST = 1.0, 1.0
+"""Field (T) and place (m) that no table of this kind has; beyond them a unit is wrong."""
+
 _PLACE = ("x", "y", "z")
 _FIELD = ("Bx", "By", "Bz")
 
 
-class FieldObservable:
+class FieldObservable(TableObservable):
     """A table of fields, with the five coils' Biot-Savart field as its model.
 
     Parameters
@@ -44,26 +45,30 @@ class FieldObservable:
     """
 
     name = "field"
-    nuisance: tuple[Uncertain, ...] = ()
+    components = 3
 
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
         self.title = title
         _refuse_units(table, title)
+        self._base = scenario.to_core()
+        coil = scenario.coil
+        coils = _core.CoilSet(coil.side, coil.distance, coil.turns)
         settings = np.stack([table[key] for key in (*COIL_NAMES, *_PLACE)], axis=1)
         fields = np.stack([table[key] for key in _FIELD], axis=1)
-        off = _off_wires(settings, scenario)
+        count = len(COIL_NAMES)
+        shares = coils.shares(settings[:, count:], settings[:, :count])
+        off = np.asarray(np.isfinite(shares).all(axis=(1, 2)))
         if not off.any():
             raise ScenarioError(f"{title}: every probe lies on the wire of a coil")
-        settings, fields = settings[off], fields[off]
-        count = len(COIL_NAMES)
-        shares = self._model(settings, scenario).nominal
+        settings, fields, shares = settings[off], fields[off], shares[off]
         far = far_rows(shares, fields)
         _refuse_currents(settings[~far, :count], shares[~far], fields[~far], title)
         merged = merge(settings[~far], fields[~far])
-        self.model = self._model(merged.settings, scenario)
+        self.currents, self.points = merged.settings[:, :count], merged.settings[:, count:]
+        self.settings = {"currents": self.currents, "place": self.points}
         self.fields = merged.mean
         self.observed = merged.mean.reshape(-1)
-        reading, origin = estimate(self.model.nominal, merged)
+        reading, origin = estimate(coils.shares(self.points, self.currents), merged)
         self.sd = np.repeat(reading / np.sqrt(merged.count), 3)
         self.covariance = np.diag(self.sd**2)
         self.group = np.repeat(np.arange(len(merged.mean)), 3)
@@ -78,62 +83,16 @@ class FieldObservable:
         ]
         self.left_out = tuple(left_out)
 
-    @staticmethod
-    def _model(settings: Array, scenario: Scenario) -> CoilField:
-        count = len(COIL_NAMES)
-        return CoilField(settings[:, count:], settings[:, :count], scenario)
-
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
-        """Bx, By, Bz of each row one after another, T, shape (vectors, 3 m)."""
-        return self.model(names, parameters).reshape(len(parameters), -1)
+        """Bx, By, Bz of each row one after another, T, shape (vectors, 3 m).
 
-    def report_sections(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
-    ) -> list[ReportSection]:
-        """Fields of all rows, with both models."""
-        from stickslip.diagnosis.report.figures import against_model
-
-        before = self.predict(names, recalibrated[None, :])[0]
-        after = None if extended is None else self.predict(names, extended[None, :])[0]
-        held = held_out[::3]
-        picture = against_model(
-            np.arange(1, len(self.fields) + 1, dtype=float),
-            self.observed * 1e3,
-            self.sd * 1e3,
-            before * 1e3,
-            None if after is None else after * 1e3,
-            held,
-            ("row, by currents and place", "field (mT)"),
-            _FIELD,
-            joined=False,
-        )
-        error = [_rms(self.observed - before)]
-        said = f"The recalibrated model misses these fields by {error[0] * 1e6:.3g} uT"
-        if after is not None:
-            error.append(_rms(self.observed - after))
-            said += f", the extended one by {error[1] * 1e6:.3g} uT"
-        largest = float(np.max(np.abs(self.observed)))
-        numbers: dict[str, object] = {
-            "currents": self.model.currents.tolist(),
-            "place": self.model.points.tolist(),
-            "field": self.fields.tolist(),
-            "sd": self.sd.tolist(),
-            "recalibrated": before.reshape(-1, 3).tolist(),
-            "extended": None if after is None else after.reshape(-1, 3).tolist(),
-            "held_out": held.tolist(),
-            "rms_recalibrated": error[0],
-            "rms_extended": error[1] if after is not None else None,
-        }
-        line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
-        return [ReportSection(self.title, picture, (line,), numbers)]
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+        NaN for a geometry that puts a wire on a probe.
+        """
+        fields = _core.probe_readings(
+            self._base, list(names), parameters, self.points, self.currents
+        ).reshape(len(parameters), -1)
+        fields[np.isnan(fields).any(axis=1)] = np.nan
+        return fields
 
 
 def _rows(which: NDArray[np.bool_]) -> str:
@@ -172,7 +131,9 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
     fields : ndarray, shape (n, 3)
         T.
     """
-    read, made, most = map(_rms, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1)))
+    read, made, most = map(
+        root_mean_square, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1))
+    )
     # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
     usual = float(np.clip(read, made, most))
     far = magnitude_mismatch(read, usual, "T", "what the stated coils make of the currents")
@@ -183,17 +144,3 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
             f"{title}: with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
             f"the fields are {far}"
         )
-
-
-def _off_wires(settings: Array, scenario: Scenario) -> NDArray[np.bool_]:
-    """Rows where the field of the nominal coils is finite."""
-    coil = scenario.coil
-    coils = _core.CoilSet(coil.side, coil.distance, coil.turns)
-    count = len(COIL_NAMES)
-    off = np.ones(len(settings), dtype=bool)
-    for k, row in enumerate(settings):
-        try:
-            coils.field(row[None, count:], row[None, :count])
-        except ValueError:
-            off[k] = False
-    return off

@@ -7,18 +7,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.observables.repeats import ENOUGH, FEWEST, Repeats, widening
+from stickslip.measurement.outliers import far_from_a_fit
 
 Array = NDArray[np.float64]
 
 READING = 5e-7
-"""Smallest error of a probe's reading that is believed, T."""
+"""Smallest error of a probe's reading that is believed, T. Chosen: 1 % of the Earth's field."""
 
 RELATIVE = 1e-3
-"""The same relative to the field's root mean square: placing and turning a probe is no better."""
-
-_FAR = 8.0
-_FEW = 0.05
+"""The same relative to the field's root mean square. Chosen: a probe is placed to 0.1 mm and turned
+to 2 degrees at the best, which is some 1e-3 each."""
 
 
 def free_fit(shares: Array, fields: Array) -> tuple[Array, int]:
@@ -47,23 +47,17 @@ def free_fit(shares: Array, fields: Array) -> tuple[Array, int]:
 
 def far_rows(shares: Array, fields: Array) -> NDArray[np.bool_]:
     """Rows that no gain and no uniform field bring near the others, if they are few."""
-    near = np.ones(len(fields), dtype=bool)
-    floor = floor_of(fields)
-    # One by one, as the worst drags the fit of all others along.
-    for _ in range(int(_FEW * len(fields)) + 1):
-        left, dof = free_fit(shares[near], fields[near])
-        if dof < FEWEST:
-            break
-        size = np.max(np.abs(left), axis=1)
-        if np.max(size) <= _FAR * max(1.48 * float(np.median(np.abs(left))), floor):
-            return np.asarray(~near)
-        near[np.flatnonzero(near)[np.argmax(size)]] = False
-    return np.zeros(len(fields), dtype=bool)
+
+    def left_by(rows: NDArray[np.bool_]) -> Array | None:
+        left, dof = free_fit(shares[rows], fields[rows])
+        return None if dof < FEWEST else left
+
+    return far_from_a_fit(left_by, len(fields), floor_of(fields))
 
 
 def floor_of(fields: Array) -> float:
     """Error of a reading below which none is taken, T."""
-    return max(READING, RELATIVE * math.sqrt(float(np.mean(fields**2))))
+    return max(READING, RELATIVE * root_mean_square(fields))
 
 
 def estimate(shares: Array, merged: Repeats) -> tuple[float, str]:

@@ -2,37 +2,104 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.model.problem import Uncertain
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class ReportSection:
-    """A part of the report: a figure, and what there is to say of it.
+class Comparison:
+    """Readings of a table beside both models, a row each.
 
     Attributes
     ----------
+    kind : str
+        ``angle`` or ``field``.
     title : str
-    picture : str
-        PNG in base64, may be empty.
-    lines : tuple of str
-        Sentences below it.
-    numbers : dict
-        For report.json.
+    settings : dict of ndarray, shape (n, ...)
+        What was set for each reading, SI units.
+    observed, recalibrated : ndarray, shape (n,) or (n, components)
+        SI units.
+    sd : ndarray
+        Of every number of `observed`.
+    extended : ndarray, optional
+        Where a cause is claimed.
+    held_out : ndarray of bool, shape (n,)
+        Which readings were held out for the gain.
     """
 
+    kind: str
     title: str
-    picture: str
-    lines: tuple[str, ...]
-    numbers: dict[str, object]
+    settings: Mapping[str, Array]
+    observed: Array
+    sd: Array
+    recalibrated: Array
+    extended: Array | None
+    held_out: NDArray[np.bool_]
+
+    @property
+    def errors(self) -> tuple[float, float | None]:
+        """Root mean square of what each model misses, SI units."""
+        after = None if self.extended is None else self.observed - self.extended
+        return (
+            root_mean_square(self.observed - self.recalibrated),
+            None if after is None else root_mean_square(after),
+        )
+
+
+class TableObservable:
+    """What tables of angles and of fields have alike: readings of some components, and a model.
+
+    Attributes
+    ----------
+    components : int
+        Numbers of a reading; `observed` has those of one after those of another.
+    settings : dict of ndarray, shape (n, ...)
+    """
+
+    name: str
+    title: str
+    components = 1
+    observed: Array
+    sd: Array
+    settings: Mapping[str, Array]
+    nuisance: tuple[Uncertain, ...] = ()
+
+    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+        """See `Observable`."""
+        raise NotImplementedError
+
+    def comparison(
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
+    ) -> Comparison:
+        """All readings beside both models."""
+
+        def rows(flat: Array) -> Array:
+            return flat if self.components == 1 else flat.reshape(-1, self.components)
+
+        def model(values: Array) -> Array:
+            return rows(self.predict(names, values[None, :])[0])
+
+        after = None if extended is None else model(extended)
+        return Comparison(
+            self.name, self.title, self.settings, rows(self.observed), self.sd,
+            model(recalibrated), after, held_out[:: self.components],
+        )  # fmt: skip
 
 
 class Observable(Protocol):
@@ -72,14 +139,14 @@ class Observable(Protocol):
         """
         ...
 
-    def report_sections(
+    def comparison(
         self,
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> list[ReportSection]:
-        """Parts of the report for two vectors of values, shape (names,).
+    ) -> Comparison | FilmComparison:
+        """What the report shows of it for two vectors of values, shape (names,).
 
         `held_out`, shape (k,), says which observables were held out for the gain.
         """

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.palette import BLUE, DARK_GREY, GREEN, LIGHT_GREY, VERMILION
 from stickslip.diagnosis.data.conditions import panel, sorted_by_settings
 from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.findings import Findings
@@ -19,7 +20,6 @@ from stickslip.scenario.keys import Value
 Array = NDArray[np.float64]
 
 _MARKERS = "o^sDv"
-_BLUE, _ORANGE, _GREEN, _GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
 
 
 def png(figure: Any) -> str:
@@ -81,12 +81,12 @@ def velocities(found: Findings, conditions: Sequence[Mapping[str, Value]], given
             bars = 2 * sd[chosen] if known else None
             _measured(above, frequency[chosen], observed[chosen], bars, held[chosen], _MARKERS[k],
                       label)  # fmt: skip
-        above.plot(frequency[mine], given[mine] * 1e3, "x", color=_GREY, ms=5,
+        above.plot(frequency[mine], given[mine] * 1e3, "x", color=DARK_GREY, ms=5,
                    label="scenario as given")  # fmt: skip
-        for (name, row), colour in zip(models.items(), (_BLUE, _ORANGE), strict=False):
+        for (name, row), colour in zip(models.items(), (BLUE, VERMILION), strict=False):
             above.plot(frequency[mine], row[mine], "_", color=colour, ms=11, mew=2, label=name)
             below.plot(frequency[mine], ((observed - row) / sd)[mine], ".", color=colour)
-        below.axhspan(-2, 2, color="#dddddd", zorder=0)
+        below.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
         above.set_title(word, fontsize=10)
         below.set_xlabel("frequency (Hz)")
     frames[0, 0].set_ylabel("mean velocity (mm/s)")
@@ -145,9 +145,9 @@ def profile(each: Profile) -> str:
     # A profile goes far out to see other valleys; beyond the last of them there is nothing to see.
     inside = np.flatnonzero(each.chi2[order] <= FAR)
     order = order[max(inside[0] - 1, 0) : inside[-1] + 2]
-    frame.plot(each.value[order], each.chi2[order], "o-", color=_ORANGE, ms=4)
+    frame.plot(each.value[order], each.chi2[order], "o-", color=VERMILION, ms=4)
     for height in (1.0, 4.0):
-        frame.axhline(height, color=_GREY, lw=0.8, ls="--")
+        frame.axhline(height, color=DARK_GREY, lw=0.8, ls="--")
     frame.locator_params(axis="x", nbins=5)
     frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2[order]), 5.0, 1.5 * FAR)))
     frame.set_xlabel(f"{each.name.removeprefix('effects.')} ({each.unit})")
@@ -183,9 +183,9 @@ def against_model(
         Whether the rows are points of one curve.
     """
     figure, (above, below) = axes(2, 9.0, 5.2)
-    rows = [(recalibrated, "recalibrated", _BLUE)]
+    rows = [(recalibrated, "recalibrated", BLUE)]
     if extended is not None:
-        rows.append((extended, "extended", _ORANGE))
+        rows.append((extended, "extended", VERMILION))
     width = len(names)
     data, bars = observed.reshape(-1, width), sd.reshape(-1, width)
     for k, (name, marker) in enumerate(zip(names, _MARKERS, strict=False)):
@@ -195,7 +195,7 @@ def against_model(
             line = values.reshape(-1, width)[:, k]
             above.plot(place, line, "-_" if joined else "_", color=colour, lw=1, ms=12, label=model)
             below.plot(place, (data[:, k] - line) / bars[:, k], marker, color=colour, ms=3)
-    below.axhspan(-2, 2, color="#dddddd", zorder=0)
+    below.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
     above.set_ylabel(words[1])
     below.set_ylabel("residual / sd")
     below.set_xlabel(words[0])
@@ -224,7 +224,7 @@ def ranking(found: Findings) -> str | None:
     figure, (frame,) = axes(1, 7.0, 0.4 + 0.3 * len(fits))
     gains = [fit.priced_evidence - found.null.log_evidence for fit in fits]
     claimed = {fit.name for fit in set_members(found)}
-    colours = [_GREEN if fit.name in claimed else _GREY for fit in fits]
+    colours = [GREEN if fit.name in claimed else DARK_GREY for fit in fits]
     frame.barh([fit.name for fit in fits][::-1], gains[::-1], color=colours[::-1])
     frame.set_xlabel("log-evidence above no cause (green: what is claimed)")
     return png(figure)

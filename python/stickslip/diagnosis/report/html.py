@@ -20,9 +20,10 @@ from stickslip.diagnosis.inference.discrimination import TRIALS
 from stickslip.diagnosis.inference.experiment_design import Experiment
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
-from stickslip.diagnosis.observables import ReportSection
 from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
+from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import short
+from stickslip.diagnosis.report.section import ReportSection
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
@@ -77,11 +78,9 @@ def write_report(
         If a file cannot be written.
     """
     found = examination.found
-    report_sections = examination.report_sections()
+    sections = report_sections(examination.comparisons())
     # All three are made before the first is written.
-    texts = report_texts(
-        examination, measurement, experiments, report_sections, gain_unit(examination)
-    )
+    texts = report_texts(examination, measurement, experiments, sections, gain_unit(examination))
     extended = extended_scenario(found, measurement.scenario)
     origin = _origin(found, measurement, extended)
     write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
@@ -91,15 +90,15 @@ def report_texts(
     examination: Examination,
     source: Source,
     experiments: Sequence[Experiment],
-    report_sections: Sequence[ReportSection],
+    sections: Sequence[ReportSection],
     unit: str,
 ) -> dict[str, str]:
     """Contents of report.json and report.html; `unit` is that of the held-out observables."""
     full = {**summary(examination, source, experiments), **details(examination, source, unit)}
-    full["channels"] = {each.title: each.numbers for each in report_sections}
+    full["channels"] = {each.title: each.numbers for each in sections}
     full["gain_unit"] = unit
     full |= further(examination)
-    page = page_text(examination, full, report_sections, experiments)
+    page = page_text(examination, full, sections, experiments)
     return {JSON: json_text(full) + "\n", PAGE: page}
 
 
@@ -150,7 +149,7 @@ def _typical_error(found: Findings) -> str:
 def page_text(
     examination: Examination,
     full: Mapping[str, Any],
-    report_sections: Sequence[ReportSection],
+    sections: Sequence[ReportSection],
     experiments: Sequence[Experiment],
 ) -> str:
     """The report as one page that needs no other file."""
@@ -194,7 +193,7 @@ def page_text(
         observables=len(found.problem.observed),
         models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
         typical=_typical_error(found),
-        report_sections=report_sections,
+        report_sections=sections,
         ranking=figures.ranking(found),
         distinguishability=figures.distinguishability(found) if found.problem.causes else "",
     )

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.observables import ReportSection
 from stickslip.diagnosis.observables.combined import Combined
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.html import report_texts, write_files
+from stickslip.diagnosis.report.section import ReportSection
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]

@@ -1,7 +1,6 @@
-"""What a camera makes of a motion: frames that are late, blurred, turned, scaled, noisy and few.
+"""What a camera makes of a motion: frames that are late, blurred, turned, scaled and few.
 
-The same camera makes the frames that a fit compares with data and those of synthetic data. A
-rocking at 421 Hz that 200 frames a second fold to 21 Hz is folded here too, and nothing filtered.
+A rocking at 421 Hz that 200 frames a second fold to 21 Hz is folded here too, and nothing filtered.
 Errors of the length scale, the clock and the angle that are named extensions of the model are in
 the core's recordings already; here stand what belongs to one film alone.
 """
@@ -17,16 +16,26 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.coils import COIL_NAMES
 
 Array = NDArray[np.float64]
 Recording = Mapping[str, Array]
 
-COILS = ("xp", "xm", "yp", "ym", "clamp")
-
 _SAMPLES = 12.0
+"""Of a period of the fastest free motion; see `recording_rate`."""
+
 _SLOWEST, _FASTEST = 5e3, 5e4
+"""Limits of the rate, Hz. Chosen: the currents' bends need the one, memory the other."""
+
+_STRONGEST = 6.5e-3
+"""Field of a program of voltages, T: the largest of the paper's Table I."""
+
 _BLUR = 5e-4
+"""Exposure that one more node makes exact, s. Chosen: 421 Hz turn by a fifth of a period in it."""
+
 _AT_A_TIME = 400_000
+"""Samples that are in memory at a time. Chosen: at 170 bytes each they take 70 MB."""
+
 _RATES = {"x": "vx", "z": "vz", "theta": "omega"}
 
 
@@ -82,24 +91,6 @@ class Camera:
         return result
 
 
-def noisy(
-    frames: Mapping[str, Array],
-    noise: Mapping[str, float],
-    random: np.random.Generator,
-    quantum: Mapping[str, float] | None = None,
-) -> dict[str, Array]:
-    """Frames with pixel noise of the standard deviations `noise`, rounded to whole quanta.
-
-    Quantities without an entry stay as they are.
-    """
-    result = {}
-    for name, values in frames.items():
-        read = values + noise.get(name, 0.0) * random.standard_normal(len(values))
-        step = (quantum or {}).get(name, 0.0)
-        result[name] = step * np.round(read / step) if step > 0.0 else read
-    return result
-
-
 def recording_rate(scenario: Scenario) -> float:
     """Samples a second that hold every free motion between them, Hz.
 
@@ -109,13 +100,9 @@ def recording_rate(scenario: Scenario) -> float:
     drive's, and one that has a sample at the end of the ramp if there is any, so that the drive's
     sudden edges, where currents bend, fall between no two samples.
     """
-    robot, drive = scenario.robot, scenario.drive
-    inertia = robot.mass * (robot.length**2 + robot.height**2) / 12.0
-    moment = robot.length * robot.width * robot.height * robot.magnetization
-    top = math.hypot(drive.peak, drive.hold)
-    if drive.mode == "program":
-        top = 6.5e-3
-    rocking = math.sqrt(moment * top / inertia) / (2.0 * math.pi)
+    drive = scenario.drive
+    top = _STRONGEST if drive.mode == "program" else math.hypot(drive.peak, drive.hold)
+    rocking = scenario.to_core().rocking_rate(top) / (2.0 * math.pi)
     enough = float(np.clip(_SAMPLES * rocking, _SLOWEST, _FASTEST))
     if drive.mode == "program":
         return enough
@@ -150,7 +137,7 @@ def record(
     """
     base = scenario.to_core()
     base.record_uniform(rate)
-    driving = "xm" if scenario.drive.direction == "-x" else "xp"
+    driving = COIL_NAMES.index(base.in_plane_coil)
     # So many at a time that their samples fit into some tens of megabytes.
     share = max(threads, int(_AT_A_TIME / (base.duration * rate + 1.0)))
     for start in range(0, len(values), share):
@@ -163,8 +150,8 @@ def record(
                 yield None
                 continue
             motion: dict[str, Array] = {**result.take_recording()}  # type: ignore[dict-item]
-            motion["current_x"] = motion["current"][:, COILS.index(driving)]
-            motion["current_clamp"] = motion["current"][:, COILS.index("clamp")]
+            motion["current_x"] = motion["current"][:, driving]
+            motion["current_clamp"] = motion["current"][:, COIL_NAMES.index("clamp")]
             yield motion
 
 
@@ -183,6 +170,7 @@ def _nodes(exposure: float) -> tuple[Array, Array]:
     """Times about the middle of an exposure and their weights, more for a longer one."""
     if exposure == 0.0:
         return np.zeros(1), np.ones(1)
+    # Three nodes are exact for what is of the fifth order over the exposure.
     nodes, weights = np.polynomial.legendre.leggauss(3 + math.ceil(exposure / _BLUR))
     return 0.5 * exposure * nodes, 0.5 * weights
 

@@ -6,17 +6,17 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.stats import chi2 as chi2_law
 
+from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.unit_check import magnitude_mismatch
 from stickslip.diagnosis.model.problem import Uncertain
-from stickslip.diagnosis.observables.observable import ReportSection
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison, compare_film
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
@@ -27,11 +27,9 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
+from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.priors import Prior
 from stickslip.measurement.tracking import FEWEST, TrackingRun
-
-if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.force_residuals import ForceView
 
 Array = NDArray[np.float64]
 
@@ -43,13 +41,20 @@ _KINDS: dict[str, Kind] = {
     "current_clamp": "level",
 }
 _CURRENTS = ("current_x", "current_clamp")
-_WILD = 14.0
-_NEIGHBOURS = 9
+
 _UNLIKELY = 1e-3
+"""p-value below which the stated noise is not believed. Chosen: of ten none is by chance."""
+
 _ANGLE_OFFSET = math.radians(1.0)
 _ANGLE_SCALE = _CURRENT_SCALE = 0.01
+"""One standard deviation of a camera's angles, rad and 1, and of a current's scale. Chosen: what a
+camera that was set up by eye and an ammeter of class 1 have."""
+
 _TRIGGER = 3e-4
+"""The same of the time at which frames begin, s. Chosen: a third of a frame of 1 kHz."""
+
 _LEAST_RISE = 0.01
+"""Rise of the robot over its height that z has to show. Chosen: a micrometre of Table II's."""
 
 
 @dataclass(frozen=True)
@@ -61,23 +66,20 @@ class Quantity:
     name : str
     frames : ndarray of bool, shape (n,)
         Frames of the run that are used for it.
-    times : ndarray, shape (u,)
-        Of these frames, s.
     values : ndarray, shape (u,)
+        Of these frames.
     folded : Fold
         Of these frames.
-    sd, cycle_sd : float
-        Noise of a frame, and what the frames of a period have in common.
+    sd : float
+        Noise of a frame.
     reduction : Reduction
     """
 
     name: str
     frames: NDArray[np.bool_]
-    times: Array
     values: Array
     folded: Fold
     sd: float
-    cycle_sd: float
     reduction: Reduction
 
     @property
@@ -96,23 +98,11 @@ class FilmObservable:
         Of the run, from 1; its name is ``tracking.<number>``.
     threads : int
         Simulations at a time.
-    family : list of FilmObservable, optional
-        All channels of the measurement, to which this one is added; runs of both directions are
-        compared in the report.
     """
 
-    def __init__(
-        self,
-        run: TrackingRun,
-        number: int = 1,
-        threads: int = 1,
-        family: list[FilmObservable] | None = None,
-    ) -> None:
+    def __init__(self, run: TrackingRun, number: int = 1, threads: int = 1) -> None:
         self.run, self.threads = run, threads
         self.name = f"tracking.{number}"
-        self.family = [] if family is None else family
-        self.family.append(self)
-        self.last_view: ForceView | None = None
         self.rate = recording_rate(run.scenario)
         self.nuisance = _nuisance(self.name, run)
         said: list[str] = []
@@ -173,17 +163,15 @@ class FilmObservable:
             [each.reduction.matrix @ frames[each.name][each.frames] for each in self.quantities]
         )
 
-    def report_sections(
+    def comparison(
         self,
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
         held_out: NDArray[np.bool_],
-    ) -> list[ReportSection]:
-        """The force view of this run, and of both directions with the last of them."""
-        from stickslip.diagnosis.observables.tracking.report_section import draw
-
-        return draw(self, names, recalibrated, extended, bool(held_out.all()))
+    ) -> FilmComparison:
+        """Advance and forces of this run beside both models."""
+        return compare_film(self, names, recalibrated, extended, bool(held_out.all()))
 
     @property
     def advance(self) -> tuple[float, float] | None:
@@ -208,11 +196,8 @@ class FilmObservable:
 
 
 def find_films(runs: Sequence[TrackingRun], threads: int) -> list[FilmObservable]:
-    """A channel for each tracked run."""
-    family: list[FilmObservable] = []
-    for number, run in enumerate(runs, start=1):
-        FilmObservable(run, number, threads, family)
-    return family
+    """An observable for each tracked run."""
+    return [FilmObservable(run, number, threads) for number, run in enumerate(runs, start=1)]
 
 
 def _nuisance(name: str, run: TrackingRun) -> tuple[Uncertain, ...]:
@@ -279,7 +264,7 @@ def _quantity(
         )  # fmt: skip
         said.append(f"{name}: {what} {shared:.2g} beyond the noise of frames; counted as noise")
     reduction = reduce(folded, kind, sd, shared)
-    return Quantity(name, used, times[used], values[used], folded, sd, shared, reduction)
+    return Quantity(name, used, values[used], folded, sd, reduction)
 
 
 def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> str | None:
@@ -291,14 +276,14 @@ def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) 
         what, unit, largest = "its spread", "m", _LEAST_RISE * height
     else:
         # A coil that hardly carries a current shows the logger's noise, or what another induces.
-        what, unit, largest = "its size", "A", max(_rms(nominal[each]) for each in _CURRENTS)
-    measured, usual = _rms(read), _rms(own)
+        what, unit, largest = (
+            "its size",
+            "A",
+            max(root_mean_square(nominal[each]) for each in _CURRENTS),
+        )
+    measured, usual = root_mean_square(read), root_mean_square(own)
     far = magnitude_mismatch(measured, float(np.clip(measured, usual, max(usual, largest))), unit)
     return None if far is None else f"{what} is {far}"
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _quantum(values: Array) -> float:
@@ -311,19 +296,9 @@ def _wild(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
     """Frames far from those of nearly the same phase: the tracking lost the robot."""
     wild = np.zeros(len(residual), dtype=bool)
     steady = np.flatnonzero(folded.steady)
-    if len(steady) < 2 * _NEIGHBOURS:
-        return wild
     order = steady[np.argsort(folded.phase[steady], kind="stable")]
     # The advance may be wrong by much, so neighbours are compared without it.
-    level = undrifted(folded, residual)[order]
-    window = np.lib.stride_tricks.sliding_window_view(
-        np.concatenate([level[-(_NEIGHBOURS // 2) :], level, level[: _NEIGHBOURS // 2]]),
-        _NEIGHBOURS,
-    )
-    middle = np.median(window, axis=1)
-    spread = 1.48 * np.median(np.abs(window - middle[:, None]), axis=1)
-    usual = max(float(np.median(spread)), quantum / math.sqrt(12.0))
-    wild[order] = np.abs(level - middle) > _WILD * np.maximum(spread, usual)
+    wild[order] = far_from_their_phase(undrifted(folded, residual)[order], quantum)
     return wild
 
 

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.root_mean_square import root_mean_square
 from stickslip.scenario.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -22,11 +23,26 @@ PHASES = 24
 """Bins of a period; they hold about one rocking of 421 Hz each at 17 Hz."""
 
 SAME_PHASE = 2e-3
-"""Frames whose phases differ by less see the same, in periods."""
+"""Frames whose phases differ by less see the same, in periods. Chosen: a rocking of 421 Hz turns by
+a twentieth of its period in it, at 17 Hz."""
 
 _RAMP, _FIRST = 6, 4
+"""Bins of the ramp, and of each pulse before the steady walk. Chosen: they show the tilting up, and
+let the transient say less than the walk."""
+
 _PROGRAM = 24
+"""Bins of a program of voltages. Chosen: as many as of a period."""
+
 _BENT = 5.0
+"""Mean square of a bin over the usual beyond which it is a bend of the motion and no noise. Chosen:
+three frames of noise alone exceed it once in 500 bins."""
+
+_WORTH = 4.0
+"""Gain of twice the log-likelihood that a scatter of periods has to bring: p = 0.02 at the edge of
+the range."""
+
+_RATIOS = np.geomspace(1e-4, 1e4, 161)
+"""Squared scatters of periods over that of frames that are tried. Chosen: 12 % apart."""
 
 
 @dataclass(frozen=True)
@@ -226,6 +242,7 @@ def frame_noise(folded: Fold, residual: Array) -> tuple[float, float]:
     count = np.bincount(group)
     widths = np.bincount(group, phase**2) / count - (np.bincount(group, phase) / count) ** 2
     free = float(len(values) - len(count))
+    # Chosen: with two repeats of a phase half of the frames are free, and some are lost.
     if free >= 0.4 * len(values) and np.max(widths) < (2 * SAME_PHASE) ** 2:
         mean = np.bincount(group, values) / count
         return float(np.sqrt(np.sum((values - mean[group]) ** 2) / free)), free - 1.0
@@ -236,7 +253,7 @@ def frame_noise(folded: Fold, residual: Array) -> tuple[float, float]:
     place = np.floor(phase[1:-1] * PHASES).astype(np.int64)
     each = [bend[place == k] for k in np.unique(place) if np.sum(place == k) >= 2]
     if not each:
-        return float(np.sqrt(np.mean(bend**2))), len(bend) / 2.0
+        return root_mean_square(bend), len(bend) / 2.0
     spread = np.array([np.mean(part**2) for part in each])
     quiet = spread <= _BENT * np.median(spread)
     size = np.array([len(part) for part in each])[quiet]
@@ -259,8 +276,7 @@ def _finer(folded: Fold) -> Fold:
 def cycle_scatter(folded: Fold, residual: Array, kind: Kind, sd: float) -> float:
     """Standard deviation of what a period's frames have in common, beyond the frames' own noise.
 
-    By restricted maximum likelihood; 0 where the gain is not worth a parameter, which is when twice
-    the log-likelihood rises by less than 4 (p = 0.02 at the edge of the range).
+    By restricted maximum likelihood; 0 where the gain is not worth a parameter.
     """
     finer = _finer(folded)
     if not _advances(finer):
@@ -278,7 +294,6 @@ def cycle_scatter(folded: Fold, residual: Array, kind: Kind, sd: float) -> float
         variance = sd**2 * (1.0 + ratio * power)
         return float(np.sum(np.log(variance) + score / variance))
 
-    ratios = np.geomspace(1e-4, 1e4, 161)
-    losses = [loss(ratio) for ratio in ratios]
+    losses = [loss(ratio) for ratio in _RATIOS]
     best = int(np.argmin(losses))
-    return sd * float(np.sqrt(ratios[best])) if loss(0.0) - losses[best] > 4.0 else 0.0
+    return sd * float(np.sqrt(_RATIOS[best])) if loss(0.0) - losses[best] > _WORTH else 0.0

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import _core
 from stickslip.diagnosis.observables.tracking.camera import record
 from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
 from stickslip.diagnosis.observables.tracking.periodic_motion import Folds
@@ -29,12 +30,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FEWEST_ORDERS = 10
-"""Harmonics of the drive that a film must resolve before its derivatives mean anything."""
+"""Harmonics of the drive that a film must resolve before its derivatives mean anything. Chosen: a
+slip of a tenth of a period is the shortest thing that a balance is to show."""
+
+CLEAR = 3.5
+"""A residual differs from zero beyond this t: of some ten looks one in 200 does by chance."""
 
 _DRAWS = 400
+"""Films with noise that errors are told from. Chosen: they tell an error to 4 %."""
+
 _PURE = 0.97
+"""Part of the smoothing's reach in which the contact has to do one thing. Chosen: of 30 samples one
+may differ by rounding of its phase."""
+
 _RIDGE = 1e-3
-_STICK, _FORWARD, _BACKWARD = 1, 2, 3
+"""Floor of a covariance, over its mean variance. Chosen: far below what noise tells of it, 5 %."""
+
+_STICK, _FORWARD, _BACKWARD = map(
+    _core.contact_names.index, ("corner_stick", "corner_slip_forward", "corner_slip_backward")
+)
 
 
 @dataclass(frozen=True)
@@ -132,9 +146,9 @@ def force_view(
     Parameters
     ----------
     observable : FilmObservable
-        Such as ``TrackingChannel(run)``.
+        Such as ``FilmObservable(run)``.
     names : sequence of str
-        Dotted scenario keys and the channel's nuisances.
+        Dotted scenario keys and the film's nuisances.
     values : ndarray, shape (names,)
     seed : int
         Of the noise that errors are propagated with.
@@ -160,25 +174,26 @@ def force_view(
     folds = Folds(observable, motion, camera)
     if folds.orders == 0:
         return None
-    balance = Balance(scenario, motion, folds.true_times)
-    random = np.random.default_rng([seed, 41])
+    modes = _modes(motion, folds, scenario.window)
+    slip = modes[_FORWARD] | modes[_BACKWARD]
+    direction = np.where(modes[_FORWARD], 1.0, -1.0)
+    balance = Balance(scenario, motion, folds.true_times, direction)
     seen, model = folds.smooth(folds.measured), folds.smooth(folds.simulated)
-    noise = {k: folds.sd[k] * random.standard_normal((_DRAWS, folds.count)) for k in folds.sd}
-    drawn = folds.smooth({k: folds.simulated[k] + noise[k] for k in noise})
+    measured = balance(seen)
     sticking = slipping = onset = None
     if folds.orders >= FEWEST_ORDERS:
-        modes = _modes(motion, folds, scenario.window)
-        slip = modes[_FORWARD] | modes[_BACKWARD]
-        direction = np.where(modes[_FORWARD], 1.0, -1.0)
-        torque = [balance.torque(each) for each in (seen, model, drawn)]
-        force = [balance.force(each, direction) for each in (seen, model, drawn)]
-        sticking = _residual(torque, modes[_STICK], seen, None, balance.torque_scale)
-        velocity = balance.contact_velocity(seen)
-        slipping = _residual(force, slip, seen, velocity, balance.weight)
-        onset = _onset([balance.ratio(each) for each in (seen, model, drawn)], modes[_STICK], slip)
+        random = np.random.default_rng([seed, 41])
+        noise = {k: folds.sd[k] * random.standard_normal((_DRAWS, folds.count)) for k in folds.sd}
+        drawn = folds.smooth({k: folds.simulated[k] + noise[k] for k in noise})
+        found = (measured, balance(model), balance(drawn))
+        torque, force = [each.torque for each in found], [each.force for each in found]
+        sticking = _residual(torque, modes[_STICK], seen, None, measured.torque_scale)
+        velocity = measured.contact_velocity
+        slipping = _residual(force, slip, seen, velocity, measured.weight)
+        onset = _onset([each.friction_ratio for each in found], modes[_STICK], slip)
     return ForceView(
         folds.grid, seen.theta, model.theta, seen.x, model.x, seen.omega,
-        balance.contact_velocity(seen), folds.orders, folds.distinct, sticking, slipping, onset,
+        measured.contact_velocity, folds.orders, folds.distinct, sticking, slipping, onset,
         folds.drift("theta", 1), folds.drift("x", 2),
     )  # fmt: skip
 
@@ -195,7 +210,9 @@ def _modes(
     phase = np.mod((t[steady] - window[0]) / folds.period - folds.trigger, 1.0)
     code = motion["contact"][steady].astype(np.int64)
     if folds.sign < 0.0:
-        code = np.where(code == 2, 3, np.where(code == 3, 2, code))
+        turned = {_FORWARD: _BACKWARD, _BACKWARD: _FORWARD}
+        code = np.array([turned.get(each, each) for each in code.tolist()])
+    # A quarter of the shortest period to each side: farther away the smoothing hardly looks.
     reach = 0.25 / folds.orders
     result = {}
     for mode in (_STICK, _FORWARD, _BACKWARD):
@@ -218,7 +235,7 @@ def _residual(
 ) -> Residual | None:
     """Measured minus simulated at the places `where`, with the covariance of the noisy draws."""
     places = np.flatnonzero(where)
-    if len(places) < 4:
+    if len(places) < 4:  # a slope, a constant, and two to judge them by
         return None
     measured, simulated, drawn = (each[..., places] for each in balances)
     value, scatter = measured - simulated, drawn - simulated
@@ -253,7 +270,8 @@ def _onset(
     """Friction over normal force at the last place that sticks before a slip."""
     ends = np.flatnonzero(stick & ~np.roll(stick, -1))
     for end in ends:
-        # Between the two lies the smoothing's reach, where neither is certain.
+        # Between the two lies the smoothing's reach, where neither is certain: an eighth of a
+        # period is more than that of ten harmonics.
         following = np.roll(slip, -(end + 1))[: len(slip) // 8]
         if following.any():
             measured, simulated, drawn = (each[..., end] for each in ratios)

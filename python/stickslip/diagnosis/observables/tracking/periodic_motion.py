@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _MOST_ORDERS = 40
+"""Harmonics. Chosen: at 17 Hz the 40th is past the rocking, at 421 Hz."""
+
 _GRID = 240
+"""Phases at which the motion is evaluated. Chosen: six for a period of the highest harmonic."""
 
 
 class Folds:
@@ -73,6 +76,7 @@ class Folds:
 
     def _best_order(self) -> int:
         """Order by the Bayesian information criterion, where the film's phases allow it."""
+        # A harmonic is two numbers: chosen are a third more phases and three times as many frames.
         most = min(self.distinct // 3, self.count // 6, _MOST_ORDERS)
         scores = {}
         for orders in range(2, most + 1):

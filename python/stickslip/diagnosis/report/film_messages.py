@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from stickslip.diagnosis.observables.tracking.comparison import Directions
 from stickslip.diagnosis.observables.tracking.force_residuals import (
+    CLEAR,
     FEWEST_ORDERS,
     ForceView,
     Residual,
     Slope,
 )
 
-if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.film import FilmObservable
-
-CLEAR = 3.5
-"""A residual differs from zero beyond this t: of some ten looks one in 200 does by chance."""
+_NEARLY = 0.7
+"""Of the clearest t: a constant that has as much is named instead, as it is simpler. Chosen."""
 
 _TORQUE = {
     "constant": "a constant torque: gain of a coil, ambient field, or a moment that is turned",
@@ -76,14 +73,6 @@ def view_lines(view: ForceView, after: ForceView | None) -> list[str]:
     return lines
 
 
-def field_chain_clean(view: ForceView) -> bool:
-    """Whether the torque while sticking leaves nothing for currents, field and moment to explain.
-
-    False too where it cannot be judged.
-    """
-    return view.sticking is not None and all(abs(s.t) < CLEAR for s in view.sticking.slopes)
-
-
 def _torque_line(found: Residual | None) -> str:
     if found is None:
         return "The contact never sticks for long enough to judge the torque about it."
@@ -125,43 +114,27 @@ def _drift_line(view: ForceView) -> str:
     return "Beyond the simulation's own drift, " + " and ".join(parts) + "."
 
 
-def direction_lines(
-    one: FilmObservable, other: FilmObservable
-) -> tuple[list[str], dict[str, object]]:
-    """Sentences and numbers on two runs that differ in their direction alone."""
-    forward, reverse = one.advance, other.advance
-    if forward is None or reverse is None:
-        return ["One of the two films is too short to show the advance of a pulse."], {}
-    total, sd = forward[0] + reverse[0], math.hypot(forward[1], reverse[1])
-    t = total / sd
+def direction_lines(found: Directions | None) -> list[str]:
+    """Sentences on two runs that differ in their direction alone."""
+    if found is None:
+        return ["One of the two films is too short to show the advance of a pulse."]
+    t = found.total / found.sd
     lines = [
-        f"The advances of a pulse, {forward[0]:.4g} m and {reverse[0]:.4g} m, "
+        f"The advances of a pulse, {found.forward:.4g} m and {found.reverse:.4g} m, "
         + (
             "are equal and opposite within their errors."
             if abs(t) < CLEAR
-            else f"do not cancel: {total:.2g} m is left (t = {t:.1f}), so something is fixed to "
-            "the world: tilt, an ambient field, or the surface."
+            else f"do not cancel: {found.total:.2g} m is left (t = {t:.1f}), so something is fixed "
+            "to the world: tilt, an ambient field, or the surface."
         )
     ]
-    numbers: dict[str, object] = {"advance_sum": total, "advance_sum_sd": sd}
-    views = (one.last_view, other.last_view)
-    if all(view is not None and view.slipping is not None for view in views):
-        parts = []
-        for observable, view in ((one, views[0]), (other, views[1])):
-            assert view is not None
-            assert view.slipping is not None
-            sign = -1.0 if observable.run.scenario.drive.direction == "-x" else 1.0
-            mean = view.slipping.slopes[0]
-            parts.append((sign, mean.value, mean.sd))
-        even = 0.5 * sum(sign * value for sign, value, _ in parts)
-        odd = 0.5 * sum(value for _, value, _ in parts)
-        error = 0.5 * math.hypot(parts[0][2], parts[1][2])
+    if found.world is not None:
         lines.append(
-            f"Of the force residuals while slipping, {even:.2g} ± {error:.1g} N is fixed to the "
-            f"world (along +x) and {odd:.2g} ± {error:.1g} N turns with the robot."
+            f"Of the force residuals while slipping, {found.world:.2g} ± {found.force_sd:.1g} N is "
+            f"fixed to the world (along +x) and {found.robot:.2g} ± {found.force_sd:.1g} N turns "
+            "with the robot."
         )
-        numbers |= {"force_world": even, "force_robot": odd, "force_sd": error}
-    return lines, numbers
+    return lines
 
 
 def _worst(found: Residual) -> Slope | None:
@@ -171,7 +144,7 @@ def _worst(found: Residual) -> Slope | None:
         return None
     best = max(clear, key=lambda each: abs(each.t))
     constant = found.slopes[0]
-    return constant if abs(constant.t) > max(CLEAR, 0.7 * abs(best.t)) else best
+    return constant if abs(constant.t) > max(CLEAR, _NEARLY * abs(best.t)) else best
 
 
 def _signed(slope: Slope, unit: str) -> str:

@@ -1,87 +1,65 @@
-"""The part of the report that a tracked run draws: folded motion, force residuals, and words."""
+"""The part of the report that shows a tracked run: folded motion, force residuals, and words."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.observables.observable import ReportSection
+from stickslip._util.palette import BLUE, DARK_GREY, PALE_BLUE, VERMILION
+from stickslip.diagnosis.observables.tracking.comparison import (
+    Directions,
+    FilmComparison,
+    compare_directions,
+    opposite,
+)
 from stickslip.diagnosis.observables.tracking.force_residuals import (
     FEWEST_ORDERS,
     ForceView,
     Residual,
-    force_view,
-)
-from stickslip.diagnosis.observables.tracking.messages import (
-    advance_lines,
-    direction_lines,
-    view_lines,
 )
 from stickslip.diagnosis.report.figures import png
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from stickslip.diagnosis.observables.tracking.film import FilmObservable
+from stickslip.diagnosis.report.film_messages import advance_lines, direction_lines, view_lines
+from stickslip.diagnosis.report.section import ReportSection
 
 Array = NDArray[np.float64]
 
-_BLUE, _ORANGE, _GREY = "#0072B2", "#D55E00", "#777777"
 
-
-def draw(
-    observable: FilmObservable,
-    names: Sequence[str],
-    recalibrated: Array,
-    extended: Array | None,
-    held_out: bool,
-) -> list[ReportSection]:
+def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> list[ReportSection]:
     """The section of one run; with the second of two directions, one of their difference."""
-    view = force_view(observable, names, recalibrated)
-    title = f"Tracking of {observable.run.file}"
-    if view is None:
+    title = f"Tracking of {film.file}"
+    if film.view is None:
         line = (
             "No view of forces: the drive has no phase to fold on, the frames are too few, or the "
             "recalibrated model does not simulate."
         )
-        return [ReportSection(title, "", (line,), {"held_out": held_out})]
-    after = None if extended is None else force_view(observable, names, extended)
-    advance = _advance(observable, names, recalibrated, None if after is None else extended)
-    lines = [*advance_lines(advance), *view_lines(view, after)]
-    numbers = {"held_out": held_out, "advance": advance, **_numbers(view, after)}
-    report_sections = [ReportSection(title, _figure(view, after), tuple(lines), numbers)]
-    observable.last_view = view
-    for other in observable.family[: observable.family.index(observable)]:
-        if opposite(observable, other) and other.last_view is not None:
-            lines, numbers = direction_lines(other, observable)
-            title = f"{other.run.file} and {observable.run.file}: forward and reversed"
-            report_sections.append(ReportSection(title, "", tuple(lines), numbers))
-    return report_sections
+        return [ReportSection(title, "", (line,), {"held_out": film.held_out})]
+    lines = [*advance_lines(film.advance), *view_lines(film.view, film.after)]
+    numbers = {
+        "held_out": film.held_out, "advance": film.advance, **_numbers(film.view, film.after)
+    }  # fmt: skip
+    sections = [ReportSection(title, _figure(film.view, film.after), tuple(lines), numbers)]
+    for other in earlier:
+        if other.view is not None and opposite(film, other):
+            found = compare_directions(other, film)
+            title = f"{other.file} and {film.file}: forward and reversed"
+            numbers = _direction_numbers(found)
+            sections.append(ReportSection(title, "", tuple(direction_lines(found)), numbers))
+    return sections
 
 
-def _advance(
-    observable: FilmObservable, names: Sequence[str], recalibrated: Array, extended: Array | None
-) -> dict[str, float] | None:
-    """Way of a pulse, m: measured, its error, and what the models make of it."""
-    measured = observable.advance
-    if measured is None:
-        return None
-    found = dict(zip(("measured", "sd"), measured, strict=True))
-    found["recalibrated"] = observable.advance_of(names, recalibrated)
-    if extended is not None:
-        found["extended"] = observable.advance_of(names, extended)
-    return found
-
-
-def opposite(one: FilmObservable, other: FilmObservable) -> bool:
-    """Whether two runs differ in their direction alone."""
-    drive = one.run.scenario.drive
-    turned = "+x" if drive.direction == "-x" else "-x"
-    same = one.run.scenario.replace({"drive.direction": turned})
-    return same == other.run.scenario
+def _direction_numbers(found: Directions | None) -> dict[str, object]:
+    if found is None:
+        return {}
+    numbers: dict[str, object] = {"advance_sum": found.total, "advance_sum_sd": found.sd}
+    if found.world is not None:
+        numbers |= {
+            "force_world": found.world, "force_robot": found.robot, "force_sd": found.force_sd
+        }  # fmt: skip
+    return numbers
 
 
 @dataclass(frozen=True)
@@ -135,10 +113,10 @@ def _figure(view: ForceView, after: ForceView | None) -> str:
         motion = list(axes[0])
     for each, trace in zip(motion, traces(view, after), strict=True):
         each.plot(view.phase, trace.measured, color="k", lw=1.6, label="measured, smoothed")
-        each.plot(view.phase, trace.recalibrated, color=_BLUE, lw=1.4, ls="--",
+        each.plot(view.phase, trace.recalibrated, color=BLUE, lw=1.4, ls="--",
                   label="recalibrated")  # fmt: skip
         if trace.extended is not None:
-            each.plot(view.phase, trace.extended, color=_ORANGE, lw=1.4, ls=":",
+            each.plot(view.phase, trace.extended, color=VERMILION, lw=1.4, ls=":",
                       label="with the cause")  # fmt: skip
         each.set_xlabel("phase of the drive")
         each.set_ylabel(trace.label)
@@ -164,7 +142,7 @@ def _row(
         (view.phase, "phase of the drive"),
     )
     for k, (each, (variable, name)) in enumerate(zip(axes, variables, strict=True)):
-        each.axhline(0.0, color=_GREY, lw=0.8)
+        each.axhline(0.0, color=DARK_GREY, lw=0.8)
         each.set_xlabel(name)
         each.tick_params(labelsize=8)
         each.locator_params(axis="x", nbins=4)
@@ -172,11 +150,11 @@ def _row(
             each.sharey(axes[0])
             each.tick_params(labelleft=False)
         at, value, sd = _well_separated(view, found)
-        each.errorbar(variable[at], value * unit, sd * unit, fmt="o", color=_BLUE,
-                      ecolor="#9cc4de", ms=3.5, lw=1.0, label="recalibrated")  # fmt: skip
+        each.errorbar(variable[at], value * unit, sd * unit, fmt="o", color=BLUE,
+                      ecolor=PALE_BLUE, ms=3.5, lw=1.0, label="recalibrated")  # fmt: skip
         if after is not None:
             at, value, _ = _well_separated(view, after)
-            each.plot(variable[at], value * unit, "D", color=_ORANGE, mfc="none", ms=4,
+            each.plot(variable[at], value * unit, "D", color=VERMILION, mfc="none", ms=4,
                       label="with the cause")  # fmt: skip
     axes[0].set_ylabel(label)
     if after is not None:

@@ -1,0 +1,71 @@
+#include "stickslip/probe.hpp"
+
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "stickslip/assembly.hpp"
+#include "stickslip/scenario_rows.hpp"
+
+namespace stickslip {
+namespace {
+
+constexpr std::size_t kAxes = 3;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+std::vector<double> coil_shares(const CoilSet& coils, const std::vector<double>& places,
+                                const std::vector<double>& currents) {
+    const std::size_t count = places.size() / kAxes;
+    if (places.size() != count * kAxes || currents.size() != count * kCoilCount) {
+        throw std::invalid_argument("each place needs x, y, z and the currents of five coils");
+    }
+    std::vector<double> shares(count * kCoilCount * kAxes, 0.0);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Eigen::Map<const Eigen::Vector3d> place(&places[i * kAxes]);
+        for (const Coil coil : kAllCoils) {
+            const std::size_t k = i * kCoilCount + static_cast<std::size_t>(coil);
+            if (currents[k] == 0.0) continue;
+            Eigen::Map<Eigen::Vector3d> share(&shares[k * kAxes]);
+            try {
+                share = currents[k] * coils.unit_field(coil, place).field;
+            } catch (const std::domain_error&) {
+                share.setConstant(kNaN);
+            }
+        }
+    }
+    return shares;
+}
+
+std::vector<double> probe_readings(const Scenario& base, const std::vector<std::string>& keys,
+                                   const std::vector<double>& values,
+                                   const std::vector<double>& places,
+                                   const std::vector<double>& currents) {
+    const ScenarioRows rows(base, keys, values);
+    std::vector<double> readings(rows.size() * places.size(), kNaN);
+    // Most rows have the coils of the row before, and these are most of the work.
+    CoilGeometry geometry;
+    std::vector<double> shares;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        const std::optional<Scenario> scenario = rows[row];
+        if (!scenario) continue;
+        if (shares.empty() || !(scenario->coil.geometry == geometry)) {
+            geometry = scenario->coil.geometry;
+            shares = coil_shares(CoilSet(geometry), places, currents);
+        }
+        const PerCoil gain = field_gain(*scenario);
+        const Effects& effects = scenario->effects;
+        const double ambient[kAxes] = {effects.ambient_field_bx, 0.0, effects.ambient_field_bz};
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const std::size_t first = i / kAxes * kCoilCount * kAxes + i % kAxes;
+            double field = 0.0;
+            for (std::size_t k = 0; k < kCoilCount; ++k)
+                field += gain[k] * shares[first + k * kAxes];
+            readings[row * places.size() + i] = field + ambient[i % kAxes];
+        }
+    }
+    return readings;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,169 @@
+"""Readings that are no readings of what was measured: one rule, and what each kind is held against.
+
+A reading is left out if it lies farther than `FAR` robust standard deviations from what the other
+readings let expect. What they let expect is another thing for each kind of table, and so are the
+errors, which is why four methods stand here:
+
+============================  ========================================  ===========================
+method                        expected                                  scale
+============================  ========================================  ===========================
+`far_from_their_group`        median of the repeats of a condition      of all groups together, as
+                                                                        three repeats have none;
+                                                                        it grows with the level
+`far_from_their_neighbours`   line through two neighbours of a curve    of the whole curve
+                              that was never repeated
+`far_from_a_fit`              linear fit to the other rows, as rows     of what the fit leaves
+                              with other settings are no neighbours
+`far_from_their_phase`        running median, as frames of nearly one   of the same neighbours
+                              phase are many
+============================  ========================================  ===========================
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+FAR = 8.0
+"""Robust standard deviations beyond which a reading is left out. Chosen: one normal error in 1e15
+and one of Student's law with four degrees of freedom in 1000 is as far; a wrong unit is farther."""
+
+FAR_FROM_PHASE = 14.0
+"""The same of frames. Chosen: nine neighbours tell a scale to some 40 %, and of thousands of frames
+none that is sound should go: one in 10,000 of the same law is as far."""
+
+NEIGHBOURS = 9
+"""Frames of nearly the same phase that are compared. Chosen: four of them may be wrong."""
+
+ROBUST = 1.48
+"""Standard deviation over the median of absolute deviations, of a normal law: 1 / 0.6745."""
+
+_BEND = 3.5  # standard deviations; chosen: one normal error in 2000 is as far
+_SHARE, _QUANTILE = 0.8, 1.2816  # of normal errors four fifths are below so many sd
+_ENOUGH = 2000  # trials; chosen: they tell a scale to 3 %, and more would only cost time
+_GRID, _WIDEST = 40, 50.0  # steps and reach of a scale about the median; chosen: 22 % a step
+_FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wrong
+
+
+def robust_sd(deviation: Array, axis: int | None = None) -> Array:
+    """Standard deviation of most of the numbers, whatever a few of them do."""
+    return np.asarray(ROBUST * np.median(np.abs(deviation), axis=axis))
+
+
+def far_from_their_group(values: Array, group: NDArray[np.int64]) -> tuple[Mask, Array]:
+    """Which values are far from the median of their group, and these medians, shape (n,).
+
+    Groups of fewer than three tell nothing of their own values. The scale has a part that does not
+    fall with the level: small values scatter by more than their share.
+    """
+    deviation, level = np.zeros(values.shape), np.zeros(values.shape)
+    for each in np.unique(group):
+        inside = group == each
+        level[inside] = np.median(values[inside])
+        if inside.sum() >= 3:
+            deviation[inside] = np.abs(values[inside] - level[inside])
+    # The median of three leaves one deviation at zero, so the rest are the scale.
+    positive = deviation > 0.0
+    if not positive.any():
+        return positive, level
+    return deviation > FAR * _scale(deviation[positive], level[positive])(level), level
+
+
+def _scale(deviation: Array, level: Array) -> Callable[[Array], Array]:
+    """Standard deviation at a level, sqrt(a^2 + (b level)^2).
+
+    The likeliest of a grid under Student's law with two degrees of freedom, which wild values do
+    not move, made to agree with the median. Of a long table some values tell enough.
+    """
+    if len(deviation) > _ENOUGH:
+        some = np.random.default_rng(0).choice(len(deviation), _ENOUGH, replace=False)
+        deviation, level = deviation[some], level[some]
+    moving = np.abs(level[level != 0.0])
+    size = float(np.median(moving)) if len(moving) else 1.0
+    parts = float(np.median(deviation)) * np.geomspace(1.0 / _WIDEST, _WIDEST, _GRID)
+    floor, slope = (each.ravel() for each in np.meshgrid(parts, parts / size))
+    scale = np.hypot(floor[:, None], slope[:, None] * level)
+    loss = np.sum(np.log(scale) + 1.5 * np.log1p(0.5 * (deviation / scale) ** 2), axis=1)
+    best = int(np.argmin(loss))
+    unit = float(robust_sd(deviation / scale[best]))
+    return lambda at: np.asarray(unit * np.hypot(floor[best], slope[best] * at))
+
+
+def far_from_their_neighbours(distance: Array, slope: Array, least: float) -> Mask:
+    """Which rows are far from the line through their two neighbours, which agree with each other.
+
+    Parameters
+    ----------
+    distance : ndarray, shape (n,)
+        From that line.
+    slope : ndarray, shape (n,)
+        Difference of the two neighbours: where they differ by half the distance the curve is steep.
+    least : float
+        A distance that is never far.
+    """
+    limit = max(FAR * float(robust_sd(distance)), least)
+    return np.asarray((np.abs(distance) > limit) & (np.abs(distance) > 2.0 * np.abs(slope)))
+
+
+def free_of_bends(distance: Array) -> Mask:
+    """Which distances from a line through neighbours are errors, and no bends of the curve.
+
+    For an estimate of the noise alone: bends are more than a few, so the limit is nearer, and the
+    scale is that of four fifths; no reading is left out for them.
+    """
+    size = np.abs(distance)
+    return np.asarray(size <= _BEND * float(np.quantile(size, _SHARE)) / _QUANTILE)
+
+
+def far_from_a_fit(fit: Callable[[Mask], Array | None], count: int, floor: float) -> Mask:
+    """Which of `count` rows are far from a fit to the others, if they are few; else none.
+
+    Parameters
+    ----------
+    fit : callable
+        ``fit(rows)`` gives what a fit to these rows leaves over, shape (rows, components), or None
+        where they are too few to tell.
+    count : int
+    floor : float
+        Standard deviation below which none is believed.
+    """
+    near = np.ones(count, dtype=bool)
+    # One by one, as the worst drags the fit of all others along.
+    for _ in range(int(_FEW * count) + 1):
+        left = fit(near)
+        if left is None:
+            break
+        size = np.max(np.abs(left), axis=1)
+        if np.max(size) <= FAR * max(float(robust_sd(left)), floor):
+            return np.asarray(~near)
+        near[np.flatnonzero(near)[np.argmax(size)]] = False
+    return np.zeros(count, dtype=bool)
+
+
+def far_from_their_phase(level: Array, quantum: float) -> Mask:
+    """Which frames are far from those of nearly the same phase.
+
+    Parameters
+    ----------
+    level : ndarray, shape (n,)
+        Frames in the order of their phase, which goes round, less what else is known of them.
+    quantum : float
+        Step to which they are rounded, 0 for none.
+    """
+    if len(level) < 2 * NEIGHBOURS:
+        return np.zeros(len(level), dtype=bool)
+    half = NEIGHBOURS // 2
+    window = np.lib.stride_tricks.sliding_window_view(
+        np.concatenate([level[-half:], level, level[:half]]), NEIGHBOURS
+    )
+    middle = np.median(window, axis=1)
+    spread = robust_sd(window - middle[:, None], axis=1)
+    # Rounding scatters evenly over a step, which has the variance of a twelfth.
+    usual = max(float(np.median(spread)), quantum / math.sqrt(12.0))
+    return np.asarray(np.abs(level - middle) > FAR_FROM_PHASE * np.maximum(spread, usual))
