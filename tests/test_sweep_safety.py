@@ -80,7 +80,7 @@ def test_a_file_has_one_sweep_at_a_time(tmp_path):
     (tmp_path / "link.nc").symlink_to("a.nc")
     refused = []
 
-    def another(done):
+    def another(done, stage):
         for name, resume in (("a.nc", False), ("a.nc", True), ("link.nc", False)):
             with pytest.raises(ScenarioError, match=rf"{name}: another sweep is writing"):
                 sweep(QUICK, {"drive.frequency": [30.0]}, out=tmp_path / name, resume=resume)
@@ -162,7 +162,7 @@ def test_an_interrupt_promises_to_go_on_only_with_a_file_that_is_there(
 
     monkeypatch.setattr("stickslip.cli.sweep_command.sweep_points", interrupted)
     (tmp_path / "s.toml").write_text(QUICK.to_toml())
-    options = {"vary": ("drive.hold=0,1e-3",), "settings": (), "jobs": None, "dask": None}
+    options = {"vary": ("drive.hold=0,1e-3",), "settings": (), "threads": None, "dask": None}
     options |= {"out": tmp_path / "a.nc", "resume": True, "as_json": False}
     for there, said in ((False, "nothing written"), (True, "--resume goes on with")):
         if there:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stickslip.scenario.named_effects import effects
     from stickslip.scenario.scenario import Scenario, load
     from stickslip.scenario.sections import (
+        COIL_NAMES,
         Coil,
         Contact,
         Drag,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     )
     from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.scenario.waveform import Waveform, volts_per_tesla
-    from stickslip.simulation.coils import COIL_NAMES, Coils
+    from stickslip.simulation.coils import Coils
     from stickslip.simulation.netcdf import open_run
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import simulate, simulate_batch
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {
-    "COIL_NAMES": "simulation.coils",
+    "COIL_NAMES": "scenario.sections",
     "__version__": "_core",
     "Coil": "scenario.sections",
     "Coils": "simulation.coils",

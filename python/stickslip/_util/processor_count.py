@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 
-from stickslip.scenario.keys import shown
-
 
 def worker_count(count: int | None, name: str) -> int:
     """`count` if it is given, else the number of processors that this process may use.
@@ -20,5 +18,5 @@ def worker_count(count: int | None, name: str) -> int:
             return len(os.sched_getaffinity(0))
         return os.cpu_count() or 1
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise ValueError(f"{name} = {shown(count)}: allowed is a whole number from 1")
+        raise ValueError(f"{name} = {count!r}: allowed is a whole number from 1")
     return count

@@ -10,6 +10,7 @@ import click
 from stickslip._util.atomic_files import check_writable, replacing
 from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
+from stickslip.cli.options import PATH
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import PROGRAM, Key, known_keys
 from stickslip.scenario.sections import SECTIONS
@@ -37,7 +38,7 @@ _WIDTH = 100
 
 
 @click.command("init", epilog="\b\nExample:\n  stickslip init scenario.toml")
-@click.argument("file", type=click.Path(path_type=Path), default=Path("scenario.toml"))
+@click.argument("file", type=PATH, default=Path("scenario.toml"))
 def command(file: Path) -> None:
     """Write a scenario with all keys, their defaults and what they mean to FILE.
 

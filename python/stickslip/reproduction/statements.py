@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,10 @@ from stickslip.reproduction.survey import Survey
 from stickslip.reproduction.verdicts import Verdict, of_number, verdict
 
 Criterion = Callable[[Survey], Outcome]
+
+# What the paper's section IV-B states of the coils: N m, N, and parts of the field.
+TORQUE, FORCE, FILAMENT, FRINGE = 10.5e-9, 240e-9, 0.022, 0.025
+_SAME = 0.01  # part within which a number that is stated with two or three digits is met
 
 CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     "S1": (
@@ -124,6 +129,20 @@ class Statement:
     verdict: Verdict
     parts: dict[str, float]
 
+    def as_dict(self) -> dict[str, Any]:
+        """The statement of plain types."""
+        return {
+            "name": self.name,
+            "statement": self.text,
+            "condition": self.condition,
+            "numbers": self.numbers,
+            "verdict": self.verdict.word,
+            "text": self.verdict.text,
+            "share": self.verdict.share,
+            "at_reference": self.verdict.at_reference,
+            "parts": self.parts,
+        }
+
 
 def judge(
     found: Survey, checks: FieldChecks
@@ -174,42 +193,42 @@ def _share(flags: Flags, works: Flags) -> float:
 
 
 def _of_the_field(checks: FieldChecks) -> list[Statement]:
-    torque = abs(checks.torque / 10.5e-9 - 1.0) < 0.01
-    force = abs(checks.force_at_centre / 240e-9 - 1.0) < 0.01
+    torque = abs(checks.torque / TORQUE - 1.0) < _SAME
+    force = abs(checks.force_at_centre / FORCE - 1.0) < _SAME
+    of_force = of_number(torque and force)
     if torque and not force:
-        of_force = Verdict(
-            "depends",
-            "torque reproduced; force depends on the place, and is not met at the centre",
-            None,
-            False,
-        )
-    else:
-        of_force = of_number(torque and force)
-    rows = [
-        (
+        words = "torque reproduced; force depends on the place, and is not met at the centre"
+        of_force = Verdict("depends", words, None, False)
+    return [
+        Statement(
             "S15",
             "The greatest torque is 10.5 µN mm, the greatest force 240 nN.",
+            "",
             f"torque {checks.torque * 1e9:.2f} µN mm at 6.5 mT; force "
             f"{checks.force_at_centre * 1e9:.0f} nN at the centre, "
             f"{checks.force_at_offset * 1e9:.0f} nN at {checks.full_gradient_offset * 1e3:.1f} mm "
             "from it towards the coil",
             of_force,
+            {},
         ),
-        (
+        Statement(
             "S16",
             "One filament stands for the winding within 2.2%.",
+            "",
             f"greatest difference in the 25 mm cube {checks.winding_flat:.2%} from a flat winding, "
             f"{checks.winding_square:.2%} from one as deep as wide",
-            of_number(max(checks.winding_flat, checks.winding_square) <= 0.022),
+            of_number(max(checks.winding_flat, checks.winding_square) <= FILAMENT),
+            {},
         ),
-        (
+        Statement(
             "S17",
             "In a cube of 25 mm the fringe field stays below 2.5% of the main one.",
+            "",
             f"{checks.fringe:.1%} in the cube of 25 mm, {checks.fringe_small:.2%} in one of 5 mm",
-            of_number(checks.fringe < 0.025, "" if checks.fringe < 0.025 else _FRINGE),
+            of_number(checks.fringe < FRINGE, "" if checks.fringe < FRINGE else _FRINGE),
+            {},
         ),
     ]
-    return [Statement(name, text, "", numbers, of, {}) for name, text, numbers, of in rows]
 
 
 _FRINGE = "not reproduced; true within a cube of about 5 mm"

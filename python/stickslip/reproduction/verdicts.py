@@ -12,6 +12,7 @@ from stickslip.reproduction.outcome import Flags
 
 Word = Literal["reproduced", "not reproduced", "depends"]
 
+# The paper has no such thresholds: these are choices of this study, which its page names.
 MOST = 0.9
 """Share of the settings from which on a statement counts as reproduced, whatever is chosen."""
 FEW = 0.1
@@ -19,7 +20,7 @@ FEW = 0.1
 TELLING = 0.25
 """Least difference of a factor's shares for the factor to be named."""
 
-_NAMED = 2
+_NAMED = 2  # factors in one sentence
 
 
 @dataclass(frozen=True)
@@ -52,22 +53,12 @@ def verdict(
 ) -> Verdict:
     """Judge a statement by the share of working pairs for which it holds.
 
-    Parameters
-    ----------
-    holds, works : numpy.ndarray of bool, shape (settings of IPP, settings of OPP)
-    factors : mapping
-        For each factor its level in every setting: of IPP where the name begins with it, else of
-        OPP.
-    reference : tuple of int
-        Indices of the reference pair.
-
-    Returns
-    -------
-    Verdict
+    Flags have the shape (settings of IPP, settings of OPP); `reference` has the indices of the
+    reference pair. `factors` has for each factor its level in every setting: of IPP where the name
+    begins with it, else of OPP.
     """
     holds = np.broadcast_to(holds, works.shape)
-    count = int(works.sum())
-    share = float(holds[works].mean()) if count else 0.0
+    share = float(holds[works].mean()) if works.any() else 0.0
     at_reference = bool(holds[reference])
     if share >= MOST:
         return Verdict("reproduced", "reproduced", share, at_reference)
@@ -84,11 +75,10 @@ def telling_factors(
     """The factors whose levels differ most in their share, most first, each with its best level."""
     found = []
     for name, levels in factors.items():
-        axis = 0 if name.startswith("IPP") else 1
         shares = {}
         for level in dict.fromkeys(levels):
             chosen = np.array([each == level for each in levels])
-            pairs = works & (chosen[:, np.newaxis] if axis == 0 else chosen)
+            pairs = works & (chosen[:, np.newaxis] if name.startswith("IPP") else chosen)
             if pairs.any():
                 shares[level] = float(holds[pairs].mean())
         if len(shares) > 1:

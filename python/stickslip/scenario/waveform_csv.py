@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from stickslip._util.atomic_files import read_bytes, replacing
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
-from stickslip.simulation.coils import COIL_NAMES
+from stickslip.scenario.sections import COIL_NAMES
 
 if TYPE_CHECKING:
     from stickslip.scenario.waveform import Waveform

@@ -7,9 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 
-COIL_NAMES = ("xp", "xm", "yp", "ym", "clamp")
-"""Order of the coils in every array of currents: +x, -x, +y, -y, and below (-z)."""
-
 _Array = NDArray[np.float64]
 
 

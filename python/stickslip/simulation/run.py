@@ -48,6 +48,22 @@ COLUMNS = {
 """The recorded quantities by name; each is an attribute of a `Run`."""
 
 
+WORDS = {"contact": _core.contact_names, "event": _core.event_names}
+"""What the numbers of a quantity stand for, where they stand for words."""
+
+
+def recorded_columns(run: Run) -> dict[str, Column]:
+    """The quantities of a run's record; events have one more."""
+    events = run.scenario.record.rate == "events"
+    return {name: column for name, column in COLUMNS.items() if name != "event" or events}
+
+
+def resting_force(scenario: Scenario) -> float:
+    """Normal force on a body that lies still without field: weight and adhesion, N."""
+    weight = scenario.robot.mass * scenario.environment.gravity
+    return weight + scenario.contact.adhesion
+
+
 SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 """Of the files that a run can be saved as."""
 

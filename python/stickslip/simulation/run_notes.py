@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
+from stickslip.scenario.sections import COIL_NAMES as _COILS
 from stickslip.scenario.sections import Solver
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ HIGH_VOLTAGE = 200.0
 LOOSE_TOLERANCE = 1e-5
 """Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
 mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
-
-_COILS = ("xp", "xm", "yp", "ym", "clamp")
 
 
 def run_notes(scenario: Scenario, summary: dict[str, Any]) -> list[str]:

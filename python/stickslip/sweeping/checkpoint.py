@@ -14,10 +14,10 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.checksum import check_checksum
 from stickslip.errors import ScenarioError
-from stickslip.simulation.netcdf import write_netcdf
+from stickslip.simulation.netcdf import origin, write_netcdf
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points
-from stickslip.sweeping.results import NOT_RUN, NUMBERS, Results
+from stickslip.sweeping.results import NOT_RUN, Results
 
 _FIRST = 0.5
 """Time to the first checkpoint, s: it costs what the last one does, which there is in any case."""
@@ -94,13 +94,14 @@ def read(path: str | PathLike[str], points: Points) -> Results:
 def _check_same(found: dict[str, Any], points: Points) -> None:
     if "vary" not in found or "scenario" not in found:
         raise ScenarioError("it is no file of a sweep")
+    here = origin(points.scenario)
     version = str(found.get("stickslip_version"))
     if version != _core.__version__:
         raise ScenarioError(f"it is of stickslip {version}, and this is {_core.__version__}")
-    scenario = points.scenario.to_toml()
-    if found["scenario"] != scenario:
-        raise ScenarioError(f"its scenario is another: {_difference(found['scenario'], scenario)}")
-    if found.get("voltage_blocks", "") != points.voltages():
+    if found["scenario"] != here["scenario"]:
+        different = _difference(found["scenario"], here["scenario"])
+        raise ScenarioError(f"its scenario is another: {different}")
+    if found.get("voltage_blocks") != here.get("voltage_blocks"):
         raise ScenarioError("its voltages are others")
     if (found.get("arrangement"), found["vary"]) != (points.arrangement, points.vary()):
         raise ScenarioError(f"its points are others: {_other_points(found['vary'], points.vary())}")
@@ -127,11 +128,9 @@ def _other_points(there: str, here: str) -> str:
 
 def _results(file: h5netcdf.File, points: Points) -> Results:
     results = Results(points.count)
-    results.status[:] = np.asarray(file["status"]).ravel()
-    for name in NUMBERS:
-        results.numbers[name][:] = np.asarray(file[name]).ravel()
-    results.events[:] = np.asarray(file["events"]).reshape(results.events.shape)
-    results.painleve_events[:] = np.asarray(file["painleve_events"]).ravel()
+    arrays = {**results.numbers, "status": results.status, "events": results.events}
+    for name, values in {**arrays, "painleve_events": results.painleve_events}.items():
+        values[:] = np.asarray(file[name]).reshape(values.shape)
     results.finished = int(np.count_nonzero(results.status != NOT_RUN))
     if "message" in file.variables:
         texts = np.asarray(file["message"]).ravel()

@@ -18,6 +18,8 @@ from typing import Any, Protocol
 from stickslip.sweeping.worker import Chunk, Part, run_chunk
 
 _SIZE_IF_UNKNOWN = 16
+"""Workers of an executor that does not say; too many cost only chunks that wait."""
+
 _RECOUNT = 5.0
 """Time between two looks at the size of an executor that may grow, s."""
 
@@ -25,8 +27,8 @@ _RECOUNT = 5.0
 _DEATHS = ("KilledWorker", "FutureCancelledError", "FuturesCancelledError")
 
 
-class Crew(Protocol):
-    """Takes chunks."""
+class ChunkExecutor(Protocol):
+    """Has chunks simulated."""
 
     shortest: float
     """Time below which a chunk is not worth its way to a worker, s."""
@@ -41,7 +43,7 @@ class Crew(Protocol):
         """Stop the work that can be stopped, and wait for its end."""
 
 
-class Threads:
+class LocalThreads:
     """Threads of this process; the core does not hold Python's lock while it simulates."""
 
     shortest = 2e-3
@@ -66,7 +68,7 @@ class Threads:
             raise CancelledError
 
 
-class Workers:
+class OutsideExecutor:
     """The workers of an executor, which stays open.
 
     A pool of processes that is broken by the death of one of them takes no more work; a new pool
@@ -75,15 +77,15 @@ class Workers:
 
     shortest = 20e-3
 
-    def __init__(self, executor: Executor, jobs: int | None) -> None:
+    def __init__(self, executor: Executor, workers: int | None) -> None:
         self._executor = executor
-        self._jobs = jobs
+        self._workers = workers
         self._replacement: Executor | None = None
-        self._size = jobs or size_of(executor)
+        self._size = workers or size_of(executor)
         self._counted = time.monotonic()
 
     def size(self) -> int:
-        if self._jobs is None and time.monotonic() - self._counted > _RECOUNT:
+        if self._workers is None and time.monotonic() - self._counted > _RECOUNT:
             self._size = size_of(self._executor)
             self._counted = time.monotonic()
         return self._size

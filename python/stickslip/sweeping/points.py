@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
+    PROGRAM,
     RECORD_RATE,
     Value,
     checked,
@@ -27,7 +28,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import PROGRAM, SECTIONS
+from stickslip.scenario.sections import SECTIONS
 from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000
@@ -64,7 +65,7 @@ class Points:
         self.scenario = scenario.replace({RECORD_RATE: "none"})
         self.arrangement = arrangement
         self.keys = tuple(columns)
-        self.columns = tuple(_encoded(key, values) for key, values in columns.items())
+        self.columns = tuple(encoded(key, values) for key, values in columns.items())
         if self.count > MOST_POINTS:
             raise ScenarioError(f"{self.count} points: allowed are at most {MOST_POINTS}")
 
@@ -109,15 +110,6 @@ class Points:
     def vary(self) -> str:
         """The keys and their values as JSON, columns as in the attribute `columns`."""
         return json.dumps({key: self.labels(key).tolist() for key in self.keys})
-
-    def voltages(self) -> str:
-        """The voltages of a program as JSON, which a scenario's text leaves out; else empty."""
-        program = self.scenario.drive.program
-        if program is None:
-            return ""
-        return json.dumps(
-            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
-        )
 
 
 def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
@@ -253,7 +245,8 @@ def _words(key: str) -> tuple[str, ...]:
     return next(tuple(row["allowed"]) for row in _core.choices() if row["key"] == key)
 
 
-def _encoded(key: str, values: Sequence[Value]) -> _Array:
+def encoded(key: str, values: Sequence[Value]) -> _Array:
+    """Values of a key as numbers, as the core reads them: of a word its index."""
     if known_keys()[key].kind == "word":
         places = {word: place for place, word in enumerate(_words(key))}
         values = [places[str(value)] for value in values]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.sweeping.executors import Crew, died
+from stickslip.sweeping.executors import ChunkExecutor, died
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import Results
 from stickslip.sweeping.worker import Chunk, Part
@@ -21,8 +21,14 @@ _TICK = 0.05
 """Longest time between two reports, s."""
 
 _CHUNK_SECONDS = 1.0
+"""Longest time that a chunk should take, s: results come and progress is seen as often."""
+
 _MOST_POINTS = 20_000
+"""Points of the largest chunk, so that its way to a worker stays some MB."""
+
 _GROWTH = 8
+"""How much larger a chunk may be than the largest before: its cost is known from that one alone."""
+
 _QUEUED = 2
 """Chunks for each worker: the one in work, and the one that waits so that it need not."""
 
@@ -42,13 +48,13 @@ class _Pace:
         self._cost = 0.0  # s a point
         self._largest = 0
 
-    def size(self, left: int, crew: Crew) -> int:
+    def size(self, left: int, executor: ChunkExecutor) -> int:
         if self._largest == 0:
             return 1
         cost = max(self._cost, 1e-9)
         # Shrinking towards the end, so that all workers end at about the same time.
-        fair = math.ceil(left / (2 * crew.size()))
-        worthwhile = math.ceil(crew.shortest / cost)
+        fair = math.ceil(left / (2 * executor.size()))
+        worthwhile = math.ceil(executor.shortest / cost)
         longest = int(_CHUNK_SECONDS / cost)
         points = min(longest, max(fair, worthwhile), _GROWTH * self._largest, _MOST_POINTS)
         return max(points, 1)
@@ -59,26 +65,15 @@ class _Pace:
         self._largest = max(self._largest, points)
 
 
-def compute(points: Points, results: Results, crew: Crew, report: Callable[[], object]) -> None:
+def compute(
+    points: Points, results: Results, executor: ChunkExecutor, report: Callable[[], object]
+) -> None:
     """Simulate all points that `results` has not, and put them there.
 
     Which worker simulates a point, and together with which others, has no influence on its result.
-
-    Parameters
-    ----------
-    points : Points
-        What to simulate.
-    results : Results
-        Where the results go; after an error it holds all that was done before.
-    crew : Crew
-        Who simulates.
-    report : callable
-        Called some twenty times a second; what it raises stops the work.
-
-    Raises
-    ------
-    Exception
-        What a worker raised; of one that died only if its chunk has met this several times.
+    `report` is called some twenty times a second; what it raises stops the work, and so does what a
+    worker raises, or one that dies again and again with the same chunk. `results` then holds all
+    that was done before.
     """
     queue = deque([_Job(_mixed(results.pending()), 0)])
     left = len(queue[0].indices)
@@ -87,10 +82,10 @@ def compute(points: Points, results: Results, crew: Crew, report: Callable[[], o
     try:
         report()
         while left or running:
-            while left and len(running) < _QUEUED * crew.size():
-                job = _taken(queue, pace.size(left, crew))
+            while left and len(running) < _QUEUED * executor.size():
+                job = _taken(queue, pace.size(left, executor))
                 left -= len(job.indices)
-                running[crew.submit(_chunk(points, job))] = job
+                running[executor.submit(_chunk(points, job))] = job
             finished, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
             for future in finished:
                 again = _collected(future, running.pop(future), results, pace)
@@ -100,12 +95,12 @@ def compute(points: Points, results: Results, crew: Crew, report: Callable[[], o
     except BaseException:
         for future in running:
             future.cancel()
-        crew.close()
+        executor.close()
         for future, job in running.items():
             if future.done() and not future.cancelled() and future.exception() is None:
                 _put(future.result(), job, results)
         raise
-    crew.close()
+    executor.close()
 
 
 def _mixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:

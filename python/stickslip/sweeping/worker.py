@@ -22,61 +22,29 @@ _SLICE = 64
 
 @dataclass(frozen=True)
 class Chunk:
-    """Points that one worker simulates in one go.
+    """Points that one worker simulates in one go."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        What the points have in common.
-    keys : tuple of str
-        Dotted keys in which they differ.
-    values : numpy.ndarray, shape (n, number of keys)
-        A row for each point.
-    version : str
-        Version of this package that asks for them.
-    attempt : int
-        How often these points have met a worker that died. An executor that recognises work by its
-        arguments would otherwise answer with the failure again.
-    """
-
-    scenario: Scenario
-    keys: tuple[str, ...]
-    values: NDArray[np.float64]
-    version: str
+    scenario: Scenario  # what the points have in common
+    keys: tuple[str, ...]  # dotted keys in which they differ
+    values: NDArray[np.float64]  # a row for each point, a column for each key
+    version: str  # of this package that asks for them
+    # How often these points have met a worker that died. An executor that recognises work by its
+    # arguments would otherwise answer with the failure again.
     attempt: int = 0
 
 
 class Part(NamedTuple):
-    """The results of a chunk's first points.
+    """The results of a chunk's first m points."""
 
-    Attributes
-    ----------
-    columns : dict of numpy.ndarray
-        By name, shape (m,) each for the m points that were simulated.
-    messages : dict of str
-        By place in the chunk, of points that did not end well.
-    seconds : float
-        How long it took, s.
-    """
-
-    columns: dict[str, NDArray[np.generic]]
-    messages: dict[int, str]
-    seconds: float
+    columns: dict[str, NDArray[np.generic]]  # by name, shape (m,) each
+    messages: dict[int, str]  # by place in the chunk, of points that did not end well
+    seconds: float  # how long it took
 
 
 def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> Part:
     """Simulate the points of a chunk, or as many of the first ones as two seconds allow.
 
-    Parameters
-    ----------
-    chunk : Chunk
-        What to simulate.
-    poll : callable, optional
-        Called some twenty times a second; what it raises ends the work.
-
-    Returns
-    -------
-    Part
+    `poll` is called some twenty times a second; what it raises ends the work.
 
     Raises
     ------
