@@ -18,7 +18,7 @@ from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.measured import MeasuredPoint, read_measured
 from stickslip.reproduction.motions import MOTIONS, draw_motion, film_times, reference_runs
 from stickslip.reproduction.points import RTOL, variations
-from stickslip.reproduction.scans import FEWER_PULSES, PULSES, SLOW
+from stickslip.reproduction.scans import FEWER_PULSES_BELOW, PULSES, PULSES_WHEN_SLOW
 from stickslip.reproduction.settings import MODES, Grid, Setting
 from stickslip.reproduction.strokes import strokes
 from stickslip.reproduction.study import FIGURES, Effort
@@ -138,7 +138,7 @@ def test_velocities_are_those_of_single_simulations(study, name, column):
             **setting.keys(),
             "drive.peak": 2.5e-3,
             "drive.frequency": frequency,
-            "drive.pulses": FEWER_PULSES if frequency < SLOW else PULSES,
+            "drive.pulses": PULSES_WHEN_SLOW if frequency < FEWER_PULSES_BELOW else PULSES,
             "solver.rtol": RTOL,
             CURVES[name].scan.key: x,
         }

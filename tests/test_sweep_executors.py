@@ -45,8 +45,8 @@ def test_threads(expected):
 
 
 def test_any_chunks(expected, monkeypatch):
-    monkeypatch.setattr(worker, "_SLICE", 2)
-    monkeypatch.setattr(worker, "_LONGEST", 0.0)  # every chunk ends early
+    monkeypatch.setattr(worker, "_POINTS_PER_CALL", 2)
+    monkeypatch.setattr(worker, "_MAX_SECONDS", 0.0)  # every chunk ends early
     xarray.testing.assert_identical(sweep(SLOW, VARY, threads=2), expected)
 
 

@@ -101,7 +101,7 @@ def test_a_killed_sweep_resumes(tmp_path):
         "import numpy as np\n"
         "import stickslip.sweeping.checkpoint as checkpoint\n"
         "from stickslip import Scenario, sweep\n"
-        "checkpoint._INTERVAL, checkpoint._MOST_SHARE = 0.05, 1.0\n"
+        "checkpoint._MIN_INTERVAL, checkpoint._MAX_SHARE = 0.05, 1.0\n"
         "scenario = Scenario.from_toml('s.toml')\n"
         "vary = {'drive.frequency': np.linspace(20.0, 200.0, 200),"
         " 'contact.static_friction': [0.3, 0.1]}\n"
@@ -143,7 +143,7 @@ def test_a_finished_file_is_read_and_left_alone(tmp_path):
     xarray.testing.assert_identical(again, data)
     after = os.stat(tmp_path / "a.nc")
     assert (after.st_mtime_ns, after.st_ino) == (before.st_mtime_ns, before.st_ino)
-    assert seen == [1.0]
+    assert seen == [(1.0, "simulating")]
 
 
 def test_resuming_without_a_file_begins(tmp_path):
@@ -215,7 +215,7 @@ def test_what_is_no_file_of_a_sweep_is_refused(tmp_path, damage):
         sweep(QUICK, FRICTION, out=path)
         whole = path.read_bytes()
         path.write_bytes({"text": b"a,b\n1,2\n", "empty": b"", "cut": whole[:9000]}[damage])
-    assert_refused(path, QUICK, FRICTION, "no file of a sweep")
+    assert_refused(path, QUICK, FRICTION, "not the file of a sweep")
 
 
 def test_a_file_that_is_there_is_not_overwritten(tmp_path):

@@ -8,10 +8,7 @@ import os
 def worker_count(count: int | None, name: str) -> int:
     """`count` if it is given, else the number of processors that this process may use.
 
-    Raises
-    ------
-    ValueError
-        If it is given and is not a whole number above zero; `name` says what it is.
+    A ValueError with the `name` says that it is not a whole number above zero.
     """
     if count is None:
         if hasattr(os, "sched_getaffinity"):

@@ -23,13 +23,7 @@ def drawn(draw: Callable[[Axes], object], ax: Axes | None, size: tuple[float, fl
 
 
 def root_figure(axes: Axes) -> Figure:
-    """The figure that holds some axes, also where they are part of a subfigure.
-
-    Raises
-    ------
-    ValueError
-        If the axes are in no figure any more.
-    """
+    """The figure that holds some axes, also where they are part of a subfigure."""
     figure = axes.figure
     if isinstance(figure, SubFigure):
         figure = figure.figure

@@ -45,13 +45,7 @@ class Motion:
     heading: float  # 1.0 for a robot that faces +x, -1.0 for one that faces -x
 
     def between(self, start: float | None, stop: float | None) -> Motion:
-        """The part from `start` to `stop`, s.
-
-        Raises
-        ------
-        ValueError
-            If there are less than two samples.
-        """
+        """The part from `start` to `stop`, s; it has two samples or more."""
         first = self.t[0] if start is None else start
         last = self.t[-1] if stop is None else stop
         chosen = (self.t >= first) & (self.t <= last)
@@ -65,15 +59,7 @@ class Motion:
 
 
 def motion(data: Data) -> Motion:
-    """The motion of a run on a uniform grid, or of what `Run.to_xarray` gave of it.
-
-    Raises
-    ------
-    AttributeError
-        If a run has no record.
-    ValueError
-        If the record is one of events, or a Dataset lacks a variable of a run.
-    """
+    """The motion of a run on a uniform grid, or of what `Run.to_xarray` gave of it."""
     if isinstance(data, Run):
         events = data.scenario.record.rate == "events"
         robot: Any = vars(data.scenario.robot)
@@ -81,7 +67,7 @@ def motion(data: Data) -> Motion:
     else:
         missing = [name for name in _DRAWN if name not in data.variables]
         if missing:
-            raise ValueError(f"a Dataset without {', '.join(missing)} is none of a run")
+            raise ValueError(f"the Dataset is not one of a run: it has no {', '.join(missing)}")
         events = "event" in data.variables
         scenario = tomllib.loads(data.attrs["scenario"])
         robot, direction = scenario["robot"], scenario["drive"]["direction"]

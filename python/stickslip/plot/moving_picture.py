@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 
 from stickslip._util.atomic_files import replacing
 from stickslip.plot import style
-from stickslip.plot.film import draw_body, mark_contact
+from stickslip.plot.film import draw_arrow, draw_body, frame, mark_contact
 from stickslip.plot.motion import Motion, corners, lowest_corner, motion
 
 if TYPE_CHECKING:
     from stickslip.plot.motion import Data
 
 MOST_FRAMES = 2000
+"""Of one picture: a hundred seconds of it at the default rate."""
 
 _DOTS_PER_INCH = 100
 _FIELD_ARROW = 60.0  # µm, of the strongest field
@@ -129,16 +130,8 @@ class _View:
         right = float(corners(shown, sample)[:, 0].max()) * 1e6 + _MARGIN
         foot = (min(right, self._right - _FIELD_ARROW), self._top - 1.3 * _FIELD_ARROW)
         field = (shown.bx[sample] * self._arrow, shown.bz[sample] * self._arrow)
-        axes.annotate(
-            "",
-            xy=(foot[0] + field[0], foot[1] + field[1]),
-            xytext=foot,
-            arrowprops={"arrowstyle": "->", "color": style.GREEN, "linewidth": 1.8},
-        )
-        axes.set_xlim(self._left, self._right)
-        axes.set_ylim(-_MARGIN, self._top)
-        axes.set_aspect("equal", adjustable="box")
-        axes.grid(visible=False)
+        draw_arrow(axes, foot, (foot[0] + field[0], foot[1] + field[1]), style.GREEN, 1.8)
+        frame(axes, (self._left, self._right), (-_MARGIN, self._top))
         axes.set_xlabel("x (µm)")
         axes.set_ylabel("z (µm)")
         axes.set_title(

@@ -73,10 +73,10 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     Raises
     ------
     ValueError
-        If the Dataset is none of a sweep, has no sound point, or varies more than can be drawn.
+        If the Dataset is not one of a sweep, has no sound point, or varies more than can be drawn.
     """
     if "mean_velocity" not in data:
-        raise ValueError("a Dataset without mean_velocity is none of a sweep")
+        raise ValueError("the Dataset is not one of a sweep: it has no mean_velocity")
     speeds = data["mean_velocity"].squeeze() * 1e3
     if not bool(np.isfinite(speeds.values).any()):
         raise ValueError("no point of the sweep has a velocity")

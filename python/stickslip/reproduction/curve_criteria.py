@@ -16,15 +16,15 @@ from stickslip.reproduction.scans import SCANS
 from stickslip.reproduction.settings import MODES, Mode
 from stickslip.reproduction.survey import Survey
 
-STRAIGHT = 0.95
+MIN_R_SQUARED = 0.95
 """Part of the variance that a line must explain to count as linear."""
-SLOW_END = 30.0
+LOW_FREQUENCY_END = 30.0
 """Up to here a frequency counts as low, Hz."""
-SIMILAR = 0.3
+MAX_DIFFERENCE = 0.3
 """Greatest mean difference of two velocities that count as similar, relative to their mean."""
-LEVEL = 0.1
+MAX_CHANGE = 0.1
 """Greatest relative change of what counts as level."""
-FROZEN = 0.02
+MAX_SUPPRESSED = 0.02
 """Greatest velocity that counts as suppressed motion, relative to that without damping."""
 
 # What the statements S7 to S10 call little and much, as values of the scans.
@@ -39,7 +39,7 @@ def _frequency_fit(found: Survey, mode: Mode) -> tuple[Line, Array]:
     """Fit to 30 Hz, and the velocity over its line at all frequencies, shape (n, frequencies)."""
     x = np.array(SCANS["frequency"].values)
     y = found.velocity[mode, "frequency"]
-    fit = proportional(x[x <= SLOW_END], y[:, x <= SLOW_END])
+    fit = proportional(x[x <= LOW_FREQUENCY_END], y[:, x <= LOW_FREQUENCY_END])
     return fit, ratio(y, fit.slope[:, np.newaxis] * x)
 
 
@@ -54,7 +54,7 @@ def linear_in_frequency(found: Survey) -> Outcome:
             f"departures to {fit.worst[k]:.0%}"
         )
 
-    parts = of_each({mode: fit.explained >= STRAIGHT for mode, fit in fits.items()})
+    parts = of_each({mode: fit.explained >= MIN_R_SQUARED for mode, fit in fits.items()})
     return Outcome(parts, mode_by_mode(numbers))
 
 
@@ -70,7 +70,7 @@ def roll_off(found: Survey) -> Outcome:
             f"{ipp[i, -1]:.2f}, OPP {opp[j, 0]:.2f} and {opp[j, -1]:.2f}"
         )
 
-    parts = of_each({mode: np.all(each < 1.0 - LEVEL, axis=1) for mode, each in left.items()})
+    parts = of_each({mode: np.all(each < 1.0 - MAX_CHANGE, axis=1) for mode, each in left.items()})
     return Outcome(parts, numbers)
 
 
@@ -106,7 +106,7 @@ def middle_friction(found: Survey) -> Outcome:
             f"mean difference {apart[i, j]:.0%}"
         )
 
-    return Outcome({"similar": apart <= SIMILAR}, numbers)
+    return Outcome({"similar": apart <= MAX_DIFFERENCE}, numbers)
 
 
 def high_friction(found: Survey) -> Outcome:
@@ -153,9 +153,11 @@ def linear_damping(found: Survey) -> Outcome:
         )
 
     curves = left.items()
-    level = {mode: np.all(np.abs(y[:, x <= 1e-6] - 1.0) <= LEVEL, axis=1) for mode, y in curves}
-    falls = {mode: np.all(np.diff(y, axis=1) <= LEVEL, axis=1) for mode, y in curves}
-    frozen = {mode: np.abs(y[:, -1]) <= FROZEN for mode, y in curves}
+    level = {
+        mode: np.all(np.abs(y[:, x <= 1e-6] - 1.0) <= MAX_CHANGE, axis=1) for mode, y in curves
+    }
+    falls = {mode: np.all(np.diff(y, axis=1) <= MAX_CHANGE, axis=1) for mode, y in curves}
+    frozen = {mode: np.abs(y[:, -1]) <= MAX_SUPPRESSED for mode, y in curves}
     parts = {
         "level to 1e-6 N s/m": of_both(level),
         "slower with more damping": of_both(falls),
@@ -179,11 +181,13 @@ def rotational_damping(found: Survey) -> Outcome:
         )
 
     curves = left.items()
-    level = {mode: np.all(np.abs(y[:, x <= 3e-17] - 1.0) <= LEVEL, axis=1) for mode, y in curves}
+    level = {
+        mode: np.all(np.abs(y[:, x <= 3e-17] - 1.0) <= MAX_CHANGE, axis=1) for mode, y in curves
+    }
     parts = {
         "little effect to 3e-17 N m s²": of_both(level),
-        "slower at 1e-13": of_both({mode: y[:, -1] < 1.0 - LEVEL for mode, y in curves}),
-        "modes lose alike": apart <= 0.5 * SIMILAR,
+        "slower at 1e-13": of_both({mode: y[:, -1] < 1.0 - MAX_CHANGE for mode, y in curves}),
+        "modes lose alike": apart <= 0.5 * MAX_DIFFERENCE,
     }
     return Outcome(parts, numbers)
 
@@ -201,10 +205,12 @@ def growth_with_field(found: Survey) -> Outcome:
             f"half over that of the lower {bends[mode][k]:.2f}"
         )
 
-    linear = {mode: (fit.slope > 0.0) & (fit.explained >= STRAIGHT) for mode, fit in fits.items()}
+    linear = {
+        mode: (fit.slope > 0.0) & (fit.explained >= MIN_R_SQUARED) for mode, fit in fits.items()
+    }
     parts = {
         "IPP linear": of_ipp(linear["IPP"]),
-        "IPP rolls off": of_ipp(bends["IPP"] < 1.0 - LEVEL),
+        "IPP rolls off": of_ipp(bends["IPP"] < 1.0 - MAX_CHANGE),
         "OPP linear": of_opp(linear["OPP"]),
     }
     return Outcome(parts, mode_by_mode(numbers))

@@ -30,7 +30,7 @@ _STYLES = {
 _SECOND = (style.GREEN, "-.")
 # Beyond this a velocity would press all others to the axis, m/s; below the other, mm/s, the scale
 # stays linear; both chosen by eye.
-_FAST, _LINEAR = 20e-3, 5.0
+_SYMLOG_ABOVE, _LINEAR_UP_TO = 20e-3, 5.0
 _TICKS = (-5.0, -2.0, 0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
 
@@ -59,7 +59,7 @@ def draw_curves(name: str, table: pd.DataFrame, measured: Sequence[MeasuredPoint
             _draw_points(axes, [p for p in measured if (p.figure, p.mode) == (name, mode)], factor)
         if curves.log:
             axes.set_xscale("log")
-        if table["velocity_p90"].max() > _FAST:
+        if table["velocity_p90"].max() > _SYMLOG_ABOVE:
             _press_together(axes, table)
         if name == "fig8":
             _mark_painleve(axes)
@@ -87,11 +87,11 @@ def _press_together(axes: Axes, table: pd.DataFrame) -> None:
     """A scale that is linear near zero and logarithmic beyond."""
     low = min(float(table["velocity_p10"].min()) * 1e3, 0.0)
     high = float(table["velocity_p90"].max()) * 1e3
-    axes.set_yscale("symlog", linthresh=_LINEAR)
+    axes.set_yscale("symlog", linthresh=_LINEAR_UP_TO)
     ticks = [tick for tick in _TICKS if low <= tick <= high]
     axes.set_yticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
-    axes.set_ylim(low - 0.1 * _LINEAR, 1.3 * high)
+    axes.set_ylim(low - 0.1 * _LINEAR_UP_TO, 1.3 * high)
 
 
 def _mark_painleve(axes: Axes) -> None:

@@ -14,7 +14,7 @@ from stickslip.scenario.keys import known_keys, shown
 
 COLUMNS = ("figure", "mode", "x", "y")
 
-_FASTEST = 1.0  # m/s; far above any robot's, and a velocity that is given in mm/s is above it
+_MAX_VELOCITY = 1.0  # m/s; far above any robot's, and a velocity that is given in mm/s is above it
 
 
 class MeasuredPoint(NamedTuple):
@@ -27,13 +27,7 @@ class MeasuredPoint(NamedTuple):
 
 
 def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
-    """Read a CSV file with the columns figure, mode, x and y, in any order.
-
-    Raises
-    ------
-    ScenarioError
-        If the file cannot be read, lacks a column, or a row has a value that is not allowed.
-    """
+    """Read a CSV file with the columns figure, mode, x and y, in any order."""
     path = Path(path)
     header, rows = read_rows(path)
     check_columns(path, header, COLUMNS)
@@ -59,7 +53,7 @@ def _point(where: str, row: dict[str, str]) -> MeasuredPoint:
     key = known_keys()[CURVES[figure].scan.key]
     x, y = _number(row["x"]), _number(row["y"])
     refuse_unless(key.low <= x <= key.high, "x", f"is {key.name}, {key.allowed}")
-    refuse_unless(abs(y) <= _FASTEST, "y", "is a velocity in m/s from -1 to 1")
+    refuse_unless(abs(y) <= _MAX_VELOCITY, "y", "is a velocity in m/s from -1 to 1")
     return MeasuredPoint(figure, mode, x, y)
 
 

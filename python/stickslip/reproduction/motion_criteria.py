@@ -16,10 +16,10 @@ from stickslip.reproduction.survey import Survey
 SLIP_SHARE = 0.8
 """Part of the slip's path that counts as "slips on this stroke"."""
 
-MUCH = 1.25
+MUCH_LARGER = 1.25
 """Least ratio of two angles of which one is "much larger"."""
 
-STILL = 1e-6
+MIN_SPEED = 1e-6
 """Least speed that counts as motion, m/s."""
 
 
@@ -74,8 +74,8 @@ def steady_angle(found: Survey) -> Outcome:
         )
 
     parts = {
-        "larger before the pulses": still_ipp[:, np.newaxis] >= MUCH * still_opp[np.newaxis],
-        "larger in the mean": ipp[:, np.newaxis] >= MUCH * opp[np.newaxis],
+        "larger before the pulses": still_ipp[:, np.newaxis] >= MUCH_LARGER * still_opp[np.newaxis],
+        "larger in the mean": ipp[:, np.newaxis] >= MUCH_LARGER * opp[np.newaxis],
     }
     return Outcome(parts, numbers)
 
@@ -84,7 +84,7 @@ def no_motion_in_constant_fields(found: Survey) -> Outcome:
     """S14: constant fields, at the sawtooth's bottom or at its top, move nothing."""
     ipp, opp = (found.still_velocity[mode] for mode in MODES)
     return Outcome(
-        of_each({mode: found.still_velocity[mode] < STILL for mode in MODES}),
+        of_each({mode: found.still_velocity[mode] < MIN_SPEED for mode in MODES}),
         lambda i, j: (
             f"greatest mean speed: IPP {ipp[i] * 1e9:.1g} nm/s, OPP {opp[j] * 1e9:.1g} nm/s"
         ),

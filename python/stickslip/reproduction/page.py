@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from stickslip import _core
+from stickslip.plot import style
 from stickslip.reproduction.curves import CURVES
 from stickslip.reproduction.measured import MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
 from stickslip.reproduction.points import SPREAD
-from stickslip.reproduction.statements import Statement
 from stickslip.reproduction.tables import headings
 
 if TYPE_CHECKING:
@@ -39,35 +39,16 @@ def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     return environment.from_string(source).render(
-        statements=[_statement(each) for each in result.statements],
+        result=result,
+        marks=_MARKS,
         counts=_counts(result),
-        reference=result.reference,
-        rule=result.rule,
-        findings=result.findings,
-        flaws=result.flaws,
+        style=style,
         figures=[_figure(name, result, measured) for name in result.figures],
         spread=f"{SPREAD:.0%}",
         version=_core.__version__,
         seconds=f"{result.seconds:.0f}",
         tried=len(result.settings["mode"]),
     )
-
-
-def _statement(each: Statement) -> dict[str, Any]:
-    share = each.verdict.share
-    return {
-        "name": each.name,
-        "text": each.text,
-        "condition": each.condition,
-        "numbers": each.numbers,
-        "verdict": each.verdict.text,
-        "mark": _MARKS[each.verdict.word],
-        "share": "" if share is None else f"{share:.1%}",
-        "at_reference": "yes" if each.verdict.at_reference else "no",
-        "parts": [f"{part} {value:.0%}" for part, value in each.parts.items()]
-        if len(each.parts) > 1
-        else [],
-    }
 
 
 def _counts(result: Reproduction) -> list[str]:

@@ -28,10 +28,7 @@ _MOTION = 4  # S1 to S4
 def reference_pair(found: Survey, holds: Sequence[Flags]) -> tuple[int, int]:
     """Indices of the chosen settings of IPP and OPP; `holds` says where S1 to S14 do, in order.
 
-    Raises
-    ------
-    ValueError
-        If there is no pair of working settings.
+    Without a pair of working settings there is a ValueError.
     """
     works = working_pairs(found)
     if not works.any():

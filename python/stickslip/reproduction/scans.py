@@ -19,8 +19,8 @@ derived in docs/theory/contact.md."""
 
 PULSES = 20
 """Of a simulation; the first three are not measured."""
-FEWER_PULSES = 12
-SLOW = 40.0
+PULSES_WHEN_SLOW = 12
+FEWER_PULSES_BELOW = 40.0
 """Below this frequency the motion repeats itself from pulse to pulse, and fewer pulses do, Hz."""
 
 
@@ -47,8 +47,8 @@ class Scan:
             if self.proportional:
                 set_key(row, "drive.base", setting.base * x / PEAK)
                 set_key(row, "drive.hold", setting.hold * x / PEAK)
-        slow = result[..., column("drive.frequency")] < SLOW
-        set_key(result, "drive.pulses", np.where(slow, FEWER_PULSES, PULSES))
+        slow = result[..., column("drive.frequency")] < FEWER_PULSES_BELOW
+        set_key(result, "drive.pulses", np.where(slow, PULSES_WHEN_SLOW, PULSES))
         return result
 
 

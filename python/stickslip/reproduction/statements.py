@@ -41,17 +41,18 @@ CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     ),
     "S4": (
         "The steady angle is much larger in IPP than in OPP.",
-        f"{motion.MUCH:g} times or more, before the pulses and in the mean at 30 Hz",
+        f"{motion.MUCH_LARGER:g} times or more, before the pulses and in the mean at 30 Hz",
         motion.steady_angle,
     ),
     "S5": (
         "Velocity is proportional to a low frequency.",
-        f"R² of a line through the origin to {curves.SLOW_END:g} Hz at least {curves.STRAIGHT:g}",
+        f"R² of a line through the origin to {curves.LOW_FREQUENCY_END:g} Hz at least "
+        f"{curves.MIN_R_SQUARED:g}",
         curves.linear_in_frequency,
     ),
     "S6": (
         "Velocity rolls off at high frequency.",
-        f"{curves.LEVEL:.0%} or more below that line at 100, 120 and 150 Hz",
+        f"{curves.MAX_CHANGE:.0%} or more below that line at 100, 120 and 150 Hz",
         curves.roll_off,
     ),
     "S7": (
@@ -61,7 +62,7 @@ CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     ),
     "S8": (
         "With static friction from 0.2 to 1.0 both modes are about as fast.",
-        f"mean difference at most {curves.SIMILAR:.0%} of the mean velocity",
+        f"mean difference at most {curves.MAX_DIFFERENCE:.0%} of the mean velocity",
         curves.middle_friction,
     ),
     "S9": (
@@ -77,26 +78,26 @@ CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     "S11": (
         "Linear damping slows both modes, between a range where it matters little and one where "
         "nothing moves.",
-        f"within {curves.LEVEL:.0%} to 1e-6 N s/m, never rising by more than that, below "
-        f"{curves.FROZEN:.0%} at 1e-2 N s/m",
+        f"within {curves.MAX_CHANGE:.0%} to 1e-6 N s/m, never rising by more than that, below "
+        f"{curves.MAX_SUPPRESSED:.0%} at 1e-2 N s/m",
         curves.linear_damping,
     ),
     "S12": (
         "Rotational damping matters little when low; then both modes lose alike.",
-        f"within {curves.LEVEL:.0%} to 3e-17 N m s², slower at 1e-13, and from 1e-15 on the part "
-        f"left of the velocity equal within {0.5 * curves.SIMILAR:.0%}",
+        f"within {curves.MAX_CHANGE:.0%} to 3e-17 N m s², slower at 1e-13, and from 1e-15 on "
+        f"the part left of the velocity equal within {0.5 * curves.MAX_DIFFERENCE:.0%}",
         curves.rotational_damping,
     ),
     "S13": (
         "Velocity grows about linearly with the field, in IPP with some roll-off.",
-        f"R² of a line at least {curves.STRAIGHT:g} from 1.5 to 6.5 mT at 30 Hz, rising; in IPP "
-        f"the upper half less steep by {curves.LEVEL:.0%} or more",
+        f"R² of a line at least {curves.MIN_R_SQUARED:g} from 1.5 to 6.5 mT at 30 Hz, rising; in "
+        f"IPP the upper half less steep by {curves.MAX_CHANGE:.0%} or more",
         curves.growth_with_field,
     ),
     "S14": (
         "Constant fields move nothing.",
-        f"mean speed below {motion.STILL * 1e6:g} µm/s for a second, at the sawtooth's bottom and "
-        "at its top",
+        f"mean speed below {motion.MIN_SPEED * 1e6:g} µm/s for a second, at the sawtooth's bottom "
+        "and at its top",
         motion.no_motion_in_constant_fields,
     ),
 }

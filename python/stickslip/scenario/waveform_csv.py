@@ -108,7 +108,7 @@ def _column_order(header: list[str]) -> list[int]:
         if name not in COLUMNS:
             raise ScenarioError(f"row 1, column {shown(name)}: there is no such column; {expected}")
         if name in header[:index]:
-            raise ScenarioError(f"row 1, column {name}: stands there twice; {expected}")
+            raise ScenarioError(f"row 1, column {name}: is there twice; {expected}")
     return [header.index(name) for name in COLUMNS]
 
 

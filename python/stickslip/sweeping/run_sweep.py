@@ -17,7 +17,7 @@ from stickslip.simulation.simulate import STAGE, Progress
 from stickslip.sweeping.checkpoint import Checkpoint, read
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.executors import ChunkExecutor, LocalThreads, OutsideExecutor
-from stickslip.sweeping.lock import held
+from stickslip.sweeping.lock import file_lock
 from stickslip.sweeping.points import Points, from_changes, from_scenarios, grid
 from stickslip.sweeping.results import Results
 from stickslip.sweeping.scheduling import compute
@@ -134,8 +134,8 @@ def sweep_points(
     count = worker_count(threads, "threads")
     if resume and out is None:
         raise ValueError("resume = True: allowed with a file `out` only, which it goes on with")
-    with held(out):
-        results = _begun(points, out, resume)
+    with file_lock(out):
+        results = _existing_results(points, out, resume)
         if not results.complete:
             workers: ChunkExecutor = (
                 LocalThreads(count) if executor is None else OutsideExecutor(executor, threads)
@@ -170,7 +170,7 @@ def _sequence(value: object, name: str, allowed: str) -> list[Any]:
     return list(value)
 
 
-def _begun(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
+def _existing_results(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
     """The results that there are already."""
     if out is None:
         return Results(points.count)
@@ -205,7 +205,7 @@ def _run(
     try:
         compute(points, results, workers, report)
     except BaseException:
-        if checkpoint is not None and checkpoint.behind:
+        if checkpoint is not None and checkpoint.has_unsaved_results:
             # What stopped the sweep matters more than that this cannot be written either.
             with contextlib.suppress(OSError):
                 checkpoint.write()

@@ -12,27 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.sweeping.executors import ChunkExecutor, died
+from stickslip.sweeping.executors import ChunkExecutor, is_worker_death
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import Results
-from stickslip.sweeping.worker import Chunk, Part
+from stickslip.sweeping.worker import Chunk, ChunkResult
 
 _TICK = 0.05
 """Longest time between two reports, s."""
 
-_CHUNK_SECONDS = 1.0
+_MAX_CHUNK_SECONDS = 1.0
 """Longest time that a chunk should take, s: results come and progress is seen as often."""
 
 _MOST_POINTS = 20_000
 """Points of the largest chunk, so that its way to a worker stays some MB."""
 
-_GROWTH = 8
+_MAX_GROWTH = 8
 """How much larger a chunk may be than the largest before: its cost is known from that one alone."""
 
-_QUEUED = 2
+_CHUNKS_PER_WORKER = 2
 """Chunks for each worker: the one in work, and the one that waits so that it need not."""
 
-_MOST_DEATHS = 3
+_MAX_WORKER_DEATHS = 3
 """How often the workers of a chunk may die before the sweep gives up."""
 
 
@@ -41,7 +41,7 @@ class _Job(NamedTuple):
     attempt: int
 
 
-class _Pace:
+class _ChunkSize:
     """How many points make a chunk: one at first, then by what the points before have cost."""
 
     def __init__(self) -> None:
@@ -54,9 +54,9 @@ class _Pace:
         cost = max(self._cost, 1e-9)
         # Shrinking towards the end, so that all workers end at about the same time.
         fair = math.ceil(left / (2 * executor.size()))
-        worthwhile = math.ceil(executor.shortest / cost)
-        longest = int(_CHUNK_SECONDS / cost)
-        points = min(longest, max(fair, worthwhile), _GROWTH * self._largest, _MOST_POINTS)
+        worthwhile = math.ceil(executor.min_chunk_seconds / cost)
+        longest = int(_MAX_CHUNK_SECONDS / cost)
+        points = min(longest, max(fair, worthwhile), _MAX_GROWTH * self._largest, _MOST_POINTS)
         return max(points, 1)
 
     def measured(self, points: int, seconds: float) -> None:
@@ -75,20 +75,20 @@ def compute(
     worker raises, or one that dies again and again with the same chunk. `results` then holds all
     that was done before.
     """
-    queue = deque([_Job(_mixed(results.pending()), 0)])
+    queue = deque([_Job(_shuffled(results.pending()), 0)])
     left = len(queue[0].indices)
-    pace = _Pace()
-    running: dict[Future[Part], _Job] = {}
+    chunk_size = _ChunkSize()
+    running: dict[Future[ChunkResult], _Job] = {}
     try:
         report()
         while left or running:
-            while left and len(running) < _QUEUED * executor.size():
-                job = _taken(queue, pace.size(left, executor))
+            while left and len(running) < _CHUNKS_PER_WORKER * executor.size():
+                job = _next_job(queue, chunk_size.size(left, executor))
                 left -= len(job.indices)
                 running[executor.submit(_chunk(points, job))] = job
             finished, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
             for future in finished:
-                again = _collected(future, running.pop(future), results, pace)
+                again = _collect(future, running.pop(future), results, chunk_size)
                 queue.appendleft(again)
                 left += len(again.indices)
             report()
@@ -103,7 +103,7 @@ def compute(
     executor.close()
 
 
-def _mixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+def _shuffled(indices: NDArray[np.int64]) -> NDArray[np.int64]:
     """The same points in an order in which each stretch is a fair sample of all.
 
     Along a grid the cost of a point can change a hundredfold. Mixed, what is done tells what is
@@ -117,7 +117,7 @@ def _mixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
     return indices[np.arange(count) * step % max(count, 1)]
 
 
-def _taken(queue: deque[_Job], size: int) -> _Job:
+def _next_job(queue: deque[_Job], size: int) -> _Job:
     """Up to `size` points from the front of the queue."""
     job = queue.popleft()
     while not len(job.indices):
@@ -133,24 +133,26 @@ def _chunk(points: Points, job: _Job) -> Chunk:
     )
 
 
-def _collected(future: Future[Part], job: _Job, results: Results, pace: _Pace) -> _Job:
+def _collect(
+    future: Future[ChunkResult], job: _Job, results: Results, chunk_size: _ChunkSize
+) -> _Job:
     """Take a chunk's results; what is left of it, to be done again."""
     try:
         part = future.result()
     except Exception as error:
-        if not died(error):
+        if not is_worker_death(error):
             raise
-        if job.attempt == _MOST_DEATHS:
+        if job.attempt == _MAX_WORKER_DEATHS:
             raise RuntimeError(
                 f"workers died {job.attempt + 1} times with the same points: {error}"
             ) from error
         return job._replace(attempt=job.attempt + 1)
     done = _put(part, job, results)
-    pace.measured(done, part.seconds)
+    chunk_size.measured(done, part.seconds)
     return job._replace(indices=job.indices[done:])
 
 
-def _put(part: Part, job: _Job, results: Results) -> int:
+def _put(part: ChunkResult, job: _Job, results: Results) -> int:
     done = len(part.columns["status"])
     results.put(job.indices[:done], part)
     return done

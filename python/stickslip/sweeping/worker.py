@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.scenario.scenario import Scenario
 
-_LONGEST = 2.0
+_MAX_SECONDS = 2.0
 """Time after which a chunk ends early, s: points can take far longer than those before them."""
 
-_SLICE = 64
+_POINTS_PER_CALL = 64
 """Points between two looks at the clock."""
 
 
@@ -33,7 +33,7 @@ class Chunk:
     attempt: int = 0
 
 
-class Part(NamedTuple):
+class ChunkResult(NamedTuple):
     """The results of a chunk's first m points."""
 
     columns: dict[str, NDArray[np.generic]]  # by name, shape (m,) each
@@ -41,7 +41,7 @@ class Part(NamedTuple):
     seconds: float  # how long it took
 
 
-def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> Part:
+def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> ChunkResult:
     """Simulate the points of a chunk, or as many of the first ones as two seconds allow.
 
     `poll` is called some twenty times a second; what it raises ends the work.
@@ -60,11 +60,13 @@ def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> Pa
     base = chunk.scenario.to_core()
     slices = []
     messages: dict[int, str] = {}
-    for first in range(0, len(chunk.values), _SLICE):
-        columns, said = _core.sweep(base, chunk.keys, chunk.values[first : first + _SLICE], 1, poll)
+    for first in range(0, len(chunk.values), _POINTS_PER_CALL):
+        columns, said = _core.sweep(
+            base, chunk.keys, chunk.values[first : first + _POINTS_PER_CALL], 1, poll
+        )
         slices.append(columns)
         messages.update((first + place, text) for place, text in said.items())
-        if time.perf_counter() - start > _LONGEST:
+        if time.perf_counter() - start > _MAX_SECONDS:
             break
     together = {name: np.concatenate([each[name] for each in slices]) for name in slices[0]}
-    return Part(together, messages, time.perf_counter() - start)
+    return ChunkResult(together, messages, time.perf_counter() - start)
