@@ -151,7 +151,7 @@ def test_what_cannot_be_drawn_is_refused(run):
     for data in (events, events.to_xarray()):
         with pytest.raises(ValueError, match=r"set record\.rate"):
             plot.trajectory(data)
-    with pytest.raises(ValueError, match="without theta"):
+    with pytest.raises(ValueError, match="no theta"):
         plot.fields(run.to_xarray().drop_vars("theta"))
     with pytest.raises(ValueError, match="less than two samples"):
         plot.phase_portrait(run, 0.2, 0.1)

@@ -9,6 +9,8 @@ from typing import NoReturn
 
 from stickslip._util.plain_text import printable
 
+# Exit statuses; the last two are those that shells give a program which a signal ends: 128 and its
+# number.
 BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130

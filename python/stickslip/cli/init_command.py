@@ -34,7 +34,7 @@ _TAIL = """\
 # angle = 0.02  # rad
 """
 
-_WIDTH = 100
+_WIDTH = 100  # as the help of the commands
 
 
 @click.command("init", epilog="\b\nExample:\n  stickslip init scenario.toml")

@@ -13,7 +13,7 @@ from stickslip.scenario.keys import known_keys
 if TYPE_CHECKING:
     import xarray
 
-_MOST_ROWS = 50
+_MOST_ROWS = 50  # a page; more are in the file
 
 _VELOCITY = "mean_velocity"
 

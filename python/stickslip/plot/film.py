@@ -19,7 +19,7 @@ from stickslip.plot.motion import Motion, corners, lowest_corner, motion
 if TYPE_CHECKING:
     from stickslip.plot.motion import Data
 
-_COLUMNS = 2
+_COLUMNS = 2  # as the paper's Fig. 2 (e) to (h)
 _MARGIN = 25.0  # µm
 
 

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from stickslip._util.atomic_files import replacing
+from stickslip._util.atomic_files import check_suffix, replacing
 from stickslip.plot import style
 from stickslip.plot.film import draw_arrow, draw_body, frame, mark_contact
 from stickslip.plot.motion import Motion, corners, lowest_corner, motion
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MOST_FRAMES = 2000
 """Of one picture: a hundred seconds of it at the default rate."""
 
-_DOTS_PER_INCH = 100
+_DOTS_PER_INCH = 100  # of a screen
 _FIELD_ARROW = 60.0  # µm, of the strongest field
 _MARGIN = 30.0  # µm
 
@@ -99,11 +99,9 @@ def animation(
 def _writer(path: Path, frames_per_second: float) -> AbstractMovieWriter:
     if not frames_per_second > 0.0:
         raise ValueError(f"frames_per_second = {frames_per_second!r}: allowed is a number above 0")
-    suffix = path.suffix.lower()
-    if suffix == ".gif":
+    check_suffix(path, (".gif", ".mp4"))
+    if path.suffix.lower() == ".gif":
         return PillowWriter(fps=frames_per_second)  # type: ignore[arg-type]
-    if suffix != ".mp4":
-        raise ValueError(f"{path}: allowed are names that end in .gif or .mp4")
     if not FFMpegWriter.isAvailable():
         raise RuntimeError(f"{path}: MP4 needs the program ffmpeg, which is not here; write a .gif")
     return FFMpegWriter(fps=frames_per_second)  # type: ignore[arg-type]

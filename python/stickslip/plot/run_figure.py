@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 # More pulses than this are a smear; the last ones show the steady motion.
-_MOST_PULSES = 12
-_SHOWN_PULSES = 6
+_MOST_PULSES, _SHOWN_PULSES = 12, 6
 
 # Part of the picture's time that is as wide as a dot of the picture: 8 inches of 150 dots.
 _VISIBLE = 1e-3

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     _Array = NDArray[np.float64]
 
-_MOST_LINES = 8
+_MOST_LINES = 8  # as many as there are styles that can be told apart
 # Values over more than this are shown on a logarithmic axis.
 _LOG_RATIO = 100.0
 

@@ -19,8 +19,7 @@ derived in docs/theory/contact.md."""
 
 PULSES = 20
 """Of a simulation; the first three are not measured."""
-PULSES_WHEN_SLOW = 12
-FEWER_PULSES_BELOW = 40.0
+PULSES_WHEN_SLOW, FEWER_PULSES_BELOW = 12, 40.0
 """Below this frequency the motion repeats itself from pulse to pulse, and fewer pulses do, Hz."""
 
 

@@ -28,8 +28,8 @@ WORKING_FREQUENCIES = (30.0, 100.0)
 """Those of the paper's figures, at which a setting has to walk, Hz."""
 
 _MIN_VELOCITY = 2e-5  # m/s; a hundredth of what the paper measured
-_MIN_TILT = 0.02  # rad; far below any tilt of the paper's figures
-_STROKE_PULSES = 12
+_TILT_TOLERANCE = 0.02  # rad; a degree, by which a body that lies flat may rock back
+_STROKE_PULSES = 12  # the first three are not measured
 _STROKE_RATE = 20e3  # Hz; ten samples a period of the fastest free swing and more
 
 
@@ -60,7 +60,7 @@ class Survey:
         velocity = self.at(mode, "frequency", WORKING_FREQUENCIES)
         forwards = np.all(velocity > _MIN_VELOCITY, axis=1)
         low, high = self.tilt_low[mode], self.tilt_high[mode]
-        return np.asarray(forwards & (low > -_MIN_TILT) & (high < 0.5 * np.pi))
+        return np.asarray(forwards & (low > -_TILT_TOLERANCE) & (high < 0.5 * np.pi))
 
     def at(self, mode: Mode, scan: str, values: Sequence[float]) -> Array:
         """Velocity at some of a scan's values, m/s, shape (n, len(values))."""

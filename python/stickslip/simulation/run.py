@@ -221,15 +221,7 @@ class Run:
         return dataset(self)
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
-        """Write `to_xarray` to a netCDF file, whole or not at all.
-
-        Raises
-        ------
-        AttributeError
-            If the run has no record.
-        OSError
-            If the file cannot be written; an older file of that name is then untouched.
-        """
+        """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
         from stickslip.simulation.netcdf import write_netcdf
 
         write_netcdf(self.to_xarray(), path)
@@ -238,14 +230,7 @@ class Run:
         """Write the recorded columns to a CSV file, whole or not at all.
 
         The headings name the units, such as ``t (s)``; contact and event are words. A cell without
-        a value, such as the slip of a contact in flight, is empty.
-
-        Raises
-        ------
-        AttributeError
-            If the run has no record.
-        OSError
-            If the file cannot be written; an older file of that name is then untouched.
+        a value, such as the slip of a contact in flight, is empty. Errors are those of `save`.
         """
         from stickslip.simulation.csv_export import write_csv
 

@@ -114,7 +114,7 @@ def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
     columns: dict[str, list[Value]] = {}
     for key, values in vary.items():
         _check_key(key)
-        columns[key] = [checked(key, value) for value in _as_list(key, values)]
+        columns[key] = [checked(key, value) for value in as_list(key, values, "a list of values")]
         _check_axis(key, columns[key])
     return Points(scenario, "grid", columns)
 
@@ -198,13 +198,14 @@ def _check_key(key: object) -> None:
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
 
 
-def _as_list(key: str, values: object) -> list[Any]:
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise ScenarioError(f"{key} = {shown(values)}: allowed is a list of values")
+def as_list(name: str, values: object, allowed: str) -> list[Any]:
+    """The values of something that is `allowed` to be a list, but no text and no mapping."""
     try:
-        return list(values)
-    except TypeError:  # an array without dimensions
-        raise ScenarioError(f"{key} = {shown(values)}: allowed is a list of values") from None
+        if not isinstance(values, str | bytes | Mapping):
+            return list(values)  # type: ignore[call-overload, no-any-return]
+    except TypeError:  # not to be gone through, such as an array without dimensions
+        pass
+    raise ScenarioError(f"{name} = {shown(values)}: allowed is {allowed}")
 
 
 def _check_axis(key: str, values: list[Value]) -> None:

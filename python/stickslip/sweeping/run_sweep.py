@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stickslip._util.atomic_files import check_writable
 from stickslip._util.processor_count import worker_count
@@ -18,7 +18,7 @@ from stickslip.sweeping.checkpoint import Checkpoint, read
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.executors import ChunkExecutor, LocalThreads, OutsideExecutor
 from stickslip.sweeping.lock import file_lock
-from stickslip.sweeping.points import Points, from_changes, from_scenarios, grid
+from stickslip.sweeping.points import Points, as_list, from_changes, from_scenarios, grid
 from stickslip.sweeping.results import Results
 from stickslip.sweeping.scheduling import compute
 
@@ -150,24 +150,18 @@ def _points(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Point
     if isinstance(scenario, Scenario):
         if isinstance(vary, Mapping):
             return grid(scenario, vary)
-        rows = _sequence(vary, "vary", "values by key, or a list of changes by key")
+        rows = as_list("vary", vary, "values by key, or a list of changes by key")
         for place, row in enumerate(rows):
             if not isinstance(row, Mapping):
                 raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
         return from_changes(scenario, rows)
-    scenarios = _sequence(scenario, "scenario", "a Scenario or a list of them")
+    scenarios = as_list("scenario", scenario, "a Scenario or a list of them")
     for place, each in enumerate(scenarios):
         if not isinstance(each, Scenario):
             raise ScenarioError(f"scenario {place} = {shown(each)}: allowed is a Scenario")
     if vary is not None:
         raise ScenarioError("vary: allowed with one scenario only, not with a list of them")
     return from_scenarios(scenarios)
-
-
-def _sequence(value: object, name: str, allowed: str) -> list[Any]:
-    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
-        raise ScenarioError(f"{name} = {shown(value)}: allowed is {allowed}")
-    return list(value)
 
 
 def _existing_results(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
