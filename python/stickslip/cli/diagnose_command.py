@@ -50,12 +50,12 @@ def command(
     bar = ProgressBar("recalibrating")
     try:
         with bar:
-            examination = diagnose(
-                data,
-                seed=seed,
-                threads=threads,
-                progress=lambda done, stage: bar(0.95 * done, stage),
-            )
+
+            def diagnosing(done: float, stage: str) -> None:
+                if done < 1.0:  # two stages come after the last of these
+                    bar(0.95 * done, stage)
+
+            examination = diagnose(data, seed=seed, threads=threads, progress=diagnosing)
             bar(0.95, "next experiment")
             experiments = propose(examination)
             if out is not None:

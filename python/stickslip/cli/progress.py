@@ -52,6 +52,7 @@ class ProgressBar:
             mininterval=0.1 if sys.stderr.isatty() else PATIENCE,
             bar_format=_OF_POINTS if self._points else _OF_A_FRACTION,
             unit=" points",
+            smoothing=0.1,  # chunks of points come unevenly
         )
         return self
 

@@ -100,7 +100,7 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     outline = corners(motion, sample) * 1e6
     axes.axhline(0.0, color=style.BLACK, linewidth=1.0)
     axes.add_patch(
-        Polygon(outline, closed=True, facecolor="#E8EEF4", edgecolor=style.BLACK, linewidth=1.2)
+        Polygon(outline, closed=True, facecolor=style.BODY, edgecolor=style.BLACK, linewidth=1.2)
     )
     front = 0.5 * (outline[0] + outline[3])
     centre = outline.mean(axis=0)

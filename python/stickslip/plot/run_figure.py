@@ -26,8 +26,6 @@ _MOST_PULSES, _SHOWN_PULSES = 12, 6
 # Part of the picture's time that is as wide as a dot of the picture: 8 inches of 150 dots.
 _VISIBLE = 1e-3
 
-_SHADE = "#F0F0F0"
-
 
 def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
     """Draw one run: what the paper's Figs. 4-7 show, with path, normal force and contact mode.
@@ -121,8 +119,8 @@ def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:
     ):
         return []
     for axes in panels:
-        axes.axvspan(start, end, facecolor=_SHADE, edgecolor="none", zorder=0)
-    return [Patch(facecolor=_SHADE, edgecolor=style.GREY, label="measuring window")]
+        axes.axvspan(start, end, facecolor=style.SHADE, edgecolor="none", zorder=0)
+    return [Patch(facecolor=style.SHADE, edgecolor=style.GREY, label="measuring window")]
 
 
 def _draw_force(axes: Axes, t: Array, force: Array, run: Run, shaded: list[Artist]) -> None:

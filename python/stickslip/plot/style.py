@@ -15,6 +15,11 @@ VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
 GREY = "#999999"
 
+# Faces behind or beside those: a shaded stretch, the body, a point without a value.
+SHADE = "#F0F0F0"
+BODY = "#E8EEF4"
+NO_VALUE = "#BBBBBB"
+
 CONTACT_COLOURS = {
     "flight": "#FFFFFF",
     "corner_stick": BLUE,

@@ -167,7 +167,7 @@ def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
     for axis, set_scale in ((across, axes.set_xscale), (up, axes.set_yscale)):
         if axis.log:
             set_scale("log")
-    axes.set_facecolor("#BBBBBB")
+    axes.set_facecolor(style.NO_VALUE)
     axes.grid(visible=False)
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
