@@ -7,6 +7,7 @@ JSON. A workload is prepared and run once when it is asked for first, so that ne
 from __future__ import annotations
 
 import functools
+import inspect
 import itertools
 import json
 import os
@@ -57,13 +58,17 @@ def mixed(rtol: float) -> Answer:
     return summed([stickslip.simulate(with_solver(each, "tsit5", rtol)) for each in MIXED])
 
 
+# An earlier version had another name for it.
+_THREADS = "threads" if "threads" in inspect.signature(stickslip.sweep).parameters else "jobs"
+
+
 def swept(rtol: float, jobs: int = 1) -> Answer:
     """A sweep over frequency and peak."""
     base = Scenario(drive=Drive(base=0.5e-3, pulses=20))
     data = stickslip.sweep(
         with_solver(base, "tsit5", rtol),
         {"drive.frequency": FREQUENCIES, "drive.peak": SWEPT_PEAKS},
-        jobs=jobs,
+        **{_THREADS: jobs},
     )
     return float(data["simulated_time"].sum()), data["mean_velocity"].values.ravel().tolist()
 

@@ -45,9 +45,9 @@ def against_single_runs(repeats: int) -> dict[str, float]:
         work()
         return time.process_time() - started
 
-    simulated = float(sweep(BASE, grid(40), jobs=1)["simulated_time"].sum())
+    simulated = float(sweep(BASE, grid(40), threads=1)["simulated_time"].sum())
     pairs = [
-        (timed(lambda: sweep(BASE, grid(40), jobs=1)), timed(one_by_one)) for _ in range(repeats)
+        (timed(lambda: sweep(BASE, grid(40), threads=1)), timed(one_by_one)) for _ in range(repeats)
     ]
     together, single = (statistics.median(column) for column in zip(*pairs, strict=True))
     return {
@@ -62,7 +62,7 @@ def against_single_runs(repeats: int) -> dict[str, float]:
 def speed_up(repeats: int, jobs: int) -> dict[str, float]:
     def timed(count: int) -> float:
         started = time.perf_counter()
-        sweep(BASE, grid(400), jobs=count)
+        sweep(BASE, grid(400), threads=count)
         return time.perf_counter() - started
 
     pairs = [(timed(1), timed(jobs)) for _ in range(repeats)]
@@ -86,7 +86,7 @@ def overhead(repeats: int) -> dict[str, float]:
         for number in range(repeats):
             path = Path(folder) / f"{number}.nc"
             started = time.process_time()
-            sweep(TINY, vary, jobs=1, out=path)
+            sweep(TINY, vary, threads=1, out=path)
             costs.append(time.process_time() - started)
         size = path.stat().st_size
     return {

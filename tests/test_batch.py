@@ -61,11 +61,11 @@ def test_a_batch_gives_the_bits_of_single_runs(alone, threads):
                 assert getattr(run, column).tobytes() == getattr(single, column).tobytes()
 
 
-@pytest.mark.parametrize("jobs", [1, 2, 3])
-def test_a_sweep_gives_the_bits_of_single_runs(alone, jobs):
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_a_sweep_gives_the_bits_of_single_runs(alone, threads):
     # A sweep records nothing.
     places = [k for k, changes in enumerate(CHANGES) if "record.rate" not in changes]
-    data = sweep(BASE, [CHANGES[k] for k in places], jobs=jobs)
+    data = sweep(BASE, [CHANGES[k] for k in places], threads=threads)
     for point, single in zip(range(len(places)), (alone[k] for k in places), strict=True):
         at, summary = data.isel(point=point), single.summary()
         assert (int(at["status"]) == 0) == single.ok

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from command_line import stickslip
-from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
+from stickslip import COIL_NAMES, Coils, Scenario, Waveform, simulate, volts_per_tesla
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.observables import find_observables
 from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
-from stickslip.simulation.coils import COIL_NAMES
 
 MEASUREMENT = """stickslip_measurement = 1
 name = "probe"

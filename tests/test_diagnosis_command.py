@@ -198,7 +198,7 @@ def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
     path = write(tmp_path, {"effects.surface_tilt.angle": 0.04})
     out = tmp_path / "found"
     process = subprocess.Popen(
-        [*COMMAND, "diagnose", str(path), "--out", str(out), "--jobs", "1"],
+        [*COMMAND, "diagnose", str(path), "--out", str(out), "--threads", "1"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
@@ -252,10 +252,10 @@ def test_every_extension_has_a_size_of_its_own():
     assert names == {*_SIZES, *_SHAPES, "amplifier_limit.voltage"}
 
 
-def test_the_answer_does_not_depend_on_the_number_of_jobs(tilted):
+def test_the_answer_does_not_depend_on_the_number_of_threads(tilted):
     folder, said = tilted
     done = stickslip(
-        "diagnose", folder / "m.toml", "--out", folder / "again", "--json", "--jobs", 3
+        "diagnose", folder / "m.toml", "--out", folder / "again", "--json", "--threads", 3
     )
     assert json.loads(done.stdout) == said
     first, second = (folder / name / "report.json" for name in ("found", "again"))

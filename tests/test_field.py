@@ -7,8 +7,7 @@ import magpylib
 import numpy as np
 import pytest
 
-from stickslip import Coils
-from stickslip.simulation.coils import COIL_NAMES
+from stickslip import COIL_NAMES, Coils
 
 HALF = 0.1385 / 2
 DISTANCE = 0.099

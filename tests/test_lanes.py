@@ -14,7 +14,7 @@ from stickslip import Drive, Scenario, simulate, sweep
 
 base = Scenario(drive=Drive(base=0.5e-3, pulses=5))
 frequencies, modes = np.linspace(20.0, 200.0, 7), ["IPP", "OPP"]
-data = sweep(base, {"drive.frequency": frequencies, "drive.mode": modes}, jobs=1)
+data = sweep(base, {"drive.frequency": frequencies, "drive.mode": modes}, threads=1)
 for name in sorted(data.data_vars):
     print(name, hashlib.sha256(np.ascontiguousarray(data[name].values).tobytes()).hexdigest())
 change = {"drive.frequency": float(frequencies[3]), "drive.mode": "OPP"}

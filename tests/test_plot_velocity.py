@@ -95,7 +95,7 @@ def test_given_axes_are_drawn_in(by_mode):
 
 
 def test_what_cannot_be_drawn_is_refused(by_mode, by_two):
-    with pytest.raises(ValueError, match="none of a sweep"):
+    with pytest.raises(ValueError, match="not one of a sweep"):
         plot.velocity(by_mode.drop_vars("mean_velocity"))
     with pytest.raises(ValueError, match="no point"):
         plot.velocity(by_mode.assign(mean_velocity=by_mode.mean_velocity * np.nan))

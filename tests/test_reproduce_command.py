@@ -35,7 +35,7 @@ def test_json_is_one_object(small, tmp_path):
 
 
 def test_the_text_names_statements_reference_and_page(small, tmp_path):
-    done = CliRunner().invoke(command, ["--out", str(tmp_path), "--only=fig6", "--jobs=1"])
+    done = CliRunner().invoke(command, ["--out", str(tmp_path), "--only=fig6", "--threads=1"])
     assert done.exit_code == 0
     lines = done.stdout.splitlines()
     assert lines[0].startswith("IPP  sudden rise")
@@ -52,7 +52,7 @@ def test_the_text_names_statements_reference_and_page(small, tmp_path):
         (["--only", ","], ["--only", "fig8,fig12"]),
         (["--measured", "missing.csv"], ["missing.csv", "cannot be read"]),
         (["--measured", "bad.csv"], ["bad.csv", "line 2", "figure", "fig1"]),
-        (["--jobs", "0"], ["--jobs", "0"]),
+        (["--threads", "0"], ["--threads", "0"]),
         (["--nonsense"], ["--nonsense"]),
     ],
 )

@@ -18,7 +18,7 @@ from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.measured import MeasuredPoint, read_measured
 from stickslip.reproduction.motions import MOTIONS, draw_motion, film_times, reference_runs
 from stickslip.reproduction.points import RTOL, variations
-from stickslip.reproduction.scans import FEWER_PULSES, PULSES, SLOW
+from stickslip.reproduction.scans import FEWER_PULSES_BELOW, PULSES, PULSES_WHEN_SLOW
 from stickslip.reproduction.settings import MODES, Grid, Setting
 from stickslip.reproduction.strokes import strokes
 from stickslip.reproduction.study import FIGURES, Effort
@@ -42,7 +42,7 @@ def study(tmp_path_factory):
         folder / "a" / "b",
         measured=points,
         effort=SMALL,
-        progress=lambda what, fraction: calls.append((what, fraction)),
+        progress=lambda fraction, what: calls.append((what, fraction)),
     )
     return result, calls
 
@@ -82,14 +82,30 @@ def test_a_csv_file_has_the_columns_and_values_of_its_table(study, name):
     result, _ = study
     table = result.tables[name]
     written = rows(result.figures[name].with_suffix(".csv"))
-    assert list(written[0]) == list(table.columns)
-    assert len(written) == len(table[next(iter(table.columns))])
-    known = {"", "1", "s", "m", "m/s", "rad", "T", "N", "Hz", "N s/m", "N m s^2"}
-    assert set(table.units.values()) <= known
-    for column, unit in table.units.items():
-        cells = [row[column] for row in written]
-        if unit == "" or table[column].dtype.kind not in "f":
-            assert cells == [str(value) for value in table.columns[column]]
+    assert len(written) == len(table)
+    units = table.attrs["units"]
+    assert list(units) == list(table.columns)
+    assert set(units.values()) <= {
+        "",
+        "1",
+        "s",
+        "m",
+        "m/s",
+        "rad",
+        "T",
+        "N",
+        "Hz",
+        "N s/m",
+        "N m s^2",
+    }
+    headings = [
+        f"{each} ({unit})" if unit not in ("", "1") else each for each, unit in units.items()
+    ]
+    assert list(written[0]) == headings
+    for column, heading in zip(table, headings, strict=True):
+        cells = [row[heading] for row in written]
+        if table[column].dtype.kind != "f":
+            assert cells == [str(value) for value in table[column]]
         else:
             numbers = np.array([float(cell) if cell else np.nan for cell in cells])
             np.testing.assert_array_equal(numbers, table[column])
@@ -110,8 +126,9 @@ def test_a_csv_file_has_the_columns_and_values_of_its_table(study, name):
 )
 def test_velocities_are_those_of_single_simulations(study, name, column):
     result, _ = study
-    table = result.tables[name]
-    assert next(iter(table.columns)) == column
+    table = result.tables[name].to_dict("series")
+    table = {each: values.to_numpy() for each, values in table.items()}
+    assert next(iter(table)) == column
     assert sorted(set(table["mode"].tolist())) == sorted(CURVES[name].modes)
     for place in (0, len(table["mode"]) // 2, -1):
         mode, x = str(table["mode"][place]), float(table[column][place])
@@ -121,7 +138,7 @@ def test_velocities_are_those_of_single_simulations(study, name, column):
             **setting.keys(),
             "drive.peak": 2.5e-3,
             "drive.frequency": frequency,
-            "drive.pulses": FEWER_PULSES if frequency < SLOW else PULSES,
+            "drive.pulses": PULSES_WHEN_SLOW if frequency < FEWER_PULSES_BELOW else PULSES,
             "solver.rtol": RTOL,
             CURVES[name].scan.key: x,
         }
@@ -159,7 +176,7 @@ def test_the_film_shows_a_pulse_of_opp(study, runs):
     tilt = np.abs(table["theta"])
     assert tilt[0] > tilt[1] < tilt[2] < tilt[3]
     assert table["contact_x"][3] > table["contact_x"][0]
-    np.testing.assert_array_equal(table["contact_x_before"][1:], table["contact_x"][:-1])
+    np.testing.assert_array_equal(table["contact_x_before"][1:], table["contact_x"].to_numpy()[:-1])
     corners_z = np.array([table[f"corner{k}_z"] for k in range(1, 5)])
     assert np.abs(corners_z.min(axis=0)).max() < 1e-5
 
@@ -205,8 +222,8 @@ def test_statements_and_reference(study):
     assert "24.05 µg" in effects
 
 
-def test_results_are_the_same_for_any_number_of_jobs(study):
-    again = reproduce(only=["fig9"], jobs=1, effort=SMALL)
+def test_results_are_the_same_for_any_number_of_threads(study):
+    again = reproduce(only=["fig9"], threads=1, effort=SMALL)
     first = study[0]
     assert again.page is None
     assert again.figures == {}
@@ -301,8 +318,8 @@ def test_the_page_needs_nothing_but_itself(study):
 def test_what_cannot_be_done_is_refused(tmp_path):
     with pytest.raises(ScenarioError, match=r'figure "fig3": allowed is .*fig2.*fig15'):
         reproduce(only=["fig8", "fig3"])
-    with pytest.raises(ValueError, match="jobs"):
-        reproduce(jobs=0)
+    with pytest.raises(ValueError, match="threads"):
+        reproduce(threads=0)
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError, match="not a folder"):
         reproduce(tmp_path / "file")

@@ -31,7 +31,7 @@ from stickslip.reproduction.settings import MODES, Setting
 from stickslip.reproduction.statements import CRITERIA, judge
 from stickslip.reproduction.strokes import Strokes
 from stickslip.reproduction.survey import SCANNED, Survey
-from stickslip.reproduction.verdicts import of_number, telling_factors, verdict
+from stickslip.reproduction.verdicts import deciding_factors, of_number, verdict
 
 X = {name: np.array(scan.values) for name, scan in SCANS.items()}
 
@@ -222,7 +222,7 @@ def test_the_most_telling_factors_come_first_and_no_more_than_two():
     holds[2:] = True
     holds[0, 2:] = True
     works = np.ones((4, 4), dtype=bool)
-    assert telling_factors(holds, works, factors) == [
+    assert deciding_factors(holds, works, factors) == [
         "IPP x (most often with b: 100%)",
         "OPP y (most often with b: 75%)",
     ]

@@ -294,13 +294,15 @@ def test_bad_batches_are_refused():
 
 def test_progress_rises_and_can_stop():
     long = SCENARIO.replace({"solver.max_step": 2e-7, "record.rate": "none"})
-    seen = []
-    simulate(long, progress=seen.append)
+    told = []
+    simulate(long, progress=lambda *each: told.append(each))
+    assert {stage for _, stage in told} == {"simulating"}
+    seen = [fraction for fraction, _ in told]
     assert len(seen) >= 2
     assert seen == sorted(seen)
     assert 0.0 <= seen[0] < seen[-1] <= 1.0
 
-    def stop(fraction):
+    def stop(fraction, stage):
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):

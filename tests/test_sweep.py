@@ -27,7 +27,7 @@ def assert_point(point, run):
 
 
 def test_a_grid_has_the_order_and_labels_it_was_given():
-    data = sweep(BASE, {"drive.frequency": FREQUENCIES, "drive.mode": MODES}, jobs=2)
+    data = sweep(BASE, {"drive.frequency": FREQUENCIES, "drive.mode": MODES}, threads=2)
     assert data["mean_velocity"].dims == ("frequency", "mode")
     assert data["events"].dims == ("frequency", "mode", "event")
     assert data["frequency"].values.tolist() == FREQUENCIES
@@ -133,20 +133,22 @@ def test_a_point_that_fails_is_a_status():
 
 
 def test_progress_ends_with_everything_done():
-    seen = []
-    sweep(BASE, {"drive.frequency": [30.0, 100.0]}, progress=seen.append)
+    told = []
+    sweep(BASE, {"drive.frequency": [30.0, 100.0]}, progress=lambda *each: told.append(each))
+    seen = [fraction for fraction, _ in told]
     assert seen == sorted(seen)
     assert (seen[0], seen[-1]) == (0.0, 1.0)
+    assert {stage for _, stage in told} == {"simulating"}
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_what_progress_raises_stops_the_sweep(jobs):
-    def stop(fraction):
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_progress_raises_stops_the_sweep(threads):
+    def stop(fraction, stage):
         raise RuntimeError("enough")
 
     endless = BASE.replace({"solver.max_step": 1e-7, "drive.pulses": 5_000})
     with pytest.raises(RuntimeError, match="enough"):
-        sweep(endless, {"drive.frequency": [30.0, 100.0]}, progress=stop, jobs=jobs)
+        sweep(endless, {"drive.frequency": [30.0, 100.0]}, progress=stop, threads=threads)
 
 
 REFUSED = {
@@ -196,7 +198,7 @@ def test_lists_of_scenarios_that_are_refused():
         sweep([BASE], {"drive.frequency": [30.0]})
 
 
-@pytest.mark.parametrize("jobs", [0, -1, 1.5, True, "2"])
-def test_jobs_that_are_refused(jobs):
-    with pytest.raises(ValueError, match="jobs = "):
-        sweep(BASE, {"drive.frequency": [30.0]}, jobs=jobs)
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True, "2"])
+def test_threads_that_are_refused(threads):
+    with pytest.raises(ValueError, match="threads = "):
+        sweep(BASE, {"drive.frequency": [30.0]}, threads=threads)

@@ -109,7 +109,7 @@ def test_help_has_an_example():
 
 
 def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
-    arguments = ["sweep", scenario, *ENDLESS, "--jobs=2", "--out", tmp_path / "a.nc"]
+    arguments = ["sweep", scenario, *ENDLESS, "--threads=2", "--out", tmp_path / "a.nc"]
     process = subprocess.Popen(
         [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
@@ -223,9 +223,9 @@ def test_a_value_that_is_varied_is_not_judged(tmp_path):
 
 
 OPTIONS = {
-    "jobs 0": (["--jobs=0"], ["--jobs", "0"]),
-    "jobs 1.5": (["--jobs=1.5"], ["--jobs", "1.5"]),
-    "jobs and dask": (["--jobs=2", "--dask=tcp://127.0.0.1:1"], ["--jobs", "--dask"]),
+    "threads 0": (["--threads=0"], ["--threads", "0"]),
+    "threads 1.5": (["--threads=1.5"], ["--threads", "1.5"]),
+    "threads and dask": (["--threads=2", "--dask=tcp://127.0.0.1:1"], ["--threads", "--dask"]),
     "resume without out": (["--resume"], ["--resume", "--out"]),
     "set and vary": (["--set=drive.mode=OPP"], ["drive.mode", "--set", "--vary"]),
     "bad setting": (["--set=drive.peak=high"], ["drive.peak", "a number"]),

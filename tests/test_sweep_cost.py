@@ -54,7 +54,7 @@ def test_a_sweep_costs_no_more_than_its_runs():
                 simulate(BASE.replace({"drive.frequency": float(frequency), "drive.mode": mode}))
 
     def together():
-        sweep(BASE, {"drive.frequency": FREQUENCIES, "drive.mode": MODES}, jobs=1)
+        sweep(BASE, {"drive.frequency": FREQUENCIES, "drive.mode": MODES}, threads=1)
 
     def cpu_seconds(work):
         start = time.process_time()

@@ -19,7 +19,7 @@ VARY = {"drive.frequency": np.linspace(20.0, 200.0, 31), "drive.mode": ["IPP", "
 
 @pytest.fixture(scope="module")
 def expected():
-    return sweep(SLOW, VARY, jobs=1)
+    return sweep(SLOW, VARY, threads=1)
 
 
 def spawning(workers=2):
@@ -33,21 +33,21 @@ class Killer:
         self.processes = processes
         self.killed = None
 
-    def __call__(self, fraction):
+    def __call__(self, fraction, stage):
         if self.killed is None and 0.2 < fraction < 0.8:
             self.killed = next(iter(self.processes()))
             os.kill(self.killed, signal.SIGKILL)
 
 
 def test_threads(expected):
-    for jobs in (2, 3):
-        xarray.testing.assert_identical(sweep(SLOW, VARY, jobs=jobs), expected)
+    for threads in (2, 3):
+        xarray.testing.assert_identical(sweep(SLOW, VARY, threads=threads), expected)
 
 
 def test_any_chunks(expected, monkeypatch):
-    monkeypatch.setattr(worker, "_SLICE", 2)
-    monkeypatch.setattr(worker, "_LONGEST", 0.0)  # every chunk ends early
-    xarray.testing.assert_identical(sweep(SLOW, VARY, jobs=2), expected)
+    monkeypatch.setattr(worker, "_POINTS_PER_CALL", 2)
+    monkeypatch.setattr(worker, "_MAX_SECONDS", 0.0)  # every chunk ends early
+    xarray.testing.assert_identical(sweep(SLOW, VARY, threads=2), expected)
 
 
 def test_processes_that_know_nothing_of_this_one(expected):

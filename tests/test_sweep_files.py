@@ -44,12 +44,12 @@ def finished_points(path):
 def begin(path, scenario=SLOW, vary=VARY, fraction=0.4):
     """A sweep that is stopped in its midst."""
 
-    def stop(done):
+    def stop(done, stage):
         if done > fraction:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(scenario, vary, jobs=1, out=path, progress=stop)
+        sweep(scenario, vary, threads=1, out=path, progress=stop)
 
 
 def assert_resumes(path, expected, scenario=SLOW, vary=VARY):
@@ -76,8 +76,8 @@ def test_a_file_holds_the_dataset(tmp_path):
 
 
 def test_a_file_does_not_depend_on_who_wrote_it(tmp_path):
-    sweep(QUICK, VARY, out=tmp_path / "a.nc", jobs=1)
-    sweep(QUICK, VARY, out=tmp_path / "b.nc", jobs=2)
+    sweep(QUICK, VARY, out=tmp_path / "a.nc", threads=1)
+    sweep(QUICK, VARY, out=tmp_path / "b.nc", threads=2)
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
@@ -101,11 +101,11 @@ def test_a_killed_sweep_resumes(tmp_path):
         "import numpy as np\n"
         "import stickslip.sweeping.checkpoint as checkpoint\n"
         "from stickslip import Scenario, sweep\n"
-        "checkpoint._INTERVAL, checkpoint._MOST_SHARE = 0.05, 1.0\n"
+        "checkpoint._MIN_INTERVAL, checkpoint._MAX_SHARE = 0.05, 1.0\n"
         "scenario = Scenario.from_toml('s.toml')\n"
         "vary = {'drive.frequency': np.linspace(20.0, 200.0, 200),"
         " 'contact.static_friction': [0.3, 0.1]}\n"
-        "sweep(scenario, vary, jobs=1, out='a.nc')\n"
+        "sweep(scenario, vary, threads=1, out='a.nc')\n"
     )
     slower.to_toml(tmp_path / "s.toml")
     process = subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path)
@@ -132,13 +132,18 @@ def test_a_finished_file_is_read_and_left_alone(tmp_path):
     seen = []
     with Counting(1) as executor:
         again = sweep(
-            QUICK, VARY, executor=executor, out=tmp_path / "a.nc", resume=True, progress=seen.append
+            QUICK,
+            VARY,
+            executor=executor,
+            out=tmp_path / "a.nc",
+            resume=True,
+            progress=lambda *each: seen.append(each),
         )
         assert executor.points == 0
     xarray.testing.assert_identical(again, data)
     after = os.stat(tmp_path / "a.nc")
     assert (after.st_mtime_ns, after.st_ino) == (before.st_mtime_ns, before.st_ino)
-    assert seen == [1.0]
+    assert seen == [(1.0, "simulating")]
 
 
 def test_resuming_without_a_file_begins(tmp_path):
@@ -210,7 +215,7 @@ def test_what_is_no_file_of_a_sweep_is_refused(tmp_path, damage):
         sweep(QUICK, FRICTION, out=path)
         whole = path.read_bytes()
         path.write_bytes({"text": b"a,b\n1,2\n", "empty": b"", "cut": whole[:9000]}[damage])
-    assert_refused(path, QUICK, FRICTION, "no file of a sweep")
+    assert_refused(path, QUICK, FRICTION, "not the file of a sweep")
 
 
 def test_a_file_that_is_there_is_not_overwritten(tmp_path):

@@ -38,7 +38,7 @@ def test_a_damaged_file_is_refused_before_hdf5_sees_it(tmp_path, monkeypatch):
         assert_refused(path, QUICK, FRICTION, "checksum")
     inverted = bytes(255 - each for each in whole[9000:9500])
     path.write_bytes(whole[:9000] + inverted + whole[9500:])
-    assert_refused(path, QUICK, FRICTION, "its checksum is another: it is damaged")
+    assert_refused(path, QUICK, FRICTION, "its checksum does not match: it is damaged")
 
 
 def test_the_checksum_is_that_of_all_bytes_before_it(tmp_path):
@@ -70,7 +70,7 @@ def test_a_run_that_is_damaged_is_refused(tmp_path):
     data = bytearray((tmp_path / "a.nc").read_bytes())
     data[len(data) // 2] ^= 1
     (tmp_path / "a.nc").write_bytes(data)
-    with pytest.raises(ScenarioError, match=r"a\.nc: its checksum is another"):
+    with pytest.raises(ScenarioError, match=r"a\.nc: its checksum does not match"):
         open_run(tmp_path / "a.nc")
 
 
@@ -80,7 +80,7 @@ def test_a_file_has_one_sweep_at_a_time(tmp_path):
     (tmp_path / "link.nc").symlink_to("a.nc")
     refused = []
 
-    def another(done):
+    def another(done, stage):
         for name, resume in (("a.nc", False), ("a.nc", True), ("link.nc", False)):
             with pytest.raises(ScenarioError, match=rf"{name}: another sweep is writing"):
                 sweep(QUICK, {"drive.frequency": [30.0]}, out=tmp_path / name, resume=resume)
@@ -97,7 +97,8 @@ def test_another_process_is_refused_until_the_first_is_killed(tmp_path):
     (tmp_path / "s.toml").write_text(QUICK.to_toml())
     options = ["s.toml", "--vary=contact.static_friction=0.3,0.2", "--out=a.nc"]
     code = (
-        "from stickslip.sweeping.lock import held\nwith held('a.nc'):\n print(flush=True); input()"
+        "from stickslip.sweeping.lock import file_lock\n"
+        "with file_lock('a.nc'):\n print(flush=True); input()"
     )
     holder = subprocess.Popen(
         [sys.executable, "-c", code], cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE
@@ -162,7 +163,7 @@ def test_an_interrupt_promises_to_go_on_only_with_a_file_that_is_there(
 
     monkeypatch.setattr("stickslip.cli.sweep_command.sweep_points", interrupted)
     (tmp_path / "s.toml").write_text(QUICK.to_toml())
-    options = {"vary": ("drive.hold=0,1e-3",), "settings": (), "jobs": None, "dask": None}
+    options = {"vary": ("drive.hold=0,1e-3",), "settings": (), "threads": None, "dask": None}
     options |= {"out": tmp_path / "a.nc", "resume": True, "as_json": False}
     for there, said in ((False, "nothing written"), (True, "--resume goes on with")):
         if there:

@@ -114,8 +114,8 @@ def test_a_sweep_is_bit_identical_on_any_number_of_threads(function, tmp_path):
     register(function, parameter("a", low=0.0), parameter("b"))
     keys = {"effects.own.a": np.linspace(0.0, 8e-6, 5), "effects.own.b": [0.0, 3e-5]}
     file = tmp_path / "sweep.nc"
-    one = sweep(scenario(PULSES), keys, jobs=1, out=file)
-    two = sweep(scenario(PULSES), keys, jobs=2)
+    one = sweep(scenario(PULSES), keys, threads=1, out=file)
+    two = sweep(scenario(PULSES), keys, threads=2)
     xarray.testing.assert_identical(one, two)
     assert (one.status == 0).all()
     assert one.sizes["own_a"] == 5
@@ -143,9 +143,9 @@ def test_its_names_in_a_dataset_take_no_others_place(tmp_path):
     assert len(set(everything)) == len(everything)
     assert short_name("effects.mean.frequency") == "mean_frequency"
     keys = {"effects.mean.velocity": [0.0, 1.0]}
-    seen = sweep(scenario(PULSES), keys, jobs=1, out=tmp_path / "sweep.nc")
+    seen = sweep(scenario(PULSES), keys, threads=1, out=tmp_path / "sweep.nc")
     assert seen.mean_velocity.dims == ("effects.mean.velocity",)
-    read = sweep(scenario(PULSES), keys, jobs=1, out=tmp_path / "sweep.nc", resume=True)
+    read = sweep(scenario(PULSES), keys, threads=1, out=tmp_path / "sweep.nc", resume=True)
     assert np.array_equal(read.mean_velocity, seen.mean_velocity)
 
 
@@ -185,4 +185,4 @@ def test_other_processes_must_register_it_too(initializer):
                 sweep(scenario(PULSES), keys, executor=executor)
             return
         there = sweep(scenario(PULSES), keys, executor=executor)
-    xarray.testing.assert_identical(there, sweep(scenario(PULSES), keys, jobs=1))
+    xarray.testing.assert_identical(there, sweep(scenario(PULSES), keys, threads=1))

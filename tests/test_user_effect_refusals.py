@@ -44,9 +44,9 @@ def test_an_exception_of_the_function_passes_through():
             for threads in (1, 2):
                 with pytest.raises(BoomError):
                     simulate_batch(4 * [failing], threads=threads)
-    for jobs in (1, 2):
+    for threads in (1, 2):
         with pytest.raises(BoomError) as caught:
-            sweep(scenario(PULSES), {"effects.own.k": [0.0, 0.5, 1.0]}, jobs=jobs)
+            sweep(scenario(PULSES), {"effects.own.k": [0.0, 0.5, 1.0]}, threads=threads)
         assert caught.traceback[-1].name == "fails"
     # It is over with that: nothing is left behind for the next run.
     assert run(PULSES).ok
@@ -66,7 +66,9 @@ def test_a_force_that_is_not_finite_is_a_status(method, bad):
     assert failed.status == "not_finite"
     assert failed.message.startswith("at t = 0.06")
     assert "the function of effect own gave a force or torque that is not a" in failed.message
-    seen = sweep(scenario(PULSES, {"solver.method": method}), {"effects.own.k": [0.4, 0.9]}, jobs=2)
+    seen = sweep(
+        scenario(PULSES, {"solver.method": method}), {"effects.own.k": [0.4, 0.9]}, threads=2
+    )
     assert list(seen.status.values == 0) == [True, False]
     assert np.isnan(seen.mean_velocity.values[1])
 

@@ -57,7 +57,7 @@ _TABLES = {
     "field": '[[field]]\nfile = "field.csv"\n',
 }
 
-SWEEP = ("sweep", "scenario.toml", "--vary", "drive.frequency=50:200:6", "--jobs", "1")
+SWEEP = ("sweep", "scenario.toml", "--vary", "drive.frequency=50:200:6", "--threads", "1")
 
 
 class Original(NamedTuple):
@@ -72,7 +72,7 @@ class Original(NamedTuple):
 def originals() -> dict[str, Original]:
     """By kind of file."""
     run = ("run", "scenario.toml", "--json")
-    diagnose = ("diagnose", "measurement.toml", "--json", "--jobs", "1")
+    diagnose = ("diagnose", "measurement.toml", "--json", "--threads", "1")
     scenario = {"scenario.toml": SCENARIO.encode()}
     program = 'stickslip = 1\n[drive]\nmode = "program"\nfile = "voltages.csv"\n'
     found = {

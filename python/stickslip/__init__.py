@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from stickslip.scenario.named_effects import effects
     from stickslip.scenario.scenario import Scenario, load
     from stickslip.scenario.sections import (
+        COIL_NAMES,
         Coil,
         Contact,
         Drag,
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     )
     from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.scenario.waveform import Waveform, volts_per_tesla
-    from stickslip.simulation.coils import COIL_NAMES, Coils
+    from stickslip.simulation.coils import Coils
     from stickslip.simulation.netcdf import open_run
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import simulate, simulate_batch
@@ -40,66 +41,37 @@ if TYPE_CHECKING:
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {
-    "COIL_NAMES": "simulation.coils",
-    "__version__": "_core",
-    "Coil": "scenario.sections",
-    "Coils": "simulation.coils",
-    "Contact": "scenario.sections",
-    "Drag": "scenario.sections",
-    "Drive": "scenario.sections",
-    "EffectParameter": "scenario.user_effects",
-    "Environment": "scenario.sections",
-    "Record": "scenario.sections",
-    "Robot": "scenario.sections",
-    "Run": "simulation.run",
-    "Scenario": "scenario.scenario",
-    "ScenarioError": "errors",
-    "Solver": "scenario.sections",
-    "Waveform": "scenario.waveform",
-    "effects": "scenario.named_effects",
-    "load": "scenario.scenario",
-    "open_run": "simulation.netcdf",
-    "plot": "plot",
-    "register_effect": "scenario.user_effects",
-    "reproduce": "reproduction.study",
-    "show_versions": "versions",
-    "simulate": "simulation.simulate",
-    "simulate_batch": "simulation.simulate",
-    "sweep": "sweeping.run_sweep",
-    "unregister_effect": "scenario.user_effects",
-    "volts_per_tesla": "scenario.waveform",
+    name: module
+    for module, names in {
+        "_core": ("__version__",),
+        "errors": ("ScenarioError",),
+        "plot": ("plot",),
+        "reproduction.study": ("reproduce",),
+        "scenario.named_effects": ("effects",),
+        "scenario.scenario": ("Scenario", "load"),
+        "scenario.sections": (
+            *("COIL_NAMES", "Coil", "Contact", "Drag", "Drive", "Environment", "Record", "Robot"),
+            "Solver",
+        ),
+        "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
+        "scenario.waveform": ("Waveform", "volts_per_tesla"),
+        "simulation.coils": ("Coils",),
+        "simulation.netcdf": ("open_run",),
+        "simulation.run": ("Run",),
+        "simulation.simulate": ("simulate", "simulate_batch"),
+        "sweeping.run_sweep": ("sweep",),
+        "versions": ("show_versions",),
+    }.items()
+    for name in names
 }
 
+# Written out: type checkers read it.
 __all__ = [
-    "COIL_NAMES",
-    "Coil",
-    "Coils",
-    "Contact",
-    "Drag",
-    "Drive",
-    "EffectParameter",
-    "Environment",
-    "Record",
-    "Robot",
-    "Run",
-    "Scenario",
-    "ScenarioError",
-    "Solver",
-    "Waveform",
-    "__version__",
-    "effects",
-    "load",
-    "open_run",
-    "plot",
-    "register_effect",
-    "reproduce",
-    "show_versions",
-    "simulate",
-    "simulate_batch",
-    "sweep",
-    "unregister_effect",
-    "volts_per_tesla",
-]
+    "COIL_NAMES", "Coil", "Coils", "Contact", "Drag", "Drive", "EffectParameter", "Environment",
+    "Record", "Robot", "Run", "Scenario", "ScenarioError", "Solver", "Waveform", "__version__",
+    "effects", "load", "open_run", "plot", "register_effect", "reproduce", "show_versions",
+    "simulate", "simulate_batch", "sweep", "unregister_effect", "volts_per_tesla",
+]  # fmt: skip
 
 
 # Hidden from type checkers, which would else take any name for an attribute.

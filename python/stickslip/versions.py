@@ -4,21 +4,9 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
+import re
 
 from stickslip import _core
-
-_PACKAGES = (
-    "numpy",
-    "scipy",
-    "xarray",
-    "h5netcdf",
-    "h5py",
-    "pandas",
-    "matplotlib",
-    "click",
-    "tqdm",
-    "jinja2",
-)
 
 
 def show_versions() -> None:
@@ -29,7 +17,10 @@ def show_versions() -> None:
         ("python", platform.python_version()),
         ("platform", platform.platform()),
     ]
-    for package in _PACKAGES:
+    for requirement in importlib.metadata.requires("stickslip") or ():
+        if ";" in requirement:  # of an extra, or of another Python
+            continue
+        package = re.split(r"[^\w-]", requirement)[0]
         try:
             rows.append((package, importlib.metadata.version(package)))
         except importlib.metadata.PackageNotFoundError:

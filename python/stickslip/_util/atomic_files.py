@@ -24,11 +24,8 @@ class NotWritten(OSError):
 def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
     """The bytes of a file or a pipe; `kind` is a word of the errors.
 
-    Raises
-    ------
-    ScenarioError
-        With one line that does not name the file, if it cannot be read, is a device, or is longer
-        than `most` bytes.
+    A ScenarioError of one line, which does not name the file, says that it cannot be read, is a
+    device, or is longer than `most` bytes.
     """
     try:
         check_name(path)
@@ -46,13 +43,7 @@ def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
 
 
 def check_name(path: str | PathLike[str]) -> None:
-    """Refuse a name that no file can have, or that no text can hold.
-
-    Raises
-    ------
-    OSError
-        If it has a character NUL or is not UTF-8.
-    """
+    """Raise an OSError for a name that no file can have, or that no text can hold."""
     name = os.fspath(path)
     if "\0" in name:
         raise OSError("the name has a character NUL")
@@ -64,25 +55,15 @@ def check_name(path: str | PathLike[str]) -> None:
 
 
 def check_suffix(path: str | PathLike[str], allowed: tuple[str, ...]) -> None:
-    """Refuse a name that does not end as its format does.
-
-    Raises
-    ------
-    ValueError
-        Naming the suffixes that are allowed.
-    """
+    """Raise a ValueError, with the suffixes that are allowed, for a name that has none of them."""
     if Path(path).suffix.lower() not in allowed:
         raise ValueError(f"{path}: allowed are names that end in {', '.join(allowed)}")
 
 
 def check_writable(path: str | PathLike[str]) -> None:
-    """Refuse a path to which `replacing` could not write.
+    """Raise an OSError for a path to which `replacing` could not write.
 
-    Raises
-    ------
-    OSError
-        If the path is a folder, a device or read-only, or its folder is missing or cannot be
-        written to.
+    It is a folder, a device or read-only, or its folder is missing or cannot be written to.
     """
     target = _resolved(path)
     folder = target.parent
@@ -132,14 +113,9 @@ def _resolved(path: str | PathLike[str]) -> Path:
 
 
 def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
-    """Refuse a folder that could not be made, or in which one of `files` could not be written.
+    """Raise an OSError for a folder that could not be made, or where `files` could not be written.
 
-    It need not be there yet.
-
-    Raises
-    ------
-    OSError
-        Naming what is in the way.
+    It need not be there yet; the error names what is in the way.
     """
     target = _resolved(path)
     if target.exists() and not target.is_dir():
@@ -165,10 +141,7 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
 def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     """A temporary path in the same folder that becomes `path` when the block ends without error.
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written; then `path` is as it was before.
+    An OSError says that the file cannot be written; then `path` is as it was before.
     """
     check_writable(path)
     target = _resolved(path)
@@ -188,15 +161,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     """Write files that belong together: all are complete before the first takes its name.
 
-    Parameters
-    ----------
-    writers : mapping
-        For each path a function that writes what belongs there to the path that it gets.
-
-    Raises
-    ------
-    OSError
-        If one cannot be written; then all are as they were before.
+    `writers` has for each path a function that writes what belongs there to the path that it gets.
+    An OSError says that one cannot be written; then all are as they were before.
     """
     for path in writers:  # before another file's error could name this one
         check_writable(path)

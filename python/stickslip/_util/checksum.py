@@ -16,7 +16,7 @@ from stickslip.errors import ScenarioError
 
 _MARK = b"\nstickslip sha256 "
 _LENGTH = len(_MARK) + 2 * hashlib.sha256().digest_size + 1
-_PIECE = 1 << 20
+_PIECE = 1 << 20  # bytes read at a time
 
 
 def append_checksum(image: io.BytesIO) -> None:
@@ -27,15 +27,7 @@ def append_checksum(image: io.BytesIO) -> None:
 
 
 def check_checksum(path: str | PathLike[str]) -> bool:
-    """Whether the file has the line.
-
-    Raises
-    ------
-    ScenarioError
-        If it has one that is not its own, without the name of the file.
-    OSError
-        If the file cannot be read.
-    """
+    """Whether the file has the line; a ScenarioError, without its name, if it is not its own."""
     digest = hashlib.sha256()
     with open(path, "rb") as file:
         left = max(os.fstat(file.fileno()).st_size - _LENGTH, 0)
@@ -51,7 +43,9 @@ def check_checksum(path: str | PathLike[str]) -> bool:
             digest.update(piece)
             left -= len(piece)
     if line != _line(digest.hexdigest()):
-        raise ScenarioError("its checksum is another: it is damaged, or a program has changed it")
+        raise ScenarioError(
+            "its checksum does not match: it is damaged, or a program has changed it"
+        )
     return True
 
 

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import NoReturn
 
+# Exit statuses; the last two are those that shells give a program which a signal ends: 128 and its
+# number.
 BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130

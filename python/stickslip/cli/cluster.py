@@ -15,19 +15,15 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
 _PATIENCE = 4.0
-"""Time to reach the scheduler, and then to see a worker, s."""
+"""Time to reach the scheduler, and then to see a worker, s: what a person waits for an answer."""
 
 
 @contextlib.contextmanager
 def cluster(address: str | None) -> Iterator[Executor | None]:
     """An executor of the cluster whose scheduler has this address; nothing without an address.
 
-    Raises
-    ------
-    ScenarioError
-        If Dask is not installed, or the scheduler does not answer or has no workers.
-    OSError
-        If the cluster or a worker fails later.
+    A ScenarioError says that Dask is not installed, or that the scheduler does not answer or has no
+    workers; an OSError that the cluster or a worker failed later.
     """
     if address is None:
         yield None

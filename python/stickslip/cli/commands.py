@@ -6,27 +6,19 @@ import importlib
 
 import click
 
-_HOME = {
-    "diagnose": "diagnose_command",
-    "effects": "effects_command",
-    "init": "init_command",
-    "keys": "keys_command",
-    "reproduce": "reproduce_command",
-    "run": "run_command",
-    "sweep": "sweep_command",
-}
+_COMMANDS = ("diagnose", "effects", "init", "keys", "reproduce", "run", "sweep")
 
 
 class LazyGroup(click.Group):
     """Looks a command up in its module, so that one command does not pay for the others."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return sorted(_HOME)
+        return list(_COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _HOME:
+        if cmd_name not in _COMMANDS:
             return None
-        module = importlib.import_module(f"stickslip.cli.{_HOME[cmd_name]}")
+        module = importlib.import_module(f"stickslip.cli.{cmd_name}_command")
         command: click.Command = module.command
         return command
 

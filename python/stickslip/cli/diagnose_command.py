@@ -10,7 +10,8 @@ import click
 
 from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.options import JSON, PATH, THREADS
+from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.scenario.toml_file import voltages_beside
 
@@ -21,18 +22,18 @@ if TYPE_CHECKING:
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
-@click.argument("measurement", type=click.Path(path_type=Path))
+@click.argument("measurement", type=PATH)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder for report.html, report.json and extended.toml.  [default: diagnosis; with "
     "--json none]",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@JSON
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
-@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: processors.")
+@THREADS
 def command(
-    measurement: Path, out: Path | None, as_json: bool, seed: int, jobs: int | None
+    measurement: Path, out: Path | None, as_json: bool, seed: int, threads: int | None
 ) -> None:
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
@@ -49,31 +50,26 @@ def command(
         out = Path("diagnosis")
     if out is not None:
         check_folder_target("--out", out, [*FILES, voltages_beside(Path(EXTENDED)).name])
-    now = "recalibrating"
+    bar = ProgressBar("recalibrating")
     try:
-        with progress_bar("diagnosing") as show:
-
-            def report(done: float, stage: str) -> None:
-                nonlocal now
-                now = stage
-                show(done, stage)
+        with bar:
 
             def diagnosing(done: float, stage: str) -> None:
                 if done < 1.0:  # two stages come after the last of these
-                    report(0.95 * done, stage)
+                    bar(0.95 * done, stage)
 
-            examination = diagnose(data, seed=seed, threads=jobs, progress=diagnosing)
-            report(0.95, "next experiment")
+            examination = diagnose(data, seed=seed, threads=threads, progress=diagnosing)
+            bar(0.95, "next experiment")
             experiments = propose(examination)
             if out is not None:
-                report(0.97, "report")
+                bar(0.97, "report")
                 write_report(out, examination, data, experiments)
     except KeyboardInterrupt:
-        kept = "" if now == "report" else ", nothing written"
-        say(f"stickslip: interrupted at the stage '{now}'{kept}", err=True)
+        kept = "" if bar.stage == "report" else ", nothing written"
+        say(f"stickslip: interrupted at the stage '{bar.stage}'{kept}", err=True)
         raise
     except OSError:
-        if now == "report":  # what was found is told also where a disk was full
+        if bar.stage == "report":  # what was found is told also where a disk was full
             _tell(examination, data, experiments, as_json)
         raise
     _tell(examination, data, experiments, as_json)

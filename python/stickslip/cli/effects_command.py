@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import click
 
 from stickslip._util.strict_json import json_text
+from stickslip.cli.keys_command import as_dict, indented
+from stickslip.cli.options import JSON
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import suggestion
 from stickslip.scenario.named_effects import PREFIX, Effect, effects
@@ -14,7 +14,7 @@ from stickslip.scenario.named_effects import PREFIX, Effect, effects
 
 @click.command("effects", epilog="\b\nExample:\n  stickslip effects surface_tilt")
 @click.argument("name", required=False)
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@JSON
 def command(name: str | None, as_json: bool) -> None:
     """List the named extensions of the model, or one of them by its NAME.
 
@@ -37,28 +37,14 @@ def _as_dict(effect: Effect) -> dict[str, object]:
         "meaning": effect.meaning,
         "source": effect.source,
         "parameters": [
-            {
-                "name": key.name.rpartition(".")[2],
-                "key": key.name,
-                "unit": key.unit,
-                "low": key.low,
-                "high": key.high,
-                "allowed": key.allowed,
-                "default": key.default,
-                "meaning": key.meaning,
-            }
-            for key in effect.parameters
+            {"name": key.name.rpartition(".")[2], **as_dict(key)} for key in effect.parameters
         ],
     }
 
 
 def _as_text(effect: Effect) -> str:
-    lines = [f"[{PREFIX}{effect.name}]", *_indented(effect.meaning)]
+    lines = [f"[{PREFIX}{effect.name}]", *indented(effect.meaning)]
     for key in effect.parameters:
         name = key.name.rpartition(".")[2]
-        lines += _indented(f"{name}: {key.meaning}; {key.allowed}; default {key.default}")
-    return "\n".join([*lines, *_indented(f"source: {effect.source}")])
-
-
-def _indented(text: str) -> list[str]:
-    return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="        ")
+        lines += indented(f"{name}: {key.meaning}; {key.allowed}; default {key.default}")
+    return "\n".join([*lines, *indented(f"source: {effect.source}")])

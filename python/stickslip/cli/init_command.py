@@ -10,6 +10,7 @@ import click
 from stickslip._util.atomic_files import check_writable, replacing
 from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
+from stickslip.cli.options import PATH
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import PROGRAM, Key, known_keys
 from stickslip.scenario.sections import SECTIONS
@@ -33,11 +34,11 @@ _TAIL = """\
 # angle = 0.02  # rad
 """
 
-_WIDTH = 100
+_WIDTH = 100  # as the help of the commands
 
 
 @click.command("init", epilog="\b\nExample:\n  stickslip init scenario.toml")
-@click.argument("file", type=click.Path(path_type=Path), default=Path("scenario.toml"))
+@click.argument("file", type=PATH, default=Path("scenario.toml"))
 def command(file: Path) -> None:
     """Write a scenario with all keys, their defaults and what they mean to FILE.
 

@@ -7,6 +7,7 @@ import textwrap
 import click
 
 from stickslip._util.strict_json import json_text
+from stickslip.cli.options import JSON
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import FILE, Key, known_keys, section_hint, shown
 
@@ -18,7 +19,7 @@ _FILE_MEANING = (
 
 @click.command("keys", epilog="\b\nExample:\n  stickslip keys drive")
 @click.argument("section", required=False)
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@JSON
 def command(section: str | None, as_json: bool) -> None:
     """List all keys of a scenario, or those of one SECTION, such as drive or effects.
 
@@ -29,7 +30,7 @@ def command(section: str | None, as_json: bool) -> None:
     if not keys:
         raise ScenarioError(f"{section}: there is no such section; {section_hint(str(section))}")
     if as_json:
-        click.echo(json_text({"keys": [_as_dict(key) for key in keys]}))
+        click.echo(json_text({"keys": [as_dict(key) for key in keys]}))
         return
     blocks = [
         "\n".join([f"[{name}]", *(_as_text(key) for key in keys if key.section == name)])
@@ -42,26 +43,21 @@ def _belongs(key: Key, section: str | None) -> bool:
     return section is None or key.section == section or key.section.startswith(f"{section}.")
 
 
-def _as_dict(key: Key) -> dict[str, object]:
-    return {
-        "key": key.name,
-        "unit": key.unit,
-        "low": key.low,
-        "high": key.high,
-        "allowed": key.allowed,
-        "default": key.default,
-        "meaning": key.meaning,
-    }
+def as_dict(key: Key) -> dict[str, object]:
+    """A key as an object of JSON."""
+    fields = ("unit", "low", "high", "allowed", "default", "meaning")
+    return {"key": key.name, **{name: getattr(key, name) for name in fields}}
 
 
 def _as_text(key: Key) -> str:
     name = key.name.rpartition(".")[2]
     unit = "" if key.unit == "-" or isinstance(key.default, str) else f" {key.unit}"
-    lines = _indented(f"{name} = {shown(key.default)}{unit}: {key.meaning}; {key.allowed}")
+    lines = indented(f"{name} = {shown(key.default)}{unit}: {key.meaning}; {key.allowed}")
     if key.name == "drive.mode":
-        lines += _indented(f"{FILE.rpartition('.')[2]}: {_FILE_MEANING}")
+        lines += indented(f"{FILE.rpartition('.')[2]}: {_FILE_MEANING}")
     return "\n".join(lines)
 
 
-def _indented(text: str) -> list[str]:
+def indented(text: str) -> list[str]:
+    """Lines of a text, those after the first further in."""
     return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="        ")

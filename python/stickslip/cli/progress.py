@@ -2,97 +2,74 @@
 
 from __future__ import annotations
 
-import contextlib
 import sys
 import time
-from collections.abc import Callable, Iterator
-from typing import Any, Protocol
-
-
-class Show(Protocol):
-    """Shows the fraction that is done, and the stage, if there are any."""
-
-    def __call__(self, fraction: float, stage: str = "") -> None:
-        """Show it."""
-        ...
-
+from typing import Any
 
 PATIENCE = 2.0
 """Time that passes without a bar, s."""
 
-
-@contextlib.contextmanager
-def progress_bar(description: str) -> Iterator[Show]:
-    """A function that takes the fraction that is done, 0 to 1, and the stage, and shows both."""
-    begun = time.monotonic()
-    with _bar(
-        description, 1.0, "{desc}: {percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
-    ) as bar:
-
-        def show(fraction: float, stage: str = "") -> None:
-            bar.set_description_str(stage or description, refresh=False)
-            bar.update(fraction - bar.n)
-            if stage and time.monotonic() - begun > PATIENCE:
-                bar.refresh()  # a stage may be long, and its name comes once
-
-        yield show
+_OF_A_FRACTION = "{desc}: {percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
+_OF_POINTS = (
+    "{desc}: {percentage:3.0f}% |{bar}| {n_fmt}/{total_fmt}, {rate_fmt}, {elapsed} < {remaining}"
+)
 
 
-@contextlib.contextmanager
-def count_bar(description: str, total: int, unit: str) -> Iterator[Callable[[float], None]]:
-    """The same for work that is counted: with the count, its rate and the time left.
+class ProgressBar:
+    """A context, and the function that is told in it what is done, 0 to 1, and at which stage.
 
-    What the first call finds done was done before, and is no part of the rate.
+    With a number of `points` it shows their count, its rate and the time left. What the first call
+    then finds done was done before, and is no part of the rate.
+
+    Attributes
+    ----------
+    fraction : float
+        The part that is done, 0 to 1.
+    stage : str
+        What is being done.
     """
-    shape = (
-        "{desc}: {percentage:3.0f}% |{bar}| {n_fmt}/{total_fmt}, {rate_fmt}, "
-        "{elapsed} < {remaining}"
-    )
-    with _bar(description, total, shape, unit=f" {unit}", smoothing=0.1) as bar:
-        begun = False
 
-        def show(fraction: float) -> None:
-            nonlocal begun
-            count = round(fraction * total)
-            if not begun:
-                begun = True
-                bar.initial = bar.n = bar.last_print_n = count
-            bar.update(count - bar.n)
+    def __init__(self, stage: str, points: int = 0) -> None:
+        self.fraction = 0.0
+        self.stage = stage
+        self._points = points
+        self._called = False
 
-        yield show
+    def __enter__(self) -> ProgressBar:
+        self._begun = time.monotonic()
+        self._bar: Any = None
+        if sys.stderr is None:
+            return self
+        from tqdm import tqdm
 
+        self._bar = tqdm(
+            total=self._points or 1.0,
+            desc=self.stage,
+            delay=PATIENCE,
+            file=sys.stderr,
+            leave=False,
+            # A bar that nobody watches fills a log.
+            mininterval=0.1 if sys.stderr.isatty() else PATIENCE,
+            bar_format=_OF_POINTS if self._points else _OF_A_FRACTION,
+            unit=" points",
+            smoothing=0.1,  # chunks of points come unevenly
+        )
+        return self
 
-@contextlib.contextmanager
-def _bar(description: str, total: float, shape: str, **options: Any) -> Iterator[Any]:
-    if sys.stderr is None:
-        yield _NoBar()
-        return
-    from tqdm import tqdm
+    def __exit__(self, *error: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
 
-    with tqdm(
-        total=total,
-        desc=description,
-        delay=PATIENCE,
-        file=sys.stderr,
-        leave=False,
-        # A bar that nobody watches fills a log.
-        mininterval=0.1 if sys.stderr.isatty() else PATIENCE,
-        bar_format=shape,
-        **options,
-    ) as bar:
-        yield bar
-
-
-class _NoBar:
-    """Where there is no standard error."""
-
-    n = 0.0
-
-    def refresh(self) -> None:
-        pass
-
-    def set_description_str(self, text: str, refresh: bool = True) -> None:
-        pass
-
-    def update(self, more: float) -> None:
-        pass
+    def __call__(self, fraction: float, stage: str) -> None:
+        new_stage = stage != self.stage
+        self.fraction, self.stage = fraction, stage
+        if self._bar is None:
+            return
+        self._bar.set_description_str(stage, refresh=False)
+        done = round(fraction * self._points) if self._points else fraction
+        if self._points and not self._called:
+            self._bar.initial = self._bar.n = self._bar.last_print_n = done
+        self._called = True
+        self._bar.update(done - self._bar.n)
+        if new_stage and time.monotonic() - self._begun > PATIENCE:
+            self._bar.refresh()  # a stage may be long, and its name comes once

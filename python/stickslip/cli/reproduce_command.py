@@ -9,7 +9,8 @@ import click
 
 from stickslip._util.plain_text import printable
 from stickslip._util.strict_json import json_text
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.options import JSON, PATH, THREADS
+from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     default=Path("reproduction"),
     show_default=True,
     help="Folder for pictures, data and the page index.html.",
@@ -31,34 +32,28 @@ if TYPE_CHECKING:
 @click.option("--only", metavar="FIGURES", help="Figures to make, such as fig8,fig12; else all.")
 @click.option(
     "--measured",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="CSV file of digitised points: columns figure, mode, x, y, in SI units.",
 )
-@click.option("--jobs", type=click.IntRange(min=1), help="Simulations at a time.")
-@click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON object.")
+@THREADS
+@JSON
 def command(
-    out: Path, only: str | None, measured: Path | None, jobs: int | None, as_json: bool
+    out: Path, only: str | None, measured: Path | None, threads: int | None, as_json: bool
 ) -> int:
     """Redo the paper's simulations and test its statements.
 
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
     reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
     """
-    from stickslip.reproduction.study import FIGURES, PAGE, reproduce
+    from stickslip.reproduction.study import FIGURES, PAGE, SETTINGS, reproduce
 
     names = None if only is None else [name.strip() for name in only.split(",") if name.strip()]
     if names == []:
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
     figures = [f"{name}{suffix}" for name in names or FIGURES for suffix in (".png", ".csv")]
-    check_folder_target("--out", out, [PAGE, "settings.csv", *figures])
-    with progress_bar("reproducing") as show:
-        result = reproduce(
-            out,
-            only=names,
-            measured=measured,
-            jobs=jobs,
-            progress=lambda what, fraction: show(fraction),
-        )
+    check_folder_target("--out", out, [PAGE, SETTINGS, *figures])
+    with ProgressBar("trying settings") as bar:
+        result = reproduce(out, only=names, measured=measured, threads=threads, progress=bar)
     click.echo(json_text(result.as_dict()) if as_json else _table(result))
     return 0
 

@@ -10,7 +10,8 @@ import click
 from stickslip._util.number_text import highest
 from stickslip._util.strict_json import json_text
 from stickslip.cli.lines import say
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.options import JSON, PATH, SET
+from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
@@ -21,12 +22,13 @@ if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.run import Run
 
-# Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin.
+# Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
 _RATE = 2e4
+# At high frequencies, so that a sawtooth's edge is a fiftieth of a pulse wide at most.
 _SAMPLES_PER_PULSE = 50
 # Fewer draw a sawtooth's edge in a wrong place and miss whole slips.
 _FEWEST_PER_PULSE = 20
-# Of a run longer than this allows, the picture and the file are coarser.
+# Of a run longer than this allows, some 145 MB of arrays, the picture and the file are coarser.
 _MOST_SAMPLES = 1_000_000
 
 _STRETCH = ("--start", "--stop")
@@ -54,25 +56,17 @@ Events that the summary counts:
 Example:
   stickslip run scenario.toml --set drive.frequency=30 --out run.nc --plot run.png""",
 )
-@click.argument("scenario", type=click.Path(path_type=Path))
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Change a key, in SI units without their names; repeatable.",
-)
+@click.argument("scenario", type=PATH)
+@SET
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Write the recorded motion: .nc (netCDF; also .nc4, .h5) or .csv.",
 )
-@click.option(
-    "--plot", type=click.Path(path_type=Path), help="Draw the run: .png, .pdf, .svg and others."
-)
+@click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
 @click.option("--start", type=float, metavar="SECONDS", help="Begin of the time that --plot draws.")
 @click.option("--stop", type=float, metavar="SECONDS", help="End of the time that --plot draws.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
+@JSON
 def command(
     scenario: Path,
     settings: tuple[str, ...],
@@ -110,20 +104,14 @@ def command(
 
 
 def _simulated(scenario: Scenario) -> Run:
-    from stickslip.simulation.simulate import simulate
+    from stickslip.simulation.simulate import STAGE, simulate
 
-    done = 0.0
+    bar = ProgressBar(STAGE)
     try:
-        with progress_bar("simulating") as show:
-
-            def report(fraction: float) -> None:
-                nonlocal done
-                done = fraction
-                show(fraction)
-
-            return simulate(scenario, progress=report)
+        with bar:
+            return simulate(scenario, progress=bar)
     except KeyboardInterrupt:
-        say(f"stickslip: interrupted at {100.0 * done:.0f} %, nothing written", err=True)
+        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
         raise
 
 

@@ -5,17 +5,29 @@ from __future__ import annotations
 import math
 from typing import Any
 
-# SI unit, and what a reader of micro-robots would rather see: factor and unit.
-_UNITS = {
-    "mean_velocity": ("m/s", 1e3, "mm/s"),
-    "theta_min": ("rad", math.degrees(1.0), "degrees"),
-    "theta_max": ("rad", math.degrees(1.0), "degrees"),
-    "slip_up": ("m/s", 1e3, "mm/s, mean slip speed while theta rises"),
-    "slip_down": ("m/s", 1e3, "mm/s, mean slip speed while theta falls"),
-    "slip_flat": ("m/s", 1e3, "mm/s, mean slip speed on a face"),
-    "airborne_fraction": ("", 100.0, "%"),
-    "simulated_time": ("s", 1.0, ""),
+from stickslip._util.handy_units import handy
+
+# SI units of what is shown; "1" for a part of one.
+UNITS = {
+    "mean_velocity": "m/s",
+    "theta_min": "rad",
+    "theta_max": "rad",
+    "slip_up": "m/s",
+    "slip_down": "m/s",
+    "slip_flat": "m/s",
+    "airborne_fraction": "1",
+    "simulated_time": "s",
 }
+_WORDS = {
+    "slip_up": ", mean slip speed while theta rises",
+    "slip_down": ", mean slip speed while theta falls",
+    "slip_flat": ", mean slip speed on a face",
+}
+
+
+def shown_in(name: str) -> tuple[float, str]:
+    """Factor and unit in which a number of a summary is shown beside its SI unit."""
+    return (100.0, "%") if UNITS[name] == "1" else handy(UNITS[name])
 
 
 def summary_table(summary: dict[str, Any]) -> str:
@@ -24,10 +36,11 @@ def summary_table(summary: dict[str, Any]) -> str:
     if math.isfinite(summary["mean_velocity"]):
         measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
     rows = [("status", summary["status"], "")]
-    for name, (unit, factor, handy) in _UNITS.items():
+    for name, unit in UNITS.items():
         value = summary[name] + 0.0  # no negative zero
-        other = f"{value * factor:.5g} {handy}" if handy else ""
-        rows.append((name, f"{value:.6g} {unit}", other))
+        factor, other = shown_in(name)
+        handier = f"{value * factor:.5g} {other}{_WORDS.get(name, '')}" if other != unit else ""
+        rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
     rows.append(("measured", measured, ""))
     counts = {**summary["events"], "painleve": summary["painleve_events"]}
     met = ", ".join(f"{name} {count}" for name, count in counts.items() if count)

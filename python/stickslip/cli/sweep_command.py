@@ -11,7 +11,8 @@ from stickslip._util.atomic_files import NETCDF_SUFFIXES
 from stickslip._util.strict_json import json_text
 from stickslip.cli.cluster import cluster
 from stickslip.cli.lines import say
-from stickslip.cli.progress import count_bar
+from stickslip.cli.options import JSON, PATH, SET, THREADS
+from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import parse_setting, read_with
 from stickslip.cli.sweep_table import as_dict, failure, table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
@@ -20,6 +21,7 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
+from stickslip.simulation.simulate import STAGE
 from stickslip.sweeping.points import Points, grid
 from stickslip.sweeping.run_sweep import sweep_points
 
@@ -30,7 +32,7 @@ from stickslip.sweeping.run_sweep import sweep_points
     "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
     "    --out sweep.nc",
 )
-@click.argument("scenario", type=click.Path(path_type=Path))
+@click.argument("scenario", type=PATH)
 @click.option(
     "--vary",
     "vary",
@@ -39,19 +41,17 @@ from stickslip.sweeping.run_sweep import sweep_points
     metavar="KEY=VALUES",
     help="A key and its values, start:stop:count with both ends, or a,b,c; repeatable.",
 )
-@click.option(
-    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a key; repeatable."
-)
-@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: processors.")
+@SET
+@THREADS
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
-@click.option("--out", type=click.Path(path_type=Path), help="Write the results to a netCDF file.")
+@click.option("--out", type=PATH, help="Write the results to a netCDF file.")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
-@click.option("--json", "as_json", is_flag=True, help="Print the results as one JSON object.")
+@JSON
 def command(
     scenario: Path,
     vary: tuple[str, ...],
     settings: tuple[str, ...],
-    jobs: int | None,
+    threads: int | None,
     dask: str | None,
     out: Path | None,
     resume: bool,
@@ -68,27 +68,21 @@ def command(
     points = _points(scenario, vary, settings)
     if resume and out is None:
         raise ScenarioError("--resume: allowed with --out only, the file to go on with")
-    if dask is not None and jobs is not None:
-        raise ScenarioError("--jobs: not allowed with --dask, whose workers are all used")
+    if dask is not None and threads is not None:
+        raise ScenarioError("--threads: not allowed with --dask, whose workers are all used")
     if out is not None:
         _check_out(out, resume, input_files(scenario, settings))
 
-    done = 0.0
+    bar = ProgressBar(STAGE, points.count)
     try:
-        with cluster(dask) as executor, count_bar("sweeping", points.count, "points") as show:
-
-            def report(fraction: float) -> None:
-                nonlocal done
-                done = fraction
-                show(fraction)
-
+        with cluster(dask) as executor, bar:
             data = sweep_points(
-                points, jobs=jobs, executor=executor, out=out, resume=resume, progress=report
+                points, threads=threads, executor=executor, out=out, resume=resume, progress=bar
             )
     except KeyboardInterrupt:
         there = out is not None and out.is_file()
         kept = f"--resume goes on with {out}" if there else "nothing written"
-        say(f"stickslip: interrupted at {100.0 * done:.0f} %, {kept}", err=True)
+        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, {kept}", err=True)
         raise
     except (FileExistsError, PermissionError) as error:
         if error.errno:  # of the system, in the midst of the work

@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.cli.summary_table import shown_in
+from stickslip.scenario.keys import known_keys
+
 if TYPE_CHECKING:
     import xarray
 
-_MOST_ROWS = 50
+_MOST_ROWS = 50  # a page; more are in the file
 
 _VELOCITY = "mean_velocity"
 
-# Name, heading, unit of a reader of micro-robots, and the factor to it.
-_COLUMNS = (
-    (_VELOCITY, "mean velocity", "mm/s", 1e3),
-    ("theta_min", "theta from", "degrees", math.degrees(1.0)),
-    ("theta_max", "to", "degrees", math.degrees(1.0)),
-    ("slip_up", "slip up", "mm/s", 1e3),
-    ("slip_down", "slip down", "mm/s", 1e3),
-    ("airborne_fraction", "airborne", "%", 100.0),
-)
+# Headings.
+_COLUMNS = {
+    _VELOCITY: "mean velocity",
+    "theta_min": "theta from",
+    "theta_max": "to",
+    "slip_up": "slip up",
+    "slip_down": "slip down",
+    "airborne_fraction": "airborne",
+}
 
 
 def as_dict(data: xarray.Dataset) -> dict[str, Any]:
@@ -60,7 +62,9 @@ def table(data: xarray.Dataset) -> str:
     for name, index in _extremes(data).items():
         point = _point(data, index)
         velocity = point.pop(_VELOCITY)
-        where = ", ".join(f"{key} = {_text(value)}" for key, value in point.items())
+        where = ", ".join(
+            f"{key} = {_text(value)} {_unit(key)}".rstrip() for key, value in point.items()
+        )
         rows.append((name, f"{velocity * 1e3:.6g} mm/s at {where}"))
     text = "\n".join(f"{name:<10}{value}" for name, value in rows)
     return f"{_rows(data)}\n\n{text}" if data["status"].size <= _MOST_ROWS else text
@@ -110,10 +114,12 @@ def _point(data: xarray.Dataset, index: int) -> dict[str, Any]:
 def _rows(data: xarray.Dataset) -> str:
     """A table of all points with two lines of heading."""
     columns = [
-        [key.rpartition(".")[2], "", *map(_text, values)] for key, values in _keys(data).items()
+        [key.rpartition(".")[2], _unit(key), *map(_text, values)]
+        for key, values in _keys(data).items()
     ]
     columns.append(["status", "", *_statuses(data)])
-    for name, heading, unit, factor in _COLUMNS:
+    for name, heading in _COLUMNS.items():
+        factor, unit = shown_in(name)
         values = data[name].values.ravel() * factor + 0.0  # no negative zero
         columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
     widths = [max(map(len, column)) for column in columns]
@@ -122,6 +128,11 @@ def _rows(data: xarray.Dataset) -> str:
         "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
         for line in lines
     )
+
+
+def _unit(key: str) -> str:
+    known = known_keys()[key]
+    return "" if known.kind == "word" or known.unit == "-" else known.unit
 
 
 def _text(value: object) -> str:

@@ -14,13 +14,7 @@ _ALLOWED = "allowed is key=start:stop:count or key=a,b,c, such as drive.frequenc
 
 
 def parse_vary(texts: tuple[str, ...]) -> dict[str, list[Value]]:
-    """Values by key, in the order given.
-
-    Raises
-    ------
-    ScenarioError
-        If a text is none of the two forms, a range is empty, or a key comes twice.
-    """
+    """Values by key, in the order given; each key once."""
     vary: dict[str, list[Value]] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))

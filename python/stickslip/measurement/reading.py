@@ -22,8 +22,8 @@ from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
-from stickslip.simulation.coils import COIL_NAMES
 
 FORMAT_VERSION = 1
 

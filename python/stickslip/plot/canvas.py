@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
+from stickslip.plot import style
 
-def own_axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
-    """`ax`, or the axes of a new figure of a size in inches that is not bound to a window."""
-    if ax is not None:
-        return ax
-    return Figure(figsize=size, layout="constrained").subplots()
+
+def drawn(draw: Callable[[Axes], object], ax: Axes | None, size: tuple[float, float]) -> Figure:
+    """The figure of `ax`, or a new one of a size in inches, with what `draw` adds to its axes.
+
+    A new figure is not bound to a window.
+    """
+    with matplotlib.rc_context(style.RC):
+        axes = ax or Figure(figsize=size, layout="constrained").subplots()
+        draw(axes)
+    return root_figure(axes)
 
 
 def root_figure(axes: Axes) -> Figure:
-    """The figure that holds some axes, also where they are part of a subfigure.
-
-    Raises
-    ------
-    ValueError
-        If the axes are in no figure any more.
-    """
+    """The figure that holds some axes, also where they are part of a subfigure."""
     figure = axes.figure
     if isinstance(figure, SubFigure):
         figure = figure.figure

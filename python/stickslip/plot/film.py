@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from numpy.typing import ArrayLike
 
 from stickslip._util import palette
 from stickslip.plot import style
@@ -19,7 +20,7 @@ from stickslip.plot.motion import Motion, corners, lowest_corner, motion
 if TYPE_CHECKING:
     from stickslip.plot.motion import Data
 
-_COLUMNS = 2
+_COLUMNS = 2  # as the paper's Fig. 2 (e) to (h)
 _MARGIN = 25.0  # µm
 
 
@@ -100,16 +101,18 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     outline = corners(motion, sample) * 1e6
     axes.axhline(0.0, color=palette.BLACK, linewidth=1.0)
     axes.add_patch(
-        Polygon(outline, closed=True, facecolor="#E8EEF4", edgecolor=palette.BLACK, linewidth=1.2)
+        Polygon(outline, closed=True, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2)
     )
     front = 0.5 * (outline[0] + outline[3])
     centre = outline.mean(axis=0)
-    axes.annotate(
-        "",
-        xy=tuple(centre + 0.75 * (front - centre)),
-        xytext=tuple(centre - 0.35 * (front - centre)),
-        arrowprops={"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4},
-    )
+    towards = front - centre
+    draw_arrow(axes, centre - 0.35 * towards, centre + 0.75 * towards, palette.BLUE, 1.4)
+
+
+def draw_arrow(axes: Axes, start: ArrayLike, tip: ArrayLike, colour: str, width: float) -> None:
+    """An arrow from one place to another, in µm."""
+    look = {"arrowstyle": "->", "color": colour, "linewidth": width}
+    axes.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=look)  # type: ignore[arg-type]
 
 
 def mark_contact(axes: Axes, here: float, before: float | None) -> None:
@@ -122,8 +125,14 @@ def mark_contact(axes: Axes, here: float, before: float | None) -> None:
 def _share_limits(panels: Sequence[Axes], motion: Motion, samples: Sequence[int]) -> None:
     """The same stretch of surface in every panel, with equal scales."""
     outlines = np.concatenate([corners(motion, k) for k in samples]) * 1e6
+    x, z = outlines[:, 0], outlines[:, 1]
     for axes in panels:
-        axes.set_xlim(outlines[:, 0].min() - _MARGIN, outlines[:, 0].max() + _MARGIN)
-        axes.set_ylim(-_MARGIN, outlines[:, 1].max() + _MARGIN)
-        axes.set_aspect("equal", adjustable="box")
-        axes.grid(visible=False)
+        frame(axes, (x.min() - _MARGIN, x.max() + _MARGIN), (-_MARGIN, z.max() + _MARGIN))
+
+
+def frame(axes: Axes, x: tuple[float, float], z: tuple[float, float]) -> None:
+    """The stretch of surface and height that is shown, in µm, at one scale."""
+    axes.set_xlim(x)
+    axes.set_ylim(z)
+    axes.set_aspect("equal", adjustable="box")
+    axes.grid(visible=False)

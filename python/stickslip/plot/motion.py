@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -23,24 +23,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_DRAWN = ("t", "x", "z", "theta", "omega", "normal_force", "contact_x", "slip_velocity", "bx", "bz")
+_DRAWN = ("t", "x", "z", "theta", "omega", "normal_force", "slip_velocity", "bx", "bz", "contact")
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A recorded motion. Arrays have shape (n,), in SI units and radians.
-
-    Attributes
-    ----------
-    t, x, z, theta, omega, normal_force, contact_x, slip_velocity, bx, bz : numpy.ndarray
-        As in `Run`.
-    contact : numpy.ndarray of int8
-        Index of `Run.contact_names`.
-    length, height : float
-        Of the body, m.
-    heading : float
-        1.0 for a robot that faces +x, -1.0 for one that faces -x.
-    """
+    """A recorded motion; arrays have shape (n,), and are those of a `Run`."""
 
     t: Array
     x: Array
@@ -48,30 +36,22 @@ class Motion:
     theta: Array
     omega: Array
     normal_force: Array
-    contact_x: Array
     slip_velocity: Array
     bx: Array
     bz: Array
     contact: NDArray[np.int8]
-    length: float
+    length: float  # of the body, m
     height: float
-    heading: float
+    heading: float  # 1.0 for a robot that faces +x, -1.0 for one that faces -x
 
     def between(self, start: float | None, stop: float | None) -> Motion:
-        """The part from `start` to `stop`, s.
-
-        Raises
-        ------
-        ValueError
-            If there are less than two samples.
-        """
+        """The part from `start` to `stop`, s; it has two samples or more."""
         first = self.t[0] if start is None else start
         last = self.t[-1] if stop is None else stop
         chosen = (self.t >= first) & (self.t <= last)
         if np.count_nonzero(chosen) < 2:
             raise ValueError(f"there are less than two samples from {first:g} s to {last:g} s")
-        arrays = {name: getattr(self, name)[chosen] for name in (*_DRAWN, "contact")}
-        return Motion(**arrays, length=self.length, height=self.height, heading=self.heading)
+        return replace(self, **{name: getattr(self, name)[chosen] for name in _DRAWN})
 
     def sample(self, time: float) -> int:
         """Index of the sample that is nearest to a time, s."""
@@ -79,75 +59,51 @@ class Motion:
 
 
 def motion(data: Data) -> Motion:
-    """The motion of a run on a uniform grid.
-
-    Parameters
-    ----------
-    data : Run or xarray.Dataset
-        A run, or what `Run.to_xarray` gave.
-
-    Raises
-    ------
-    AttributeError
-        If a run has no record.
-    ValueError
-        If the record is one of events, or a Dataset lacks a variable of a run.
-    """
+    """The motion of a run on a uniform grid, or of what `Run.to_xarray` gave of it."""
     if isinstance(data, Run):
-        if data.scenario.record.rate == "events":
-            raise ValueError(
-                "a record of events cannot be drawn: set record.rate to a number of Hz"
-            )
-        robot, direction = data.scenario.robot, data.scenario.drive.direction
-        arrays = {name: getattr(data, name) for name in (*_DRAWN, "contact")}
-        return Motion(
-            **arrays, length=robot.length, height=robot.height, heading=_heading(direction)
-        )
-    return _of_dataset(data)
-
-
-def _of_dataset(data: xarray.Dataset) -> Motion:
-    missing = [name for name in (*_DRAWN, "contact") if name not in data.variables]
-    if missing:
-        raise ValueError(f"a Dataset without {', '.join(missing)} is none of a run")
-    if "event" in data.variables:
+        events = data.scenario.record.rate == "events"
+        robot: Any = vars(data.scenario.robot)
+        direction = data.scenario.drive.direction
+    else:
+        missing = [name for name in _DRAWN if name not in data.variables]
+        if missing:
+            raise ValueError(f"the Dataset is not one of a run: it has no {', '.join(missing)}")
+        events = "event" in data.variables
+        scenario = tomllib.loads(data.attrs["scenario"])
+        robot, direction = scenario["robot"], scenario["drive"]["direction"]
+    if events:
         raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
-    scenario: dict[str, Any] = tomllib.loads(data.attrs["scenario"])
-    arrays = {name: np.asarray(data[name].values) for name in (*_DRAWN, "contact")}
     return Motion(
-        **arrays,
-        length=scenario["robot"]["length"],
-        height=scenario["robot"]["height"],
-        heading=_heading(scenario["drive"]["direction"]),
+        **{name: np.asarray(getattr(data, name)) for name in _DRAWN},
+        length=robot["length"],
+        height=robot["height"],
+        heading=1.0 if direction == "+x" else -1.0,
     )
 
 
-def _heading(direction: str) -> float:
-    return 1.0 if direction == "+x" else -1.0
-
-
-def corners(motion: Motion, index: int) -> Array:
-    """The four corners at one sample, m, shape (4, 2) in x and z.
+def _corners(motion: Motion, x: Any, z: Any, theta: Any) -> tuple[Array, Array]:
+    """Places of the corners, m, x and z, shape (4, ...) for centres and tilts (...).
 
     In the order front bottom, rear bottom, rear top, front top, in the robot's own frame.
     """
     a = 0.5 * motion.length * np.array([1.0, -1.0, -1.0, 1.0])
     b = 0.5 * motion.height * np.array([-1.0, -1.0, 1.0, 1.0])
-    cosine, sine = np.cos(motion.theta[index]), np.sin(motion.theta[index])
-    x = motion.x[index] + motion.heading * (a * cosine + b * sine)
-    z = motion.z[index] - a * sine + b * cosine
-    return np.column_stack([x, z])
+    cosine, sine = np.cos(theta), np.sin(theta)
+    outer = np.multiply.outer
+    along = x + motion.heading * (outer(a, cosine) + outer(b, sine))
+    return along, z - outer(a, sine) + outer(b, cosine)
+
+
+def corners(motion: Motion, index: int) -> Array:
+    """The four corners at one sample, m, shape (4, 2) in x and z."""
+    return np.column_stack(_corners(motion, motion.x[index], motion.z[index], motion.theta[index]))
 
 
 def lowest_corner(motion: Motion) -> Array:
     """Position along the surface of the lowest corner, m, shape (n,); in flight too.
 
-    Corners are numbered as in `corners`. While the body touches, this is `contact_x`, but on a
-    face, where it is one of the face's two ends.
+    While the body touches, this is `Run.contact_x`, but on a face, where it is one of the face's
+    two ends.
     """
-    a = 0.5 * motion.length * np.array([[1.0], [-1.0], [-1.0], [1.0]])
-    b = 0.5 * motion.height * np.array([[-1.0], [-1.0], [1.0], [1.0]])
-    cosine, sine = np.cos(motion.theta), np.sin(motion.theta)
-    z = -a * sine + b * cosine
-    x = motion.x + motion.heading * (a * cosine + b * sine)
+    x, z = _corners(motion, motion.x, 0.0, motion.theta)
     return np.asarray(np.take_along_axis(x, z.argmin(axis=0)[np.newaxis], axis=0)[0])

@@ -14,17 +14,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from stickslip._util import palette
-from stickslip._util.atomic_files import replacing
+from stickslip._util.atomic_files import check_suffix, replacing
 from stickslip.plot import style
-from stickslip.plot.film import draw_body, mark_contact
+from stickslip.plot.film import draw_arrow, draw_body, frame, mark_contact
 from stickslip.plot.motion import Motion, corners, lowest_corner, motion
 
 if TYPE_CHECKING:
     from stickslip.plot.motion import Data
 
 MOST_FRAMES = 2000
+"""Of one picture: a hundred seconds of it at the default rate."""
 
-_DOTS_PER_INCH = 100
+_DOTS_PER_INCH = 100  # of a screen
 _FIELD_ARROW = 60.0  # µm, of the strongest field
 _MARGIN = 30.0  # µm
 
@@ -99,11 +100,9 @@ def animation(
 def _writer(path: Path, frames_per_second: float) -> AbstractMovieWriter:
     if not frames_per_second > 0.0:
         raise ValueError(f"frames_per_second = {frames_per_second!r}: allowed is a number above 0")
-    suffix = path.suffix.lower()
-    if suffix == ".gif":
+    check_suffix(path, (".gif", ".mp4"))
+    if path.suffix.lower() == ".gif":
         return PillowWriter(fps=frames_per_second)  # type: ignore[arg-type]
-    if suffix != ".mp4":
-        raise ValueError(f"{path}: allowed are names that end in .gif or .mp4")
     if not FFMpegWriter.isAvailable():
         raise RuntimeError(f"{path}: MP4 needs the program ffmpeg, which is not here; write a .gif")
     return FFMpegWriter(fps=frames_per_second)  # type: ignore[arg-type]
@@ -130,16 +129,8 @@ class _View:
         right = float(corners(shown, sample)[:, 0].max()) * 1e6 + _MARGIN
         foot = (min(right, self._right - _FIELD_ARROW), self._top - 1.3 * _FIELD_ARROW)
         field = (shown.bx[sample] * self._arrow, shown.bz[sample] * self._arrow)
-        axes.annotate(
-            "",
-            xy=(foot[0] + field[0], foot[1] + field[1]),
-            xytext=foot,
-            arrowprops={"arrowstyle": "->", "color": palette.GREEN, "linewidth": 1.8},
-        )
-        axes.set_xlim(self._left, self._right)
-        axes.set_ylim(-_MARGIN, self._top)
-        axes.set_aspect("equal", adjustable="box")
-        axes.grid(visible=False)
+        draw_arrow(axes, foot, (foot[0] + field[0], foot[1] + field[1]), palette.GREEN, 1.8)
+        frame(axes, (self._left, self._right), (-_MARGIN, self._top))
         axes.set_xlabel("x (µm)")
         axes.set_ylabel("z (µm)")
         axes.set_title(

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plot import style
-from stickslip.plot.canvas import own_axes, root_figure
+from stickslip.plot.canvas import drawn
 from stickslip.plot.motion import motion
 from stickslip.plot.time_axes import draw_fields, draw_tilt
 
@@ -44,11 +42,12 @@ def fields(
         If the record is one of events, or has less than two samples from `start` to `stop`.
     """
     shown = motion(data).between(start, stop)
-    with matplotlib.rc_context(style.RC):
-        axes = own_axes(ax, (5.4, 2.6))
-        draw_fields(axes, shown.t, shown.bx, shown.bz)
-        _finish(axes, float(shown.t[0]), float(shown.t[-1]))
-    return root_figure(axes)
+
+    def draw(axes: Axes) -> None:
+        draw_fields(axes, shown)
+        axes.set_xlabel("time (s)")
+
+    return drawn(draw, ax, (5.4, 2.6))
 
 
 def angle_and_contact_velocity(
@@ -59,13 +58,9 @@ def angle_and_contact_velocity(
     Parameters, result and errors are those of `fields`.
     """
     shown = motion(data).between(start, stop)
-    with matplotlib.rc_context(style.RC):
-        axes = own_axes(ax, (5.4, 3.0))
-        draw_tilt(axes, shown.t, shown.theta, shown.slip_velocity)
-        _finish(axes, float(shown.t[0]), float(shown.t[-1]))
-    return root_figure(axes)
 
+    def draw(axes: Axes) -> None:
+        draw_tilt(axes, shown)
+        axes.set_xlabel("time (s)")
 
-def _finish(axes: Axes, first: float, last: float) -> None:
-    axes.set_xlim(first, last)
-    axes.set_xlabel("time (s)")
+    return drawn(draw, ax, (5.4, 3.0))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -13,15 +12,13 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stickslip.plot import style
-from stickslip.plot.canvas import own_axes, root_figure
-from stickslip.plot.motion import motion
+from stickslip.plot.canvas import drawn
+from stickslip.plot.motion import Array, motion
 from stickslip.plot.scales import LEAST_RATE, LEAST_TILT, length, readable
 from stickslip.simulation.run import Run
 
 if TYPE_CHECKING:
     from stickslip.plot.motion import Data
-
-    _Array = NDArray[np.float64]
 
 
 def trajectory(
@@ -29,36 +26,18 @@ def trajectory(
 ) -> Figure:
     """Draw the path of the centre of mass in the plane of motion, coloured by contact mode.
 
-    Parameters
-    ----------
-    data : Run or xarray.Dataset
-        A run with a record on a uniform grid, or what its `to_xarray` gave.
-    start, stop : float, optional
-        Stretch of time to draw, s; all of it, if not given.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure, if not given.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The one that holds the axes.
-
-    Raises
-    ------
-    AttributeError
-        If a run has no record.
-    ValueError
-        If the record is one of events, or has less than two samples from `start` to `stop`.
+    Parameters, result and errors are those of `fields`.
     """
     shown = motion(data).between(start, stop)
-    with matplotlib.rc_context(style.RC):
-        axes = own_axes(ax, (5.8, 3.4))
+
+    def draw(axes: Axes) -> None:
         along, up = length(shown.x), length(shown.z)
         _draw_path(axes, shown.x * along.factor, shown.z * up.factor, shown.contact)
         axes.set_xlabel(f"x of the centre of mass ({along.unit})")
         axes.set_ylabel(f"height of the centre of mass ({up.unit})")
         readable(axes, x=along.least, y=up.least)
-    return root_figure(axes)
+
+    return drawn(draw, ax, (5.8, 3.4))
 
 
 def phase_portrait(
@@ -66,19 +45,20 @@ def phase_portrait(
 ) -> Figure:
     """Draw tilt against its rate, coloured by contact mode.
 
-    Parameters, result and errors are those of `trajectory`.
+    Parameters, result and errors are those of `fields`.
     """
     shown = motion(data).between(start, stop)
-    with matplotlib.rc_context(style.RC):
-        axes = own_axes(ax, (5.8, 4.2))
+
+    def draw(axes: Axes) -> None:
         _draw_path(axes, np.degrees(shown.theta), shown.omega, shown.contact)
         axes.set_xlabel(r"tilt $\theta$ (degrees)")
         axes.set_ylabel(r"rate of the tilt $\omega$ (rad/s)")
         readable(axes, x=LEAST_TILT, y=LEAST_RATE)
-    return root_figure(axes)
+
+    return drawn(draw, ax, (5.8, 4.2))
 
 
-def _draw_path(axes: Axes, x: _Array, y: _Array, contact: NDArray[np.int8]) -> None:
+def _draw_path(axes: Axes, x: Array, y: Array, contact: NDArray[np.int8]) -> None:
     points = np.column_stack([x, y])
     segments = np.stack([points[:-1], points[1:]], axis=1)
     modes = contact[:-1]

@@ -13,23 +13,19 @@ from matplotlib.patches import Patch
 
 from stickslip._util import palette
 from stickslip.plot import style
+from stickslip.plot.motion import Array, motion
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.plot.time_axes import draw_fields, draw_tilt, legend_above
-from stickslip.simulation.run import Run
+from stickslip.simulation.run import Run, resting_force
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    _Array = NDArray[np.float64]
-
 # More pulses than this are a smear; the last ones show the steady motion.
-_MOST_PULSES = 12
-_SHOWN_PULSES = 6
+_MOST_PULSES, _SHOWN_PULSES = 12, 6
 
-# Part of the picture's time that is as wide as a dot of a printed band.
+# Part of the picture's time that is as wide as a dot of the picture: 8 inches of 150 dots.
 _VISIBLE = 1e-3
-
-_SHADE = "#F0F0F0"
 
 
 def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
@@ -56,25 +52,21 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     ValueError
         If the record is one of events, or has less than two samples from `start` to `stop`.
     """
-    if run.scenario.record.rate == "events":
-        raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
+    whole = motion(run)
     first, last, what = _stretch(run, start, stop)
-    chosen = (run.t >= first) & (run.t <= last)
-    if np.count_nonzero(chosen) < 2:
-        raise ValueError(f"there are less than two samples from {first:g} s to {last:g} s")
-
+    shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
         figure = Figure(figsize=(8.0, 9.0), layout="constrained")
         fields, tilt, path, force, contact = figure.subplots(
             5, 1, sharex=True, height_ratios=[1.0, 1.3, 0.9, 1.0, 0.22]
         )
-        t = run.t[chosen]
-        draw_fields(fields, t, run.bx[chosen], run.bz[chosen])
-        draw_tilt(tilt, t, run.theta[chosen], run.slip_velocity[chosen])
-        _draw_path(path, t, run.x[chosen])
+        t = shown.t
+        draw_fields(fields, shown)
+        draw_tilt(tilt, shown)
+        _draw_path(path, t, shown.x)
         shaded = _shade_window([fields, tilt, path, force], t, run)
-        _draw_force(force, t, run.normal_force[chosen], run, shaded)
-        _draw_contact(figure, contact, t, run.contact[chosen])
+        _draw_force(force, t, shown.normal_force, run, shaded)
+        _draw_contact(figure, contact, t, shown.contact)
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
         figure.align_ylabels([fields, path, force])
@@ -110,14 +102,14 @@ def _title(run: Run, what: str) -> str:
     return ", ".join(words)
 
 
-def _draw_path(axes: Axes, t: _Array, x: _Array) -> None:
+def _draw_path(axes: Axes, t: Array, x: Array) -> None:
     shown = length(x)
     axes.plot(t, x * shown.factor, color=palette.BLACK)
     axes.set_ylabel(f"x ({shown.unit})")
     readable(axes, y=shown.least)
 
 
-def _shade_window(panels: list[Axes], t: _Array, run: Run) -> list[Artist]:
+def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:
     """Shade the measuring window where it is a part of the picture; a handle if there is one."""
     start, end = max(run.scenario.window[0], t[0]), min(run.scenario.window[1], t[-1])
     sample = 1.5 * (t[1] - t[0])
@@ -128,59 +120,45 @@ def _shade_window(panels: list[Axes], t: _Array, run: Run) -> list[Artist]:
     ):
         return []
     for axes in panels:
-        axes.axvspan(start, end, facecolor=_SHADE, edgecolor="none", zorder=0)
-    return [Patch(facecolor=_SHADE, edgecolor=palette.GREY, label="measuring window")]
+        axes.axvspan(start, end, facecolor=style.SHADE, edgecolor="none", zorder=0)
+    return [Patch(facecolor=style.SHADE, edgecolor=palette.GREY, label="measuring window")]
 
 
-def _draw_force(axes: Axes, t: _Array, force: _Array, run: Run, shaded: list[Artist]) -> None:
-    scenario = run.scenario
+def _draw_force(axes: Axes, t: Array, force: Array, run: Run, shaded: list[Artist]) -> None:
     axes.plot(t, force * 1e6, color=palette.GREEN, linewidth=0.9)
-    at_rest = scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
-    resting = axes.axhline(
-        at_rest * 1e6, color=palette.GREY, linestyle=":", label="weight + adhesion"
-    )
+    at_rest = resting_force(run.scenario) * 1e6
+    resting = axes.axhline(at_rest, color=palette.GREY, linestyle=":", label="weight + adhesion")
     axes.set_ylabel("normal force (µN)")
     readable(axes, y=LEAST_FORCE)
     legend_above(axes, [resting, *shaded])
 
 
-def _draw_contact(figure: Figure, axes: Axes, t: _Array, contact: NDArray[np.int8]) -> None:
+def _draw_contact(figure: Figure, axes: Axes, t: Array, contact: NDArray[np.int8]) -> None:
     """A band that changes colour with the mode of the contact."""
     changes = np.flatnonzero(np.diff(contact)) + 1
     begins = np.concatenate([[0], changes])
     ends = np.concatenate([changes, [len(t) - 1]])
-    visible = []
+    handles = []
     for code in sorted(set(contact.tolist())):
+        name = Run.contact_names[code]
+        colour = style.CONTACT_COLOURS[name]
         spans = [
             (t[begin], t[end] - t[begin])
             for begin, end in zip(begins, ends, strict=True)
             if contact[begin] == code
         ]
-        colour = style.CONTACT_COLOURS[Run.contact_names[code]]
         axes.broken_barh(spans, (0.0, 1.0), facecolor=colour, edgecolor="none")
         if sum(width for _, width in spans) >= _VISIBLE * (t[-1] - t[0]):
-            visible.append(code)
+            label = style.CONTACT_LABELS[name]
+            handles.append(Patch(facecolor=colour, edgecolor=palette.GREY, label=label))
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks([])
     axes.set_ylabel("contact", rotation=0, ha="right", va="center")
     axes.grid(visible=False)
-    handles = [
-        Patch(
-            facecolor=style.CONTACT_COLOURS[Run.contact_names[code]],
-            edgecolor=palette.GREY,
-            label=style.CONTACT_LABELS[Run.contact_names[code]],
-        )
-        for code in visible
-    ]
+    rows = -(-len(handles) // 5)  # as many as fit side by side, in rows of about the same length
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=_legend_columns(len(visible)),
+        ncols=-(-len(handles) // rows),
         frameon=False,
     )
-
-
-def _legend_columns(entries: int) -> int:
-    """As many as fit side by side, in rows of about the same length."""
-    rows = -(-entries // 5)
-    return -(-entries // rows)

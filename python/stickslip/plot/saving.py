@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from os import PathLike
-from pathlib import Path
 
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
 
-from stickslip._util.atomic_files import replacing
+from stickslip._util.atomic_files import check_suffix, replacing
 
-DOTS_PER_INCH = 150
+DOTS_PER_INCH = 150  # legible in print at half the width of a page
 
 
 def check_format(path: str | PathLike[str]) -> None:
@@ -21,10 +20,8 @@ def check_format(path: str | PathLike[str]) -> None:
     ValueError
         Naming the suffixes that are.
     """
-    suffix = Path(path).suffix.removeprefix(".").lower()
-    known = sorted(FigureCanvasBase.get_supported_filetypes())
-    if suffix not in known:
-        raise ValueError(f"{path}: allowed are names that end in .{', .'.join(known)}")
+    formats = FigureCanvasBase.get_supported_filetypes()
+    check_suffix(path, tuple(f".{each}" for each in sorted(formats)))
 
 
 def save(figure: Figure, path: str | PathLike[str]) -> None:

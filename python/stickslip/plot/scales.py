@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
-_MOST_MICRONS = 1000.0
+_MOST_MICRONS = 1000.0  # a number of four digits is read sooner in mm
 
 # Smaller spans are those of a robot that stands still, or of rounding; in the units shown.
 LEAST_FIELD = 1e-2  # mT

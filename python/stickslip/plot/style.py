@@ -16,6 +16,11 @@ from stickslip._util.palette import (
     YELLOW,
 )
 
+# Faces behind or beside those: a shaded stretch, the body, a point without a value.
+SHADE = "#F0F0F0"
+BODY = "#E8EEF4"
+NO_VALUE = "#BBBBBB"
+
 CONTACT_COLOURS = {
     "flight": "#FFFFFF",
     "corner_stick": BLUE,

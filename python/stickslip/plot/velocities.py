@@ -6,24 +6,23 @@ import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from stickslip._util import palette
+from stickslip._util.handy_units import in_handy_units
 from stickslip.plot import style
-from stickslip.plot.canvas import own_axes, root_figure
+from stickslip.plot.canvas import drawn, root_figure
 from stickslip.plot.scales import readable
-from stickslip.plot.units import Quantity, quantity
 
 if TYPE_CHECKING:
     import xarray
 
     _Array = NDArray[np.float64]
 
-_MOST_LINES = 8
+_MOST_LINES = 8  # as many as there are styles that can be told apart
 # Values over more than this are shown on a logarithmic axis.
 _LOG_RATIO = 100.0
 
@@ -43,7 +42,8 @@ class _Axis:
 
     name: str
     values: _Array
-    shown: Quantity
+    factor: float  # from SI to what is shown
+    label: str
 
     @property
     def log(self) -> bool:
@@ -74,10 +74,10 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     Raises
     ------
     ValueError
-        If the Dataset is none of a sweep, has no sound point, or varies more than can be drawn.
+        If the Dataset is not one of a sweep, has no sound point, or varies more than can be drawn.
     """
     if "mean_velocity" not in data:
-        raise ValueError("a Dataset without mean_velocity is none of a sweep")
+        raise ValueError("the Dataset is not one of a sweep: it has no mean_velocity")
     speeds = data["mean_velocity"].squeeze() * 1e3
     if not bool(np.isfinite(speeds.values).any()):
         raise ValueError("no point of the sweep has a velocity")
@@ -85,12 +85,13 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
         speeds = _unlisted(speeds)
     numeric = [str(d) for d in speeds.dims if speeds[d].dtype.kind in "if"]
     words = [str(d) for d in speeds.dims if str(d) not in numeric]
-    with matplotlib.rc_context(style.RC):
-        axes = own_axes(ax, (5.4, 3.6))
-        if len(numeric) == 1:
-            _draw_lines(axes, speeds, _axis(speeds, numeric[0]), words)
-        elif len(numeric) == 2 and not words:
-            _draw_map(axes, speeds, _axis(speeds, numeric[0]), _axis(speeds, numeric[1]))
+    along = [_axis(speeds, name) for name in numeric]
+
+    def draw(axes: Axes) -> None:
+        if len(along) == 1:
+            _draw_lines(axes, speeds, along[0], words)
+        elif len(along) == 2 and not words:
+            _draw_map(axes, speeds, *along)
         else:
             varied = ", ".join([*numeric, *words]) or "nothing"
             raise ValueError(
@@ -98,7 +99,8 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
                 "take a part of it with .sel"
             )
         readable(axes)
-    return root_figure(axes)
+
+    return drawn(draw, ax, (5.4, 3.6))
 
 
 def _unlisted(speeds: Any) -> Any:
@@ -120,8 +122,9 @@ def _unlisted(speeds: Any) -> Any:
 
 def _axis(speeds: Any, name: str) -> _Axis:
     coordinate = speeds[name]
-    shown = quantity(name.replace("_", " "), str(coordinate.attrs.get("units", "")))
-    return _Axis(name, coordinate.values.astype(np.float64), shown)
+    unit = str(coordinate.attrs.get("units", ""))
+    shown = in_handy_units(name.replace("_", " "), unit)
+    return _Axis(name, coordinate.values.astype(np.float64), *shown)
 
 
 def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None:
@@ -133,7 +136,7 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
     for choice, (colour, dashes, marker) in zip(choices, _STYLES, strict=False):
         line = speeds.sel(dict(zip(words, choice, strict=True)))
         axes.plot(
-            along.values * along.shown.factor,
+            along.values * along.factor,
             line.values,
             color=colour,
             linestyle=dashes,
@@ -143,7 +146,7 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
         )
     if along.log:
         axes.set_xscale("log")
-    axes.set_xlabel(along.shown.label)
+    axes.set_xlabel(along.label)
     axes.set_ylabel("mean velocity (mm/s)")
     if words:
         axes.legend(title=", ".join(words), frameon=False)
@@ -154,8 +157,8 @@ def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
     largest = float(np.nanmax(np.abs(values)))
     both_ways = float(np.nanmin(values)) < 0.0 < float(np.nanmax(values))
     mesh = axes.pcolormesh(
-        _edges(across) * across.shown.factor,
-        _edges(up) * up.shown.factor,
+        _edges(across) * across.factor,
+        _edges(up) * up.factor,
         np.ma.masked_invalid(values),
         cmap="PuOr_r" if both_ways else "viridis",
         vmin=-largest if both_ways else None,
@@ -165,10 +168,10 @@ def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
     for axis, set_scale in ((across, axes.set_xscale), (up, axes.set_yscale)):
         if axis.log:
             set_scale("log")
-    axes.set_facecolor("#BBBBBB")
+    axes.set_facecolor(style.NO_VALUE)
     axes.grid(visible=False)
-    axes.set_xlabel(across.shown.label)
-    axes.set_ylabel(up.shown.label)
+    axes.set_xlabel(across.label)
+    axes.set_ylabel(up.label)
     bar = root_figure(axes).colorbar(mesh, ax=axes)
     bar.set_label("mean velocity (mm/s)")
 

@@ -1,69 +1,68 @@
 """The paper's statements on velocities, S5 to S13, as criteria.
 
 Velocities are the medians over small changes of frequency, friction and field: near 100 Hz a curve
-is jagged, and one point of it says little.
+is jagged, and one point of it says little. The paper gives no thresholds: those here are choices of
+this study, which the table of statements names.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from stickslip.reproduction.fits import Line, bend, crossing, proportional, straight
-from stickslip.reproduction.outcome import Flags, Outcome, of_ipp, of_opp
+from stickslip.reproduction.fits import Line, bend, crossing, proportional, ratio, straight
+from stickslip.reproduction.outcome import Outcome, mode_by_mode, of_both, of_each, of_ipp, of_opp
 from stickslip.reproduction.points import Array
 from stickslip.reproduction.scans import SCANS
-from stickslip.reproduction.settings import Mode
+from stickslip.reproduction.settings import MODES, Mode
 from stickslip.reproduction.survey import Survey
 
-STRAIGHT = 0.95
+MIN_R_SQUARED = 0.95
 """Part of the variance that a line must explain to count as linear."""
-SLOW_END = 30.0
+LOW_FREQUENCY_END = 30.0
 """Up to here a frequency counts as low, Hz."""
-SIMILAR = 0.3
+MAX_DIFFERENCE = 0.3
 """Greatest mean difference of two velocities that count as similar, relative to their mean."""
-LEVEL = 0.1
+MAX_CHANGE = 0.1
 """Greatest relative change of what counts as level."""
-FROZEN = 0.02
+MAX_SUPPRESSED = 0.02
 """Greatest velocity that counts as suppressed motion, relative to that without damping."""
 
+# What the statements S7 to S10 call little and much, as values of the scans.
 LOW_FRICTION = (0.02, 0.05, 0.1)
 MIDDLE_FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 HIGH_FRICTION = (1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4)
-LOW_ADHESION = (0.0, 0.05e-6)
-HIGH_ADHESION = (0.4e-6, 0.5e-6, 0.6e-6)
+LOW_ADHESION = (0.0, 0.05e-6)  # N
+HIGH_ADHESION = (0.4e-6, 0.5e-6, 0.6e-6)  # N
 
 
 def _frequency_fit(found: Survey, mode: Mode) -> tuple[Line, Array]:
     """Fit to 30 Hz, and the velocity over its line at all frequencies, shape (n, frequencies)."""
     x = np.array(SCANS["frequency"].values)
     y = found.velocity[mode, "frequency"]
-    fit = proportional(x[x <= SLOW_END], y[:, x <= SLOW_END])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return fit, y / (fit.slope[:, np.newaxis] * x)
+    fit = proportional(x[x <= LOW_FREQUENCY_END], y[:, x <= LOW_FREQUENCY_END])
+    return fit, ratio(y, fit.slope[:, np.newaxis] * x)
 
 
 def linear_in_frequency(found: Survey) -> Outcome:
     """S5: velocity is proportional to a low frequency."""
-    ipp, opp = (_frequency_fit(found, mode)[0] for mode in ("IPP", "OPP"))
+    fits = {mode: _frequency_fit(found, mode)[0] for mode in MODES}
 
-    def numbers(i: int, j: int) -> str:
-        return "; ".join(
+    def numbers(mode: Mode, k: int) -> str:
+        fit = fits[mode]
+        return (
             f"{mode} {fit.slope[k] * 1e6:.1f} µm a pulse to 30 Hz, R² {fit.explained[k]:.3f}, "
             f"departures to {fit.worst[k]:.0%}"
-            for mode, fit, k in (("IPP", ipp, i), ("OPP", opp, j))
         )
 
-    parts = {
-        "IPP": of_ipp(ipp.explained >= STRAIGHT),
-        "OPP": of_opp(opp.explained >= STRAIGHT),
-    }
-    return Outcome(parts, numbers)
+    parts = of_each({mode: fit.explained >= MIN_R_SQUARED for mode, fit in fits.items()})
+    return Outcome(parts, mode_by_mode(numbers))
 
 
 def roll_off(found: Survey) -> Outcome:
     """S6: at 100 Hz and above velocity is less than the low frequencies' line."""
     places = [SCANS["frequency"].values.index(each) for each in (100.0, 120.0, 150.0)]
-    ipp, opp = (_frequency_fit(found, mode)[1][:, places] for mode in ("IPP", "OPP"))
+    left = {mode: _frequency_fit(found, mode)[1][:, places] for mode in MODES}
+    ipp, opp = left["IPP"], left["OPP"]
 
     def numbers(i: int, j: int) -> str:
         return (
@@ -71,16 +70,13 @@ def roll_off(found: Survey) -> Outcome:
             f"{ipp[i, -1]:.2f}, OPP {opp[j, 0]:.2f} and {opp[j, -1]:.2f}"
         )
 
-    parts = {
-        "IPP": of_ipp(np.all(ipp < 1.0 - LEVEL, axis=1)),
-        "OPP": of_opp(np.all(opp < 1.0 - LEVEL, axis=1)),
-    }
+    parts = of_each({mode: np.all(each < 1.0 - MAX_CHANGE, axis=1) for mode, each in left.items()})
     return Outcome(parts, numbers)
 
 
 def _means(found: Survey, scan: str, values: tuple[float, ...]) -> tuple[Array, Array]:
     """Mean velocity over some values of a scan: IPP as a column, OPP as a row."""
-    ipp, opp = (found.at(mode, scan, values).mean(axis=1) for mode in ("IPP", "OPP"))
+    ipp, opp = (found.at(mode, scan, values).mean(axis=1) for mode in MODES)
     return ipp[:, np.newaxis], opp[np.newaxis, :]
 
 
@@ -99,11 +95,10 @@ def low_friction(found: Survey) -> Outcome:
 
 def middle_friction(found: Survey) -> Outcome:
     """S8: with static friction 0.2 to 1.0 the two modes are about as fast."""
-    ipp, opp = (found.at(mode, "friction", MIDDLE_FRICTION) for mode in ("IPP", "OPP"))
+    ipp, opp = (found.at(mode, "friction", MIDDLE_FRICTION) for mode in MODES)
     ipp, opp = ipp[:, np.newaxis], opp[np.newaxis]
     mean = 0.5 * (np.abs(ipp) + np.abs(opp)).mean(axis=-1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        apart = np.abs(opp - ipp).mean(axis=-1) / mean
+    apart = ratio(np.abs(opp - ipp).mean(axis=-1), mean)
 
     def numbers(i: int, j: int) -> str:
         return (
@@ -111,7 +106,7 @@ def middle_friction(found: Survey) -> Outcome:
             f"mean difference {apart[i, j]:.0%}"
         )
 
-    return Outcome({"similar": apart <= SIMILAR}, numbers)
+    return Outcome({"similar": apart <= MAX_DIFFERENCE}, numbers)
 
 
 def high_friction(found: Survey) -> Outcome:
@@ -127,8 +122,7 @@ def adhesion(found: Survey) -> Outcome:
     """S10: OPP is faster with little adhesion, and loses more of its velocity to much."""
     ipp, opp = _means(found, "adhesion", LOW_ADHESION)
     ipp_high, opp_high = _means(found, "adhesion", HIGH_ADHESION)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ipp_left, opp_left = ipp_high / ipp, opp_high / opp
+    ipp_left, opp_left = ratio(ipp_high, ipp), ratio(opp_high, opp)
 
     def numbers(i: int, j: int) -> str:
         return (
@@ -140,53 +134,43 @@ def adhesion(found: Survey) -> Outcome:
     return Outcome(parts, numbers)
 
 
-def _over_first(found: Survey, mode: Mode, scan: str) -> Array:
-    """Velocity over that at the scan's first value."""
-    y = found.velocity[mode, scan]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(y / y[:, :1])
+def _over_first(found: Survey, scan: str) -> dict[Mode, Array]:
+    """Velocity over that at the scan's first value, by mode."""
+    curves = {mode: found.velocity[mode, scan] for mode in MODES}
+    return {mode: ratio(y, y[:, :1]) for mode, y in curves.items()}
 
 
 def linear_damping(found: Survey) -> Outcome:
     """S11: velocity falls with linear damping, from a level to nothing, in both modes."""
     x = np.array(SCANS["linear"].values)
-    ipp, opp = (_over_first(found, mode, "linear") for mode in ("IPP", "OPP"))
+    left = _over_first(found, "linear")
 
-    def level(y: Array) -> Flags:
-        return np.asarray(np.all(np.abs(y[:, x <= 1e-6] - 1.0) <= LEVEL, axis=1))
-
-    def falls(y: Array) -> Flags:
-        return np.asarray(np.all(np.diff(y, axis=1) <= LEVEL, axis=1))
-
-    def frozen(y: Array) -> Flags:
-        return np.asarray(np.abs(y[:, -1]) <= FROZEN)
-
-    def numbers(i: int, j: int) -> str:
-        return "; ".join(
+    def numbers(mode: Mode, k: int) -> str:
+        y = left[mode][k]
+        return (
             f"{mode} falls to 90% at {crossing(x, y, 0.9):.1g} N s/m, to 10% at "
             f"{crossing(x, y, 0.1):.1g} N s/m"
-            for mode, y in (("IPP", ipp[i]), ("OPP", opp[j]))
         )
 
-    parts = {
-        "level to 1e-6 N s/m": of_ipp(level(ipp)) & of_opp(level(opp)),
-        "slower with more damping": of_ipp(falls(ipp)) & of_opp(falls(opp)),
-        "frozen at 1e-2 N s/m": of_ipp(frozen(ipp)) & of_opp(frozen(opp)),
+    curves = left.items()
+    level = {
+        mode: np.all(np.abs(y[:, x <= 1e-6] - 1.0) <= MAX_CHANGE, axis=1) for mode, y in curves
     }
-    return Outcome(parts, numbers)
+    falls = {mode: np.all(np.diff(y, axis=1) <= MAX_CHANGE, axis=1) for mode, y in curves}
+    frozen = {mode: np.abs(y[:, -1]) <= MAX_SUPPRESSED for mode, y in curves}
+    parts = {
+        "level to 1e-6 N s/m": of_both(level),
+        "slower with more damping": of_both(falls),
+        "frozen at 1e-2 N s/m": of_both(frozen),
+    }
+    return Outcome(parts, mode_by_mode(numbers))
 
 
 def rotational_damping(found: Survey) -> Outcome:
     """S12: rotational damping matters little when low; then both modes lose alike."""
     x = np.array(SCANS["rotational"].values)
-    ipp, opp = (_over_first(found, mode, "rotational") for mode in ("IPP", "OPP"))
-
-    def level(y: Array) -> Flags:
-        return np.asarray(np.all(np.abs(y[:, x <= 3e-17] - 1.0) <= LEVEL, axis=1))
-
-    def slower(y: Array) -> Flags:
-        return np.asarray(y[:, -1] < 1.0 - LEVEL)
-
+    left = _over_first(found, "rotational")
+    ipp, opp = left["IPP"], left["OPP"]
     high = x >= 1e-15
     apart = np.abs(ipp[:, np.newaxis, high] - opp[np.newaxis, :, high]).mean(axis=-1)
 
@@ -196,10 +180,14 @@ def rotational_damping(found: Survey) -> Outcome:
             f"the modes differ by {apart[i, j]:.0%} of their velocity without it"
         )
 
+    curves = left.items()
+    level = {
+        mode: np.all(np.abs(y[:, x <= 3e-17] - 1.0) <= MAX_CHANGE, axis=1) for mode, y in curves
+    }
     parts = {
-        "little effect to 3e-17 N m s²": of_ipp(level(ipp)) & of_opp(level(opp)),
-        "slower at 1e-13": of_ipp(slower(ipp)) & of_opp(slower(opp)),
-        "modes lose alike": apart <= 0.5 * SIMILAR,
+        "little effect to 3e-17 N m s²": of_both(level),
+        "slower at 1e-13": of_both({mode: y[:, -1] < 1.0 - MAX_CHANGE for mode, y in curves}),
+        "modes lose alike": apart <= 0.5 * MAX_DIFFERENCE,
     }
     return Outcome(parts, numbers)
 
@@ -207,20 +195,22 @@ def rotational_damping(found: Survey) -> Outcome:
 def growth_with_field(found: Survey) -> Outcome:
     """S13: velocity grows about linearly with the field in both modes, in IPP with roll-off."""
     x = np.array(SCANS["field"].values)
-    curves = [found.velocity[mode, "field"] for mode in ("IPP", "OPP")]
-    ipp, opp = (straight(x, y) for y in curves)
-    bends = [bend(x, y) for y in curves]
+    fits = {mode: straight(x, found.velocity[mode, "field"]) for mode in MODES}
+    bends = {mode: bend(x, found.velocity[mode, "field"]) for mode in MODES}
 
-    def numbers(i: int, j: int) -> str:
-        return "; ".join(
+    def numbers(mode: Mode, k: int) -> str:
+        fit = fits[mode]
+        return (
             f"{mode} {fit.slope[k]:.2f} (mm/s)/mT, R² {fit.explained[k]:.3f}, slope of the upper "
-            f"half over that of the lower {curve[k]:.2f}"
-            for mode, fit, curve, k in (("IPP", ipp, bends[0], i), ("OPP", opp, bends[1], j))
+            f"half over that of the lower {bends[mode][k]:.2f}"
         )
 
-    parts = {
-        "IPP linear": of_ipp((ipp.slope > 0.0) & (ipp.explained >= STRAIGHT)),
-        "IPP rolls off": of_ipp(bends[0] < 1.0 - LEVEL),
-        "OPP linear": of_opp((opp.slope > 0.0) & (opp.explained >= STRAIGHT)),
+    linear = {
+        mode: (fit.slope > 0.0) & (fit.explained >= MIN_R_SQUARED) for mode, fit in fits.items()
     }
-    return Outcome(parts, numbers)
+    parts = {
+        "IPP linear": of_ipp(linear["IPP"]),
+        "IPP rolls off": of_ipp(bends["IPP"] < 1.0 - MAX_CHANGE),
+        "OPP linear": of_opp(linear["OPP"]),
+    }
+    return Outcome(parts, mode_by_mode(numbers))

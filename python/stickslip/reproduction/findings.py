@@ -7,42 +7,44 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from stickslip.reproduction.outcome import Flags, Outcome
-from stickslip.reproduction.reference import working_pairs
-from stickslip.reproduction.settings import MODES
-from stickslip.reproduction.survey import Survey
-from stickslip.reproduction.tables import Table
+from stickslip.reproduction.reference import count_of, working_pairs
+from stickslip.reproduction.settings import FACTORS, MODES
+from stickslip.reproduction.survey import WORKING_FREQUENCIES, Survey
+from stickslip.reproduction.tables import table
 
 _MOTION = ("S1", "S2", "S3", "S4")
+
+_UNITS = {
+    "mode": "", "edge": "", "clamp": "", "base": "T", "hold": "T", "works": "",
+    "velocity_30_hz": "m/s", "velocity_100_hz": "m/s", "still_tilt": "rad", "mean_tilt": "rad",
+    "slip_share_up": "1", "normal_force_up": "1", "normal_force_down": "1",
+}  # fmt: skip
+"""Columns of the table of settings. Normal forces are over that at rest, as in `Strokes`."""
 
 
 def findings(found: Survey, outcomes: Mapping[str, Outcome]) -> list[str]:
     """Sentences on how many settings work, and on what those have in common that match best."""
     works = working_pairs(found)
-    counts = np.zeros(works.shape, dtype=np.int64)
-    for outcome in outcomes.values():
-        counts += np.broadcast_to(outcome.holds, works.shape)
-    all_four = works.copy()
-    for name in _MOTION:
-        all_four &= outcomes[name].holds
+    counts = count_of([outcome.holds for outcome in outcomes.values()], works)
+    all_four = works & (count_of([outcomes[name].holds for name in _MOTION], works) == len(_MOTION))
     most = int(counts[works].max()) if works.any() else 0
-    best = works & (counts == most)
-    sentences = [
-        f"{int(found.works(mode).sum())} of {len(found.settings[mode])} settings of {mode} work: "
-        "the robot walks forwards at 30 Hz and at 100 Hz, with its tilt between flat and upright."
-        for mode in MODES
-    ]
-    sentences.append(
+    best = int((works & (counts == most)).sum())
+    return [
+        *(
+            f"{int(found.works(mode).sum())} of {len(found.settings[mode])} settings of {mode} "
+            "work: the robot walks forwards at 30 Hz and at 100 Hz, with its tilt between flat and "
+            "upright."
+            for mode in MODES
+        ),
         f"Of the {int(works.sum())} pairs of working settings, {int(all_four.sum())} have S1 to S4 "
         f"all hold; {_same_clamp(found, all_four)} of these have the same clamp polarity in both "
-        "modes."
-    )
-    sentences.append(
+        "modes.",
         f"No pair has more than {most} of the {len(outcomes)} statements that depend on settings; "
-        f"{int(best.sum())} {'has' if best.sum() == 1 else 'have'} as many."
-    )
-    return sentences
+        f"{best} {'has' if best == 1 else 'have'} as many.",
+    ]
 
 
 def _same_clamp(found: Survey, pairs: Flags) -> int:
@@ -50,35 +52,18 @@ def _same_clamp(found: Survey, pairs: Flags) -> int:
     return int((pairs & (ipp[:, np.newaxis] == opp)).sum())
 
 
-def settings_table(found: Survey) -> Table:
+def settings_table(found: Survey) -> pd.DataFrame:
     """A row for every setting of the grid: what it is, and what it does."""
-    rows: list[dict[str, Any]] = []
+    rows: list[list[Any]] = []
     for mode in MODES:
-        works = found.works(mode)
-        velocity = found.at(mode, "frequency", (30.0, 100.0))
+        works = found.works(mode).tolist()
+        velocity = found.at(mode, "frequency", WORKING_FREQUENCIES).tolist()
+        tilt = found.still_tilt[mode].tolist()
         for k, setting in enumerate(found.settings[mode]):
             strokes = found.strokes[mode][k]
-            rows.append(
-                {
-                    "mode": mode,
-                    "edge": setting.edge,
-                    "clamp": setting.clamp,
-                    "base": setting.base,
-                    "hold": setting.hold,
-                    "works": bool(works[k]),
-                    "velocity_30_hz": float(velocity[k, 0]),
-                    "velocity_100_hz": float(velocity[k, 1]),
-                    "still_tilt": float(found.still_tilt[mode][k]),
-                    "mean_tilt": strokes.tilt if strokes else math.nan,
-                    "slip_share_up": strokes.share_up if strokes else math.nan,
-                    "normal_force_up": strokes.normal_up if strokes else math.nan,
-                    "normal_force_down": strokes.normal_down if strokes else math.nan,
-                }
-            )
-    units = dict.fromkeys(rows[0], "1") | {
-        **dict.fromkeys(("mode", "edge", "clamp", "works"), ""),
-        **dict.fromkeys(("base", "hold"), "T"),
-        **dict.fromkeys(("velocity_30_hz", "velocity_100_hz"), "m/s"),
-        **dict.fromkeys(("still_tilt", "mean_tilt"), "rad"),
-    }
-    return Table({name: [row[name] for row in rows] for name in rows[0]}, units)
+            by_stroke = [math.nan] * 4
+            if strokes:
+                by_stroke = [strokes.tilt, strokes.share_up, strokes.normal_up, strokes.normal_down]
+            what = [getattr(setting, factor) for factor in FACTORS]
+            rows.append([mode, *what, works[k], *velocity[k], tilt[k], *by_stroke])
+    return table(dict(zip(_UNITS, zip(*rows, strict=True), strict=True)), _UNITS)

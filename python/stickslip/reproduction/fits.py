@@ -12,20 +12,17 @@ from stickslip.reproduction.points import Array
 
 @dataclass(frozen=True)
 class Line:
-    """Least-squares lines, one for each of n curves.
-
-    Attributes
-    ----------
-    slope : numpy.ndarray, shape (n,)
-    explained : numpy.ndarray, shape (n,)
-        Part of the variance that the line explains, R^2.
-    worst : numpy.ndarray, shape (n,)
-        Greatest departure from the line, relative to it.
-    """
+    """Least-squares lines, one for each of n curves; arrays have shape (n,)."""
 
     slope: Array
-    explained: Array
-    worst: Array
+    explained: Array  # part of the variance that the line explains, R^2
+    worst: Array  # greatest departure from the line, relative to it
+
+
+def ratio(above: Array, below: Array) -> Array:
+    """A quotient of velocities, of which some can be zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(above / below)
 
 
 def proportional(x: Array, y: Array) -> Line:
@@ -43,19 +40,15 @@ def straight(x: Array, y: Array) -> Line:
 
 def _line(y: Array, line: Array, slope: Array) -> Line:
     spread = ((y - y.mean(axis=1, keepdims=True)) ** 2).sum(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        explained = 1.0 - ((y - line) ** 2).sum(axis=1) / spread
-        worst = np.abs(y / line - 1.0).max(axis=1)
-    return Line(slope, explained, worst)
+    explained = 1.0 - ratio(((y - line) ** 2).sum(axis=1), spread)
+    return Line(slope, explained, np.abs(ratio(y, line) - 1.0).max(axis=1))
 
 
 def bend(x: Array, y: Array) -> Array:
     """Slope of the upper half over that of the lower, for each row of `y`; below 1: roll-off."""
     middle = len(x) // 2
     upper = straight(x[middle:], y[:, middle:]).slope
-    lower = straight(x[: middle + 1], y[:, : middle + 1]).slope
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(upper / lower)
+    return ratio(upper, straight(x[: middle + 1], y[:, : middle + 1]).slope)
 
 
 def crossing(x: Array, y: Array, level: float) -> float:

@@ -10,11 +10,12 @@ import numpy as np
 
 from stickslip.reproduction.field_checks import FieldChecks
 from stickslip.reproduction.points import evaluate, point
-from stickslip.reproduction.scans import KINETIC_SHARE, PULSES, SCANS
+from stickslip.reproduction.scans import KINETIC_SHARE, PAINLEVE_FRICTION, PULSES, SCANS
 from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
-from stickslip.reproduction.survey import Survey
-from stickslip.scenario.sections import Robot
-from stickslip.simulation.run import Run
+from stickslip.reproduction.strokes import in_window, interval, tilt_rate
+from stickslip.reproduction.survey import STROKE_FREQUENCY, Survey
+from stickslip.scenario.sections import Environment, Robot
+from stickslip.simulation.run import Run, resting_force
 
 _DENSITY = 7400.0  # kg/m^3, Table II
 _MASS_AS_PRINTED = 25.6e-12  # kg, "25.6 ng"
@@ -59,14 +60,12 @@ def _centripetal_sign(runs: Mapping[Mode, Run]) -> Flaw:
     words = []
     for mode, run in runs.items():
         robot, contact = run.scenario.robot, run.scenario.contact
-        start, stop = run.scenario.window
-        seen = (run.t >= start) & (run.t <= stop)
+        seen = in_window(run)
         radius = 0.5 * math.hypot(robot.length, robot.height)
         lever = radius * np.cos(np.abs(run.theta[seen]) + math.atan(robot.height / robot.length))
         # The sign is that of the term, so the difference is twice the term.
         wrong = 2.0 * robot.mass * run.omega[seen] ** 2 * np.abs(lever)
-        weight = robot.mass * run.scenario.environment.gravity
-        limit = contact.static_friction * (weight + contact.adhesion)
+        limit = contact.static_friction * resting_force(run.scenario)
         words.append(f"{mode} {float(wrong.max()) / limit:.0%}")
     return Flaw(
         "Eq. (13), second line",
@@ -80,25 +79,16 @@ def _centripetal_sign(runs: Mapping[Mode, Run]) -> Flaw:
 def _mass(reference: Mapping[Mode, Setting], threads: int) -> Flaw:
     robot = Robot()
     by_density = _DENSITY * robot.length * robot.width * robot.height
-    masses = (robot.mass, by_density)
-    points = np.array(
+    as_printed = _MASS_AS_PRINTED * Environment().gravity
+    drive = {"drive.peak": PEAK, "drive.frequency": STROKE_FREQUENCY, "drive.pulses": PULSES}
+    points = [
         [
-            [
-                point(
-                    {
-                        **setting.keys(),
-                        "drive.peak": PEAK,
-                        "drive.frequency": 30.0,
-                        "drive.pulses": PULSES,
-                        "robot.mass": mass,
-                    }
-                )
-                for mass in masses
-            ]
-            for setting in reference.values()
+            point({**setting.keys(), **drive, "robot.mass": mass})
+            for mass in (robot.mass, by_density)
         ]
-    )
-    velocity = evaluate(points, threads)["mean_velocity"] * 1e3
+        for setting in reference.values()
+    ]
+    velocity = evaluate(np.array(points), threads)["mean_velocity"] * 1e3
     change = ", ".join(
         f"{mode} {row[0]:.2f} and {row[1]:.2f} mm/s"
         for mode, row in zip(reference, velocity, strict=True)
@@ -107,7 +97,7 @@ def _mass(reference: Mapping[Mode, Setting], threads: int) -> Flaw:
         "Table II",
         'the mass is given as 25.6 "ng"; its weight of 251 nN needs micrograms',
         "25.6 µg; the density is not used",
-        f"as printed the weight would be {_MASS_AS_PRINTED * 9.81 * 1e9:.3f} nN; density times "
+        f"as printed the weight would be {as_printed * 1e9:.3f} nN; density times "
         f"volume is {by_density * 1e9:.2f} µg, and at 30 Hz 25.6 µg and this give {change}",
     )
 
@@ -135,14 +125,11 @@ def _fringe(checks: FieldChecks) -> Flaw:
 def _unsigned_drag(runs: Mapping[Mode, Run]) -> Flaw:
     words = []
     for mode, run in runs.items():
-        drive = run.scenario.drive
-        start, stop = run.scenario.window
-        seen = (run.t >= start) & (run.t <= stop)
         # The paper's angle is positive: where theta is not, its rate has the other sign.
-        rate = np.sign(run.theta[seen]) * run.omega[seen]
-        power = run.scenario.drag.rotational * rate**3
-        step = (run.t[-1] - run.t[0]) / (len(run.t) - 1)
-        pulses = (stop - start) * drive.frequency
+        power = run.scenario.drag.rotational * tilt_rate(run) ** 3
+        start, stop = run.scenario.window
+        step = interval(run)
+        pulses = (stop - start) * run.scenario.drive.frequency
         signed = float(np.abs(power).sum()) * step / pulses
         gained = float(-np.minimum(power, 0.0).sum()) * step / pulses
         words.append(
@@ -178,7 +165,7 @@ def _open_settings(found: Survey) -> Flaw:
 
 def _painleve(found: Survey) -> Flaw:
     values = np.array(SCANS["friction"].values)
-    beyond = KINETIC_SHARE * values > 4.0 / 3.0
+    beyond = KINETIC_SHARE * values > PAINLEVE_FRICTION
     words = []
     for mode in MODES:
         events = found.painleve[mode, "friction"][:, beyond]

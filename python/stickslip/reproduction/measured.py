@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import check_columns, read_rows
@@ -14,11 +14,10 @@ from stickslip.scenario.keys import known_keys, shown
 
 COLUMNS = ("figure", "mode", "x", "y")
 
-_FASTEST = 1.0  # m/s; a velocity in mm/s is well above
+_MAX_VELOCITY = 1.0  # m/s; far above any robot's, and a velocity that is given in mm/s is above it
 
 
-@dataclass(frozen=True)
-class MeasuredPoint:
+class MeasuredPoint(NamedTuple):
     """One point: its figure and mode, x in the SI unit of the figure's key, y in m/s."""
 
     figure: str
@@ -28,13 +27,7 @@ class MeasuredPoint:
 
 
 def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
-    """Read a CSV file with the columns figure, mode, x and y, in any order.
-
-    Raises
-    ------
-    ScenarioError
-        If the file cannot be read, lacks a column, or a row has a value that is not allowed.
-    """
+    """Read a CSV file with the columns figure, mode, x and y, in any order."""
     path = Path(path)
     header, rows = read_rows(path)
     check_columns(path, header, COLUMNS)
@@ -48,27 +41,24 @@ def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
 
 
 def _point(where: str, row: dict[str, str]) -> MeasuredPoint:
-    figure = row["figure"]
-    if figure not in CURVES:
-        raise ScenarioError(
-            f"{where}: figure = {shown(figure)}: allowed is one of {', '.join(CURVES)}"
-        )
+    figure, mode = row["figure"], row["mode"]
+
+    def refuse_unless(allowed: bool, name: str, what: str) -> None:
+        if not allowed:
+            raise ScenarioError(f"{where}: {name} = {shown(row[name])}: allowed {what}")
+
+    refuse_unless(figure in CURVES, "figure", f"is one of {', '.join(CURVES)}")
     modes = CURVES[figure].modes
-    if row["mode"] not in modes:
-        raise ScenarioError(
-            f"{where}: mode = {shown(row['mode'])}: allowed in {figure} is {' or '.join(modes)}"
-        )
+    refuse_unless(mode in modes, "mode", f"in {figure} is {' or '.join(modes)}")
     key = known_keys()[CURVES[figure].scan.key]
-    x = _number(where, "x", row["x"], key.low, key.high, f"{key.name}, {key.allowed}")
-    y = _number(where, "y", row["y"], -_FASTEST, _FASTEST, "a velocity in m/s from -1 to 1")
-    return MeasuredPoint(figure, row["mode"], x, y)
+    x, y = _number(row["x"]), _number(row["y"])
+    refuse_unless(key.low <= x <= key.high, "x", f"is {key.name}, {key.allowed}")
+    refuse_unless(abs(y) <= _MAX_VELOCITY, "y", "is a velocity in m/s from -1 to 1")
+    return MeasuredPoint(figure, mode, x, y)
 
 
-def _number(where: str, name: str, text: str, low: float, high: float, allowed: str) -> float:
+def _number(text: str) -> float:
     try:
-        value = float(text)
+        return float(text)
     except ValueError:
-        value = math.nan
-    if not low <= value <= high:
-        raise ScenarioError(f"{where}: {name} = {shown(text)}: allowed is {allowed}")
-    return value
+        return math.nan

@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from stickslip import plot
 from stickslip.plot.motion import corners, lowest_corner, motion
 from stickslip.reproduction.settings import Mode, Setting
+from stickslip.reproduction.strokes import interval
 from stickslip.reproduction.survey import stroke_scenario
-from stickslip.reproduction.tables import Table
-from stickslip.simulation.run import Run
+from stickslip.reproduction.tables import table
+from stickslip.simulation.run import COLUMNS, Run
 from stickslip.simulation.simulate import simulate_batch
 
-FRAMES = ("e", "f", "g", "h")
+_RAMP_DOWN = 0.05  # s; as the ramp up
+_CSV_RATE = 5e3  # Hz; enough to draw the figure again
+_FILM_PULSE = 8  # of twelve: the motion repeats itself by then
+_SHOWN_PULSES = 4  # few enough to tell the strokes apart
 
-_RAMP_DOWN = 0.05  # s
-_CSV_RATE = 5e3  # Hz
-_FILM_PULSE = 8
-_SHOWN_PULSES = 4
-
-_FRAME_WORDS = {
+_FRAMES = {
     "e": "steady angle",
     "f": "rocked down",
     "g": "slips forwards",
@@ -31,8 +31,7 @@ _FRAME_WORDS = {
 }
 
 
-@dataclass(frozen=True)
-class MotionFigure:
+class MotionFigure(NamedTuple):
     """One figure of a run: its mode and caption."""
 
     mode: Mode
@@ -62,7 +61,7 @@ def reference_runs(reference: Mapping[Mode, Setting], threads: int) -> dict[Mode
     return dict(zip(reference, simulate_batch(scenarios, threads), strict=True))
 
 
-def motion_table(name: str, run: Run) -> Table:
+def motion_table(name: str, run: Run) -> pd.DataFrame:
     """The data of one figure.
 
     Fig. 2: a row for each frame with position, tilt, contact point, the one before, and the four
@@ -70,29 +69,22 @@ def motion_table(name: str, run: Run) -> Table:
     """
     if name == "fig2":
         return _film_table(run)
-    every = max(1, round(1.0 / (_CSV_RATE * (run.t[1] - run.t[0]))))
-    part = slice(None, None, every)
-    if name in ("fig4", "fig6"):
-        columns = {"t": run.t[part], "bx": run.bx[part], "bz": run.bz[part]}
-        return Table(columns, {"t": "s", "bx": "T", "bz": "T"})
-    words = [Run.contact_names[code] for code in run.contact[part]]
-    return Table(
-        {
-            "t": run.t[part],
-            "theta": run.theta[part],
-            "slip_velocity": run.slip_velocity[part],
-            "contact": words,
-        },
-        {"t": "s", "theta": "rad", "slip_velocity": "m/s", "contact": ""},
-    )
+    part = slice(None, None, max(1, round(1.0 / (_CSV_RATE * interval(run)))))
+    drawn = ("t", "bx", "bz") if name in ("fig4", "fig6") else ("t", "theta", "slip_velocity")
+    columns: dict[str, Any] = {each: getattr(run, each)[part] for each in drawn}
+    units = {each: COLUMNS[each].unit for each in drawn}
+    if "theta" in drawn:
+        columns["contact"] = [Run.contact_names[code] for code in run.contact[part]]
+        units["contact"] = ""
+    return table(columns, units)
 
 
 def draw_motion(name: str, run: Run) -> Figure:
     """Draw one figure."""
     if name == "fig2":
         times = film_times(run)
-        labels = [f"({k}) {_FRAME_WORDS[k]}, {t:.4f} s" for k, t in zip(FRAMES, times, strict=True)]
-        return plot.filmstrip(run, times, labels)
+        frames = zip(_FRAMES.items(), times, strict=True)
+        return plot.filmstrip(run, times, [f"({k}) {word}, {t:.4f} s" for (k, word), t in frames])
     if name in ("fig4", "fig6"):
         return plot.fields(run)
     # All twelve pulses and the ramps would be a smear, and are in the figure's data.
@@ -110,41 +102,37 @@ def film_times(run: Run) -> list[float]:
     """
     drive = run.scenario.drive
     period = 1.0 / drive.frequency
-    begin = drive.ramp + (_FILM_PULSE - 1) * period
     tilt = np.abs(run.theta)
 
-    def within(start: float, stop: float) -> np.ndarray:
-        return np.flatnonzero((run.t >= start) & (run.t <= stop))
+    def period_after(start: float) -> np.ndarray:
+        return np.flatnonzero((run.t >= start) & (run.t <= start + period))
 
-    first = within(begin, begin + period)
+    first = period_after(drive.ramp + (_FILM_PULSE - 1) * period)
     steady = first[tilt[first].argmax()]
-    second = within(run.t[steady], run.t[steady] + period)
+    second = period_after(run.t[steady])
     low = second[tilt[second].argmin()]
-    third = within(run.t[low], run.t[low] + period)
+    third = period_after(run.t[low])
     high = third[tilt[third].argmax()]
     rising = np.arange(low, high + 1)
-    slips = np.nan_to_num(run.slip_velocity[rising])
-    fastest = rising[slips.argmax()]
+    fastest = rising[np.nan_to_num(run.slip_velocity[rising]).argmax()]
     return [float(run.t[k]) for k in (steady, low, fastest, high)]
 
 
-def _film_table(run: Run) -> Table:
+def _film_table(run: Run) -> pd.DataFrame:
     shown = motion(run)
     samples = [shown.sample(time) for time in film_times(run)]
     touch = lowest_corner(shown)[samples]
-    columns: dict[str, list[float] | list[str]] = {
-        "frame": list(FRAMES),
-        "t": shown.t[samples].tolist(),
-        "x": shown.x[samples].tolist(),
-        "z": shown.z[samples].tolist(),
-        "theta": shown.theta[samples].tolist(),
-        "contact_x": touch.tolist(),
-        "contact_x_before": [np.nan, *touch[:-1].tolist()],
+    columns: dict[str, Any] = {
+        "frame": list(_FRAMES),
+        "t": shown.t[samples],
+        "x": shown.x[samples],
+        "z": shown.z[samples],
+        "theta": shown.theta[samples],
+        "contact_x": touch,
+        "contact_x_before": [np.nan, *touch[:-1]],
     }
-    units = dict.fromkeys(columns, "m") | {"frame": "", "t": "s", "theta": "rad"}
     outlines = np.array([corners(shown, k) for k in samples])
     for number in range(4):
-        for axis, letter in enumerate("xz"):
-            columns[f"corner{number + 1}_{letter}"] = outlines[:, number, axis].tolist()
-            units[f"corner{number + 1}_{letter}"] = "m"
-    return Table(columns, units)
+        columns[f"corner{number + 1}_x"] = outlines[:, number, 0]
+        columns[f"corner{number + 1}_z"] = outlines[:, number, 1]
+    return table(columns, dict.fromkeys(columns, "m") | {"frame": "", "t": "s", "theta": "rad"})

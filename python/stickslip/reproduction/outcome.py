@@ -8,24 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.reproduction.settings import Mode
+
 Flags = NDArray[np.bool_]
+
+Numbers = Callable[[int, int], str]
+"""Words with the measured numbers for one pair, given its two indices."""
 
 
 @dataclass(frozen=True)
 class Outcome:
     """Where a statement holds, and the numbers behind it.
 
-    Attributes
-    ----------
-    parts : dict of numpy.ndarray of bool
-        What the statement says one by one; each has the shape (settings of IPP, settings of OPP)
-        or one that broadcasts to it. What is said of one mode alone has length 1 along the other.
-    numbers : callable
-        Words with the measured numbers for one pair, given its two indices.
+    `parts` has what the statement says one by one: flags of the shape (settings of IPP, settings of
+    OPP), with length 1 along a mode that is not spoken of.
     """
 
     parts: Mapping[str, Flags]
-    numbers: Callable[[int, int], str]
+    numbers: Numbers
 
     @property
     def holds(self) -> Flags:
@@ -44,3 +44,18 @@ def of_ipp(flags: Flags) -> Flags:
 def of_opp(flags: Flags) -> Flags:
     """Flags of the settings of OPP, as a row."""
     return flags[np.newaxis, :]
+
+
+def of_each(flags: Mapping[Mode, Flags]) -> dict[str, Flags]:
+    """One part for each mode."""
+    return {"IPP": of_ipp(flags["IPP"]), "OPP": of_opp(flags["OPP"])}
+
+
+def of_both(flags: Mapping[Mode, Flags]) -> Flags:
+    """One part that says the same of both modes."""
+    return of_ipp(flags["IPP"]) & of_opp(flags["OPP"])
+
+
+def mode_by_mode(words: Callable[[Mode, int], str]) -> Numbers:
+    """Numbers that are said in the same words of both modes."""
+    return lambda i, j: f"{words('IPP', i)}; {words('OPP', j)}"

@@ -5,18 +5,17 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from importlib import resources
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import jinja2
 
 from stickslip import _core
-from stickslip._util.atomic_files import replacing
+from stickslip.plot import style
 from stickslip.reproduction.curves import CURVES
 from stickslip.reproduction.measured import MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
 from stickslip.reproduction.points import SPREAD
-from stickslip.reproduction.statements import Statement
+from stickslip.reproduction.tables import headings
 
 if TYPE_CHECKING:
     from stickslip.reproduction.study import Reproduction
@@ -27,12 +26,10 @@ _PLURALS = {
     "not reproduced": "not reproduced",
     "depends": "depend on what is left open",
 }
-
-
-def write_page(result: Reproduction, path: Path, measured: Sequence[MeasuredPoint]) -> None:
-    """Write the page, whole or not at all; the figures are those of `result`."""
-    with replacing(path) as temporary:
-        temporary.write_text(page_text(result, measured), encoding="utf-8")
+_NOTES = {
+    "failed": "{} simulations failed and are left out.",
+    "painleve_events": "{} Painlevé events were met.",
+}
 
 
 def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
@@ -42,35 +39,16 @@ def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     return environment.from_string(source).render(
-        statements=[_statement(each) for each in result.statements],
+        result=result,
+        marks=_MARKS,
         counts=_counts(result),
-        reference=result.reference,
-        rule=result.rule,
-        findings=result.findings,
-        flaws=result.flaws,
+        style=style,
         figures=[_figure(name, result, measured) for name in result.figures],
         spread=f"{SPREAD:.0%}",
         version=_core.__version__,
         seconds=f"{result.seconds:.0f}",
         tried=len(result.settings["mode"]),
     )
-
-
-def _statement(each: Statement) -> dict[str, Any]:
-    share = each.verdict.share
-    return {
-        "name": each.name,
-        "text": each.text,
-        "condition": each.condition,
-        "numbers": each.numbers,
-        "verdict": each.verdict.text,
-        "mark": _MARKS[each.verdict.word],
-        "share": "" if share is None else f"{share:.1%}",
-        "at_reference": "yes" if each.verdict.at_reference else "no",
-        "parts": [f"{part} {value:.0%}" for part, value in each.parts.items()]
-        if len(each.parts) > 1
-        else [],
-    }
 
 
 def _counts(result: Reproduction) -> list[str]:
@@ -81,7 +59,6 @@ def _counts(result: Reproduction) -> list[str]:
 def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) -> dict[str, Any]:
     picture = base64.b64encode(result.figures[name].read_bytes()).decode("ascii")
     table = result.tables[name]
-    number = name.removeprefix("fig")
     if name in MOTIONS:
         modes: tuple[str, ...] = (MOTIONS[name].mode,)
         caption = MOTIONS[name].caption
@@ -91,11 +68,10 @@ def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) 
         modes, caption = CURVES[name].modes, CURVES[name].caption
         count = sum(point.figure == name for point in measured)
         caption += f" {count} measured points from a file." if count else ""
-    failed = int(table["failed"].sum()) if "failed" in table.columns else 0
-    painleve = int(table["painleve_events"].sum()) if "painleve_events" in table.columns else 0
+    counts = {name: int(table[name].sum()) for name in _NOTES if name in table}
     return {
         "name": name,
-        "title": "Fig. 2 (e) to (h)" if name == "fig2" else f"Fig. {number}",
+        "title": "Fig. 2 (e) to (h)" if name == "fig2" else f"Fig. {name.removeprefix('fig')}",
         "picture": picture,
         "caption": caption,
         "settings": "; ".join(
@@ -103,12 +79,6 @@ def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) 
             for mode, setting in result.reference.items()
             if mode in modes
         ),
-        "columns": ", ".join(
-            f"{column} ({unit})" if unit not in ("", "1") else column
-            for column, unit in table.units.items()
-        ),
-        "notes": [
-            *([f"{failed} simulations failed and are left out."] if failed else []),
-            *([f"{painleve} Painlevé events were met."] if painleve else []),
-        ],
+        "columns": ", ".join(headings(table)),
+        "notes": [text.format(counts[name]) for name, text in _NOTES.items() if counts.get(name)],
     }

@@ -10,27 +10,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.simulate import fraction_of
+from stickslip.sweeping.points import encoded
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
 
 Array = NDArray[np.float64]
 
-KEYS = (
-    "drive.mode",
-    "drive.edge",
-    "drive.clamp",
-    "drive.base",
-    "drive.hold",
-    "drive.peak",
-    "drive.frequency",
-    "drive.pulses",
-    "contact.static_friction",
-    "contact.kinetic_friction",
-    "contact.adhesion",
-    "drag.linear",
-    "drag.rotational",
-    "robot.mass",
+KEYS = tuple(
+    f"{section}.{name}"
+    for section, names in {
+        "drive": ("mode", "edge", "clamp", "base", "hold", "peak", "frequency", "pulses"),
+        "contact": ("static_friction", "kinetic_friction", "adhesion"),
+        "drag": ("linear", "rotational"),
+        "robot": ("mass",),
+    }.items()
+    for name in names
 )
 """Keys of a scenario that the study varies, in the order of a point's numbers."""
 
@@ -41,12 +37,7 @@ RTOL = 1e-6
 def point(keys: Mapping[str, Any]) -> Array:
     """The numbers of one point: the paper's values but for `keys`; shape (len(KEYS),)."""
     scenario = Scenario().replace(dict(keys))
-    words = {choice["key"]: choice["allowed"] for choice in _core.choices()}
-    numbers = []
-    for key in KEYS:
-        value = scenario.get(key)
-        numbers.append(words[key].index(str(value)) if key in words else float(value))
-    return np.array(numbers, dtype=np.float64)
+    return np.concatenate([encoded(key, [scenario.get(key)]) for key in KEYS])
 
 
 def column(key: str) -> int:
@@ -55,14 +46,7 @@ def column(key: str) -> int:
 
 
 def evaluate(points: Array, threads: int, progress: Progress | None = None) -> dict[str, Any]:
-    """Simulate all points.
-
-    Parameters
-    ----------
-    points : numpy.ndarray, shape (..., len(KEYS))
-    threads : int
-    progress : callable, optional
-        Called with the fraction of the simulated time that is done.
+    """Simulate all points, shape (..., len(KEYS)).
 
     Returns
     -------
@@ -71,42 +55,28 @@ def evaluate(points: Array, threads: int, progress: Progress | None = None) -> d
     """
     flat = np.ascontiguousarray(points.reshape(-1, len(KEYS)))
     base = Scenario().replace({"solver.rtol": RTOL})
-    report = None
-    if progress is not None:
-        duration = (
-            base.drive.ramp + flat[:, column("drive.pulses")] / (flat[:, column("drive.frequency")])
-        )
-        total = float(duration.sum())
-
-        def report(simulated: float) -> object:
-            return progress(min(simulated / total, 1.0) if total > 0.0 else 1.0)
-
+    pulses, frequency = flat[:, column("drive.pulses")], flat[:, column("drive.frequency")]
+    report = fraction_of(float((base.drive.ramp + pulses / frequency).sum()), progress)
     columns, _ = _core.sweep(base.to_core(), list(KEYS), flat, threads, report)
-    shape = points.shape[:-1]
     failed = columns["status"] != 0
-    result: dict[str, Any] = {}
-    for name, values in columns.items():
+    for values in columns.values():
         if values.dtype == np.float64:
             values[failed] = np.nan
-        result[name] = values.reshape(shape)
-    return result
+    return {name: values.reshape(points.shape[:-1]) for name, values in columns.items()}
 
 
 def evaluate_all(
     batches: Sequence[Array], threads: int, progress: Progress | None = None
 ) -> list[dict[str, Any]]:
     """`evaluate` several arrays of points in one go."""
-    columns = evaluate(
-        np.concatenate([batch.reshape(-1, len(KEYS)) for batch in batches]), threads, progress
-    )
-    results = []
-    start = 0
-    for batch in batches:
-        stop = start + batch.size // len(KEYS)
-        parts = {name: values[start:stop] for name, values in columns.items()}
-        results.append({name: part.reshape(batch.shape[:-1]) for name, part in parts.items()})
-        start = stop
-    return results
+    flat = [batch.reshape(-1, len(KEYS)) for batch in batches]
+    columns = evaluate(np.concatenate(flat), threads, progress)
+    ends = np.cumsum([len(each) for each in flat])[:-1]
+    parts = {name: np.split(values, ends) for name, values in columns.items()}
+    return [
+        {name: part[k].reshape(batch.shape[:-1]) for name, part in parts.items()}
+        for k, batch in enumerate(batches)
+    ]
 
 
 def variations(count: int) -> Array:
@@ -121,24 +91,24 @@ def variations(count: int) -> Array:
 
 
 SPREAD = 0.02
-"""Half width of the small changes of frequency, friction and field."""
+"""Half width of the small changes of frequency, friction and field; a choice of this study."""
+
+_CHANGED_TOGETHER = (
+    ("drive.frequency",),
+    ("contact.static_friction", "contact.kinetic_friction"),
+    ("drive.peak", "drive.base", "drive.hold"),
+)
 
 
-def varied(points: Array, count: int, spread: float = SPREAD) -> Array:
+def varied(points: Array, count: int) -> Array:
     """Copies of points with small changes; shape (..., len(KEYS)) becomes (..., count, len(KEYS)).
 
     Frequency, both friction coefficients together, and all fields together are each changed by up
-    to `spread` of themselves. The first copy is unchanged.
+    to `SPREAD` of themselves. The first copy is unchanged.
     """
-    changes = 1.0 + spread * variations(count)
+    changes = 1.0 + SPREAD * variations(count)
     result = np.repeat(points[..., np.newaxis, :], count, axis=-2)
-    for which, keys in enumerate(
-        (
-            ("drive.frequency",),
-            ("contact.static_friction", "contact.kinetic_friction"),
-            ("drive.peak", "drive.base", "drive.hold"),
-        )
-    ):
+    for which, keys in enumerate(_CHANGED_TOGETHER):
         for key in keys:
             result[..., column(key)] *= changes[:, which]
     return result

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.reproduction.outcome import Flags
 from stickslip.reproduction.settings import MODES
-from stickslip.reproduction.survey import Survey
+from stickslip.reproduction.survey import WORKING_FREQUENCIES, Survey
 
 TYPICAL_VELOCITY = 0.88e-3
 """m/s; what the paper's Reynolds number of 0.22 comes to, section VI-C."""
@@ -22,34 +22,24 @@ RULE = (
 )
 """How the reference is chosen, in words."""
 
-_MOTION = 4
+_MOTION = 4  # S1 to S4
 
 
 def reference_pair(found: Survey, holds: Sequence[Flags]) -> tuple[int, int]:
-    """Indices of the chosen settings of IPP and OPP.
+    """Indices of the chosen settings of IPP and OPP; `holds` says where S1 to S14 do, in order.
 
-    Parameters
-    ----------
-    found : Survey
-    holds : sequence of numpy.ndarray of bool
-        Where S1 to S14 hold, in that order.
-
-    Raises
-    ------
-    ValueError
-        If there is no pair of working settings.
+    Without a pair of working settings there is a ValueError.
     """
     works = working_pairs(found)
     if not works.any():
         raise ValueError("no setting of the grid walks forwards in both modes")
-    motion = _count(holds[:_MOTION], works)
-    trends = _count(holds[_MOTION:], works)
+    motion = count_of(holds[:_MOTION], works)
+    trends = count_of(holds[_MOTION:], works)
     # All four first, then the trends; where no pair has all four, the most of them.
     score = np.where(works, 100 * motion + trends, -1)
-    best = np.argwhere(score == score.max())
-    distance = [_distance(found, i, j) for i, j in best]
-    i, j = best[int(np.argmin(distance))]
-    return int(i), int(j)
+    best = [(int(i), int(j)) for i, j in np.argwhere(score == score.max())]
+    distance = [_distance(found, pair) for pair in best]
+    return best[int(np.argmin(distance))]
 
 
 def working_pairs(found: Survey) -> Flags:
@@ -57,15 +47,15 @@ def working_pairs(found: Survey) -> Flags:
     return found.works("IPP")[:, np.newaxis] & found.works("OPP")[np.newaxis, :]
 
 
-def _count(holds: Sequence[Flags], works: Flags) -> NDArray[np.int64]:
-    total = np.zeros(works.shape, dtype=np.int64)
-    for each in holds:
-        total += np.broadcast_to(each, works.shape)
-    return total
+def count_of(holds: Iterable[Flags], works: Flags) -> NDArray[np.int64]:
+    """How many of the flags each pair has."""
+    flags = [np.broadcast_to(each, works.shape) for each in holds]
+    return np.asarray(np.sum(flags, axis=0, dtype=np.int64))
 
 
-def _distance(found: Survey, i: int, j: int) -> float:
+def _distance(found: Survey, pair: tuple[int, int]) -> float:
     velocities = [
-        found.at(mode, "frequency", (30.0, 100.0))[k] for mode, k in zip(MODES, (i, j), strict=True)
+        found.at(mode, "frequency", WORKING_FREQUENCIES)[k]
+        for mode, k in zip(MODES, pair, strict=True)
     ]
     return float(np.abs(np.log(np.array(velocities) / TYPICAL_VELOCITY)).mean())

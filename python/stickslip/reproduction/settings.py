@@ -45,13 +45,7 @@ class Setting:
 
     def keys(self) -> dict[str, Any]:
         """The setting by the keys of a scenario."""
-        return {
-            "drive.mode": self.mode,
-            "drive.edge": self.edge,
-            "drive.clamp": self.clamp,
-            "drive.base": self.base,
-            "drive.hold": self.hold,
-        }
+        return {f"drive.{name}": getattr(self, name) for name in ("mode", *FACTORS)}
 
     def text(self) -> str:
         """The setting in words."""
@@ -69,6 +63,9 @@ class Setting:
 @dataclass(frozen=True)
 class Grid:
     """Values of the open quantities; the grid is their full product for each mode.
+
+    The paper states none. Bases go from nothing to two fifths of the peak, holding fields from a
+    fifth of it to a little more than it.
 
     Parameters
     ----------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,10 @@ from stickslip.reproduction.survey import Survey
 from stickslip.reproduction.verdicts import Verdict, of_number, verdict
 
 Criterion = Callable[[Survey], Outcome]
+
+# What the paper's section IV-B states of the coils: N m, N, and parts of the field.
+TORQUE, FORCE, FILAMENT, FRINGE = 10.5e-9, 240e-9, 0.022, 0.025
+_SAME = 0.01  # part within which a number that is stated with two or three digits is met
 
 CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     "S1": (
@@ -36,17 +41,18 @@ CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     ),
     "S4": (
         "The steady angle is much larger in IPP than in OPP.",
-        f"{motion.MUCH:g} times or more, before the pulses and in the mean at 30 Hz",
+        f"{motion.MUCH_LARGER:g} times or more, before the pulses and in the mean at 30 Hz",
         motion.steady_angle,
     ),
     "S5": (
         "Velocity is proportional to a low frequency.",
-        f"R² of a line through the origin to {curves.SLOW_END:g} Hz at least {curves.STRAIGHT:g}",
+        f"R² of a line through the origin to {curves.LOW_FREQUENCY_END:g} Hz at least "
+        f"{curves.MIN_R_SQUARED:g}",
         curves.linear_in_frequency,
     ),
     "S6": (
         "Velocity rolls off at high frequency.",
-        f"{curves.LEVEL:.0%} or more below that line at 100, 120 and 150 Hz",
+        f"{curves.MAX_CHANGE:.0%} or more below that line at 100, 120 and 150 Hz",
         curves.roll_off,
     ),
     "S7": (
@@ -56,7 +62,7 @@ CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     ),
     "S8": (
         "With static friction from 0.2 to 1.0 both modes are about as fast.",
-        f"mean difference at most {curves.SIMILAR:.0%} of the mean velocity",
+        f"mean difference at most {curves.MAX_DIFFERENCE:.0%} of the mean velocity",
         curves.middle_friction,
     ),
     "S9": (
@@ -72,26 +78,26 @@ CRITERIA: dict[str, tuple[str, str, Criterion]] = {
     "S11": (
         "Linear damping slows both modes, between a range where it matters little and one where "
         "nothing moves.",
-        f"within {curves.LEVEL:.0%} to 1e-6 N s/m, never rising by more than that, below "
-        f"{curves.FROZEN:.0%} at 1e-2 N s/m",
+        f"within {curves.MAX_CHANGE:.0%} to 1e-6 N s/m, never rising by more than that, below "
+        f"{curves.MAX_SUPPRESSED:.0%} at 1e-2 N s/m",
         curves.linear_damping,
     ),
     "S12": (
         "Rotational damping matters little when low; then both modes lose alike.",
-        f"within {curves.LEVEL:.0%} to 3e-17 N m s², slower at 1e-13, and from 1e-15 on the part "
-        f"left of the velocity equal within {0.5 * curves.SIMILAR:.0%}",
+        f"within {curves.MAX_CHANGE:.0%} to 3e-17 N m s², slower at 1e-13, and from 1e-15 on "
+        f"the part left of the velocity equal within {0.5 * curves.MAX_DIFFERENCE:.0%}",
         curves.rotational_damping,
     ),
     "S13": (
         "Velocity grows about linearly with the field, in IPP with some roll-off.",
-        f"R² of a line at least {curves.STRAIGHT:g} from 1.5 to 6.5 mT at 30 Hz, rising; in IPP "
-        f"the upper half less steep by {curves.LEVEL:.0%} or more",
+        f"R² of a line at least {curves.MIN_R_SQUARED:g} from 1.5 to 6.5 mT at 30 Hz, rising; in "
+        f"IPP the upper half less steep by {curves.MAX_CHANGE:.0%} or more",
         curves.growth_with_field,
     ),
     "S14": (
         "Constant fields move nothing.",
-        f"mean speed below {motion.STILL * 1e6:g} µm/s for a second, at the sawtooth's bottom and "
-        "at its top",
+        f"mean speed below {motion.MIN_SPEED * 1e6:g} µm/s for a second, at the sawtooth's bottom "
+        "and at its top",
         motion.no_motion_in_constant_fields,
     ),
 }
@@ -123,6 +129,20 @@ class Statement:
     numbers: str
     verdict: Verdict
     parts: dict[str, float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The statement of plain types."""
+        return {
+            "name": self.name,
+            "statement": self.text,
+            "condition": self.condition,
+            "numbers": self.numbers,
+            "verdict": self.verdict.word,
+            "text": self.verdict.text,
+            "share": self.verdict.share,
+            "at_reference": self.verdict.at_reference,
+            "parts": self.parts,
+        }
 
 
 def judge(
@@ -174,42 +194,42 @@ def _share(flags: Flags, works: Flags) -> float:
 
 
 def _of_the_field(checks: FieldChecks) -> list[Statement]:
-    torque = abs(checks.torque / 10.5e-9 - 1.0) < 0.01
-    force = abs(checks.force_at_centre / 240e-9 - 1.0) < 0.01
+    torque = abs(checks.torque / TORQUE - 1.0) < _SAME
+    force = abs(checks.force_at_centre / FORCE - 1.0) < _SAME
+    of_force = of_number(torque and force)
     if torque and not force:
-        of_force = Verdict(
-            "depends",
-            "torque reproduced; force depends on the place, and is not met at the centre",
-            None,
-            False,
-        )
-    else:
-        of_force = of_number(torque and force)
-    rows = [
-        (
+        words = "torque reproduced; force depends on the place, and is not met at the centre"
+        of_force = Verdict("depends", words, None, False)
+    return [
+        Statement(
             "S15",
             "The greatest torque is 10.5 µN mm, the greatest force 240 nN.",
+            "",
             f"torque {checks.torque * 1e9:.2f} µN mm at 6.5 mT; force "
             f"{checks.force_at_centre * 1e9:.0f} nN at the centre, "
             f"{checks.force_at_offset * 1e9:.0f} nN at {checks.full_gradient_offset * 1e3:.1f} mm "
             "from it towards the coil",
             of_force,
+            {},
         ),
-        (
+        Statement(
             "S16",
             "One filament stands for the winding within 2.2%.",
+            "",
             f"greatest difference in the 25 mm cube {checks.winding_flat:.2%} from a flat winding, "
             f"{checks.winding_square:.2%} from one as deep as wide",
-            of_number(max(checks.winding_flat, checks.winding_square) <= 0.022),
+            of_number(max(checks.winding_flat, checks.winding_square) <= FILAMENT),
+            {},
         ),
-        (
+        Statement(
             "S17",
             "In a cube of 25 mm the fringe field stays below 2.5% of the main one.",
+            "",
             f"{checks.fringe:.1%} in the cube of 25 mm, {checks.fringe_small:.2%} in one of 5 mm",
-            of_number(checks.fringe < 0.025, "" if checks.fringe < 0.025 else _FRINGE),
+            of_number(checks.fringe < FRINGE, "" if checks.fringe < FRINGE else _FRINGE),
+            {},
         ),
     ]
-    return [Statement(name, text, "", numbers, of, {}) for name, text, numbers, of in rows]
 
 
 _FRINGE = "not reproduced; true within a cube of about 5 mm"

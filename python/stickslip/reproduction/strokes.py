@@ -9,34 +9,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stickslip.simulation.run import Run
+from stickslip.simulation.run import Run, resting_force
 
 
 @dataclass(frozen=True)
 class Strokes:
-    """One run by stroke, over its measuring window.
+    """One run by stroke, over its measuring window."""
 
-    Attributes
-    ----------
-    slip_up, slip_down : float
-        Slip of the contact along +x, m.
-    path_up, path_down : float
-        The same without sign, m.
-    normal_up, normal_down : float
-        Mean normal force while the contact slips, over that at rest, weight and adhesion; NaN
-        where it never slips.
-    tilt : float
-        Mean of |theta|, rad.
-    """
-
-    slip_up: float
+    slip_up: float  # of the contact along +x, m
     slip_down: float
-    path_up: float
+    path_up: float  # the same without sign, m
     path_down: float
-    normal_up: float
+    normal_up: float  # mean normal force while the contact slips, over that at rest; or NaN
     normal_down: float
-    tilt: float
+    tilt: float  # mean of |theta|, rad
 
     @property
     def share_up(self) -> float:
@@ -45,39 +33,40 @@ class Strokes:
         return self.path_up / path if path > 0.0 else np.nan
 
 
-def strokes(run: Run) -> Strokes:
-    """Slip and normal force by stroke, of a run recorded on a uniform grid.
-
-    Parameters
-    ----------
-    run : Run
-        With ``record.rate`` in Hz.
-
-    Returns
-    -------
-    Strokes
-    """
+def in_window(run: Run) -> NDArray[np.bool_]:
+    """Which samples lie in the measuring window."""
     start, stop = run.scenario.window
-    seen = (run.t >= start) & (run.t <= stop)
-    rate = np.sign(run.theta[seen]) * run.omega[seen]
+    return (run.t >= start) & (run.t <= stop)
+
+
+def tilt_rate(run: Run) -> NDArray[np.float64]:
+    """d|theta|/dt in the measuring window, rad/s."""
+    seen = in_window(run)
+    return np.asarray(np.sign(run.theta[seen]) * run.omega[seen])
+
+
+def interval(run: Run) -> float:
+    """Time between two samples, s."""
+    return float((run.t[-1] - run.t[0]) / (len(run.t) - 1))
+
+
+def strokes(run: Run) -> Strokes:
+    """Slip and normal force by stroke, of a run that is recorded on a uniform grid."""
+    seen = in_window(run)
+    rate, step = tilt_rate(run), interval(run)
     slip = np.nan_to_num(run.slip_velocity[seen])
     force = run.normal_force[seen]
-    scenario = run.scenario
-    at_rest = scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
-    interval = (run.t[-1] - run.t[0]) / (len(run.t) - 1)
-
     up, down = rate > 0.0, rate < 0.0
-    slips = slip != 0.0
 
-    def mean_force(stroke: np.ndarray) -> float:
-        chosen = stroke & slips
-        return float(force[chosen].mean() / at_rest) if chosen.any() else np.nan
+    def mean_force(stroke: NDArray[np.bool_]) -> float:
+        chosen = stroke & (slip != 0.0)
+        return float(force[chosen].mean() / resting_force(run.scenario)) if chosen.any() else np.nan
 
     return Strokes(
-        slip_up=float(slip[up].sum() * interval),
-        slip_down=float(slip[down].sum() * interval),
-        path_up=float(np.abs(slip[up]).sum() * interval),
-        path_down=float(np.abs(slip[down]).sum() * interval),
+        slip_up=float(slip[up].sum() * step),
+        slip_down=float(slip[down].sum() * step),
+        path_up=float(np.abs(slip[up]).sum() * step),
+        path_down=float(np.abs(slip[down]).sum() * step),
         normal_up=mean_force(up),
         normal_down=mean_force(down),
         tilt=float(np.abs(run.theta[seen]).mean()),

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import pandas as pd
+
 from stickslip import plot
+from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.reproduction.curve_drawing import draw_curves
@@ -20,26 +23,27 @@ from stickslip.reproduction.findings import findings, settings_table
 from stickslip.reproduction.flaws import Flaw, flaws
 from stickslip.reproduction.measured import MeasuredPoint, read_measured
 from stickslip.reproduction.motions import MOTIONS, draw_motion, motion_table, reference_runs
-from stickslip.reproduction.page import write_page
+from stickslip.reproduction.page import page_text
 from stickslip.reproduction.reference import RULE
 from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
 from stickslip.reproduction.statements import Statement, judge
 from stickslip.reproduction.survey import survey
-from stickslip.reproduction.tables import Table
+from stickslip.reproduction.tables import write_table
 from stickslip.scenario.keys import shown
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run
+    from stickslip.simulation.simulate import Progress
 
 FIGURES = (*MOTIONS, *CURVES)
 """Names of the figures, in the paper's order."""
 
 PAGE = "index.html"
 
-Report = Callable[[str, float], object]
-"""Called with what is being done, and the fraction of the whole that is done, 0 to 1."""
+SETTINGS = "settings.csv"
 
-# Shares of the time: the survey, the figures' simulations; the rest is drawing.
+# Shares of the time of a whole study, roughly: the survey, the figures' simulations; the rest is
+# drawing.
 _SURVEY, _CURVES = 0.62, 0.86
 
 
@@ -75,12 +79,12 @@ class Reproduction:
         How they were chosen.
     findings : list of str
         What else the survey says.
-    settings : Table
+    settings : pandas.DataFrame
         All settings that were tried, and what each does.
     flaws : list of Flaw
         What is wrong or open in the paper.
-    tables : dict of Table
-        Data of the figures by name.
+    tables : dict of pandas.DataFrame
+        Data of the figures by name; their attribute "units" has the SI unit of each column.
     figures : dict of Path
         Pictures by name; empty if nothing was written.
     page : Path or None
@@ -92,9 +96,9 @@ class Reproduction:
     reference: dict[Mode, Setting]
     rule: str
     findings: list[str]
-    settings: Table
+    settings: pd.DataFrame
     flaws: list[Flaw]
-    tables: dict[str, Table]
+    tables: dict[str, pd.DataFrame]
     figures: dict[str, Path]
     page: Path | None
     seconds: float
@@ -102,20 +106,7 @@ class Reproduction:
     def as_dict(self) -> dict[str, Any]:
         """The result without data and pictures, of plain types."""
         return {
-            "statements": [
-                {
-                    "name": each.name,
-                    "statement": each.text,
-                    "condition": each.condition,
-                    "numbers": each.numbers,
-                    "verdict": each.verdict.word,
-                    "text": each.verdict.text,
-                    "share": each.verdict.share,
-                    "at_reference": each.verdict.at_reference,
-                    "parts": each.parts,
-                }
-                for each in self.statements
-            ],
+            "statements": [each.as_dict() for each in self.statements],
             "reference": {mode: setting.keys() for mode, setting in self.reference.items()},
             "rule": self.rule,
             "findings": self.findings,
@@ -131,8 +122,8 @@ def reproduce(
     *,
     only: Iterable[str] | None = None,
     measured: str | PathLike[str] | None = None,
-    jobs: int | None = None,
-    progress: Report | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
     effort: Effort | None = None,
 ) -> Reproduction:
     """Redo the paper's simulations, and test its statements.
@@ -151,10 +142,10 @@ def reproduce(
         tested in any case.
     measured : path-like, optional
         CSV file with digitised points, columns figure, mode, x, y (SI), drawn over the curves.
-    jobs : int, optional
+    threads : int, optional
         How many simulations go on at a time; as many as there are processors, if not given.
     progress : callable, optional
-        Called with what is being done, and the fraction that is done.
+        Called with the fraction that is done, 0 to 1, and what is being done.
     effort : Effort, optional
         How much is simulated.
 
@@ -167,27 +158,27 @@ def reproduce(
     ScenarioError
         If a figure is not known, or the file of points is not sound.
     ValueError
-        If `jobs` is not a whole number above zero, or no setting of the grid walks in both modes.
+        If `threads` is not a whole number above zero, or no setting walks in both modes.
     OSError
         If something cannot be written.
     """
     begin = time.perf_counter()
     names = _chosen(only)
     points = [] if measured is None else read_measured(measured)
-    threads = worker_count(jobs, "jobs")
+    threads = worker_count(threads, "threads")
     folder = None if out is None else _folder(Path(out))
     effort = effort or Effort()
-    report = progress or (lambda what, fraction: None)
+    report = progress or (lambda fraction, stage: None)
 
     found = survey(
         effort.grid,
         effort.survey_variations,
         threads,
-        lambda done: report("trying settings", _SURVEY * done),
+        lambda done, _: report(_SURVEY * done, "trying settings"),
     )
     checks = field_checks()
-    statements, (i, j), outcomes = judge(found, checks)
-    reference = {mode: found.settings[mode][k] for mode, k in zip(MODES, (i, j), strict=True)}
+    statements, chosen, outcomes = judge(found, checks)
+    reference = {mode: found.settings[mode][k] for mode, k in zip(MODES, chosen, strict=True)}
     runs = reference_runs(reference, threads)
     tables = {
         name: motion_table(name, runs[MOTIONS[name].mode]) for name in names if name in MOTIONS
@@ -197,7 +188,7 @@ def reproduce(
         reference,
         effort.band_variations,
         threads,
-        lambda done: report("simulating figures", _SURVEY + (_CURVES - _SURVEY) * done),
+        lambda done, _: report(_SURVEY + (_CURVES - _SURVEY) * done, "simulating figures"),
     )
     result = Reproduction(
         statements=statements,
@@ -211,9 +202,7 @@ def reproduce(
         page=None,
         seconds=time.perf_counter() - begin,
     )
-    if folder is None:
-        return result
-    return _written(result, folder, runs, points, report, begin)
+    return result if folder is None else _written(result, folder, runs, points, report, begin)
 
 
 def _chosen(only: Iterable[str] | None) -> list[str]:
@@ -243,24 +232,23 @@ def _written(
     folder: Path,
     runs: dict[Mode, Run],
     points: Sequence[MeasuredPoint],
-    report: Report,
+    report: Progress,
     begin: float,
 ) -> Reproduction:
     figures = {}
     for place, (name, table) in enumerate(result.tables.items()):
-        report("drawing", _CURVES + (1.0 - _CURVES) * place / len(result.tables))
+        report(_CURVES + (1.0 - _CURVES) * place / len(result.tables), "drawing")
         figures[name] = folder / f"{name}.png"
-        table.write(folder / f"{name}.csv")
+        write_table(table, folder / f"{name}.csv")
         if name in MOTIONS:
             figure = draw_motion(name, runs[MOTIONS[name].mode])
         else:
             figure = draw_curves(name, table, points)
         plot.save(figure, figures[name])
-    result.settings.write(folder / "settings.csv")
+    write_table(result.settings, folder / SETTINGS)
     page = folder / PAGE
-    complete = dataclasses.replace(
-        result, figures=figures, page=page, seconds=time.perf_counter() - begin
-    )
-    write_page(complete, page, points)
-    report("done", 1.0)
-    return complete
+    seconds = time.perf_counter() - begin
+    result = dataclasses.replace(result, figures=figures, page=page, seconds=seconds)
+    write_together({page: text_writer(page_text(result, points))})
+    report(1.0, "done")
+    return result

@@ -24,58 +24,43 @@ SCANNED = ("frequency", "friction", "adhesion", "linear", "rotational", "field")
 STROKE_FREQUENCY = 30.0
 """Of the runs that are looked at stroke by stroke, as in Figs. 4 to 7, Hz."""
 
-_WORKING_FREQUENCIES = (30.0, 100.0)
-_SLOWEST = 2e-5  # m/s; a hundredth of what the paper measured
-_FLAT = 0.02  # rad
-_STROKE_PULSES = 12
-_STROKE_RATE = 20e3
+WORKING_FREQUENCIES = (30.0, 100.0)
+"""Those of the paper's figures, at which a setting has to walk, Hz."""
+
+_MIN_VELOCITY = 2e-5  # m/s; a hundredth of what the paper measured
+_TILT_TOLERANCE = 0.02  # rad; a degree, by which a body that lies flat may rock back
+_STROKE_PULSES = 12  # the first three are not measured
+_STROKE_RATE = 20e3  # Hz; ten samples a period of the fastest free swing and more
 
 
 @dataclass(frozen=True)
 class Survey:
-    """What every setting of the grid does.
+    """What every setting of the grid does; n is the number of settings of a mode.
 
-    Attributes
-    ----------
-    settings : dict
-        Settings by mode; n is their number.
-    velocity : dict
-        Mean velocity by mode and scan, m/s, shape (n, number of values); the median of small
-        changes.
-    painleve : dict
-        Painleve events by mode and scan, same shape, summed over the small changes.
-    count : int
-        Simulations behind each velocity.
-    tilt_low, tilt_high : dict
-        Least and greatest tilt at 30 Hz and 100 Hz by mode, rad, shape (n,), positive in the
-        direction that the clamp coil gives.
-    still_tilt : dict
-        Tilt by mode with base and hold alone, before the first pulse, rad, shape (n,).
-    still_velocity : dict
-        Greatest speed by mode with constant fields, m/s, shape (n,).
-    strokes : dict
-        Strokes by mode; None for a setting that does not work.
+    Velocities, tilts and speeds are arrays by mode, or by mode and scan. Those of a scan have the
+    shape (n, number of its values), all others (n,).
     """
 
     settings: dict[Mode, list[Setting]]
-    velocity: dict[tuple[Mode, str], Array]
-    painleve: dict[tuple[Mode, str], NDArray[np.int64]]
-    count: int
+    velocity: dict[tuple[Mode, str], Array]  # mean, m/s; the median of small changes
+    painleve: dict[tuple[Mode, str], NDArray[np.int64]]  # events, summed over the small changes
+    count: int  # simulations behind each velocity
+    # Least and greatest tilt at 30 Hz and 100 Hz, rad, positive where the clamp coil pulls it.
     tilt_low: dict[Mode, Array]
     tilt_high: dict[Mode, Array]
-    still_tilt: dict[Mode, Array]
-    still_velocity: dict[Mode, Array]
-    strokes: dict[Mode, list[Strokes | None]]
+    still_tilt: dict[Mode, Array]  # with base and hold alone, before the first pulse, rad
+    still_velocity: dict[Mode, Array]  # greatest speed with constant fields, m/s
+    strokes: dict[Mode, list[Strokes | None]]  # None for a setting that does not work
 
     def works(self, mode: Mode) -> NDArray[np.bool_]:
         """Which settings walk as the paper's robot does, shape (n,).
 
         Forwards at 30 Hz and at 100 Hz, and with the tilt between flat and upright throughout.
         """
-        velocity = self.at(mode, "frequency", _WORKING_FREQUENCIES)
-        forwards = np.all(velocity > _SLOWEST, axis=1)
+        velocity = self.at(mode, "frequency", WORKING_FREQUENCIES)
+        forwards = np.all(velocity > _MIN_VELOCITY, axis=1)
         low, high = self.tilt_low[mode], self.tilt_high[mode]
-        return np.asarray(forwards & (low > -_FLAT) & (high < 0.5 * np.pi))
+        return np.asarray(forwards & (low > -_TILT_TOLERANCE) & (high < 0.5 * np.pi))
 
     def at(self, mode: Mode, scan: str, values: Sequence[float]) -> Array:
         """Velocity at some of a scan's values, m/s, shape (n, len(values))."""
@@ -84,21 +69,7 @@ class Survey:
 
 
 def survey(grid: Grid, count: int, threads: int, progress: Progress | None = None) -> Survey:
-    """Simulate every setting of a grid.
-
-    Parameters
-    ----------
-    grid : Grid
-    count : int
-        Small changes for each point.
-    threads : int
-    progress : callable, optional
-        Called with the fraction that is done.
-
-    Returns
-    -------
-    Survey
-    """
+    """Simulate every setting of a grid, with `count` small changes for each point."""
     settings = {mode: grid.settings(mode) for mode in MODES}
     keys = [(mode, name) for mode in MODES for name in SCANNED]
     batches = [varied(SCANS[name].points(settings[mode]), count) for mode, name in keys]
@@ -129,6 +100,7 @@ def _constant_fields(settings: Sequence[Setting]) -> Array:
     """Points for a second with constant fields: base and hold, then peak and hold."""
     points = np.array([point({**s.keys(), "drive.peak": PEAK}) for s in settings])
     result = np.repeat(points[:, np.newaxis], 2, axis=1)
+    # Velocity is measured from the end of the third pulse on: ten periods of 0.1 s.
     set_key(result, "drive.frequency", 10.0)
     set_key(result, "drive.pulses", 13)
     set_key(result[:, 0], "drive.peak", [s.base for s in settings])
@@ -137,7 +109,7 @@ def _constant_fields(settings: Sequence[Setting]) -> Array:
 
 
 def _tilt_range(settings: Sequence[Setting], result: dict[str, Any]) -> tuple[Array, Array]:
-    places = [SCANS["frequency"].values.index(each) for each in _WORKING_FREQUENCIES]
+    places = [SCANS["frequency"].values.index(each) for each in WORKING_FREQUENCIES]
     least = result["theta_min"][:, places].min(axis=(1, 2))
     greatest = result["theta_max"][:, places].max(axis=(1, 2))
     down = np.array([setting.tilt_sign for setting in settings]) > 0.0

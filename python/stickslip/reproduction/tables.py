@@ -1,61 +1,31 @@
-"""Tables: columns of numbers and words with their units, and their CSV files."""
+"""Tables of numbers and words whose columns have units."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 
 from stickslip._util.atomic_files import replacing
 
 
-@dataclass(frozen=True)
-class Table:
-    """Columns of one length.
-
-    Attributes
-    ----------
-    columns : mapping
-        Values by name.
-    units : mapping of str
-        SI unit by name; "1" for a pure number, "" for words.
-    """
-
-    columns: Mapping[str, Sequence[Any] | NDArray[Any]]
-    units: Mapping[str, str]
-
-    def __post_init__(self) -> None:
-        if set(self.columns) != set(self.units):
-            raise ValueError(f"columns {set(self.columns)} and units {set(self.units)} differ")
-        if len({len(values) for values in self.columns.values()}) > 1:
-            raise ValueError("the columns differ in length")
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return np.asarray(self.columns[name])
-
-    def where(self, name: str, value: object) -> Table:
-        """The rows that have a value in one column."""
-        chosen = self[name] == value
-        return Table({key: self[key][chosen] for key in self.columns}, self.units)
-
-    def write(self, path: str | PathLike[str]) -> None:
-        """Write a CSV file, whole or not at all; what is not known is an empty cell."""
-        rows = zip(*(map(_cell, values) for values in self.columns.values()), strict=True)
-        with (
-            replacing(path) as temporary,
-            temporary.open("w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(self.columns)
-            writer.writerows(rows)
+def table(columns: Mapping[str, Any], units: Mapping[str, str]) -> pd.DataFrame:
+    """Columns by name; the attribute "units" has the SI unit of each, "1" for a pure number, and
+    "" for words."""
+    frame = pd.DataFrame(columns)
+    frame.attrs["units"] = {name: units[name] for name in frame}
+    return frame
 
 
-def _cell(value: Any) -> str:
-    if isinstance(value, float | np.floating):
-        return "" if np.isnan(value) else repr(float(value))
-    return str(value)
+def headings(frame: pd.DataFrame) -> list[str]:
+    """The names of the columns with their units."""
+    units = frame.attrs["units"]
+    return [f"{name} ({units[name]})" if units[name] not in ("", "1") else name for name in frame]
+
+
+def write_table(frame: pd.DataFrame, path: str | PathLike[str]) -> None:
+    """Write a CSV file, whole or not at all; what is not known is an empty cell."""
+    with replacing(path) as temporary:
+        frame.to_csv(temporary, index=False, header=headings(frame))

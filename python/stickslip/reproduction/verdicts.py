@@ -12,14 +12,15 @@ from stickslip.reproduction.outcome import Flags
 
 Word = Literal["reproduced", "not reproduced", "depends"]
 
-MOST = 0.9
+# The paper has no such thresholds: these are choices of this study, which its page names.
+REPRODUCED_FROM = 0.9
 """Share of the settings from which on a statement counts as reproduced, whatever is chosen."""
-FEW = 0.1
+NOT_REPRODUCED_TO = 0.1
 """Share up to which it counts as not reproduced."""
-TELLING = 0.25
+MIN_SHARE_DIFFERENCE = 0.25
 """Least difference of a factor's shares for the factor to be named."""
 
-_NAMED = 2
+_NAMED = 2  # factors in one sentence
 
 
 @dataclass(frozen=True)
@@ -52,49 +53,38 @@ def verdict(
 ) -> Verdict:
     """Judge a statement by the share of working pairs for which it holds.
 
-    Parameters
-    ----------
-    holds, works : numpy.ndarray of bool, shape (settings of IPP, settings of OPP)
-    factors : mapping
-        For each factor its level in every setting: of IPP where the name begins with it, else of
-        OPP.
-    reference : tuple of int
-        Indices of the reference pair.
-
-    Returns
-    -------
-    Verdict
+    Flags have the shape (settings of IPP, settings of OPP); `reference` has the indices of the
+    reference pair. `factors` has for each factor its level in every setting: of IPP where the name
+    begins with it, else of OPP.
     """
     holds = np.broadcast_to(holds, works.shape)
-    count = int(works.sum())
-    share = float(holds[works].mean()) if count else 0.0
+    share = float(holds[works].mean()) if works.any() else 0.0
     at_reference = bool(holds[reference])
-    if share >= MOST:
+    if share >= REPRODUCED_FROM:
         return Verdict("reproduced", "reproduced", share, at_reference)
-    if share <= FEW:
+    if share <= NOT_REPRODUCED_TO:
         return Verdict("not reproduced", "not reproduced", share, at_reference)
-    named = telling_factors(holds, works, factors)
+    named = deciding_factors(holds, works, factors)
     what = " and ".join(named) if named else "the settings together"
     return Verdict("depends", f"depends on {what}", share, at_reference)
 
 
-def telling_factors(
+def deciding_factors(
     holds: Flags, works: Flags, factors: Mapping[str, Sequence[object]]
 ) -> list[str]:
     """The factors whose levels differ most in their share, most first, each with its best level."""
     found = []
     for name, levels in factors.items():
-        axis = 0 if name.startswith("IPP") else 1
         shares = {}
         for level in dict.fromkeys(levels):
             chosen = np.array([each == level for each in levels])
-            pairs = works & (chosen[:, np.newaxis] if axis == 0 else chosen)
+            pairs = works & (chosen[:, np.newaxis] if name.startswith("IPP") else chosen)
             if pairs.any():
                 shares[level] = float(holds[pairs].mean())
         if len(shares) > 1:
             best = max(shares, key=lambda level: shares[level])
             apart = shares[best] - min(shares.values())
-            if apart >= TELLING:
+            if apart >= MIN_SHARE_DIFFERENCE:
                 found.append((apart, f"{name} (most often with {best}: {shares[best]:.0%})"))
     return [text for _, text in sorted(found, reverse=True)[:_NAMED]]
 

@@ -34,7 +34,7 @@ FILE = "drive.file"
 PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
 _FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
 
-_LONGEST_SHOWN = 60
+_LONGEST_SHOWN = 60  # characters of a value in an error of one line
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")

@@ -77,10 +77,10 @@ class EffectSettings(Mapping[str, Mapping[str, float]]):
     does nothing and none at all are the same settings.
     """
 
-    __slots__ = ("_values",)
+    __slots__ = ("_flat",)
 
     def __init__(self, settings: Mapping[str, Mapping[str, float]] | None = None) -> None:
-        values: dict[str, dict[str, float]] = {}
+        values: dict[str, float] = {}
         if not isinstance(settings, Mapping | None):
             refuse("effects", settings, "a table [effects.<name>] for each extension")
         names = [effect.name for effect in effects()]
@@ -95,31 +95,28 @@ class EffectSettings(Mapping[str, Mapping[str, float]]):
                 refuse(f"effects.{name}", parameters, f"a table [effects.{name}]")
             for parameter, value in parameters.items():
                 key = find_key(f"{PREFIX}{name}.{parameter}", value)
-                number = float(checked(key.name, value))
-                if number != key.default:
-                    values.setdefault(name, {})[str(parameter)] = number
-        self._values: tuple[tuple[str, tuple[tuple[str, float], ...]], ...] = tuple(
-            sorted((name, tuple(sorted(each.items()))) for name, each in values.items())
-        )
+                values[key.name] = float(checked(key.name, value))
+        self._flat = _without_defaults(values)
 
     def __getitem__(self, name: str) -> Mapping[str, float]:
-        for known, parameters in self._values:
-            if known == name:
-                return dict(parameters)
-        raise KeyError(name)
+        start = f"{PREFIX}{name}."
+        found = {k.removeprefix(start): v for k, v in self._flat.items() if k.startswith(start)}
+        if not found:
+            raise KeyError(name)
+        return found
 
     def __iter__(self) -> Iterator[str]:
-        return (name for name, _ in self._values)
+        return iter(dict.fromkeys(key.split(".")[1] for key in self._flat))
 
     def __len__(self) -> int:
-        return len(self._values)
+        return len(list(iter(self)))
 
     def __hash__(self) -> int:
-        return hash(self._values)
+        return hash(tuple(self._flat.items()))
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, EffectSettings):
-            return self._values == other._values
+            return self._flat == other._flat
         return dict(self.items()) == other
 
     def __repr__(self) -> str:
@@ -130,21 +127,15 @@ class EffectSettings(Mapping[str, Mapping[str, float]]):
 
     def with_values(self, values: Mapping[str, float]) -> EffectSettings:
         """A copy with other values, by ``name.parameter``, that are checked already."""
-        settings = {f"{PREFIX}{key}": value for key, value in values.items()}
-        settings = {**self.flat(), **settings}
-        grouped: dict[str, list[tuple[str, float]]] = {}
-        for key, value in sorted(settings.items()):
-            if value != known_keys()[key].default:
-                _, name, parameter = key.split(".", 2)
-                grouped.setdefault(name, []).append((parameter, value))
         made = object.__new__(EffectSettings)
-        made._values = tuple((name, tuple(each)) for name, each in grouped.items())
+        changes = {f"{PREFIX}{key}": value for key, value in values.items()}
+        made._flat = _without_defaults({**self._flat, **changes})
         return made
 
     def flat(self) -> dict[str, float]:
         """The settings by dotted key, such as ``"effects.surface_tilt.angle"``."""
-        return {
-            f"{PREFIX}{name}.{parameter}": value
-            for name, parameters in self._values
-            for parameter, value in parameters
-        }
+        return dict(self._flat)
+
+
+def _without_defaults(values: Mapping[str, float]) -> dict[str, float]:
+    return {key: values[key] for key in sorted(values) if values[key] != known_keys()[key].default}

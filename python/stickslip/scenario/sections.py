@@ -7,27 +7,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, PROGRAM_HINT, checked, shown
-from stickslip.scenario.keys import PROGRAM as PROGRAM
+from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, checked, shown
 
 if TYPE_CHECKING:
     from stickslip.scenario.waveform import Waveform
 
-SAWTOOTH = tuple(
-    f"drive.{name}"
-    for name in (
-        "frequency",
-        "peak",
-        "base",
-        "hold",
-        "clamp",
-        "edge",
-        "edge_time",
-        "ramp",
-        "pulses",
-        "ramp_down",
-    )
+COIL_NAMES = _core.coil_names
+"""Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
+
+SAWTOOTH = (
+    *("drive.frequency", "drive.peak", "drive.base", "drive.hold", "drive.clamp"),
+    *("drive.edge", "drive.edge_time", "drive.ramp", "drive.pulses", "drive.ramp_down"),
 )
 """Keys that say what a pulsed drive does; a program of voltages has no use for them."""
 
@@ -50,19 +42,22 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
             )
 
 
-def _check_fields(section: str, instance: Any) -> None:
-    for each in dataclasses.fields(instance):
-        if each.name == "program":
-            continue
-        value = checked(f"{section}.{each.name}", getattr(instance, each.name))
-        object.__setattr__(instance, each.name, value)
+class _Section:
+    """A section of a scenario: it checks its fields by the keys of its own name."""
+
+    def __post_init__(self) -> None:
+        section = type(self).__name__.lower()
+        for each in dataclasses.fields(self):  # type: ignore[arg-type]
+            if each.name != "program":
+                value = checked(f"{section}.{each.name}", getattr(self, each.name))
+                object.__setattr__(self, each.name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drive:
+class Drive(_Section):
     """What the coils are driven with, section V of the paper.
 
-    A field given in tesla is the one at the centre, of one coil, if its voltage were held for ever.
+    A field given in tesla is the steady-state one of one coil, at the centre.
     The paper gives the default of `peak` (Figs. 4-13) and uses 100 Hz in Figs. 8-11. It states
     neither `base`, `hold`, `edge` nor `clamp`: their defaults are this package's, as are those of
     all other fields.
@@ -113,7 +108,7 @@ class Drive:
     program: Waveform | None = None
 
     def __post_init__(self) -> None:
-        _check_fields("drive", self)
+        super().__post_init__()
         if self.program is not None:
             from stickslip.scenario.waveform import Waveform
 
@@ -125,7 +120,7 @@ class Drive:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coil:
+class Coil(_Section):
     """One of the five equal coils, Table I.
 
     Parameters
@@ -148,12 +143,9 @@ class Coil:
     distance: float = 0.099
     turns: float = 510.0
 
-    def __post_init__(self) -> None:
-        _check_fields("coil", self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Robot:
+class Robot(_Section):
     """The magnetic body, Table II.
 
     Parameters
@@ -172,12 +164,9 @@ class Robot:
     mass: float = 25.6e-9
     magnetization: float = 5e5
 
-    def __post_init__(self) -> None:
-        _check_fields("robot", self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Contact:
+class Contact(_Section):
     """Contact of the body with the surface, sections IV-C, VI-A and VI-B.
 
     Parameters
@@ -198,12 +187,9 @@ class Contact:
     adhesion_range: float = 0.0
     restitution: float = 0.0
 
-    def __post_init__(self) -> None:
-        _check_fields("contact", self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Drag:
+class Drag(_Section):
     """Drag of the fluid, section VI-C.
 
     Parameters
@@ -217,12 +203,9 @@ class Drag:
     linear: float = 1.0e-5
     rotational: float = 9.0e-17
 
-    def __post_init__(self) -> None:
-        _check_fields("drag", self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Environment:
+class Environment(_Section):
     """What is the same for everything.
 
     Parameters
@@ -233,12 +216,9 @@ class Environment:
 
     gravity: float = 9.81
 
-    def __post_init__(self) -> None:
-        _check_fields("environment", self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Solver:
+class Solver(_Section):
     """The integrator.
 
     Parameters
@@ -260,12 +240,9 @@ class Solver:
     max_step: float = 0.0
     max_steps: int = 1_000_000_000
 
-    def __post_init__(self) -> None:
-        _check_fields("solver", self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Record:
+class Record(_Section):
     """What a run keeps beside its summary.
 
     Parameters
@@ -276,18 +253,9 @@ class Record:
 
     rate: float | Literal["none", "events"] = "none"
 
-    def __post_init__(self) -> None:
-        _check_fields("record", self)
-
 
 SECTIONS: dict[str, type[Any]] = {
-    "drive": Drive,
-    "coil": Coil,
-    "robot": Robot,
-    "contact": Contact,
-    "drag": Drag,
-    "environment": Environment,
-    "solver": Solver,
-    "record": Record,
+    each.__name__.lower(): each
+    for each in (Drive, Coil, Robot, Contact, Drag, Environment, Solver, Record)
 }
 """The sections of a scenario that are always there, in the order of a file."""

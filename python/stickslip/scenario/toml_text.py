@@ -34,11 +34,8 @@ _WHOLE = range(-(2**63), 2**63)
 def parse_toml(text: str) -> dict[str, Any]:
     """The document.
 
-    Raises
-    ------
-    ScenarioError
-        With one line, if the text is no TOML, a whole number has more than 64 bits, or keys,
-        tables and lists are nested deeper than any format of this package.
+    A ScenarioError of one line says that the text is no TOML, a whole number has more than 64 bits,
+    or keys, tables and lists are nested deeper than any format of this package.
     """
     # The parser's time grows with the square of a key's parts.
     deep = next((each for each in _DEEP_KEY.finditer(text) if each[1]), None)

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip._util.number_text import highest
-from stickslip.simulation.coils import COIL_NAMES
-
-if TYPE_CHECKING:
-    from stickslip.scenario.sections import Coil
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
 
 _Array = NDArray[np.float64]
 _Block = tuple[_Array, _Array, int]
@@ -28,14 +26,11 @@ _MOST_POINTS = 100_000
 
 
 def volts_per_tesla(coil: Coil | None = None) -> float:
-    """Voltage of one coil for a field of 1 T at the centre, if it is held for ever, V/T.
+    """Voltage of one coil for a steady-state field of 1 T at the centre, V/T.
 
     Resistance over field per ampere, Eqs. (1)-(7). All five coils have the same.
     """
-    if coil is None:
-        from stickslip.scenario.sections import Coil
-
-        coil = Coil()
+    coil = coil or Coil()
     winding = _core.CoilSet(coil.side, coil.distance, coil.turns)
     return coil.resistance / winding.centre_field_per_ampere
 
@@ -155,9 +150,6 @@ class Waveform:
 
     @classmethod
     def _pulsed(cls, mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
-        from stickslip.scenario.scenario import Scenario
-        from stickslip.scenario.sections import Coil, Drive
-
         drive = Drive(mode=mode, **fields)  # type: ignore[arg-type]
         return cls(Scenario(drive=drive, coil=coil or Coil()).to_core().program())
 

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from stickslip._util.atomic_files import read_bytes, replacing
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
-from stickslip.simulation.coils import COIL_NAMES
+from stickslip.scenario.sections import COIL_NAMES
 
 if TYPE_CHECKING:
     from stickslip.scenario.waveform import Waveform
 
 COLUMNS = ("t", *COIL_NAMES)
 
-_MOST_ROWS = 2_000_000
+_MOST_ROWS = 2_000_000  # a minute of voltages at 30 kHz; 100 MB in memory
 # The longest number has 24 characters, so what is written can be read.
 _MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
 _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
@@ -108,7 +108,7 @@ def _column_order(header: list[str]) -> list[int]:
         if name not in COLUMNS:
             raise ScenarioError(f"row 1, column {shown(name)}: there is no such column; {expected}")
         if name in header[:index]:
-            raise ScenarioError(f"row 1, column {name}: stands there twice; {expected}")
+            raise ScenarioError(f"row 1, column {name}: is there twice; {expected}")
     return [header.index(name) for name in COLUMNS]
 
 

@@ -7,9 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 
-COIL_NAMES = _core.coil_names
-"""Order of the coils in every array of currents: +x, -x, +y, -y, and below (-z)."""
-
 _Array = NDArray[np.float64]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5netcdf
 import numpy as np
@@ -16,9 +16,12 @@ from stickslip import _core
 from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import append_checksum, check_checksum
 from stickslip.errors import ScenarioError
+from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.waveform_json import voltage_blocks
-from stickslip.simulation.coils import COIL_NAMES
-from stickslip.simulation.run import COLUMNS, Run
+from stickslip.simulation.run import WORDS, Run, recorded_columns
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
 
 SAMPLES = "t"
 
@@ -28,14 +31,11 @@ _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
 def dataset(run: Run) -> xarray.Dataset:
     """See `Run.to_xarray`."""
     variables: dict[str, Any] = {}
-    for name, column in COLUMNS.items():
-        if name == "event" and run.scenario.record.rate != "events":
-            continue
+    for name, column in recorded_columns(run).items():
         attributes: dict[str, Any] = {"units": column.unit, "long_name": column.meaning}
-        if name in ("contact", "event"):
-            words = run.contact_names if name == "contact" else run.event_names
-            attributes["flag_values"] = np.arange(len(words), dtype=np.int8)
-            attributes["flag_meanings"] = " ".join(words)
+        if name in WORDS:
+            attributes["flag_values"] = np.arange(len(WORDS[name]), dtype=np.int8)
+            attributes["flag_meanings"] = " ".join(WORDS[name])
         dimensions = (SAMPLES, "coil") if name == "current" else (SAMPLES,)
         variables[name] = (dimensions, getattr(run, name), attributes)
     return xarray.Dataset(
@@ -51,19 +51,27 @@ def dataset(run: Run) -> xarray.Dataset:
 def _attributes(run: Run) -> dict[str, Any]:
     summary = run.summary()
     numbers = {name: value for name, value in summary.items() if not isinstance(value, dict | list)}
-    attributes = {
+    return {
         "title": "stick-slip motion of a magnetic micro-robot",
         "source": f"stickslip {_core.__version__}",
-        "stickslip_version": _core.__version__,
-        "xarray_version": xarray.__version__,
-        "numpy_version": np.__version__,
-        "scenario": run.scenario.to_toml(),
+        **origin(run.scenario),
         **numbers,
         "notes": json.dumps(summary["notes"]),
         "events": json.dumps(summary["events"]),
     }
-    voltages = voltage_blocks(run.scenario.drive.program)
-    return {**attributes, "voltage_blocks": voltages} if voltages else attributes
+
+
+def origin(scenario: Scenario) -> dict[str, str]:
+    """What a file says of where its numbers come from: versions, scenario and its voltages."""
+    about = {
+        "stickslip_version": _core.__version__,
+        "xarray_version": xarray.__version__,
+        "numpy_version": np.__version__,
+        "scenario": scenario.to_toml(),
+    }
+    # A scenario's text names a file in place of the voltages.
+    voltages = voltage_blocks(scenario.drive.program)
+    return {**about, "voltage_blocks": voltages} if voltages else about
 
 
 def open_run(path: str | PathLike[str]) -> xarray.Dataset:

@@ -48,6 +48,22 @@ COLUMNS = {
 """The recorded quantities by name; each is an attribute of a `Run`."""
 
 
+WORDS = {"contact": _core.contact_names, "event": _core.event_names}
+"""What the numbers of a quantity stand for, where they stand for words."""
+
+
+def recorded_columns(run: Run) -> dict[str, Column]:
+    """The quantities of a run's record; events have one more."""
+    events = run.scenario.record.rate == "events"
+    return {name: column for name, column in COLUMNS.items() if name != "event" or events}
+
+
+def resting_force(scenario: Scenario) -> float:
+    """Normal force on a body that lies still without field: weight and adhesion, N."""
+    weight = scenario.robot.mass * scenario.environment.gravity
+    return weight + scenario.contact.adhesion
+
+
 SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 """Of the files that a run can be saved as."""
 
@@ -205,15 +221,7 @@ class Run:
         return dataset(self)
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
-        """Write `to_xarray` to a netCDF file, whole or not at all.
-
-        Raises
-        ------
-        AttributeError
-            If the run has no record.
-        OSError
-            If the file cannot be written; an older file of that name is then untouched.
-        """
+        """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
         from stickslip.simulation.netcdf import write_netcdf
 
         write_netcdf(self.to_xarray(), path)
@@ -222,14 +230,7 @@ class Run:
         """Write the recorded columns to a CSV file, whole or not at all.
 
         The headings name the units, such as ``t (s)``; contact and event are words. A cell without
-        a value, such as the slip of a contact in flight, is empty.
-
-        Raises
-        ------
-        AttributeError
-            If the run has no record.
-        OSError
-            If the file cannot be written; an older file of that name is then untouched.
+        a value, such as the slip of a contact in flight, is empty. Errors are those of `save`.
         """
         from stickslip.simulation.csv_export import write_csv
 

@@ -54,7 +54,8 @@ def _of_drive(scenario: Scenario) -> list[str]:
         if volts > HIGH_VOLTAGE:
             amperes = volts / scenario.coil.resistance
             notes.append(
-                f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A if held for ever"
+                f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A in the steady "
+                "state"
             )
     return notes
 

@@ -11,8 +11,18 @@ from stickslip.scenario.keys import shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import Run
 
-Progress = Callable[[float], object]
-"""Called some twenty times a second with the fraction that is done, 0 to 1."""
+Progress = Callable[[float, str], object]
+"""Called some twenty times a second with the fraction that is done, 0 to 1, and the stage."""
+
+STAGE = "simulating"
+"""The one stage of a simulation, a batch and a sweep."""
+
+
+def fraction_of(total: float, progress: Progress | None) -> Callable[[float], object] | None:
+    """What the core calls with the simulated time, s, where all of it comes to `total`, s."""
+    if progress is None:
+        return None
+    return lambda done: progress(min(done / total, 1.0) if total > 0.0 else 1.0, STAGE)
 
 
 def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
@@ -28,8 +38,8 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
     scenario : Scenario
         What to simulate.
     progress : callable, optional
-        Called with the fraction that is done, 0 to 1, some twenty times a second. What it raises
-        stops the simulation and passes through.
+        Called with the fraction that is done, 0 to 1, and the stage, "simulating", some twenty
+        times a second. What it raises stops the simulation and passes through.
 
     Returns
     -------
@@ -90,12 +100,6 @@ def simulate_batch(
     threads = worker_count(threads, "threads")
 
     cores = [scenario.to_core() for scenario in scenarios]
-    report = None
-    if progress is not None:
-        total = sum(core.duration for core in cores)
-
-        def report(simulated: float) -> object:
-            return progress(min(simulated / total, 1.0) if total > 0.0 else 1.0)
-
+    report = fraction_of(sum(core.duration for core in cores), progress)
     results = _core.simulate_batch(cores, threads, report)
     return [Run(*pair) for pair in zip(scenarios, results, strict=True)]

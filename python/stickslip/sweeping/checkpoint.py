@@ -14,18 +14,18 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.checksum import check_checksum
 from stickslip.errors import ScenarioError
-from stickslip.simulation.netcdf import write_netcdf
+from stickslip.simulation.netcdf import origin, write_netcdf
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points
-from stickslip.sweeping.results import NOT_RUN, NUMBERS, Results
+from stickslip.sweeping.results import NOT_RUN, Results
 
-_FIRST = 0.5
+_FIRST_AFTER = 0.5
 """Time to the first checkpoint, s: it costs what the last one does, which there is in any case."""
 
-_INTERVAL = 1.0
+_MIN_INTERVAL = 1.0
 """Least time between two checkpoints, s."""
 
-_MOST_SHARE = 0.03
+_MAX_SHARE = 0.03
 """Share of the time that may go into writing the others."""
 
 
@@ -37,47 +37,34 @@ class Checkpoint:
         self._points = points
         self._results = results
         self._written = results.finished
-        self._next = time.monotonic() + _FIRST
+        self._next = time.monotonic() + _FIRST_AFTER
 
     def write(self) -> None:
-        """Write all results that there are.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written; then the one before is still there.
-        """
+        """Write all results that there are; where that fails, the file before is still there."""
         start = time.monotonic()
         write_netcdf(dataset(self._points, self._results), self._path)
         end = time.monotonic()
         self._written = self._results.finished
-        self._next = end + max(_INTERVAL, (end - start) / _MOST_SHARE)
+        self._next = end + max(_MIN_INTERVAL, (end - start) / _MAX_SHARE)
 
     def write_if_due(self) -> None:
         """Write if there is something new and the last time is long enough ago."""
-        if time.monotonic() >= self._next and self.behind:
+        if time.monotonic() >= self._next and self.has_unsaved_results:
             self.write()
 
     @property
-    def behind(self) -> bool:
+    def has_unsaved_results(self) -> bool:
         """Whether there are results that the file has not."""
         return self._results.finished > self._written
 
 
 def read(path: str | PathLike[str], points: Points) -> Results:
-    """The results that a file of the same sweep holds.
-
-    Raises
-    ------
-    ScenarioError
-        If the file is none of a sweep, or one of another sweep or version, or not as it was
-        written.
-    """
+    """The results that a file of the same sweep and version holds, if it is as it was written."""
     try:
         if not check_checksum(path):
             raise ScenarioError(
-                "it is no file of a sweep, of an earlier version, damaged, or rewritten by another "
-                "program: there is no checksum at its end"
+                "it is not the file of a sweep, of an earlier version, damaged, or rewritten by "
+                "another program: there is no checksum at its end"
             )
         with h5netcdf.File(os.fspath(path), "r") as file:
             _check_same({name: file.attrs[name] for name in file.attrs}, points)
@@ -87,23 +74,24 @@ def read(path: str | PathLike[str], points: Points) -> Results:
     except Exception as error:  # whatever a damaged file makes HDF5 raise
         reason = " ".join(str(error).split())
         raise ScenarioError(
-            f"{path} cannot be resumed: it is no file of a sweep ({reason})"
+            f"{path} cannot be resumed: it is not the file of a sweep ({reason})"
         ) from None
 
 
 def _check_same(found: dict[str, Any], points: Points) -> None:
     if "vary" not in found or "scenario" not in found:
-        raise ScenarioError("it is no file of a sweep")
+        raise ScenarioError("it is not the file of a sweep")
+    here = origin(points.scenario)
     version = str(found.get("stickslip_version"))
     if version != _core.__version__:
         raise ScenarioError(f"it is of stickslip {version}, and this is {_core.__version__}")
-    scenario = points.scenario.to_toml()
-    if found["scenario"] != scenario:
-        raise ScenarioError(f"its scenario is another: {_difference(found['scenario'], scenario)}")
-    if found.get("voltage_blocks", "") != points.voltages():
-        raise ScenarioError("its voltages are others")
+    if found["scenario"] != here["scenario"]:
+        different = _difference(found["scenario"], here["scenario"])
+        raise ScenarioError(f"its scenario differs: {different}")
+    if found.get("voltage_blocks") != here.get("voltage_blocks"):
+        raise ScenarioError("its voltages differ")
     if (found.get("arrangement"), found["vary"]) != (points.arrangement, points.vary()):
-        raise ScenarioError(f"its points are others: {_other_points(found['vary'], points.vary())}")
+        raise ScenarioError(f"its points differ: {_other_points(found['vary'], points.vary())}")
 
 
 def _difference(there: str, here: str) -> str:
@@ -127,11 +115,9 @@ def _other_points(there: str, here: str) -> str:
 
 def _results(file: h5netcdf.File, points: Points) -> Results:
     results = Results(points.count)
-    results.status[:] = np.asarray(file["status"]).ravel()
-    for name in NUMBERS:
-        results.numbers[name][:] = np.asarray(file[name]).ravel()
-    results.events[:] = np.asarray(file["events"]).reshape(results.events.shape)
-    results.painleve_events[:] = np.asarray(file["painleve_events"]).ravel()
+    arrays = {**results.numbers, "status": results.status, "events": results.events}
+    for name, values in {**arrays, "painleve_events": results.painleve_events}.items():
+        values[:] = np.asarray(file[name]).reshape(values.shape)
     results.finished = int(np.count_nonzero(results.status != NOT_RUN))
     if "message" in file.variables:
         texts = np.asarray(file["message"]).ravel()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.netcdf import origin
 from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
 from stickslip.sweeping.results import EVENTS, NUMBERS, OK, STATUSES, Results
 
@@ -51,9 +52,10 @@ def dataset(points: Points, results: Results) -> xarray.Dataset:
             messages.reshape(shape),
             {"long_name": "what happened, of a point that failed"},
         )
+    kinds = (EVENT_DIMENSION, list(EVENTS), {"long_name": "kind of event"})
     return xarray.Dataset(
         variables,
-        coords={**_coordinates(points), EVENT_DIMENSION: _event_coordinate()},
+        coords={**_coordinates(points), EVENT_DIMENSION: kinds},
         attrs=attributes(points, results),
     )
 
@@ -71,19 +73,12 @@ def _coordinates(points: Points) -> dict[str, Any]:
     return coordinates
 
 
-def _event_coordinate() -> tuple[Any, ...]:
-    return EVENT_DIMENSION, list(EVENTS), {"long_name": "kind of event"}
-
-
 def attributes(points: Points, results: Results) -> dict[str, Any]:
     """What the points have in common, and what made the results."""
-    about = {
+    return {
         "title": "stick-slip motion of a magnetic micro-robot, parameter sweep",
         "created_by": f"stickslip {_core.__version__}, sweep",
-        "stickslip_version": _core.__version__,
-        "xarray_version": xarray.__version__,
-        "numpy_version": np.__version__,
-        "scenario": points.scenario.to_toml(),
+        **origin(points.scenario),
         "arrangement": points.arrangement,
         "vary": points.vary(),
         "points": points.count,
@@ -92,5 +87,3 @@ def attributes(points: Points, results: Results) -> dict[str, Any]:
         - (points.count - results.finished),
         "statuses": json.dumps(results.counts()),
     }
-    voltages = points.voltages()
-    return {**about, "voltage_blocks": voltages} if voltages else about

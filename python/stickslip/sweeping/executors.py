@@ -15,36 +15,38 @@ from concurrent.futures import (
 )
 from typing import Any, Protocol
 
-from stickslip.sweeping.worker import Chunk, Part, run_chunk
+from stickslip.sweeping.worker import Chunk, ChunkResult, run_chunk
 
 _SIZE_IF_UNKNOWN = 16
-_RECOUNT = 5.0
+"""Workers of an executor that does not say; too many cost only chunks that wait."""
+
+_RECOUNT_SECONDS = 5.0
 """Time between two looks at the size of an executor that may grow, s."""
 
 # Of Dask, which is not imported for this: the worker died, or the cluster forgot the work.
-_DEATHS = ("KilledWorker", "FutureCancelledError", "FuturesCancelledError")
+_WORKER_DEATHS = ("KilledWorker", "FutureCancelledError", "FuturesCancelledError")
 
 
-class Crew(Protocol):
-    """Takes chunks."""
+class ChunkExecutor(Protocol):
+    """Has chunks simulated."""
 
-    shortest: float
+    min_chunk_seconds: float
     """Time below which a chunk is not worth its way to a worker, s."""
 
     def size(self) -> int:
         """How many chunks are worked on at a time."""
 
-    def submit(self, chunk: Chunk) -> Future[Part]:
+    def submit(self, chunk: Chunk) -> Future[ChunkResult]:
         """Begin with a chunk as soon as there is room."""
 
     def close(self) -> None:
         """Stop the work that can be stopped, and wait for its end."""
 
 
-class Threads:
+class LocalThreads:
     """Threads of this process; the core does not hold Python's lock while it simulates."""
 
-    shortest = 2e-3
+    min_chunk_seconds = 2e-3
 
     def __init__(self, count: int) -> None:
         self._count = count
@@ -54,7 +56,7 @@ class Threads:
     def size(self) -> int:
         return self._count
 
-    def submit(self, chunk: Chunk) -> Future[Part]:
+    def submit(self, chunk: Chunk) -> Future[ChunkResult]:
         return self._executor.submit(run_chunk, chunk, self._poll)
 
     def close(self) -> None:
@@ -66,34 +68,34 @@ class Threads:
             raise CancelledError
 
 
-class Workers:
+class OutsideExecutor:
     """The workers of an executor, which stays open.
 
     A pool of processes that is broken by the death of one of them takes no more work; a new pool
     then takes its place until the sweep ends.
     """
 
-    shortest = 20e-3
+    min_chunk_seconds = 20e-3
 
-    def __init__(self, executor: Executor, jobs: int | None) -> None:
+    def __init__(self, executor: Executor, workers: int | None) -> None:
         self._executor = executor
-        self._jobs = jobs
+        self._workers = workers
         self._replacement: Executor | None = None
-        self._size = jobs or size_of(executor)
+        self._size = workers or size_of(executor)
         self._counted = time.monotonic()
 
     def size(self) -> int:
-        if self._jobs is None and time.monotonic() - self._counted > _RECOUNT:
+        if self._workers is None and time.monotonic() - self._counted > _RECOUNT_SECONDS:
             self._size = size_of(self._executor)
             self._counted = time.monotonic()
         return self._size
 
-    def submit(self, chunk: Chunk) -> Future[Part]:
+    def submit(self, chunk: Chunk) -> Future[ChunkResult]:
         try:
             return self._executor.submit(run_chunk, chunk)
         except BrokenExecutor:
             self.close()
-            self._executor = self._replacement = _like(self._executor, self._size)
+            self._executor = self._replacement = _new_pool_like(self._executor, self._size)
             return self._executor.submit(run_chunk, chunk)
 
     def close(self) -> None:
@@ -101,11 +103,11 @@ class Workers:
             self._replacement.shutdown(wait=True)
 
 
-def died(error: BaseException) -> bool:
+def is_worker_death(error: BaseException) -> bool:
     """Whether this error of a chunk says that its worker died, so that it can be tried again."""
     return (
         isinstance(error, BrokenExecutor | CancelledError)
-        or type(error).__name__ in _DEATHS
+        or type(error).__name__ in _WORKER_DEATHS
     )  # fmt: skip
 
 
@@ -119,7 +121,7 @@ def size_of(executor: Executor) -> int:
     return size or getattr(executor, "num_workers", None) or _SIZE_IF_UNKNOWN
 
 
-def _like(broken: Any, size: int) -> Executor:
+def _new_pool_like(broken: Any, size: int) -> Executor:
     if type(broken).__module__.startswith("loky"):
         pool: Executor = importlib.import_module("loky").ProcessPoolExecutor(size)
         return pool

@@ -13,17 +13,12 @@ from stickslip.errors import ScenarioError
 
 
 @contextlib.contextmanager
-def held(path: str | PathLike[str] | None) -> Iterator[None]:
+def file_lock(path: str | PathLike[str] | None) -> Iterator[None]:
     """Keep every other sweep from writing the file `path`, if there is one.
 
     The lock is the kernel's, on a file ``.NAME.lock`` beside it, and ends with the process however
     that ends: what a killed sweep leaves there is in nobody's way. On a file system without locks
-    there is none.
-
-    Raises
-    ------
-    ScenarioError
-        If another sweep writes the file, or the lock cannot be made.
+    there is none. A ScenarioError says that another sweep writes the file.
     """
     target = Path(os.path.realpath(path or ""))
     # Where nothing can be written, no other sweep writes, and a file that is complete can be read.
@@ -31,7 +26,7 @@ def held(path: str | PathLike[str] | None) -> Iterator[None]:
         yield
         return
     lock = target.with_name(f".{target.name}.lock")
-    descriptor = _locked(lock, path)
+    descriptor = _acquire(lock, path)
     try:
         yield
     finally:
@@ -39,7 +34,7 @@ def held(path: str | PathLike[str] | None) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _locked(lock: Path, path: str | PathLike[str]) -> int:
+def _acquire(lock: Path, path: str | PathLike[str]) -> int:
     while True:
         try:
             descriptor = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)

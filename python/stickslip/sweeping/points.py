@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
+    PROGRAM,
     RECORD_RATE,
     Value,
     checked,
@@ -27,8 +28,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import PROGRAM, SECTIONS
-from stickslip.scenario.waveform_json import voltage_blocks
+from stickslip.scenario.sections import SECTIONS
 from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000
@@ -42,18 +42,10 @@ _Array = NDArray[np.float64]
 
 
 class Points:
-    """The points of a sweep.
+    """The points of a sweep: a scenario, and dotted keys with the values that differ from it.
 
-    Attributes
-    ----------
-    scenario : Scenario
-        What every point has in common, without its record.
-    keys : tuple of str
-        Dotted keys that differ between points.
-    arrangement : {"grid", "list"}
-        Whether the points are all combinations of the keys' values, or given one by one.
-    columns : tuple of numpy.ndarray
-        For each key its values: those of its axis for a grid, one a point for a list.
+    In a grid the points are all combinations of the keys' values, and each of the `columns` has the
+    values of one axis; in a list it has one value a point.
     """
 
     def __init__(
@@ -65,7 +57,7 @@ class Points:
         self.scenario = scenario.replace({RECORD_RATE: "none"})
         self.arrangement = arrangement
         self.keys = tuple(columns)
-        self.columns = tuple(_encoded(key, values) for key, values in columns.items())
+        self.columns = tuple(encoded(key, values) for key, values in columns.items())
         if self.count > MOST_POINTS:
             raise ScenarioError(f"{self.count} points: allowed are at most {MOST_POINTS}")
 
@@ -111,37 +103,24 @@ class Points:
         """The keys and their values as JSON, columns as in the attribute `columns`."""
         return json.dumps({key: self.labels(key).tolist() for key in self.keys})
 
-    def voltages(self) -> str:
-        """The voltages of a program as JSON, which a scenario's text leaves out; else empty."""
-        return voltage_blocks(self.scenario.drive.program)
-
 
 def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
     """All combinations of the values of `vary`.
 
-    Raises
-    ------
-    ScenarioError
-        If a key is unknown, or a value not allowed or given twice, or there are none.
+    Refused are unknown keys, and values that are not allowed, given twice, or not there.
     """
     if not vary:
         raise ScenarioError("a sweep needs a key that varies, such as drive.frequency")
     columns: dict[str, list[Value]] = {}
     for key, values in vary.items():
         _check_key(key)
-        columns[key] = [checked(key, value) for value in _listed(key, values)]
+        columns[key] = [checked(key, value) for value in as_list(key, values, "a list of values")]
         _check_axis(key, columns[key])
     return Points(scenario, "grid", columns)
 
 
 def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Points:
-    """One point for each of `rows`: the scenario with those values changed.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no row, a key is unknown or a value not allowed.
-    """
+    """One point for each of `rows`: the scenario with those values changed."""
     if not rows:
         raise ScenarioError("a sweep needs a point: the list is empty")
     keys = list(dict.fromkeys(key for row in rows for key in row))
@@ -155,13 +134,7 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
 
 
 def from_scenarios(scenarios: Sequence[Scenario]) -> Points:
-    """One point for each scenario, by the keys in which they differ.
-
-    Raises
-    ------
-    ScenarioError
-        If there is none, or two have different voltage programs.
-    """
+    """One point for each scenario, by the keys in which they differ; all with one program."""
     if not scenarios:
         raise ScenarioError("a sweep needs a point: the list is empty")
     programs = {each.drive.program for each in scenarios} - {None}
@@ -171,7 +144,7 @@ def from_scenarios(scenarios: Sequence[Scenario]) -> Points:
             f"{len(programs)}"
         )
     base = next((each for each in scenarios if each.drive.program is not None), scenarios[0])
-    rows = [_differences(base, each) for each in scenarios]
+    rows = [_changed_keys(base, each) for each in scenarios]
     return from_changes(base, rows)
 
 
@@ -199,7 +172,7 @@ def short_name(key: str) -> str:
     return _short_names()[key]
 
 
-def _differences(base: Scenario, scenario: Scenario) -> dict[str, Value]:
+def _changed_keys(base: Scenario, scenario: Scenario) -> dict[str, Value]:
     changed: dict[str, Value] = {}
     for section in (*SECTIONS, "effects"):
         if section == "record" or getattr(base, section) == getattr(scenario, section):
@@ -225,13 +198,14 @@ def _check_key(key: object) -> None:
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
 
 
-def _listed(key: str, values: object) -> list[Any]:
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise ScenarioError(f"{key} = {shown(values)}: allowed is a list of values")
+def as_list(name: str, values: object, allowed: str) -> list[Any]:
+    """The values of something that is `allowed` to be a list, but no text and no mapping."""
     try:
-        return list(values)
-    except TypeError:  # an array without dimensions
-        raise ScenarioError(f"{key} = {shown(values)}: allowed is a list of values") from None
+        if not isinstance(values, str | bytes | Mapping):
+            return list(values)  # type: ignore[call-overload, no-any-return]
+    except TypeError:  # not to be gone through, such as an array without dimensions
+        pass
+    raise ScenarioError(f"{name} = {shown(values)}: allowed is {allowed}")
 
 
 def _check_axis(key: str, values: list[Value]) -> None:
@@ -249,7 +223,8 @@ def _words(key: str) -> tuple[str, ...]:
     return next(tuple(row["allowed"]) for row in _core.choices() if row["key"] == key)
 
 
-def _encoded(key: str, values: Sequence[Value]) -> _Array:
+def encoded(key: str, values: Sequence[Value]) -> _Array:
+    """Values of a key as numbers, as the core reads them: of a word its index."""
     if known_keys()[key].kind == "word":
         places = {word: place for place, word in enumerate(_words(key))}
         values = [places[str(value)] for value in values]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.simulation.run import Column
-from stickslip.sweeping.worker import Part
+from stickslip.sweeping.worker import ChunkResult
 
 NOT_RUN = -2
 REFUSED = -1
@@ -42,28 +42,15 @@ _KEPT_ON_FAILURE = "simulated_time"
 
 
 class Results:
-    """What is known of each point so far.
-
-    Attributes
-    ----------
-    status : numpy.ndarray of int8, shape (n,)
-        Keys of `STATUSES`, for n points.
-    numbers : dict of numpy.ndarray, shape (n,)
-        By name as in `NUMBERS`; NaN where the point failed or was not run.
-    events : numpy.ndarray of int64, shape (n, number of kinds)
-        Counts in the order of `EVENTS`.
-    painleve_events : numpy.ndarray of int64, shape (n,)
-        Counts.
-    messages : dict of str
-        By point, of those that failed.
-    """
+    """What is known of each of n points so far; arrays have an entry, or a row, for each."""
 
     def __init__(self, count: int) -> None:
-        self.status = np.full(count, NOT_RUN, dtype=np.int8)
+        self.status = np.full(count, NOT_RUN, dtype=np.int8)  # keys of `STATUSES`
+        # By name as in `NUMBERS`; NaN where the point failed or was not run.
         self.numbers = {name: np.full(count, np.nan) for name in NUMBERS}
-        self.events = np.zeros((count, len(EVENTS)), dtype=np.int64)
-        self.painleve_events = np.zeros(count, dtype=np.int64)
-        self.messages: dict[int, str] = {}
+        self.events = np.zeros((count, len(EVENTS)), dtype=np.int64)  # counts
+        self.painleve_events = np.zeros(count, dtype=np.int64)  # counts
+        self.messages: dict[int, str] = {}  # by point, of those that failed
         self.finished = 0
 
     @property
@@ -75,7 +62,7 @@ class Results:
         """Indices of the points that were not run."""
         return np.flatnonzero(self.status == NOT_RUN)
 
-    def put(self, indices: NDArray[np.int64], part: Part) -> None:
+    def put(self, indices: NDArray[np.int64], part: ChunkResult) -> None:
         """Take the results of the points `indices`."""
         columns: dict[str, NDArray[Any]] = part.columns
         self.status[indices] = columns["status"]

@@ -6,19 +6,19 @@ import contextlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stickslip._util.atomic_files import check_writable
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, shown
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.simulate import Progress
+from stickslip.simulation.simulate import STAGE, Progress
 from stickslip.sweeping.checkpoint import Checkpoint, read
 from stickslip.sweeping.dataset import dataset
-from stickslip.sweeping.executors import Crew, Threads, Workers
-from stickslip.sweeping.lock import held
-from stickslip.sweeping.points import Points, from_changes, from_scenarios, grid
+from stickslip.sweeping.executors import ChunkExecutor, LocalThreads, OutsideExecutor
+from stickslip.sweeping.lock import file_lock
+from stickslip.sweeping.points import Points, as_list, from_changes, from_scenarios, grid
 from stickslip.sweeping.results import Results
 from stickslip.sweeping.scheduling import compute
 
@@ -35,7 +35,7 @@ def sweep(
     scenario: Scenario | Iterable[Scenario],
     vary: Vary | None = None,
     *,
-    jobs: int | None = None,
+    threads: int | None = None,
     executor: Executor | None = None,
     out: str | PathLike[str] | None = None,
     resume: bool = False,
@@ -54,7 +54,7 @@ def sweep(
     vary : mapping or sequence of mappings
         Values by dotted key: all combinations are simulated, in the order given, the last key
         fastest. Or a list with the changes of each point, as `Scenario.replace` takes them.
-    jobs : int, optional
+    threads : int, optional
         How many simulations go on at a time; as many as there are processors, if not given. With
         an `executor`, how many workers it has, where it does not say so itself.
     executor : concurrent.futures.Executor, optional
@@ -69,8 +69,8 @@ def sweep(
         Go on with the sweep whose file is `out`: points that it has are not simulated again. It is
         begun where there is no such file. A file that is complete is read and left alone.
     progress : callable, optional
-        Called with the fraction of the points that is done, 0 to 1, some twenty times a second.
-        What it raises stops the sweep and passes through.
+        Called with the fraction of the points that is done, 0 to 1, and the stage, "simulating",
+        some twenty times a second. What it raises stops the sweep and passes through.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def sweep(
         `resume` meets a file that is not of this sweep, or not as it was written; or if another
         sweep is writing `out`, or the lock against that cannot be made beside it.
     ValueError
-        If `jobs` is not a whole number above zero, or `resume` comes without `out`.
+        If `threads` is not a whole number above zero, or `resume` comes without `out`.
     FileExistsError
         If `out` is there and `resume` is false.
     OSError
@@ -113,7 +113,7 @@ def sweep(
     """
     return sweep_points(
         _points(scenario, vary),
-        jobs=jobs,
+        threads=threads,
         executor=executor,
         out=out,
         resume=resume,
@@ -124,23 +124,25 @@ def sweep(
 def sweep_points(
     points: Points,
     *,
-    jobs: int | None = None,
+    threads: int | None = None,
     executor: Executor | None = None,
     out: str | PathLike[str] | None = None,
     resume: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
     """`sweep` of points that are known already."""
-    count = worker_count(jobs, "jobs")
+    count = worker_count(threads, "threads")
     if resume and out is None:
         raise ValueError("resume = True: allowed with a file `out` only, which it goes on with")
-    with held(out):
-        results = _begun(points, out, resume)
+    with file_lock(out):
+        results = _existing_results(points, out, resume)
         if not results.complete:
-            crew = Threads(count) if executor is None else Workers(executor, jobs)
-            _run(points, results, crew, out, progress)
+            workers: ChunkExecutor = (
+                LocalThreads(count) if executor is None else OutsideExecutor(executor, threads)
+            )
+            _run(points, results, workers, out, progress)
         elif progress is not None:
-            progress(1.0)
+            progress(1.0, STAGE)
     return dataset(points, results)
 
 
@@ -148,12 +150,12 @@ def _points(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Point
     if isinstance(scenario, Scenario):
         if isinstance(vary, Mapping):
             return grid(scenario, vary)
-        rows = _sequence(vary, "vary", "values by key, or a list of changes by key")
+        rows = as_list("vary", vary, "values by key, or a list of changes by key")
         for place, row in enumerate(rows):
             if not isinstance(row, Mapping):
                 raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
         return from_changes(scenario, rows)
-    scenarios = _sequence(scenario, "scenario", "a Scenario or a list of them")
+    scenarios = as_list("scenario", scenario, "a Scenario or a list of them")
     for place, each in enumerate(scenarios):
         if not isinstance(each, Scenario):
             raise ScenarioError(f"scenario {place} = {shown(each)}: allowed is a Scenario")
@@ -162,13 +164,7 @@ def _points(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Point
     return from_scenarios(scenarios)
 
 
-def _sequence(value: object, name: str, allowed: str) -> list[Any]:
-    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
-        raise ScenarioError(f"{name} = {shown(value)}: allowed is {allowed}")
-    return list(value)
-
-
-def _begun(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
+def _existing_results(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
     """The results that there are already."""
     if out is None:
         return Results(points.count)
@@ -188,7 +184,7 @@ def _begun(points: Points, out: str | PathLike[str] | None, resume: bool) -> Res
 def _run(
     points: Points,
     results: Results,
-    crew: Crew,
+    workers: ChunkExecutor,
     out: str | PathLike[str] | None,
     progress: Progress | None,
 ) -> None:
@@ -198,12 +194,12 @@ def _run(
         if checkpoint is not None:
             checkpoint.write_if_due()
         if progress is not None:
-            progress(results.finished / points.count)
+            progress(results.finished / points.count, STAGE)
 
     try:
-        compute(points, results, crew, report)
+        compute(points, results, workers, report)
     except BaseException:
-        if checkpoint is not None and checkpoint.behind:
+        if checkpoint is not None and checkpoint.has_unsaved_results:
             # What stopped the sweep matters more than that this cannot be written either.
             with contextlib.suppress(OSError):
                 checkpoint.write()

@@ -12,21 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.sweeping.executors import Crew, died
+from stickslip.sweeping.executors import ChunkExecutor, is_worker_death
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import Results
-from stickslip.sweeping.worker import Chunk, Part
+from stickslip.sweeping.worker import Chunk, ChunkResult
 
 _TICK = 0.05
 """Longest time between two reports, s."""
 
-_CHUNK_SECONDS = 1.0
+_MAX_CHUNK_SECONDS = 1.0
+"""Longest time that a chunk should take, s: results come and progress is seen as often."""
+
 _MOST_POINTS = 20_000
-_GROWTH = 8
-_QUEUED = 2
+"""Points of the largest chunk, so that its way to a worker stays some MB."""
+
+_MAX_GROWTH = 8
+"""How much larger a chunk may be than the largest before: its cost is known from that one alone."""
+
+_CHUNKS_PER_WORKER = 2
 """Chunks for each worker: the one in work, and the one that waits so that it need not."""
 
-_MOST_DEATHS = 3
+_MAX_WORKER_DEATHS = 3
 """How often the workers of a chunk may die before the sweep gives up."""
 
 
@@ -35,22 +41,22 @@ class _Job(NamedTuple):
     attempt: int
 
 
-class _Pace:
+class _ChunkSize:
     """How many points make a chunk: one at first, then by what the points before have cost."""
 
     def __init__(self) -> None:
         self._cost = 0.0  # s a point
         self._largest = 0
 
-    def size(self, left: int, crew: Crew) -> int:
+    def size(self, left: int, executor: ChunkExecutor) -> int:
         if self._largest == 0:
             return 1
         cost = max(self._cost, 1e-9)
         # Shrinking towards the end, so that all workers end at about the same time.
-        fair = math.ceil(left / (2 * crew.size()))
-        worthwhile = math.ceil(crew.shortest / cost)
-        longest = int(_CHUNK_SECONDS / cost)
-        points = min(longest, max(fair, worthwhile), _GROWTH * self._largest, _MOST_POINTS)
+        fair = math.ceil(left / (2 * executor.size()))
+        worthwhile = math.ceil(executor.min_chunk_seconds / cost)
+        longest = int(_MAX_CHUNK_SECONDS / cost)
+        points = min(longest, max(fair, worthwhile), _MAX_GROWTH * self._largest, _MOST_POINTS)
         return max(points, 1)
 
     def measured(self, points: int, seconds: float) -> None:
@@ -59,56 +65,45 @@ class _Pace:
         self._largest = max(self._largest, points)
 
 
-def compute(points: Points, results: Results, crew: Crew, report: Callable[[], object]) -> None:
+def compute(
+    points: Points, results: Results, executor: ChunkExecutor, report: Callable[[], object]
+) -> None:
     """Simulate all points that `results` has not, and put them there.
 
     Which worker simulates a point, and together with which others, has no influence on its result.
-
-    Parameters
-    ----------
-    points : Points
-        What to simulate.
-    results : Results
-        Where the results go; after an error it holds all that was done before.
-    crew : Crew
-        Who simulates.
-    report : callable
-        Called some twenty times a second; what it raises stops the work.
-
-    Raises
-    ------
-    Exception
-        What a worker raised; of one that died only if its chunk has met this several times.
+    `report` is called some twenty times a second; what it raises stops the work, and so does what a
+    worker raises, or one that dies again and again with the same chunk. `results` then holds all
+    that was done before.
     """
-    queue = deque([_Job(_mixed(results.pending()), 0)])
+    queue = deque([_Job(_shuffled(results.pending()), 0)])
     left = len(queue[0].indices)
-    pace = _Pace()
-    running: dict[Future[Part], _Job] = {}
+    chunk_size = _ChunkSize()
+    running: dict[Future[ChunkResult], _Job] = {}
     try:
         report()
         while left or running:
-            while left and len(running) < _QUEUED * crew.size():
-                job = _taken(queue, pace.size(left, crew))
+            while left and len(running) < _CHUNKS_PER_WORKER * executor.size():
+                job = _next_job(queue, chunk_size.size(left, executor))
                 left -= len(job.indices)
-                running[crew.submit(_chunk(points, job))] = job
+                running[executor.submit(_chunk(points, job))] = job
             finished, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
             for future in finished:
-                again = _collected(future, running.pop(future), results, pace)
+                again = _collect(future, running.pop(future), results, chunk_size)
                 queue.appendleft(again)
                 left += len(again.indices)
             report()
     except BaseException:
         for future in running:
             future.cancel()
-        crew.close()
+        executor.close()
         for future, job in running.items():
             if future.done() and not future.cancelled() and future.exception() is None:
                 _put(future.result(), job, results)
         raise
-    crew.close()
+    executor.close()
 
 
-def _mixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+def _shuffled(indices: NDArray[np.int64]) -> NDArray[np.int64]:
     """The same points in an order in which each stretch is a fair sample of all.
 
     Along a grid the cost of a point can change a hundredfold. Mixed, what is done tells what is
@@ -122,7 +117,7 @@ def _mixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
     return indices[np.arange(count) * step % max(count, 1)]
 
 
-def _taken(queue: deque[_Job], size: int) -> _Job:
+def _next_job(queue: deque[_Job], size: int) -> _Job:
     """Up to `size` points from the front of the queue."""
     job = queue.popleft()
     while not len(job.indices):
@@ -138,24 +133,26 @@ def _chunk(points: Points, job: _Job) -> Chunk:
     )
 
 
-def _collected(future: Future[Part], job: _Job, results: Results, pace: _Pace) -> _Job:
+def _collect(
+    future: Future[ChunkResult], job: _Job, results: Results, chunk_size: _ChunkSize
+) -> _Job:
     """Take a chunk's results; what is left of it, to be done again."""
     try:
         part = future.result()
     except Exception as error:
-        if not died(error):
+        if not is_worker_death(error):
             raise
-        if job.attempt == _MOST_DEATHS:
+        if job.attempt == _MAX_WORKER_DEATHS:
             raise RuntimeError(
                 f"workers died {job.attempt + 1} times with the same points: {error}"
             ) from error
         return job._replace(attempt=job.attempt + 1)
     done = _put(part, job, results)
-    pace.measured(done, part.seconds)
+    chunk_size.measured(done, part.seconds)
     return job._replace(indices=job.indices[done:])
 
 
-def _put(part: Part, job: _Job, results: Results) -> int:
+def _put(part: ChunkResult, job: _Job, results: Results) -> int:
     done = len(part.columns["status"])
     results.put(job.indices[:done], part)
     return done

@@ -13,70 +13,38 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.scenario.scenario import Scenario
 
-_LONGEST = 2.0
+_MAX_SECONDS = 2.0
 """Time after which a chunk ends early, s: points can take far longer than those before them."""
 
-_SLICE = 64
+_POINTS_PER_CALL = 64
 """Points between two looks at the clock."""
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Points that one worker simulates in one go.
+    """Points that one worker simulates in one go."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        What the points have in common.
-    keys : tuple of str
-        Dotted keys in which they differ.
-    values : numpy.ndarray, shape (n, number of keys)
-        A row for each point.
-    version : str
-        Version of this package that asks for them.
-    attempt : int
-        How often these points have met a worker that died. An executor that recognises work by its
-        arguments would otherwise answer with the failure again.
-    """
-
-    scenario: Scenario
-    keys: tuple[str, ...]
-    values: NDArray[np.float64]
-    version: str
+    scenario: Scenario  # what the points have in common
+    keys: tuple[str, ...]  # dotted keys in which they differ
+    values: NDArray[np.float64]  # a row for each point, a column for each key
+    version: str  # of this package that asks for them
+    # How often these points have met a worker that died. An executor that recognises work by its
+    # arguments would otherwise answer with the failure again.
     attempt: int = 0
 
 
-class Part(NamedTuple):
-    """The results of a chunk's first points.
+class ChunkResult(NamedTuple):
+    """The results of a chunk's first m points."""
 
-    Attributes
-    ----------
-    columns : dict of numpy.ndarray
-        By name, shape (m,) each for the m points that were simulated.
-    messages : dict of str
-        By place in the chunk, of points that did not end well.
-    seconds : float
-        How long it took, s.
-    """
-
-    columns: dict[str, NDArray[np.generic]]
-    messages: dict[int, str]
-    seconds: float
+    columns: dict[str, NDArray[np.generic]]  # by name, shape (m,) each
+    messages: dict[int, str]  # by place in the chunk, of points that did not end well
+    seconds: float  # how long it took
 
 
-def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> Part:
+def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> ChunkResult:
     """Simulate the points of a chunk, or as many of the first ones as two seconds allow.
 
-    Parameters
-    ----------
-    chunk : Chunk
-        What to simulate.
-    poll : callable, optional
-        Called some twenty times a second; what it raises ends the work.
-
-    Returns
-    -------
-    Part
+    `poll` is called some twenty times a second; what it raises ends the work.
 
     Raises
     ------
@@ -92,11 +60,13 @@ def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> Pa
     base = chunk.scenario.to_core()
     slices = []
     messages: dict[int, str] = {}
-    for first in range(0, len(chunk.values), _SLICE):
-        columns, said = _core.sweep(base, chunk.keys, chunk.values[first : first + _SLICE], 1, poll)
+    for first in range(0, len(chunk.values), _POINTS_PER_CALL):
+        columns, said = _core.sweep(
+            base, chunk.keys, chunk.values[first : first + _POINTS_PER_CALL], 1, poll
+        )
         slices.append(columns)
         messages.update((first + place, text) for place, text in said.items())
-        if time.perf_counter() - start > _LONGEST:
+        if time.perf_counter() - start > _MAX_SECONDS:
             break
     together = {name: np.concatenate([each[name] for each in slices]) for name in slices[0]}
-    return Part(together, messages, time.perf_counter() - start)
+    return ChunkResult(together, messages, time.perf_counter() - start)

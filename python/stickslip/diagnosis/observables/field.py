@@ -15,7 +15,7 @@ from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.coils import COIL_NAMES
+from stickslip.scenario.sections import COIL_NAMES
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.coils import COIL_NAMES
+from stickslip.scenario.sections import COIL_NAMES
 
 Array = NDArray[np.float64]
 Recording = Mapping[str, Array]
