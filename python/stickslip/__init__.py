@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip import plot
     from stickslip._core import __version__
+    from stickslip.diagnosis.api import diagnose, diagnose_model
+    from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
+    from stickslip.diagnosis.options import Options
+    from stickslip.diagnosis.results import Diagnosis
     from stickslip.errors import ScenarioError
+    from stickslip.measurement.priors import Prior
+    from stickslip.measurement.reading import Measurement, read_measurement
     from stickslip.reproduction.study import reproduce
     from stickslip.scenario.named_effects import effects
     from stickslip.scenario.scenario import Scenario, load
@@ -38,24 +44,34 @@ if TYPE_CHECKING:
 _HOME = {
     "COIL_NAMES": "simulation.coils",
     "__version__": "_core",
+    "Cause": "diagnosis.model.problem",
+    "CauseParameter": "diagnosis.model.problem",
     "Coil": "scenario.sections",
     "Coils": "simulation.coils",
     "Contact": "scenario.sections",
+    "Diagnosis": "diagnosis.results",
     "Drag": "scenario.sections",
     "Drive": "scenario.sections",
     "EffectParameter": "scenario.user_effects",
     "Environment": "scenario.sections",
+    "Measurement": "measurement.reading",
+    "Options": "diagnosis.options",
+    "Prior": "measurement.priors",
     "Record": "scenario.sections",
     "Robot": "scenario.sections",
     "Run": "simulation.run",
     "Scenario": "scenario.scenario",
     "ScenarioError": "errors",
     "Solver": "scenario.sections",
+    "Uncertain": "diagnosis.model.problem",
     "Waveform": "scenario.waveform",
+    "diagnose": "diagnosis.api",
+    "diagnose_model": "diagnosis.api",
     "effects": "scenario.named_effects",
     "load": "scenario.scenario",
     "open_run": "simulation.netcdf",
     "plot": "plot",
+    "read_measurement": "measurement.reading",
     "register_effect": "scenario.user_effects",
     "reproduce": "reproduction.study",
     "show_versions": "versions",
@@ -68,25 +84,35 @@ _HOME = {
 
 __all__ = [
     "COIL_NAMES",
+    "Cause",
+    "CauseParameter",
     "Coil",
     "Coils",
     "Contact",
+    "Diagnosis",
     "Drag",
     "Drive",
     "EffectParameter",
     "Environment",
+    "Measurement",
+    "Options",
+    "Prior",
     "Record",
     "Robot",
     "Run",
     "Scenario",
     "ScenarioError",
     "Solver",
+    "Uncertain",
     "Waveform",
     "__version__",
+    "diagnose",
+    "diagnose_model",
     "effects",
     "load",
     "open_run",
     "plot",
+    "read_measurement",
     "register_effect",
     "reproduce",
     "show_versions",

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.scenario.keys import FILE, shown
@@ -29,8 +30,8 @@ _TURNS = 2.0 * math.pi
 _LIMIT = 20_000
 
 
-@dataclass(frozen=True)
-class TrackingRun:
+@dataclass(frozen=True, repr=False)
+class TrackingRun(OneLine):
     """Tracked frames of one run, sound ones only, in the order of time.
 
     Attributes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import (
     NothingSound,
@@ -34,8 +35,8 @@ _MANY = 0.1
 _OTHER = ("velocity", "trial", "block", "order")
 
 
-@dataclass(frozen=True)
-class VelocityData:
+@dataclass(frozen=True, repr=False)
+class VelocityData(OneLine):
     """Trials of mean velocities, sound ones only.
 
     Attributes
@@ -80,7 +81,31 @@ def read_velocity(
     ScenarioError
         If a column is missing or unknown, or no row is sound.
     """
-    header, rows = read_rows(path)
+    return sound_trials(path, *read_rows(path), scenario, relative_sd)
+
+
+def sound_trials(
+    path: Path,
+    header: Sequence[str],
+    rows: Sequence[tuple[int, list[str]]],
+    scenario: Scenario,
+    relative_sd: float,
+    word: str = "line",
+) -> tuple[VelocityData, list[str]]:
+    """The sound rows of a table of text cells, and what was left out; see `read_velocity`.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file, or what the table is called in messages.
+    header : sequence of str
+    rows : sequence of tuple
+        Number of each row in messages, and its cells.
+    scenario, relative_sd
+        As in `read_velocity`.
+    word : str
+        What a row is called in messages.
+    """
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
@@ -101,7 +126,7 @@ def read_velocity(
             reasons.setdefault(said, []).append(line)
             continue
         if tuple(row) in seen and ("trial" in cells or "order" in cells):
-            reasons.setdefault("repeats an earlier line", []).append(line)
+            reasons.setdefault(f"repeats an earlier {word}", []).append(line)
             continue
         try:
             setting = _setting(cells, drive, scenario)
@@ -119,8 +144,8 @@ def read_velocity(
         kept.append((velocity, group, block, number(cells.get("order", "")), line))
     if len(wrong) > 0.5 * len(rows):
         line, other = wrong[0]
-        raise ScenarioError(f"{path}: line {line}: {other}; {len(wrong)} rows are like this")
-    left_out = [f"{path.name} {listed(lines)}: {reason}" for reason, lines in reasons.items()]
+        raise ScenarioError(f"{path}: {word} {line}: {other}; {len(wrong)} rows are like this")
+    left_out = [f"{path.name} {listed(lines, word)}: {reason}" for reason, lines in reasons.items()]
     lost = sum(len(lines) for lines in reasons.values())
     if lost > _MANY * len(rows):
         left_out.insert(0, f"{path.name}: {lost} of {len(rows)} rows were left out")
@@ -140,7 +165,7 @@ def read_velocity(
     if fast.any():
         lines = [each[4] for each, out in zip(kept, fast, strict=True) if out]
         left_out.append(
-            f"{path.name} {listed(lines)}: a velocity above {FASTEST} m/s; "
+            f"{path.name} {listed(lines, word)}: a velocity above {FASTEST} m/s; "
             "if it is in mm/s or um/s, divide it by 1e3 or 1e6"
         )
         sound &= ~fast

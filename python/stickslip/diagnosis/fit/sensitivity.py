@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, Start
 from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Problem
 
@@ -29,8 +30,8 @@ UNSEEN = 1e-3
 """Signal to noise after absorption below which a response counts as none."""
 
 
-@dataclass(frozen=True)
-class Sensitivities:
+@dataclass(frozen=True, repr=False)
+class Sensitivities(OneLine):
     """Absorbed responses of all causes, a row each.
 
     Attributes
@@ -176,8 +177,8 @@ def transferred_to(
     return softer, replace(sensitivities, point=point, raw=raw, projected=projected, basis=basis)
 
 
-@dataclass(frozen=True)
-class Screened:
+@dataclass(frozen=True, repr=False)
+class Screened(OneLine):
     """Each row at the multiple of its response that fits a residual best.
 
     Attributes

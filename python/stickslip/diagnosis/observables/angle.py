@@ -81,7 +81,7 @@ class AngleObservable:
         held_out: NDArray[np.bool_],
     ) -> list[ReportSection]:
         """Angles against the field, with both models."""
-        from stickslip.diagnosis.report.figures import against_model
+        from stickslip.diagnosis.report.figures import against_model, png
 
         before = self.predict(names, recalibrated[None, :])[0]
         after = None if extended is None else self.predict(names, extended[None, :])[0]
@@ -126,7 +126,7 @@ class AngleObservable:
             "rms_recalibrated": math.radians(error[0]),
             "rms_extended": None if after is None else math.radians(error[1]),
         }
-        return [ReportSection(self.title, picture, tuple(lines), numbers)]
+        return [ReportSection(self.title, png(picture), tuple(lines), numbers)]
 
 
 def _rms(error: Array) -> float:

@@ -95,7 +95,7 @@ class FieldObservable:
         held_out: NDArray[np.bool_],
     ) -> list[ReportSection]:
         """Fields of all rows, with both models."""
-        from stickslip.diagnosis.report.figures import against_model
+        from stickslip.diagnosis.report.figures import against_model, png
 
         before = self.predict(names, recalibrated[None, :])[0]
         after = None if extended is None else self.predict(names, extended[None, :])[0]
@@ -129,7 +129,7 @@ class FieldObservable:
             "rms_extended": error[1] if after is not None else None,
         }
         line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
-        return [ReportSection(self.title, picture, (line,), numbers)]
+        return [ReportSection(self.title, png(picture), (line,), numbers)]
 
 
 def _rms(values: Array) -> float:

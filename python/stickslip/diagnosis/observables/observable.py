@@ -9,13 +9,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.model.problem import Uncertain
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class ReportSection:
+@dataclass(frozen=True, repr=False)
+class ReportSection(OneLine):
     """A part of the report: a figure, and what there is to say of it.
 
     Attributes
