@@ -268,7 +268,7 @@ def test_rows_that_are_not_sound_are_left_out_and_said():
     [
         (TABLE.rename(columns={"velocity": "v"}), {}, 'column "velocity" is missing; there are'),
         (TABLE.rename(columns={"mode": "mod"}), {}, '"mod" is not known; did you mean "mode"'),
-        (TABLE.assign(peak=0.5), {}, "row 0: peak of 0.5 T is above 0.1 T; in mT, divide it by 1e3"),
+        (TABLE.assign(peak=0.5), {}, "row 0: peak of 0.5 T is above 0.1 T; in mT,"),
         (TABLE.assign(velocity="x"), {}, 'no row is sound; the first: velocity "x" is no number'),
         (TABLE.iloc[:0], {}, "has no row of data"),
         (pd.concat([TABLE, TABLE[["mode"]]], axis=1), {}, 'column "mode" is there twice'),

@@ -209,9 +209,8 @@ class Diagnosis:
         Separation, optional
             None where nothing was found, so that there is nothing to separate.
         """
-        return separate(
-            self.findings, self.posed.velocities, self._conditions(conditions)[0], trials
-        )
+        at, _ = self._conditions(conditions)
+        return separate(self.findings, self.posed.velocities, at, trials)
 
     @property
     def extended(self) -> Scenario | dict[str, float]:
