@@ -15,14 +15,11 @@ from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setu
 from stickslip.diagnosis.data.noise import fit_noise, whitener
 from stickslip.diagnosis.data.stated_noise import stated_noise
 from stickslip.diagnosis.fit.baseline import recalibrate
+from stickslip.diagnosis.fit.distinguishability import distinguishability, indistinguishable_causes
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.fit.profile_likelihood import moved_to_profile_minimum, profile
-from stickslip.diagnosis.fit.sensitivity import (
-    distinguishability,
-    indistinguishable_causes,
-    linear_evidence,
-)
+from stickslip.diagnosis.fit.sensitivity import linear_evidence
 from stickslip.diagnosis.fit.single_cause import refit_null
 from stickslip.diagnosis.inference.cross_validation import (
     folds,

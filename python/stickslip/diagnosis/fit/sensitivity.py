@@ -21,9 +21,6 @@ Array = NDArray[np.float64]
 AMPLITUDES = (0.15, 0.6, 2.0)
 """Of the response, in units of the parameter's scale."""
 
-SAME = 0.9
-"""Causes whose projected sensitivities have a larger cosine are one distinguishability class."""
-
 _FAR = 6.0
 
 UNSEEN = 1e-3
@@ -317,49 +314,3 @@ def with_cause(
     slope[:, [every.index(k) for k in base.candidate.free]] = base.slope
     slope[:, every.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
     return Start(x, slope)
-
-
-def distinguishability(problem: Problem, sensitivities: Sensitivities, residual: Array) -> Array:
-    """Cosine between the projected sensitivities of all pairs of causes, shape (causes, causes).
-
-    Each cause is taken at the amplitude that fits best; 0 for one that cannot be seen.
-
-    Parameters
-    ----------
-    problem : Problem
-    sensitivities : Sensitivities
-        About the recalibrated model.
-    residual : ndarray, shape (m + p,)
-        Whitened misfit of that one, the rows of its p constants last.
-    """
-    chosen = np.zeros((len(problem.causes), sensitivities.raw.shape[1]))
-    for index in range(len(problem.causes)):
-        row = best_row(sensitivities, residual, index)
-        if row is not None:
-            chosen[index] = sensitivities.projected[row] / sensitivities.size[row]
-    return np.asarray(np.abs(chosen @ chosen.T))
-
-
-def best_row(sensitivities: Sensitivities, residual: Array, cause: int) -> int | None:
-    """Row of a cause that takes most from the residual, None if none can be seen."""
-    rows = np.flatnonzero((sensitivities.cause == cause) & (sensitivities.size > UNSEEN))
-    if not len(rows):
-        return None
-    return int(rows[np.argmin(screen(sensitivities, residual).left[rows])])
-
-
-def indistinguishable_causes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
-    """Groups of causes that these data can hardly tell apart, those of two and more."""
-    unseen = set(range(len(cosines)))
-    groups = []
-    while unseen:
-        group, frontier = set(), {unseen.pop()}
-        while frontier:
-            each = frontier.pop()
-            group.add(each)
-            near = {k for k in unseen if cosines[each, k] > SAME}
-            unseen -= near
-            frontier |= near
-        if len(group) > 1:
-            groups.append(tuple(problem.causes[k].name for k in sorted(group)))
-    return sorted(groups)

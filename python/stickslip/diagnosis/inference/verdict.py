@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fit.distinguishability import SAME
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
-from stickslip.diagnosis.fit.sensitivity import SAME
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.model.problem import Problem
 
