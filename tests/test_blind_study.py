@@ -34,7 +34,8 @@ ROOT = Path(__file__).resolve().parents[1]
 def _said(folder, kind, seed):
     answer = write_case(folder, kind, seed)
     measurement = read_measurement(folder / "measurement.toml")
-    said = summary(diagnose(measurement), measurement, [])
+    found = diagnose(measurement)
+    said = summary(found.findings, found.posed, measurement, [])
     cause = said["cause"]
     names = set() if cause is None else {cause} if isinstance(cause, str) else set(cause)
     return answer, said, names

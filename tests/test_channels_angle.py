@@ -69,15 +69,15 @@ def channel(path):
 @pytest.mark.parametrize("repeats", [1, 3])
 def test_a_misaligned_magnet_is_named(tmp_path, seed, repeats):
     path = laboratory(tmp_path, {"effects.misalignment.angle": 0.1}, seed, repeats)
-    examination = diagnose(read_measurement(path), seed=seed)
-    found = examination.found
-    assert (found.verdict.word, found.verdict.causes) == ("named", ("misalignment",))
+    result = diagnose(read_measurement(path), seed=seed)
+    found = result.findings
+    assert (found.verdict.kind, found.verdict.causes) == ("named", ("misalignment",))
     angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
     # Fourteen fields tilt it. Curvature makes the noise look larger where nothing was repeated.
     assert angle["sd"] < DEGREE * (2.5 / math.sqrt(14) if repeats == 3 else 1.0)
     assert found.gain.mae_after < found.gain.mae_before
-    (report_section,) = report_sections(examination.comparisons())
+    (report_section,) = report_sections(result.posed.comparisons(result.findings))
     assert (
         np.flatnonzero(report_section.numbers["held_out"]).tolist() == found.gain.held_out.tolist()
     )
@@ -87,7 +87,7 @@ def test_nothing_is_found_where_nothing_is(tmp_path):
     words = []
     for seed in range(12):
         path = laboratory(tmp_path, {}, seed, repeats=1 + seed % 2)
-        words.append(diagnose(read_measurement(path), seed=seed).found.verdict.word)
+        words.append(diagnose(read_measurement(path), seed=seed).findings.verdict.kind)
     # At a rate of 5 % two or more of twelve have a chance of 12 %, three or more of 2 %.
     assert words.count("none") >= 10
 
@@ -99,10 +99,10 @@ def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
     theta = angles({"effects.misalignment.angle": 0.1}, fields)
     theta += DEGREE * random.standard_normal(len(fields))
     path = write(tmp_path, zip(*fields.T.tolist(), theta.tolist(), strict=True))
-    examination = diagnose(read_measurement(path))
-    assert examination.found.verdict.word == "ambiguous"
-    assert {"misalignment", "angle_offset"} <= set(examination.found.verdict.causes)
-    (report_section,) = report_sections(examination.comparisons())
+    result = diagnose(read_measurement(path))
+    assert result.findings.verdict.kind == "ambiguous"
+    assert {"misalignment", "angle_offset"} <= set(result.findings.verdict.causes)
+    (report_section,) = report_sections(result.posed.comparisons(result.findings))
     assert "without field" in report_section.lines[-1]
 
 
@@ -124,14 +124,14 @@ def test_velocities_and_angles_together(tmp_path):
             velocity = run.mean_velocity * (1 + 0.02 * random.standard_normal())
             lines.append(f"{mode},{f},{trial},{velocity!r}")
     (tmp_path / "velocity.csv").write_text("\n".join(lines) + "\n")
-    examination = diagnose(read_measurement(path))
-    found = examination.found
-    assert len(examination.conditions) == 6
+    result = diagnose(read_measurement(path))
+    found = result.findings
+    assert len(result.posed.conditions) == 6
     assert len(found.problem.observed) == 6 + len(FIELDS)
     assert "misalignment" in found.verdict.causes
     angle = extended_parameters(found)["effects.misalignment.angle"]
     assert abs(angle["value"] - 0.1) < 3 * angle["sd"]
-    (report_section,) = report_sections(examination.comparisons())
+    (report_section,) = report_sections(result.posed.comparisons(result.findings))
     assert (
         report_section.numbers["rms_extended"]
         < 2 * DEGREE
@@ -289,7 +289,7 @@ def test_two_tables_are_two_parts_of_the_report(tmp_path):
     path = laboratory(tmp_path, {}, 0)
     (tmp_path / "second.csv").write_text((tmp_path / "angle.csv").read_text())
     path.write_text(path.read_text() + '\n[[angle]]\nfile = "second.csv"\n')
-    examination = diagnose(read_measurement(path))
-    titles = [each.title for each in report_sections(examination.comparisons())]
+    result = diagnose(read_measurement(path))
+    titles = [each.title for each in report_sections(result.posed.comparisons(result.findings))]
     assert titles == ["Static tilt, [[angle]] 1", "Static tilt, [[angle]] 2"]
-    assert len(examination.found.problem.observed) == 2 * len(FIELDS)
+    assert len(result.findings.problem.observed) == 2 * len(FIELDS)

@@ -60,9 +60,9 @@ def channel(path):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_clamp_that_is_stronger_than_thought_is_named(tmp_path, seed):
     path = write(tmp_path, probed(clamp=0.08, seed=seed))
-    examination = diagnose(read_measurement(path), seed=seed)
-    found = examination.found
-    assert (found.verdict.word, found.verdict.causes) == ("named", ("field_gain",))
+    result = diagnose(read_measurement(path), seed=seed)
+    found = result.findings
+    assert (found.verdict.kind, found.verdict.causes) == ("named", ("field_gain",))
     gain = extended_parameters(found)
     assert (
         abs(gain["effects.field_gain.clamp"]["value"] - 0.08)
@@ -72,7 +72,7 @@ def test_a_clamp_that_is_stronger_than_thought_is_named(tmp_path, seed):
         abs(gain["effects.field_gain.in_plane"]["value"])
         < 3 * (gain["effects.field_gain.in_plane"]["sd"])
     )
-    (report_section,) = report_sections(examination.comparisons())
+    (report_section,) = report_sections(result.posed.comparisons(result.findings))
     assert (
         report_section.numbers["rms_extended"]
         < 1.2 * NOISE
@@ -86,8 +86,8 @@ def test_a_clamp_that_is_stronger_than_thought_is_named(tmp_path, seed):
 
 def test_a_field_that_no_coil_makes_is_named(tmp_path):
     path = write(tmp_path, probed(ambient=(2e-5, -4e-5), repeats=2))
-    found = diagnose(read_measurement(path)).found
-    assert (found.verdict.word, found.verdict.causes) == ("named", ("ambient_field",))
+    found = diagnose(read_measurement(path)).findings
+    assert (found.verdict.kind, found.verdict.causes) == ("named", ("ambient_field",))
     value = extended_parameters(found)
     for name, truth in (("Bx", 2e-5), ("Bz", -4e-5)):
         each = value[f"effects.ambient_field.{name}"]
@@ -98,14 +98,14 @@ def test_nothing_is_found_where_nothing_is(tmp_path):
     words = []
     for seed in range(12):
         path = write(tmp_path, probed(seed=seed, repeats=1 + seed % 2, side=0.1387))
-        words.append(diagnose(read_measurement(path), seed=seed).found.verdict.word)
+        words.append(diagnose(read_measurement(path), seed=seed).findings.verdict.kind)
     # At a rate of 5 % two or more of twelve have a chance of 12 %, three or more of 2 %.
     assert words.count("none") >= 10
 
 
 def test_a_table_may_have_no_uncertain_parameter(tmp_path):
     text = MEASUREMENT.replace('"coil.side" = { mean = 0.1385, sd = 5e-4 }', "")
-    found = diagnose(read_measurement(write(tmp_path, probed(clamp=0.08), text=text))).found
+    found = diagnose(read_measurement(write(tmp_path, probed(clamp=0.08), text=text))).findings
     assert "field_gain" in found.verdict.causes
 
 

@@ -312,8 +312,8 @@ def test_a_tilt_is_found_in_films_of_both_directions(tmp_path):
 
 def test_aliased_films_of_the_plain_robot_name_nothing(tmp_path):
     measurement = read_measurement(write_films(tmp_path, {}, 200.0, seed=1, exposure=1e-3))
-    found = diagnose(measurement).found
-    assert found.verdict.word == "none"
+    found = diagnose(measurement).findings
+    assert found.verdict.kind == "none"
     assert found.detection.p_value > 0.05
 
 
@@ -342,12 +342,12 @@ def test_a_film_of_one_way_and_velocities_of_the_other_are_one_diagnosis(tmp_pat
 
     def found(text):
         path.write_text(text)
-        return diagnose(read_measurement(path)).found
+        return diagnose(read_measurement(path)).findings
 
     for text in (film, head + table):
-        assert found(text).verdict.word != "named"
+        assert found(text).verdict.kind != "named"
     both = found(film + table)
-    assert (both.verdict.word, both.verdict.causes) == ("named", ("surface_tilt",))
+    assert (both.verdict.kind, both.verdict.causes) == ("named", ("surface_tilt",))
     angle = extended_parameters(both)["effects.surface_tilt.angle"]
     assert abs(angle["value"] - 0.04) < 3 * angle["sd"] < 0.01
     # Velocities are held out, and the frames are none of them.

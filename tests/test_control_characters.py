@@ -10,7 +10,7 @@ from stickslip import Drive, Scenario, ScenarioError, Waveform
 from stickslip._util.atomic_files import write_together
 from stickslip._util.plain_text import printable, printable_lines, quoted
 from stickslip._util.strict_json import json_text
-from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
+from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.report.html import write_files
 from stickslip.measurement import read_measurement
 from stickslip.scenario.toml_file import write_scenario
@@ -102,7 +102,7 @@ def test_a_page_has_none_and_no_markup_of_a_name(tmp_path):
     slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
     x = np.linspace(0.2, 1.0, 12)
     found = diagnose_model(lambda x, p: p * x, x, 0.3 * x, [slope], sd=0.1)
-    write_model_report(tmp_path / "out", found, f"<b>{WILD}")
+    found.save_report(tmp_path / "out", title=f"<b>{WILD}")
     page = (tmp_path / "out" / "report.html").read_text()
     assert all(line.isprintable() for line in page.split("\n"))
     assert f"<h1>&lt;b&gt;{printable_lines(WILD)}</h1>" in page

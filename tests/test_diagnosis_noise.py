@@ -22,7 +22,9 @@ def test_errors_that_set_ups_share_do_not_pull_a_fit_down():
         index = np.repeat(np.arange(len(X)), 4)
         values = X[index] * share[block] * (1.0 + 0.03 * random.standard_normal(len(index)))
         free = Uncertain("slope", Prior("log-uniform", 0.1, 10.0))
-        found = diagnose_model(line, None, values, [free], condition=index, block=block, seed=seed)
+        found = diagnose_model(
+            line, None, values, [free], condition=index, block=block, seed=seed
+        ).findings
         slopes.append(float(free.prior.value(found.null.x[0])))
     error = np.std(slopes, ddof=1) / math.sqrt(len(slopes))
     assert abs(np.mean(slopes) - 1.0) < 3.0 * error

@@ -70,13 +70,12 @@ def test_what_the_data_leave_open_of_the_constants_is_said(shape, said):
     assert flat_directions(replace(given, uncertain=()), fitted(given)) == []
 
 
-def _examined(observed, shape, count=X.size):
-    """What `carriers` looks at of data with a bump of this shape, some of them conditions."""
+def _examined(observed, shape):
+    """What `carriers` looks at of data with a bump of this shape."""
     bump = Cause("bump", (CauseParameter("bump.height", "-", -5.0, 5.0, 1.0),))
     given = problem(observed, (bump,), lambda _, p: p[:, :1] * X + p[:, 1:2] * shape)
     verdict = SimpleNamespace(fit=fitted(given, [bump]))
-    found = SimpleNamespace(problem=given, null=fitted(given), verdict=verdict)
-    return SimpleNamespace(found=found, conditions=[{}] * count)
+    return SimpleNamespace(problem=given, null=fitted(given), verdict=verdict)
 
 
 def test_conditions_that_carry_a_verdict_have_their_share_of_the_fall():
@@ -84,27 +83,27 @@ def test_conditions_that_carry_a_verdict_have_their_share_of_the_fall():
     # bump's prior takes 1e-4 of it, and a walk ends when a step would gain less than 0.02 of 4000.
     bump = np.zeros(len(X))
     bump[0], bump[-1] = 3.0, -1.0
-    first, second, *rest = carriers(_examined(X + bump, bump))
+    first, second, *rest = carriers(_examined(X + bump, bump), len(X))
     assert (first["condition"], second["condition"]) == (1, len(X))
     assert first["share"] == pytest.approx(0.9, abs=1e-3)
     assert second["share"] == pytest.approx(0.1, abs=1e-3)
     assert all(each["share"] < 1e-3 for each in rest)
     # Rows beyond the conditions, such as a film's, carry none of the velocities' fall.
-    alone, *rest = carriers(_examined(X + bump, bump, count=12))
+    alone, *rest = carriers(_examined(X + bump, bump), 12)
     assert (alone["condition"], alone["share"]) == (1, pytest.approx(1.0, abs=1e-3))
     assert all(each["condition"] <= 12 for each in rest)
 
 
 def test_three_conditions_at_most_carry_a_verdict_and_none_where_there_is_none():
     broad = _examined(X + np.sin(4 * X), np.sin(4 * X))
-    found = carriers(broad)
+    found = carriers(broad, len(X))
     shares = [each["share"] for each in found]
     assert len(found) == 3
     assert shares == sorted(shares, reverse=True)
     assert 3.0 / len(X) < sum(shares) < 1.0
-    broad.found.verdict.fit = None
-    assert carriers(broad) == []
-    assert carriers(_examined(X + np.sin(4 * X), np.sin(4 * X), count=0)) == []
+    assert carriers(broad, 0) == []
+    broad.verdict.fit = None
+    assert carriers(broad, len(X)) == []
 
 
 def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
@@ -141,8 +140,8 @@ def test_a_cause_that_leaves_much_behind_is_not_named(settings, word):
     )
     found = diagnose_model(
         line, None, hidden, [SLOPE], [WAVE], sd=np.full(len(X), SD), settings=given
-    )
-    assert found.verdict.word == word
+    ).findings
+    assert found.verdict.kind == word
 
 
 def test_a_bound_of_what_acts_as_it_falls_is_one_from_below():
@@ -182,7 +181,7 @@ def test_a_bound_holds_for_every_shape():
 def test_an_ambiguous_pair_is_worded_as_one():
     def said(causes, fitted_causes, *reasons):
         fit = SimpleNamespace(candidate=SimpleNamespace(causes=fitted_causes))
-        verdict = SimpleNamespace(word="ambiguous", causes=causes, fit=fit, reasons=reasons)
+        verdict = SimpleNamespace(kind="ambiguous", causes=causes, fit=fit, reasons=reasons)
         return headline(SimpleNamespace(verdict=verdict, gain=None))
 
     assert said(("a", "b"), ("a", "b"), "why") == "a and b are the best pair, but why."
@@ -211,7 +210,7 @@ def test_a_gain_that_is_not_certain_is_said_in_the_headline(interval, said):
     gain = SimpleNamespace(
         held_out=np.arange(5), interval=interval, chi2_before=1.21, chi2_after=6.68
     )
-    nothing = SimpleNamespace(word="none")
+    nothing = SimpleNamespace(kind="none")
     plain = headline(SimpleNamespace(verdict=nothing, gain=None))
     assert headline(SimpleNamespace(verdict=nothing, gain=gain)) == plain + said
 
@@ -284,7 +283,7 @@ def test_a_condition_that_is_like_no_other_is_held_out():
 
 def test_another_instrument_is_named_where_it_would_split_a_set():
     def advised(word, *causes):
-        return advice(SimpleNamespace(verdict=SimpleNamespace(word=word, causes=causes)))
+        return advice(SimpleNamespace(verdict=SimpleNamespace(kind=word, causes=causes)))
 
     (said,) = advised("ambiguous", "surface_tilt", "friction_anisotropy")
     assert said.startswith("Tilt the stage")

@@ -59,7 +59,7 @@ def test_the_roller_steps_out():
         ],
         condition=index,
         block=data["run"][kept].astype(int),
-    )
+    ).findings
     assert found.detection.p_value < 1e-3
     step_out = next(fit for fit in found.ranking.singles if fit.name == "step_out")
     assert found.ranking.singles[0] is step_out
@@ -112,7 +112,7 @@ def test_the_tumbler_is_misaligned():
         [Uncertain("magnetization", Prior("log-normal", 1.5e4, 1.5), "A/m")],
         [Cause("misalignment", (CauseParameter("misalignment.angle", "rad", -1.5, 1.5, 0.2),))],
         sd=np.full(len(data["Bz"]), 0.03),
-    )
+    ).findings
     assert found.ranking.singles[0].name == "misalignment"
     error = found.problem.observed - _level(found, found.ranking.singles[0])
     before = found.problem.observed - _level(found, found.null)

@@ -12,7 +12,7 @@ from helpers import run
 from made_measurement import write
 from report_page import without_pictures
 from stickslip._util.atomic_files import check_folder
-from stickslip.diagnosis import Prior, Uncertain, diagnose_model, write_model_report
+from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
 from stickslip.diagnosis.inference.discrimination import separate
 from stickslip.diagnosis.inference.experiment_design import _proposals
@@ -21,7 +21,7 @@ from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.report.evidence import pattern, where_it_lives
 from stickslip.diagnosis.report.messages import against, headline
 from stickslip.errors import ScenarioError
-from toy_model import CAUSES, MODE, SIZE, UNCERTAIN, X, diagnosis, predict
+from toy_model import CAUSES, MODE, SIZE, UNCERTAIN, X, diagnosis, predict, result
 
 
 @pytest.fixture(scope="module")
@@ -220,7 +220,7 @@ def test_what_leads_and_what_comes_next():
     both = next(
         each
         for each in (diagnosis(seed, {"wave": 0.5, "swell": -0.5}) for seed in range(20))
-        if each.verdict.word == "pair"
+        if each.verdict.kind == "pair"
     )
     assert both.verdict.causes == ("swell", "wave")
     assert leading(both)[0].name == both.verdict.fit.name
@@ -231,7 +231,7 @@ def test_what_leads_and_what_comes_next():
 def test_what_no_cause_explains_has_a_nearest():
     shape = 0.3 * np.sign(np.sin(25.0 * X + 2.0 * MODE))
     found = diagnosis(2, extra=shape)
-    assert found.verdict.word == "unexplained"
+    assert found.verdict.kind == "unexplained"
     nearest = min([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: fit.chi2)
     assert runner_up(found).startswith(f"{nearest.name} comes nearest")
 
@@ -271,7 +271,7 @@ def close(name, evidence):
 
 def test_of_close_pairs_no_other_is_made():
     pairs = [close("a + b", 50.0), close("c + d", 48.5), close("a + c", 30.0)]
-    verdict = SimpleNamespace(word="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0])
+    verdict = SimpleNamespace(kind="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0])
     found = SimpleNamespace(
         problem=None,
         verdict=verdict,
@@ -297,7 +297,7 @@ def test_stages_are_told_in_order():
 
 def test_rivals_are_compared_where_nothing_was_measured():
     found = diagnosis(0, {"split": 0.4})
-    assert found.verdict.word == "ambiguous"
+    assert found.verdict.kind == "ambiguous"
     places = np.arange(len(X))
 
     def elsewhere(rows, parameters):
@@ -366,8 +366,8 @@ def test_proposals_vary_the_middle_of_what_a_mode_was_given():
     assert holds == {"OPP": {7e-4, 1e-3, 1.3e-3}, "IPP": {1.4e-3, 2e-3, 2.6e-3}}
 
 
-def _page(folder, found):
-    write_model_report(folder, found, "Toy", place=X, labels=("x", "y (V)"), unit="V")
+def _page(folder, given):
+    given.save_report(folder, title="Toy", place=X, labels=("x", "y (V)"), unit="V")
     assert sorted(each.name for each in folder.iterdir()) == ["report.html", "report.json"]
     text = without_pictures(folder / "report.html")
     assert "<h1>Toy</h1>" in text
@@ -376,15 +376,15 @@ def _page(folder, found):
 
 
 def test_a_model_of_the_users_own_has_a_page_too(tmp_path):
-    found = diagnosis(3, {"wave": 1.0})
-    full, text = _page(tmp_path / "toy", found)
+    given = result(3, {"wave": 1.0})
+    full, text = _page(tmp_path / "toy", given)
     assert (full["verdict"], full["cause"], full["gain_unit"]) == ("named", "wave", "V")
     assert "mean absolute error (V)" in text
     assert "% of the mean size" in text
     assert f"Gain on {full['gain']['n']} held-out conditions" in text
     data = full["channels"]["Data and models"]
     assert data["place"] == X.tolist()
-    assert data["observed"] == found.problem.observed.tolist()
+    assert data["observed"] == given.findings.problem.observed.tolist()
     # The extended model is within the noise, the recalibrated one is not.
     gap = {
         name: np.subtract(data[name], data["observed"]) / data["sd"]
@@ -394,10 +394,10 @@ def test_a_model_of_the_users_own_has_a_page_too(tmp_path):
 
 
 def test_each_verdict_has_a_page(tmp_path):
-    full, text = _page(tmp_path / "set", diagnosis(0, {"split": 0.4}))
+    full, text = _page(tmp_path / "set", result(0, {"split": 0.4}))
     assert full["verdict"] == "ambiguous"
     assert "the best that explains the data" in text
-    full, text = _page(tmp_path / "none", diagnosis(3))
+    full, text = _page(tmp_path / "none", result(3))
     assert full["verdict"] == "none"
     assert "Upper bounds" in text
     lost = diagnose_model(predict, None, np.zeros(SIZE), UNCERTAIN, CAUSES)
@@ -409,15 +409,17 @@ def test_each_verdict_has_a_page(tmp_path):
 
 def test_a_model_without_suspects_has_a_page(tmp_path):
     slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
-    found = diagnose_model(lambda x, p: p * x, X, 0.3 * X, [slope], sd=0.1)
-    full, text = _page(tmp_path / "plain", found)
+    given = diagnose_model(lambda x, p: p * x, X, 0.3 * X, [slope], sd=0.1)
+    full, text = _page(tmp_path / "plain", given)
     assert full["verdict"] == "none"
     assert "What these data can tell apart" not in text
 
 
 @pytest.mark.parametrize("place", [[1.0, 2.0], np.full(SIZE, np.nan)])
 def test_a_page_with_a_wrong_abscissa_is_refused(tmp_path, place):
-    found = diagnosis(3)
+    given = result(3)
     with pytest.raises(ScenarioError, match="place: allowed is a finite number for each of 30"):
-        write_model_report(tmp_path / "toy", found, "Toy", place=place)
+        given.save_report(tmp_path / "toy", place=place)
+    with pytest.raises(ScenarioError, match="place: allowed is a finite number for each of 30"):
+        given.plot.fit(place=place)
     assert not (tmp_path / "toy").exists()

@@ -74,6 +74,32 @@ def test_no_prediction_is_made_twice():
     np.testing.assert_array_equal(second, [[9.0, np.nan], [4.0, 0.0]])
 
 
+def test_predictions_are_kept_for_the_conditions_that_they_were_made_for():
+    remembered = PredictionCache(lambda x, p: p * x, 3)
+    one, other = np.array([1.0, 2.0, 3.0]), np.array([5.0, 6.0, 7.0])
+    at = np.array([[2.0]])
+    np.testing.assert_array_equal(remembered(one, at), [[2.0, 4.0, 6.0]])
+    np.testing.assert_array_equal(remembered(other, at), [[10.0, 12.0, 14.0]])
+    np.testing.assert_array_equal(remembered(one, at), [[2.0, 4.0, 6.0]])
+
+
+def test_what_was_not_asked_for_longest_is_forgotten_first():
+    asked = []
+
+    def twice(_, p):
+        asked.extend(p[:, 0].tolist())
+        return np.hstack([p, p])
+
+    # Each prediction takes three numbers, its parameter and two observables: room for two.
+    remembered = PredictionCache(twice, 2, most_values=7)
+    for value in (1.0, 2.0, 1.0, 3.0, 1.0, 2.0):
+        assert remembered(None, np.array([[value]])).tolist() == [[value, value]]
+    assert asked == [1.0, 2.0, 3.0, 2.0]
+    # More at once than there is room for are still given.
+    many = np.arange(10.0)[:, None]
+    np.testing.assert_array_equal(remembered(None, many), np.hstack([many, many]))
+
+
 @pytest.mark.parametrize("edge", [0.004, -0.004])
 def test_a_jump_is_no_slope(edge):
     # Beside the point, closer than any difference is wide, one condition jumps by 20 errors.
@@ -388,5 +414,5 @@ def test_rounding_is_no_trouble_where_the_error_was_stated():
         lambda x, p: p[:, :1] * x, x, level + 0.1 * (np.arange(36) == 5),
         [Uncertain("slope", Prior("normal", 1.0, 0.1))],
         condition=np.repeat(np.arange(12), 3), sd=0.1 / math.sqrt(12.0),
-    )  # fmt: skip
-    assert found.verdict.word == "none"
+    ).findings  # fmt: skip
+    assert found.verdict.kind == "none"

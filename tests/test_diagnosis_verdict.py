@@ -26,9 +26,9 @@ def test_a_table_that_contradicts_a_cause_is_heard(source, word):
     found = diagnose_model(
         line, None, X + np.sin(4 * X) + off, [SLOPE], [WAVE],
         sd=np.full(len(X), SD), source=source,
-    )  # fmt: skip
+    ).findings  # fmt: skip
     assert found.verdict.causes == ("wave",)
-    assert found.verdict.word == word
+    assert found.verdict.kind == word
     assert any("kind b contradicts" in each for each in found.verdict.reasons) == bool(source)
 
 
@@ -50,19 +50,19 @@ def test_a_name_that_the_other_conditions_turn_is_none():
     assert checked_on_training_subset(said, ranking, "wave") is said
     # With one cause more it is still there.
     more = checked_on_training_subset(said, ranking, "wave + bend")
-    assert (more.word, len(more.reasons)) == ("named", 2)
+    assert (more.kind, len(more.reasons)) == ("named", 2)
     other = checked_on_training_subset(said, ranking, "bend")
-    assert (other.word, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
+    assert (other.kind, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
     (reason,) = other.reasons
     assert "bend would lead" in reason
     # A pair is no member of a set of single causes.
     candidate = replace(fits[2].candidate, causes=(BEND, replace(BEND, name="third")))
     outside = replace(ranking, pairs=(replace(fits[2], candidate=candidate),))
     third = checked_on_training_subset(said, outside, "bend + third")
-    assert (third.word, third.causes) == ("ambiguous", ("wave",))
+    assert (third.kind, third.causes) == ("ambiguous", ("wave",))
     # Nor is a claimed pair turned by one of its own.
     both = Verdict("pair", ("bend", "wave"), fits[2], ("why",), {})
-    assert checked_on_training_subset(both, ranking, "wave").word == "pair"
+    assert checked_on_training_subset(both, ranking, "wave").kind == "pair"
 
 
 def standing(evidence, misfit, causes, like):
@@ -95,5 +95,5 @@ def test_the_reason_says_what_stands_against_more(wave, bend, both, word, said):
     ranking = Ranking(fitted(given), tuple(singles), (pair,))
     found = SimpleNamespace(found=True)
     verdict = decide(given, found, ranking, np.eye(2), {}, lambda fit: True)
-    assert verdict.word == word
+    assert verdict.kind == word
     assert said in verdict.reasons[0]

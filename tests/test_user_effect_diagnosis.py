@@ -14,8 +14,8 @@ from own_effects import (
 )
 from stickslip import Scenario
 from stickslip.diagnosis import diagnose
+from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.model.effect_causes import library
-from stickslip.diagnosis.report.html import extended_scenario
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.measurement import read_measurement
 
@@ -41,9 +41,9 @@ def test_it_is_found_and_extends_the_scenario(tmp_path):
     register(pulling, parameter(unit="N", low=-1e-7, high=1e-7))
     hidden = 2e-8
     measurement = read_measurement(write(tmp_path, {"effects.own.k": hidden}))
-    found = diagnose(measurement).found
+    found = diagnose(measurement).findings
     # In one mode of eight settings its force may look like a slope of the surface.
-    assert found.verdict.word in ("named", "ambiguous")
+    assert found.verdict.kind in ("named", "ambiguous")
     assert "own" in found.verdict.causes
     size = extended_parameters(found)["effects.own.k"]
     assert abs(float(size["value"]) - hidden) < 4.0 * float(size["sd"]) < hidden

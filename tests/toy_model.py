@@ -52,7 +52,12 @@ def trials(level, random, noise=0.03, law=None):
     return level[index] * (1 + noise * draws), index
 
 
-def diagnosis(seed, causes=None, shift=None, extra=None, noise=0.03, law=None, **options):
+def diagnosis(seed, *given, **options):
+    """What is found in toy data whose constants are drawn from the priors; see `result`."""
+    return result(seed, *given, **options).findings
+
+
+def result(seed, causes=None, shift=None, extra=None, noise=0.03, law=None, **options):
     """Diagnosis of toy data whose constants are drawn from the priors."""
     random = np.random.default_rng(seed)
     constants = random.standard_normal(4)

@@ -9,8 +9,6 @@ from typing import Any
 
 from blind.generator import write_case, write_more
 from stickslip.diagnosis.api import diagnose
-from stickslip.diagnosis.inference.experiment_design import propose
-from stickslip.diagnosis.report.json_keys import summary
 from stickslip.measurement import read_measurement
 
 
@@ -53,12 +51,11 @@ def study(folder: Path, kind: str, seed: int) -> dict[str, Any]:
 def _diagnosed(folder: Path) -> dict[str, Any]:
     start = time.process_time()
     measurement = read_measurement(folder / "measurement.toml")
-    examination = diagnose(measurement, threads=1)
-    said = summary(examination, measurement, propose(examination))
-    gain = examination.found.gain
+    result = diagnose(measurement, threads=1)
+    said, gain = result.as_dict(), result.gain
     return {
         "said": said,
         "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
         "cpu_seconds": time.process_time() - start,
-        "simulations": examination.simulator.simulated,
+        "simulations": result.posed.simulator.simulated,
     }

@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 
     from stickslip import plot
     from stickslip._core import __version__
+    from stickslip.diagnosis.api import diagnose, diagnose_model
+    from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
+    from stickslip.diagnosis.options import Options
+    from stickslip.diagnosis.results import Diagnosis
     from stickslip.errors import ScenarioError
+    from stickslip.measurement.priors import Prior
+    from stickslip.measurement.reading import Measurement, read_measurement
     from stickslip.reproduction.study import reproduce
     from stickslip.scenario.named_effects import effects
     from stickslip.scenario.scenario import Scenario, load
@@ -44,7 +50,13 @@ _HOME = {
     name: module
     for module, names in {
         "_core": ("__version__",),
+        "diagnosis.api": ("diagnose", "diagnose_model"),
+        "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
+        "diagnosis.options": ("Options",),
+        "diagnosis.results": ("Diagnosis",),
         "errors": ("ScenarioError",),
+        "measurement.priors": ("Prior",),
+        "measurement.reading": ("Measurement", "read_measurement"),
         "plot": ("plot",),
         "reproduction.study": ("reproduce",),
         "scenario.named_effects": ("effects",),
@@ -67,11 +79,45 @@ _HOME = {
 
 # Written out: type checkers read it.
 __all__ = [
-    "COIL_NAMES", "Coil", "Coils", "Contact", "Drag", "Drive", "EffectParameter", "Environment",
-    "Record", "Robot", "Run", "Scenario", "ScenarioError", "Solver", "Waveform", "__version__",
-    "effects", "load", "open_run", "plot", "register_effect", "reproduce", "show_versions",
-    "simulate", "simulate_batch", "sweep", "unregister_effect", "volts_per_tesla",
-]  # fmt: skip
+    "COIL_NAMES",
+    "Cause",
+    "CauseParameter",
+    "Coil",
+    "Coils",
+    "Contact",
+    "Diagnosis",
+    "Drag",
+    "Drive",
+    "EffectParameter",
+    "Environment",
+    "Measurement",
+    "Options",
+    "Prior",
+    "Record",
+    "Robot",
+    "Run",
+    "Scenario",
+    "ScenarioError",
+    "Solver",
+    "Uncertain",
+    "Waveform",
+    "__version__",
+    "diagnose",
+    "diagnose_model",
+    "effects",
+    "load",
+    "open_run",
+    "plot",
+    "read_measurement",
+    "register_effect",
+    "reproduce",
+    "show_versions",
+    "simulate",
+    "simulate_batch",
+    "sweep",
+    "unregister_effect",
+    "volts_per_tesla",
+]
 
 
 # Hidden from type checkers, which would else take any name for an attribute.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +15,8 @@ from stickslip.cli.targets import check_folder_target
 from stickslip.scenario.toml_file import voltages_beside
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.api import Examination
-    from stickslip.diagnosis.inference.experiment_design import Experiment
-    from stickslip.measurement import Measurement
+    from stickslip.diagnosis.results import Diagnosis
+    from stickslip.measurement.reading import Measurement
 
 
 @click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
@@ -40,9 +38,7 @@ def command(
     Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
     ambiguous, pair, unexplained, data-problem.
     """
-    from stickslip.diagnosis.api import diagnose
-    from stickslip.diagnosis.inference.experiment_design import propose
-    from stickslip.diagnosis.report.html import EXTENDED, FILES, write_report
+    from stickslip.diagnosis.report.html import EXTENDED, FILES
     from stickslip.measurement import read_measurement
 
     data = read_measurement(measurement)
@@ -50,6 +46,18 @@ def command(
         out = Path("diagnosis")
     if out is not None:
         check_folder_target("--out", out, [*FILES, voltages_beside(Path(EXTENDED)).name])
+    result = _diagnosed(data, out, seed, threads, as_json)
+    _tell(result, as_json)
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(FILES)}")
+
+
+def _diagnosed(
+    data: Measurement, out: Path | None, seed: int, threads: int | None, as_json: bool
+) -> Diagnosis:
+    """The diagnosis with its experiments, and its report where one is wanted, while a bar shows."""
+    from stickslip.diagnosis.api import diagnose
+
     bar = ProgressBar("recalibrating")
     try:
         with bar:
@@ -58,57 +66,30 @@ def command(
                 if done < 1.0:  # two stages come after the last of these
                     bar(0.95 * done, stage)
 
-            examination = diagnose(data, seed=seed, threads=threads, progress=diagnosing)
+            result = diagnose(data, seed=seed, threads=threads, progress=diagnosing)
             bar(0.95, "next experiment")
-            experiments = propose(examination)
+            result.propose_experiments()
             if out is not None:
                 bar(0.97, "report")
-                write_report(out, examination, data, experiments)
+                result.save_report(out)
     except KeyboardInterrupt:
         kept = "" if bar.stage == "report" else ", nothing written"
         say(f"stickslip: interrupted at the stage '{bar.stage}'{kept}", err=True)
         raise
     except OSError:
         if bar.stage == "report":  # what was found is told also where a disk was full
-            _tell(examination, data, experiments, as_json)
+            _tell(result, as_json)
         raise
-    _tell(examination, data, experiments, as_json)
-    if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(FILES)}")
+    return result
 
 
-def _tell(
-    examination: Examination,
-    data: Measurement,
-    experiments: Sequence[Experiment],
-    as_json: bool,
-) -> None:
-    from stickslip.diagnosis.data.conditions import changes
-    from stickslip.diagnosis.inference.experiment_design import advice
-    from stickslip.diagnosis.inference.ranking import runner_up
-    from stickslip.diagnosis.report.json_keys import summary
-    from stickslip.diagnosis.report.messages import headline
+def _tell(result: Diagnosis, as_json: bool) -> None:
+    from stickslip.diagnosis.report.text import experiment_lines
 
     if as_json:
-        click.echo(json_text(summary(examination, data, experiments)))
+        click.echo(json_text(result.as_dict()))
         return
-    found = examination.found
-    say(f"{found.verdict.word}: {headline(found)}")
-    reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
-    second = runner_up(found)
-    for line in (*reasons, *([second] if second else []), *found.notes):
-        say(f"  {line}")
-    for line in (*data.left_out, *examination.left_out):
-        say(f"  left out: {line}")
-    if found.gain is not None:
-        say(
-            f"  chi-square per condition, {len(found.gain.held_out)} held out: "
-            f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
-        )
-    for each in experiments[:1]:
-        what = f"{changes(each.drive, examination.conditions)}; {each.why}"
-        if not each.decides:
-            what = f"none that was tried tells the leading rivals apart; the best: {what}"
-        say(f"  next experiment: {what}")
-    for line in advice(found):
-        say(f"  beside the drive: {line}")
+    experiments = result.propose_experiments()
+    lines = result.verdict_lines()
+    for line in lines + experiment_lines(result.findings, experiments, result.posed.conditions):
+        say(line)

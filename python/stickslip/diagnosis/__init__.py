@@ -2,34 +2,55 @@
 
 from __future__ import annotations
 
-from stickslip.diagnosis.api import Examination, diagnose
+from stickslip.diagnosis.api import diagnose, diagnose_model
+from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Ranking
+from stickslip.diagnosis.fit.profile_likelihood import Profile
+from stickslip.diagnosis.fit.sensitivity import Sensitivities
+from stickslip.diagnosis.inference.cross_validation import Gain
+from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.discrimination import Separation, separate
-from stickslip.diagnosis.inference.experiment_design import Experiment, propose
+from stickslip.diagnosis.inference.experiment_design import Experiment
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.model.problem import Cause, CauseParameter, Problem, Uncertain
-from stickslip.diagnosis.pipeline import diagnose_model
-from stickslip.diagnosis.report.html import write_report
-from stickslip.diagnosis.report.json_keys import summary
-from stickslip.diagnosis.report.messages import headline
-from stickslip.diagnosis.report.model_report import write_model_report
+from stickslip.diagnosis.inference.smooth_residual import Settings
+from stickslip.diagnosis.inference.verdict import Verdict
+from stickslip.diagnosis.model.problem import (
+    AuxiliaryData,
+    Cause,
+    CauseParameter,
+    Problem,
+    Uncertain,
+)
+from stickslip.diagnosis.options import Options
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.results import Diagnosis, Plots
 from stickslip.measurement.priors import Prior
 
 __all__ = [
+    "AuxiliaryData",
+    "Candidate",
     "Cause",
     "CauseParameter",
-    "Examination",
+    "Detection",
+    "Diagnosis",
     "Experiment",
     "Findings",
+    "Fit",
+    "Gain",
+    "NoiseModel",
+    "Options",
+    "Plots",
+    "PosedProblem",
     "Prior",
     "Problem",
+    "Profile",
+    "Ranking",
+    "Sensitivities",
     "Separation",
+    "Settings",
     "Uncertain",
+    "Verdict",
     "diagnose",
     "diagnose_model",
-    "headline",
-    "propose",
     "separate",
-    "summary",
-    "write_model_report",
-    "write_report",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stickslip.measurement.priors import Prior
 from stickslip.measurement.reading import Measurement, read_measurement
+from stickslip.measurement.tracking import TrackingRun
 from stickslip.measurement.velocity import VelocityData
 
-__all__ = ["Measurement", "Prior", "VelocityData", "read_measurement"]
+__all__ = ["Measurement", "Prior", "TrackingRun", "VelocityData", "read_measurement"]

@@ -62,6 +62,9 @@ class Prior:
         if self.kind == "log-uniform" and not 0.0 < self.first < self.second:
             raise ScenarioError(f"{said}: allowed is 0 < low < high")
 
+    def __str__(self) -> str:
+        return f"{self.kind}({self.first:g}, {self.second:g})"
+
     @property
     def has_middle(self) -> bool:
         """Whether it says a most likely value, and not a range only."""

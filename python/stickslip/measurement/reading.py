@@ -8,22 +8,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.atomic_files import check_name
+from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError
 from stickslip.measurement.priors import Prior, parse_prior
-from stickslip.measurement.tables import NothingSound, read_numbers
+from stickslip.measurement.tables import NothingSound, read_numbers, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import VelocityData, read_velocity
+from stickslip.measurement.velocity import VelocityData, read_velocity, sound_trials
 from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 FORMAT_VERSION = 1
 
@@ -45,8 +49,8 @@ _COLUMNS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 Table = Mapping[str, NDArray[np.float64]]
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, repr=False)
+class Measurement(OneLine):
     """All that was measured, and what the experimenter believes.
 
     Attributes
@@ -63,6 +67,7 @@ class Measurement:
     left_out : tuple of str
         What was not used and why, one line each.
     path : Path
+        Of the file; of a table in memory ``DataFrame``.
     """
 
     name: str
@@ -74,6 +79,50 @@ class Measurement:
     field: tuple[Table, ...]
     left_out: tuple[str, ...]
     path: Path
+
+    @staticmethod
+    def from_dataframe(
+        table: DataFrame,
+        scenario: Scenario,
+        uncertain: Mapping[str, Prior | Mapping[str, float]] | None = None,
+        *,
+        velocity_sd: float | None = None,
+        name: str = "DataFrame",
+    ) -> Measurement:
+        """Mean velocities from a table in memory, with the columns and checks of the CSV file.
+
+        Rows that are not sound are left out, and said to be in `left_out`, counted from 0.
+
+        Parameters
+        ----------
+        table : DataFrame
+            One row a trial: `velocity` in m/s; settings named like keys of ``[drive]``, in SI
+            units; and, if known, `trial`, `block` and `order`.
+        scenario : Scenario
+            The model as the experimenter believes it, with the settings that have no column.
+        uncertain : mapping, optional
+            What is not known exactly: for each dotted key a `Prior`, or one of the tables of a
+            measurement file, such as ``{"mean": 0.145, "sd": 0.01}``.
+        velocity_sd : float, optional
+            Relative standard deviation of one trial, where trials are not repeated.
+        name : str
+            Title of the report.
+
+        Raises
+        ------
+        ScenarioError
+            With one line, if a column is missing or unknown, no row is sound, or a key or a prior
+            is not allowed.
+        """
+        if not isinstance(scenario, Scenario):
+            raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+        entry = {} if velocity_sd is None else {"velocity_sd": velocity_sd}
+        path = Path("DataFrame")
+        header, rows = rows_of_frame(table)
+        data, left_out = sound_trials(path, header, rows, scenario, _relative_sd(entry), "row")
+        priors = _uncertain(dict(uncertain or {}), scenario)
+        said = tuple(map(printable, left_out))
+        return Measurement(name, scenario, priors, (data,), (), (), (), said, path)
 
 
 def read_measurement(path: str | PathLike[str]) -> Measurement:
@@ -195,7 +244,7 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                 f'[uncertain] "{name}": allowed is a constant of the model; what is a number there '
                 "and not in [drive], [solver] or [record]"
             )
-        prior = parse_prior(name, entry)
+        prior = entry if isinstance(entry, Prior) else parse_prior(name, entry)
         middle = float(prior.value(0.0))
         scenario.replace({name: middle}) if name != "contact.kinetic_friction" else None
         priors[name] = prior

@@ -8,6 +8,7 @@ import math
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from numpy.typing import NDArray
 from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown, suggestion
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
 """Of a table. Chosen: far beyond what a laboratory has, and what memory holds as text."""
@@ -73,10 +77,41 @@ def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     return header, rows[1:]
 
 
-def listed(lines: Sequence[int]) -> str:
+def rows_of_frame(table: DataFrame) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Header, and rows of text cells with their number, from 0; as `read_rows` has them of a file.
+
+    Numbers are written so that reading them again gives the same ones; a cell without a value is
+    empty.
+
+    Raises
+    ------
+    ScenarioError
+        If that is no table with a row of data, or it has a column twice.
+    """
+    import pandas as pd
+
+    if not isinstance(table, pd.DataFrame):
+        raise ScenarioError(f"table = {shown(table)}: allowed is a DataFrame")
+    header = [str(name) for name in table.columns]
+    twice = sorted({name for name in header if header.count(name) > 1})
+    if twice:
+        raise ScenarioError(f"DataFrame: column {shown(twice[0])} is there twice")
+    if table.empty:
+        raise ScenarioError("DataFrame: has no row of data")
+    columns = [[_cell(value) for value in table.iloc[:, k]] for k in range(len(header))]
+    return header, [(k, list(row)) for k, row in enumerate(zip(*columns, strict=True))]
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float | np.floating):
+        return "" if math.isnan(value) else repr(float(value))
+    return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
+
+
+def listed(lines: Sequence[int], word: str = "line") -> str:
     """Numbers of lines as a reader wants them: the first five."""
     more = ", ..." if len(lines) > 5 else ""
-    word = "line" if len(lines) == 1 else "lines"
+    word = word if len(lines) == 1 else f"{word}s"
     return f"{word} " + ", ".join(str(line) for line in lines[:5]) + more
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.number_text import highest
+from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.scenario.keys import FILE, shown
@@ -36,8 +37,8 @@ _LIMIT = 20_000
 """Frames that are used. Chosen: each is a column of a map of a few hundred rows, in memory."""
 
 
-@dataclass(frozen=True)
-class TrackingRun:
+@dataclass(frozen=True, repr=False)
+class TrackingRun(OneLine):
     """Tracked frames of one run, sound ones only, in the order of time.
 
     Attributes

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
@@ -39,8 +40,8 @@ _SAME_MISTAKE = 0.5
 _OTHER = ("velocity", "trial", "block", "order")
 
 
-@dataclass(frozen=True)
-class VelocityData:
+@dataclass(frozen=True, repr=False)
+class VelocityData(OneLine):
     """Trials of mean velocities, sound ones only.
 
     Attributes
@@ -96,7 +97,32 @@ def read_velocity(
     ScenarioError
         If a column is missing or unknown, or no row is sound.
     """
-    trials, left_out = _sound_rows(path, scenario)
+    return sound_trials(path, *read_rows(path), scenario, relative_sd)
+
+
+def sound_trials(
+    path: Path,
+    header: Sequence[str],
+    rows: Sequence[tuple[int, list[str]]],
+    scenario: Scenario,
+    relative_sd: float,
+    word: str = "line",
+) -> tuple[VelocityData, list[str]]:
+    """The sound rows of a table of text cells, and what was left out; see `read_velocity`.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file, or what the table is called in messages.
+    header : sequence of str
+    rows : sequence of tuple
+        Number of each row in messages, and its cells.
+    scenario, relative_sd
+        As in `read_velocity`.
+    word : str
+        What a row is called in messages.
+    """
+    trials, left_out = _sound_rows(path, header, rows, scenario, word)
     velocity = np.array([each.velocity for each in trials])
     condition = _numbered([each.setting for each in trials])
     size = float(np.median(np.abs(velocity)))
@@ -110,7 +136,7 @@ def read_velocity(
     if fast.any():
         lines = [trials[k].line for k in np.flatnonzero(fast)]
         left_out.append(
-            f"{path.name} {listed(lines)}: a velocity above {FASTEST} m/s; "
+            f"{path.name} {listed(lines, word)}: a velocity above {FASTEST} m/s; "
             "if it is in mm/s or um/s, divide it by 1e3 or 1e6"
         )
         sound &= ~fast
@@ -135,9 +161,14 @@ def _numbered(values: Sequence[Any]) -> NDArray[np.int64]:
     return np.array([places[value] for value in values], dtype=np.int64)
 
 
-def _sound_rows(path: Path, scenario: Scenario) -> tuple[list[_Trial], list[str]]:
+def _sound_rows(
+    path: Path,
+    header: Sequence[str],
+    rows: Sequence[tuple[int, list[str]]],
+    scenario: Scenario,
+    word: str,
+) -> tuple[list[_Trial], list[str]]:
     """Rows that can be meant, and what was left out."""
-    header, rows = read_rows(path)
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
@@ -146,7 +177,7 @@ def _sound_rows(path: Path, scenario: Scenario) -> tuple[list[_Trial], list[str]
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
     for line, row in rows:
-        why, setting = _refused(row, header, seen, drive, scenario)
+        why, setting = _refused(row, header, seen, drive, scenario, word)
         other = "" if why else _in_other_unit(dict(setting))
         if other:
             wrong.append((line, other))
@@ -159,8 +190,8 @@ def _sound_rows(path: Path, scenario: Scenario) -> tuple[list[_Trial], list[str]
         kept.append(_Trial(number(cells["velocity"]), setting, cells.get("block", ""), order, line))
     if len(wrong) > _SAME_MISTAKE * len(rows):
         line, other = wrong[0]
-        raise ScenarioError(f"{path}: line {line}: {other}; {len(wrong)} rows are like this")
-    left_out = [f"{path.name} {listed(lines)}: {reason}" for reason, lines in reasons.items()]
+        raise ScenarioError(f"{path}: {word} {line}: {other}; {len(wrong)} rows are like this")
+    left_out = [f"{path.name} {listed(lines, word)}: {reason}" for reason, lines in reasons.items()]
     lost = sum(len(lines) for lines in reasons.values())
     if lost > _MANY * len(rows):
         left_out.insert(0, f"{path.name}: {lost} of {len(rows)} rows were left out")
@@ -172,10 +203,11 @@ def _sound_rows(path: Path, scenario: Scenario) -> tuple[list[_Trial], list[str]
 
 def _refused(
     row: list[str],
-    header: list[str],
+    header: Sequence[str],
     seen: set[tuple[str, ...]],
     drive: list[str],
     scenario: Scenario,
+    word: str,
 ) -> tuple[str, tuple[tuple[str, Any], ...]]:
     """Why a row cannot be used, empty if it can, and its drive settings."""
     if len(row) != len(header):
@@ -184,7 +216,7 @@ def _refused(
     if not math.isfinite(number(cells["velocity"])):
         return f"velocity {shown(cells['velocity'])} is no number", ()
     if tuple(row) in seen and ("trial" in cells or "order" in cells):
-        return "repeats an earlier line", ()
+        return f"repeats an earlier {word}", ()
     try:
         return "", _setting(cells, drive, scenario)
     except ScenarioError as error:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.noise import NoiseModel, completed, moving
+from stickslip.diagnosis.data.noise import NoiseModel, completed, moving, setup_columns
 
 Array = NDArray[np.float64]
 
@@ -130,8 +130,7 @@ def _design(index: NDArray[np.int64], block: NDArray[np.int64] | None, noise: No
     design = np.eye(len(noise.mean))[index]
     if block is None or not noise.setups.shape[1]:
         return design
-    shift = np.eye(int(block.max()) + 1)[block]
-    return np.hstack([design, shift, shift * np.sign(noise.mean)[index, None]])
+    return np.hstack([design, setup_columns(index, block, noise.mean)])
 
 
 def _basis(design: Array) -> Array:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
@@ -24,8 +26,8 @@ _ALIKE = 1e-9
 """Part of the usual velocity by which trials differ that differ by rounding alone."""
 
 
-@dataclass(frozen=True)
-class NoiseModel:
+@dataclass(frozen=True, repr=False)
+class NoiseModel(OneLine):
     """Noise of the mean of each condition's trials.
 
     Attributes
@@ -173,6 +175,15 @@ def completed(block: Index | None) -> Index | None:
     return np.asarray(np.where(lost, int(block.max()) + np.cumsum(lost), block), dtype=np.int64)
 
 
+def setup_columns(condition: Index, block: Index, mean: Array) -> Array:
+    """What a shift and what a gain of each set-up does to each trial, shape (n, 2 set-ups).
+
+    A gain has the sign of its condition's mean.
+    """
+    shifts = np.eye(int(block.max()) + 1)[block]
+    return np.hstack([shifts, shifts * np.sign(mean)[condition, None]])
+
+
 def whitener(covariance: Array) -> Array:
     """Matrix, shape (m, m), that takes errors of this covariance to independent ones of size 1."""
     lower = np.linalg.cholesky(covariance)
@@ -187,9 +198,7 @@ def _without_blocks(
     levels = np.eye(m)[condition]
     usual = np.median(np.abs(mean[np.unique(condition)]))
     size = np.abs(mean) + 0.1 * usual + 1e-300
-    shifts = np.eye(int(block.max()) + 1)[block]
-    gains = shifts * np.sign(mean)[condition, None]
-    design = np.hstack([levels / size[condition, None], shifts, gains])
+    design = np.hstack([levels / size[condition, None], setup_columns(condition, block, mean)])
     target = value / size[condition]
     left, singular, _ = np.linalg.svd(design, full_matrices=False)
     left = left[:, singular > 1e-9 * singular[0]]
@@ -242,18 +251,16 @@ def _between(
 
     By restricted maximum likelihood, one after the other, from the better of either alone.
     """
-    shifts = np.eye(int(block.max()) + 1)[block]
-    gains = shifts * np.sign(mean)[condition, None]
     # What is left without the level of each condition; trials of one condition share their sd.
     target = _centred(((value - mean[condition]) / sd[condition])[:, None], condition)
-    parts = _centred(np.hstack([shifts, gains]), condition)
+    parts = _centred(setup_columns(condition, block, mean), condition)
     gram, along, power = parts.T @ parts, (parts.T @ target)[:, 0], float(np.sum(target**2))
     # Where all go one way a shift and a gain are the same.
     both = len(set(np.sign(mean).tolist())) > 1
 
     def score(taus: tuple[float, float]) -> float:
         # Of the covariance 1 + W W' with W = parts times tau, by the small matrix 1 + W' W.
-        scale = np.repeat(taus, shifts.shape[1])
+        scale = np.repeat(taus, parts.shape[1] // 2)
         small = np.eye(len(scale)) + scale[:, None] * gram * scale
         seen = scale * along
         quadratic = power - float(seen @ np.linalg.solve(small, seen))

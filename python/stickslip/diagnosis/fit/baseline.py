@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
 from stickslip.diagnosis.fit.least_squares import AGREE, LARGEST_INFLATION, STAGES, fit_candidates
@@ -31,8 +32,8 @@ _MOST_MINIMA = 12
 _ROUGH_STEP, _ROUGH_SHARE, _ROUGH_DRAWS = 0.02, 0.3, 24
 
 
-@dataclass(frozen=True)
-class Recalibration:
+@dataclass(frozen=True, repr=False)
+class Recalibration(OneLine):
     """Result of the search.
 
     Attributes

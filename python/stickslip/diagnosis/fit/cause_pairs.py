@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
+from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
 from stickslip.diagnosis.fit.least_squares import SMALLER_INFLATION, fit_candidates
 from stickslip.diagnosis.fit.sensitivity import (
     UNSEEN,
@@ -103,7 +103,7 @@ def singles_beside(
             # Its starts began at one point, so that they agree says nothing.
             result[at] = replace(fit, converged=False)
     search_until_converged(problem, result, 0)
-    return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
+    return ranked(result)
 
 
 def beside_a_released_constant(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Cause, Problem
 
 Array = NDArray[np.float64]
@@ -19,8 +20,8 @@ chi-squares of one degree of freedom, 8.8, for all pairs of 28 causes, less the 
 amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64) / 2 = 2.1."""
 
 
-@dataclass(frozen=True)
-class Candidate:
+@dataclass(frozen=True, repr=False)
+class Candidate(OneLine):
     """A model that competes: the recalibrated baseline and some causes.
 
     Attributes
@@ -42,8 +43,8 @@ class Candidate:
         return " + ".join(each.name for each in self.causes) or "none"
 
 
-@dataclass(frozen=True)
-class Fit:
+@dataclass(frozen=True, repr=False)
+class Fit(OneLine):
     """A fitted candidate.
 
     Attributes
@@ -95,8 +96,8 @@ class Fit:
         return self.candidate.name
 
 
-@dataclass(frozen=True)
-class Start:
+@dataclass(frozen=True, repr=False)
+class Start(OneLine):
     """Where a fit begins.
 
     Attributes
@@ -129,7 +130,7 @@ def make_candidate(problem: Problem, causes: Sequence[Cause] = ()) -> Candidate:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A parameter of a fit's causes, or a constant that one of them frees.
+    """A parameter that a fit has free.
 
     Attributes
     ----------
@@ -152,26 +153,58 @@ class Fitted:
     continuous: Callable[[Array], Array]
     shape: bool
 
+    def slope(self, fit: Fit) -> float:
+        """Derivative of the value by the coordinate, over a step that does not see small jumps."""
+        u = fit.x[self.column]
+        below, above = np.asarray(self.value(np.array([u - 0.01, u + 0.01])))
+        return float(above - below) / 0.02
+
+
+def free_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
+    """The constants of a fit, and then the parameters of its causes."""
+    result = []
+    for position, column in enumerate(fit.candidate.free.tolist()):
+        if column < problem.base_count:
+            constant = problem.uncertain[column]
+            ways = constant.prior.value, constant.prior.value
+            result.append(Fitted(constant.name, constant.unit, position, column, *ways, False))
+        else:
+            extra = problem.parameters[column - problem.base_count]
+            ways = extra.value, extra.continuous
+            result.append(Fitted(extra.name, extra.unit, position, column, *ways, extra.shape))
+    return result
+
 
 def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
     """Parameters of the causes of a fit, and the constants that they free."""
     relaxed = {cause.relaxes_prior for cause in fit.candidate.causes}
-    result = []
-    for position, column in enumerate(fit.candidate.free.tolist()):
-        if column >= problem.base_count:
-            extra = problem.parameters[column - problem.base_count]
-            ways = extra.value, extra.continuous
-            result.append(Fitted(extra.name, extra.unit, position, column, *ways, extra.shape))
-            continue
-        constant = problem.uncertain[column]
-        if constant.name in relaxed:
-            ways = constant.prior.value, constant.prior.value
-            result.append(Fitted(constant.name, constant.unit, position, column, *ways, False))
-    return result
+    return [
+        each
+        for each in free_parameters(problem, fit)
+        if each.column >= problem.base_count or each.name in relaxed
+    ]
 
 
-@dataclass(frozen=True)
-class Ranking:
+def evidence_order(fits: Sequence[Fit], priced: bool = False) -> list[int]:
+    """Indices of fits by their log-evidence, best first.
+
+    `priced` takes off the price of a second cause, which a verdict asks where single causes and
+    pairs are compared.
+    """
+
+    def evidence(k: int) -> float:
+        return fits[k].priced_evidence if priced else fits[k].log_evidence
+
+    return sorted(range(len(fits)), key=evidence, reverse=True)
+
+
+def ranked(fits: Sequence[Fit], priced: bool = False) -> tuple[Fit, ...]:
+    """Fits by their log-evidence, best first; see `evidence_order`."""
+    return tuple(fits[k] for k in evidence_order(fits, priced))
+
+
+@dataclass(frozen=True, repr=False)
+class Ranking(OneLine):
     """Candidates, best first.
 
     Attributes
@@ -188,8 +221,6 @@ class Ranking:
     def replaced(self, old: Fit, new: Fit) -> Ranking:
         """The same with a better fit of one candidate."""
 
-        def ordered(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
-            fits = tuple(new if fit is old else fit for fit in fits)
-            return tuple(sorted(fits, key=lambda fit: -fit.log_evidence))
-
-        return Ranking(self.null, ordered(self.singles), ordered(self.pairs))
+        both = (self.singles, self.pairs)
+        singles, pairs = (ranked([new if fit is old else fit for fit in fits]) for fits in both)
+        return Ranking(self.null, singles, pairs)

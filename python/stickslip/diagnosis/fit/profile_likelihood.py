@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Fitted, Start, fitted_parameters
 from stickslip.diagnosis.fit.least_squares import AGREE, fit_candidates
 from stickslip.diagnosis.fit.single_cause import search_until_converged
@@ -33,8 +34,8 @@ _LOWER = 0.1
 _CENTRES = 3
 
 
-@dataclass(frozen=True)
-class Profile:
+@dataclass(frozen=True, repr=False)
+class Profile(OneLine):
     """Profile of one parameter.
 
     Attributes
@@ -54,6 +55,15 @@ class Profile:
     value: Array
     chi2: Array
     sd: float
+
+    def interval(self, rise: float) -> tuple[float, float]:
+        """Lowest and highest value at which chi-square has risen by so much, ``FAR`` at most.
+
+        Where it does not rise so far before the end of the physical range, that end.
+        """
+        order = np.argsort(self.value)
+        low, high = _crossings(self.value[order], self.chi2[order], rise)
+        return low, high
 
 
 @dataclass

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, Start
 from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Problem
 
@@ -20,17 +21,14 @@ Array = NDArray[np.float64]
 AMPLITUDES = (0.15, 0.6, 2.0)
 """Of the response, in units of the parameter's scale."""
 
-SAME = 0.9
-"""Causes whose projected sensitivities have a larger cosine are one distinguishability class."""
-
 _FAR = 6.0
 
 UNSEEN = 1e-3
 """Signal to noise after absorption below which a response counts as none."""
 
 
-@dataclass(frozen=True)
-class Sensitivities:
+@dataclass(frozen=True, repr=False)
+class Sensitivities(OneLine):
     """Absorbed responses of all causes, a row each.
 
     Attributes
@@ -176,8 +174,8 @@ def transferred_to(
     return softer, replace(sensitivities, point=point, raw=raw, projected=projected, basis=basis)
 
 
-@dataclass(frozen=True)
-class Screened:
+@dataclass(frozen=True, repr=False)
+class Screened(OneLine):
     """Each row at the multiple of its response that fits a residual best.
 
     Attributes
@@ -316,49 +314,3 @@ def with_cause(
     slope[:, [every.index(k) for k in base.candidate.free]] = base.slope
     slope[:, every.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
     return Start(x, slope)
-
-
-def distinguishability(problem: Problem, sensitivities: Sensitivities, residual: Array) -> Array:
-    """Cosine between the projected sensitivities of all pairs of causes, shape (causes, causes).
-
-    Each cause is taken at the amplitude that fits best; 0 for one that cannot be seen.
-
-    Parameters
-    ----------
-    problem : Problem
-    sensitivities : Sensitivities
-        About the recalibrated model.
-    residual : ndarray, shape (m + p,)
-        Whitened misfit of that one, the rows of its p constants last.
-    """
-    chosen = np.zeros((len(problem.causes), sensitivities.raw.shape[1]))
-    for index in range(len(problem.causes)):
-        row = best_row(sensitivities, residual, index)
-        if row is not None:
-            chosen[index] = sensitivities.projected[row] / sensitivities.size[row]
-    return np.asarray(np.abs(chosen @ chosen.T))
-
-
-def best_row(sensitivities: Sensitivities, residual: Array, cause: int) -> int | None:
-    """Row of a cause that takes most from the residual, None if none can be seen."""
-    rows = np.flatnonzero((sensitivities.cause == cause) & (sensitivities.size > UNSEEN))
-    if not len(rows):
-        return None
-    return int(rows[np.argmin(screen(sensitivities, residual).left[rows])])
-
-
-def indistinguishable_causes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:
-    """Groups of causes that these data can hardly tell apart, those of two and more."""
-    unseen = set(range(len(cosines)))
-    groups = []
-    while unseen:
-        group, frontier = set(), {unseen.pop()}
-        while frontier:
-            each = frontier.pop()
-            group.add(each)
-            near = {k for k in unseen if cosines[each, k] > SAME}
-            unseen -= near
-            frontier |= near
-        if len(group) > 1:
-            groups.append(tuple(problem.causes[k].name for k in sorted(group)))
-    return sorted(groups)

@@ -7,7 +7,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Start, make_candidate
+from stickslip.diagnosis.fit.fit_result import (
+    Candidate,
+    Fit,
+    Start,
+    evidence_order,
+    make_candidate,
+    ranked,
+)
 from stickslip.diagnosis.fit.least_squares import (
     AGREE,
     LARGEST_INFLATION,
@@ -193,7 +200,7 @@ def refit_worse_than_null(problem: Problem, null: Fit, fits: Sequence[Fit]) -> t
     again = fit_candidates(problem, [fit.candidate for fit in worse], begins, CAREFUL)
     better = {new.name: new for new, old in zip(again, worse, strict=True) if new.chi2 < old.chi2}
     kept = [better.get(fit.name, fit) for fit in fits]
-    return tuple(sorted(kept, key=lambda fit: -fit.log_evidence))
+    return ranked(kept)
 
 
 def search_near_leaders(
@@ -230,7 +237,7 @@ def search_near_leaders(
     near = [fit for fit in better if fit.log_evidence > best - _WITHIN]
     known |= {fit.name: fit for fit in better}
     known |= {fit.name: fit for fit in refine(problem, near, {}, random_restarts)}
-    return tuple(sorted(known.values(), key=lambda fit: -fit.log_evidence))
+    return ranked(list(known.values()))
 
 
 def without_cause(problem: Problem, fit: Fit, dropped: Cause) -> Fit:
@@ -271,7 +278,7 @@ def refine(
     survivors: int = _SURVIVORS,
 ) -> tuple[Fit, ...]:
     """Refit the survivors with care and from further starts; the rest keep their quick fits."""
-    order = sorted(range(len(quick)), key=lambda k: -quick[k].log_evidence)
+    order = evidence_order(quick)
     if not order:
         return ()
     best = quick[order[0]].log_evidence
@@ -291,7 +298,7 @@ def refine(
     for k, fit in zip(chosen, careful, strict=True):
         result[k] = fit
     search_until_converged(problem, result, random_restarts)
-    return tuple(sorted(result, key=lambda fit: -fit.log_evidence))
+    return ranked(result)
 
 
 def _nearby(problem: Problem, fit: Fit) -> Start:
@@ -307,7 +314,7 @@ def _nearby(problem: Problem, fit: Fit) -> Start:
 
 def search_until_converged(problem: Problem, fits: list[Fit], random_restarts: int) -> None:
     """More starts for leaders whose starts do not agree, two and then one posterior width away."""
-    order = sorted(range(len(fits)), key=lambda k: -fits[k].log_evidence)[:_LEADING]
+    order = evidence_order(fits)[:_LEADING]
     low, high = problem.limits()
     random = np.random.default_rng(7)
     for width in _ROUNDS:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, Start
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.inference.cross_validation import restricted
@@ -20,8 +21,8 @@ _FEWEST = 4
 _STRAINED = 2.5
 
 
-@dataclass(frozen=True)
-class Part:
+@dataclass(frozen=True, repr=False)
+class Part(OneLine):
     """Constants from one part of the conditions.
 
     Attributes

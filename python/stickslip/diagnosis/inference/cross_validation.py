@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2 as chi2_law
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.noise import whitener
-from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.fit_result import Fit, Start, ranked
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.model.problem import LOST, Problem
 
@@ -24,8 +25,8 @@ _RESAMPLES = 2000
 _FOLDS = 5
 
 
-@dataclass(frozen=True)
-class Gain:
+@dataclass(frozen=True, repr=False)
+class Gain(OneLine):
     """Error on held-out conditions before (recalibrated) and after (extended).
 
     Attributes
@@ -190,7 +191,7 @@ def measure_gain(
     random = np.random.default_rng([seed, 29])
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
-    best = max(refits[1:], key=lambda fit: fit.priced_evidence)
+    best = ranked(refits[1:], priced=True)[0]
     missed = problem.observed - everywhere[1]
     own, spread = _beyond(missed, covariance, held_out, keep, chosen.slope, refits[1])
     weighed = float(own @ np.linalg.solve(spread, own))

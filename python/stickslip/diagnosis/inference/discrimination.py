@@ -1,4 +1,4 @@
-"""How well proposals could be told apart where nothing was measured, for any forward model."""
+"""How well candidates could be told apart where nothing was measured, for any forward model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fit.fit_result import Fit, ranked
+from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.problem import Predict
@@ -20,22 +22,20 @@ TRIALS = 3
 """Trials of a new condition."""
 
 CANDIDATES = 3
-"""How many of the leading proposals are compared."""
-
-_STEP = 0.1
+"""How many of the leading candidates are compared."""
 
 
-@dataclass(frozen=True)
-class Separation:
-    """How well the leading proposals could be told apart at proposal conditions.
+@dataclass(frozen=True, repr=False)
+class Separation(OneLine):
+    """How well the leading candidates could be told apart at proposed conditions.
 
     Attributes
     ----------
-    proposals : list of Fit
-    predicted, sd : ndarray, shape (proposals, proposals)
-        What each proposal predicts, and its own uncertainty, in the observable's unit.
+    candidates : list of Fit
+    predicted, sd : ndarray, shape (candidates, proposals)
+        What each candidate predicts, and its own uncertainty, in the observable's unit.
     chi2 : ndarray, shape (proposals,)
-        Expected between the two proposals that the proposal tells apart best.
+        Expected between the two candidates that the proposal tells apart best.
     pair : ndarray of int, shape (proposals, 2)
         These two.
     """
@@ -50,17 +50,17 @@ class Separation:
 def separate(
     found: Findings, predict: Predict, proposals: Any, trials: int = TRIALS
 ) -> Separation | None:
-    """Compare what the proposals predict at conditions that were not measured.
+    """Compare what the candidates predict at conditions that were not measured.
 
     What is named is to be told from the runner-up and what is close to that, an ambiguous set's
-    members from one another. Each proposal is taken as fitted, with its own uncertainty at the new
+    members from one another. Each candidate is taken as fitted, with its own uncertainty at the new
     condition; where nothing was found, there is nothing to separate.
 
     Parameters
     ----------
     found : Findings
     predict : callable
-        As that of the diagnosis, of the proposals alone; NaN where a proposal cannot compute one.
+        As that of the diagnosis, of the proposals alone; NaN where a candidate cannot compute one.
     proposals : Any
         Handed to `predict` as it is.
     trials : int
@@ -69,27 +69,16 @@ def separate(
     candidates = _candidates(found)
     if len(candidates) < 2:
         return None
-    centre, spread = [], []
-    for fit in candidates:
-        width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
-        points = [fit.x]
-        for k, step in zip(fit.candidate.free, width, strict=True):
-            for sign in (1.0, -1.0):
-                point = fit.x.copy()
-                point[k] += sign * step
-                points.append(point)
-        values = found.problem.physical(np.stack(points))
-        predicted = np.asarray(predict(proposals, values), dtype=float)
-        slope = _slopes(predicted, width[:, None])
-        centre.append(predicted[0])
-        spread.append(np.einsum("kc,kl,lc->c", slope, fit.covariance, slope))
-    level, variance = np.array(centre), np.array(spread)
-    # A condition that one of the proposals cannot compute is no proposal.
+    predictions = [
+        predict_with_variance(found.problem, fit, predict, proposals) for fit in candidates
+    ]
+    level, variance = (np.array(rows) for rows in zip(*predictions, strict=True))
+    # A condition that one of the candidates cannot compute is no proposal.
     sound = np.all(np.isfinite(level) & np.isfinite(variance), axis=0)
     level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
     noise = _trial_variance(found, np.mean(level, axis=0)) / trials
     noise += float(np.median(found.roughness[: len(found.noise.mean)])) ** 2
-    leads = found.verdict.word in ("named", "pair")
+    leads = found.verdict.kind in ("named", "pair")
     chi2 = np.zeros(level.shape[1])
     pair = np.zeros((level.shape[1], 2), dtype=np.int64)
     for a, b in itertools.combinations(range(len(candidates)), 2):
@@ -99,18 +88,6 @@ def separate(
         pair[gap > chi2] = (a, b)
         chi2 = np.maximum(chi2, gap)
     return Separation(candidates, level, np.sqrt(variance), chi2, pair)
-
-
-def _slopes(predicted: Array, width: Array) -> Array:
-    """Central differences of a point and pairs about it; of one side if the other has none.
-
-    A proposal may stand at an end of what the model can compute, such as a static friction that is
-    just above the kinetic one.
-    """
-    centre, up, down = predicted[0], predicted[1::2], predicted[2::2]
-    one_sided = np.where(np.isfinite(up), up - centre, centre - down) / width
-    both = np.isfinite(up) & np.isfinite(down)
-    return np.asarray(np.where(both, (up - down) / (2.0 * width), one_sided))
 
 
 def _trial_variance(found: Findings, level: Array) -> Array:
@@ -124,10 +101,9 @@ def _trial_variance(found: Findings, level: Array) -> Array:
 def _candidates(found: Findings) -> list[Fit]:
     if not found.detection.found:
         return []
-    both = [*found.ranking.singles, *found.ranking.pairs]
-    fits = sorted(both, key=lambda fit: -fit.priced_evidence)
+    fits = list(ranked([*found.ranking.singles, *found.ranking.pairs], priced=True))
     chosen = found.verdict.fit
-    if chosen is not None and found.verdict.word in ("named", "pair"):
+    if chosen is not None and found.verdict.kind in ("named", "pair"):
         # What has the cause and one more says the same of it.
         own = set(chosen.candidate.causes)
         others = [fit for fit in fits if not own <= set(fit.candidate.causes)]
@@ -135,7 +111,7 @@ def _candidates(found: Findings) -> list[Fit]:
         # more they would differ elsewhere.
         first = max((fit.priced_evidence for fit in others), default=0.0)
         fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
-    if found.verdict.word == "ambiguous" and chosen is not None:
+    if found.verdict.kind == "ambiguous" and chosen is not None:
         # Only those that the verdict cannot choose between.
         names, size = set(found.verdict.causes), len(chosen.candidate.causes)
         undecided = [

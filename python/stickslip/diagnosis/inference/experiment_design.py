@@ -1,4 +1,4 @@
-"""Which experiment would tell the proposals apart best."""
+"""Which experiment would tell the leading candidates apart best."""
 
 from __future__ import annotations
 
@@ -6,21 +6,22 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.model.problem import Predict
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
 
-_KEPT = 3
+PROPOSED = 3
+"""How many experiments are proposed if nothing else is asked for."""
+
 DECISIVE = 4.0
-"""Expected chi-square that tells two proposals apart: two standard deviations."""
+"""Expected chi-square that tells two candidates apart: two standard deviations."""
 
 _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.mode": ("IPP", "OPP"),
@@ -70,9 +71,9 @@ class Experiment:
         Settings of ``[drive]`` by bare name.
     why : str
     separation : float
-        Expected chi-square between the two proposals that it separates best, three trials.
+        Expected chi-square between the two candidates that it separates best, three trials.
     predictions : dict
-        For each proposal its velocity and standard deviation, m/s.
+        For each candidate its velocity and standard deviation, m/s.
     """
 
     drive: Mapping[str, Value]
@@ -86,21 +87,30 @@ class Experiment:
         return self.separation > DECISIVE
 
 
-def propose(examination: Examination) -> list[Experiment]:
-    """The three drives that separate the leading proposals best, each of another kind.
+def propose(
+    findings: Findings,
+    predict: Predict,
+    conditions: Sequence[Mapping[str, Value]],
+    count: int = PROPOSED,
+) -> list[Experiment]:
+    """The drives that separate the leading candidates best, each of another kind.
 
-    Candidates are variations of what was measured; see `separate`. Of a condition and its mirror
+    Proposals are variations of what was measured; see `separate`. Of a condition and its mirror
     image one is enough.
+
+    Parameters
+    ----------
+    findings : Findings
+    predict : callable
+        Velocities, m/s, shape (vectors, drives), of drive settings by dotted key and all parameters
+        of the problem.
+    conditions : sequence of dict
+        What was measured; without any, nothing is proposed.
+    count : int
+        How many at most.
     """
-    simulator = examination.simulator
-    proposals = _proposals(examination.conditions) if examination.conditions else []
-    if simulator is None or not proposals:
-        return []
-
-    def predict(drives: Any, parameters: Array) -> Array:
-        return simulator(drives, examination.combined.shared(parameters))
-
-    found = separate(examination.found, predict, proposals)
+    proposals = _proposals(conditions) if conditions else []
+    found = separate(findings, predict, proposals) if proposals else None
     if found is None:
         return []
     chosen: list[Experiment] = []
@@ -132,14 +142,14 @@ def propose(examination: Examination) -> list[Experiment]:
                 },
             )
         )
-        if len(chosen) == _KEPT:
+        if len(chosen) >= count:
             break
     return chosen
 
 
 def advice(found: Findings) -> list[str]:
     """What to look at beside the drive, to tell the causes of a set apart."""
-    names = set(found.verdict.causes) if found.verdict.word == "ambiguous" else set()
+    names = set(found.verdict.causes) if found.verdict.kind == "ambiguous" else set()
     said = []
     for sentence, seen in _LOOKS:
         inside, outside = names & set(seen), names - set(seen)

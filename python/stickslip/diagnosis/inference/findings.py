@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.noise import NoiseModel
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking
 from stickslip.diagnosis.fit.profile_likelihood import Profile
@@ -19,8 +20,8 @@ from stickslip.diagnosis.model.problem import Problem
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Findings:
+@dataclass(frozen=True, repr=False)
+class Findings(OneLine):
     """All that the engine found.
 
     Attributes

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, singles_beside
-from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start
+from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start, ranked
 from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
@@ -37,8 +38,8 @@ _RANDOM_RESTARTS, _SMOOTH = 3, 1.0
 _LEADERS = 2
 
 
-@dataclass(frozen=True)
-class AssessedBaseline:
+@dataclass(frozen=True, repr=False)
+class AssessedBaseline(OneLine):
     """The recalibrated model, with errors that hold where it stands, and what is left of it.
 
     Attributes
@@ -176,7 +177,7 @@ def _settled(
     """The null from the candidates' constants, assessed anew if better; they from its own."""
     singles = [fit for fit in fits if len(fit.candidate.causes) == 1]
     null = refit_null(base.problem, base.null, singles)
-    ordered = tuple(sorted(fits, key=lambda fit: -fit.log_evidence))
+    ordered = ranked(fits)
     if null is base.null:
         return base, refit_worse_than_null(base.problem, null, ordered)
     base = assess_baseline(base.problem, data_covariance, null, seed)
@@ -203,4 +204,4 @@ def reweighed(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
         replace(new, converged=old.converged, starts=old.starts)
         for new, old in zip(fitted, fits, strict=True)
     ]
-    return tuple(sorted(kept, key=lambda fit: -fit.log_evidence))
+    return ranked(kept)

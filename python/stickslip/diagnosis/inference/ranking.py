@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN, describe_runner_up
 
@@ -17,7 +17,7 @@ def set_members(found: Findings) -> list[Fit]:
     chosen = found.verdict.fit
     if chosen is None:
         return []
-    if found.verdict.word != "ambiguous":
+    if found.verdict.kind != "ambiguous":
         return [chosen]
     among, pairs = set(found.verdict.causes), len(chosen.candidate.causes) > 1
     others = [
@@ -33,9 +33,8 @@ def set_members(found: Findings) -> list[Fit]:
 
 def leading(found: Findings) -> list[Fit]:
     """The best single causes and the best pairs, by evidence after the price of a second cause."""
-    singles = sorted(found.ranking.singles, key=lambda fit: -fit.log_evidence)[:_SINGLES]
-    pairs = sorted(found.ranking.pairs, key=lambda fit: -fit.log_evidence)[:_PAIRS]
-    return sorted([*singles, *pairs], key=lambda fit: -fit.priced_evidence)
+    both = [*ranked(found.ranking.singles)[:_SINGLES], *ranked(found.ranking.pairs)[:_PAIRS]]
+    return list(ranked(both, priced=True))
 
 
 def runner_up(found: Findings) -> str:
@@ -45,7 +44,7 @@ def runner_up(found: Findings) -> str:
     """
     verdict, null = found.verdict, found.null
     fits = [*found.ranking.singles, *found.ranking.pairs]
-    if not found.detection.found or verdict.word in ("named", "data-problem") or not fits:
+    if not found.detection.found or verdict.kind in ("named", "data-problem") or not fits:
         return ""
     if verdict.fit is None:
         nearest = min(fits, key=lambda fit: fit.chi2)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.model.problem import Problem
 
@@ -21,8 +22,8 @@ _SIZES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.3, 0.6, 1.2, 2.4)
 
 
-@dataclass(frozen=True)
-class Settings:
+@dataclass(frozen=True, repr=False)
+class Settings(OneLine):
     """Where the first n observables were taken.
 
     Attributes

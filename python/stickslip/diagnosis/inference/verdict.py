@@ -10,9 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fit.distinguishability import SAME
+from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
-from stickslip.diagnosis.fit.sensitivity import SAME
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.model.problem import Problem
 
@@ -27,8 +28,8 @@ _LEAST_SHARE = 0.7
 """Of what a smooth function explains, so that a cause or a pair may be claimed."""
 
 
-@dataclass(frozen=True)
-class Table:
+@dataclass(frozen=True, repr=False)
+class Table(OneLine):
     """Observables of one kind.
 
     Attributes
@@ -45,13 +46,13 @@ class Table:
     dof: float
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(OneLine):
     """What is said.
 
     Attributes
     ----------
-    word : str
+    kind : str
         One of the six verdicts.
     causes : tuple of str
         The named cause, the set, or the pair.
@@ -63,7 +64,7 @@ class Verdict:
         Over all causes, ``none`` and ``unknown``; they sum to 1.
     """
 
-    word: VerdictKind
+    kind: VerdictKind
     causes: tuple[str, ...]
     fit: Fit | None
     reasons: tuple[str, ...]
@@ -102,7 +103,7 @@ def decide(
     if not detection.found:
         return Verdict("none", (), None, ("both tests pass",), chance)
     said = _decided(problem, ranking, cosines, improves_prediction, chance)
-    if said.fit is not None and said.word in ("named", "pair"):
+    if said.fit is not None and said.kind in ("named", "pair"):
         share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
         if share is not None and share < _LEAST_SHARE:
             reason = (
@@ -113,7 +114,7 @@ def decide(
         against = contradicting(said.fit, tables)
         if against:
             reasons = tuple(f"the table of kind {name} contradicts it" for name in against)
-            return replace(said, word="ambiguous", reasons=reasons)
+            return replace(said, kind="ambiguous", reasons=reasons)
     return said
 
 
@@ -201,7 +202,7 @@ def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[
     str
         In words, with the lead in log-evidence.
     """
-    second = max([null, *others], key=lambda fit: fit.priced_evidence)
+    second = ranked([null, *others], priced=True)[0]
     name = "no cause at all" if second is null else second.name
     lead = said.priced_evidence - second.priced_evidence
     if lead < 0.0:
@@ -224,11 +225,11 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
     candidates = [*ranking.singles, *ranking.pairs]
     other = next((each for each in candidates if each.name == choice), fit)
     own, theirs = ({cause.name for cause in each.candidate.causes} for each in (fit, other))
-    if verdict.word not in ("named", "pair") or own <= theirs or theirs <= own:
+    if verdict.kind not in ("named", "pair") or own <= theirs or theirs <= own:
         return replace(verdict, reasons=(*verdict.reasons, said))
     # Single causes and pairs make no set together.
     also = sorted(theirs - own) if len(own) == len(theirs) else []
-    return replace(verdict, word="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
+    return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
 
 
 def _reasons_against(

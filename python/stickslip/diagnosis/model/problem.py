@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.measurement.priors import Prior
 
@@ -19,6 +20,8 @@ Predict = Callable[[Any, Array], Array]
 
 PRIOR_INFLATION = 10.0
 """By how much a constant's prior is widened when it is itself the suspect."""
+
+_SHAPE_WIDTH = 0.7
 
 LOST = 1e3
 """Whitened residual of a condition that the model cannot compute."""
@@ -97,13 +100,22 @@ class CauseParameter:
     def value(self, u: Array) -> Array:
         """Physical value at the coordinate `u`, whose prior is standard normal."""
         if self.shape:
-            return np.clip(self.absent * np.exp(0.7 * u), self.low, self.high)
+            return np.clip(self.absent * np.exp(_SHAPE_WIDTH * u), self.low, self.high)
         if self.downward:
             return np.where(u <= 0.0, self.absent, np.maximum(self.high - self.scale * u, self.low))
         # Linear near zero and exponential far out, where a size would surprise in any case.
         size = self.scale * np.sinh(u) / np.sinh(1.0)
         value = np.clip(self.absent + size, self.low, self.high)
         return np.where(np.abs(value - self.absent) < self.negligible, self.absent, value)
+
+    @property
+    def prior_in_words(self) -> str:
+        """What is thought of its size before any data."""
+        if self.shape:
+            return f"log-normal({self.absent:g}, {np.exp(_SHAPE_WIDTH):.3g})"
+        if self.downward:
+            return f"scale {self.scale:g} below {self.high:g}"
+        return f"scale {self.scale:g} about {self.absent:g}"
 
     def continuous(self, u: Array) -> Array:
         """The value without its jump to `absent`, where a falling parameter begins to act."""
@@ -153,8 +165,8 @@ class Cause:
             raise ScenarioError(f"cause {self.name}: {said}")
 
 
-@dataclass(frozen=True)
-class Problem:
+@dataclass(frozen=True, repr=False)
+class Problem(OneLine):
     """Data of the fitted conditions, and the model that is to explain them.
 
     Attributes
@@ -202,6 +214,11 @@ class Problem:
     def size(self) -> int:
         """Number of all coordinates."""
         return len(self.uncertain) + len(self.parameters)
+
+    @property
+    def names(self) -> list[str]:
+        """Of all coordinates: the uncertain parameters, then those of all causes."""
+        return [*(each.name for each in self.uncertain), *(each.name for each in self.parameters)]
 
     def columns(self, causes: Sequence[Cause]) -> list[int]:
         """Coordinates of the parameters of some causes."""
@@ -272,8 +289,8 @@ class Problem:
         return self.whitened(self.predicted(x))
 
 
-@dataclass(frozen=True)
-class AuxiliaryData:
+@dataclass(frozen=True, repr=False)
+class AuxiliaryData(OneLine):
     """Observables beside the trials, of another kind, whose errors are known.
 
     Attributes

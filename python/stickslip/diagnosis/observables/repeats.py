@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import f as f_law
 
+from stickslip._util.one_line import OneLine
+
 Array = NDArray[np.float64]
 
 FEWEST = 4
@@ -24,8 +26,8 @@ _LEVEL = 0.975
 """At which the two tests agree. Chosen: nearer to the verdict's levels than the median."""
 
 
-@dataclass(frozen=True)
-class Repeats:
+@dataclass(frozen=True, repr=False)
+class Repeats(OneLine):
     """Means of the rows with the same settings.
 
     Attributes

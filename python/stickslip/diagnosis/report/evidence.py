@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.diagnosis.api import Examination
-from stickslip.diagnosis.data.conditions import panel
+from stickslip.diagnosis.data.conditions import Conditions, panel
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
@@ -21,9 +20,8 @@ _CARRIERS = 3
 _CONTRAST = 2.0
 
 
-def carriers(examination: Examination) -> list[dict[str, Any]]:
-    """Conditions at which the extended model takes most from the misfit."""
-    found, m = examination.found, len(examination.conditions)
+def carriers(found: Findings, m: int) -> list[dict[str, Any]]:
+    """Which of the first m rows, the conditions, the extended model takes most misfit from."""
     if found.verdict.fit is None or not m:
         return []
     fall = (_misfit(found.problem, found.null) - _misfit(found.problem, found.verdict.fit))[:m]
@@ -35,9 +33,10 @@ def carriers(examination: Examination) -> list[dict[str, Any]]:
     ]
 
 
-def misfit_by_part(examination: Examination) -> dict[str, dict[str, float | int | None]]:
+def misfit_by_part(
+    found: Findings, parts: Mapping[str, NDArray[np.int64]]
+) -> dict[str, dict[str, float | int | None]]:
     """Chi-square per condition of complementary parts of the table, of both models."""
-    found = examination.found
     before = _misfit(found.problem, found.null)
     fit = found.verdict.fit
     after = None if fit is None else _misfit(found.problem, fit)
@@ -47,7 +46,7 @@ def misfit_by_part(examination: Examination) -> dict[str, dict[str, float | int 
             "recalibrated": float(np.mean(before[rows])),
             "extended": None if after is None else float(np.mean(after[rows])),
         }
-        for name, rows in examination.parts().items()
+        for name, rows in parts.items()
     }
 
 
@@ -80,13 +79,14 @@ def signal_to_noise(found: Findings) -> dict[str, float] | None:
     }
 
 
-def velocity_changes(examination: Examination) -> dict[str, dict[str, dict[str, float]]]:
+def velocity_changes(
+    found: Findings, conditions: Conditions
+) -> dict[str, dict[str, dict[str, float]]]:
     """For each candidate and each mode and direction: mean velocity, and what the cause adds, m/s.
 
     The constants are those of the candidate's own fit, with and without the cause; `noise` is the
     error of the measured mean. Conditions that cannot be computed without the cause do not count.
     """
-    found, conditions = examination.found, examination.conditions
     problem, m = found.problem, len(conditions)
     words = np.array([panel(each) for each in conditions])
     result: dict[str, dict[str, dict[str, float]]] = {}

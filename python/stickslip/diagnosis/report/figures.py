@@ -1,11 +1,11 @@
-"""Figures of the report, as PNG in base64."""
+"""Figures of a diagnosis; the report has them as PNG in base64."""
 
 from __future__ import annotations
 
 import base64
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,19 +17,24 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import leading, set_members
 from stickslip.scenario.keys import Value
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 Array = NDArray[np.float64]
 
 _MARKERS = "o^sDv"
 
 
-def png(figure: Any) -> str:
-    """The figure in base64."""
+def png(figure: Figure | None) -> str:
+    """The figure in base64; empty if there is none."""
+    if figure is None:
+        return ""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110, bbox_inches="tight", metadata={"Software": None})
     return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
-def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
+def axes(rows: int, width: float, height: float) -> tuple[Figure, Any]:
     """A figure (inches) and its axes, one above the other; the second is a strip."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -40,20 +45,22 @@ def axes(rows: int, width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
 
 
-def velocities(found: Findings, conditions: Sequence[Mapping[str, Value]], given: Array) -> str:
+def velocities(
+    found: Findings, conditions: Sequence[Mapping[str, Value]], given: Array
+) -> Figure | None:
     """Data and models against frequency, a column for each mode and direction.
 
     `given` are the velocities of the scenario as it was given, m/s. Residuals are below. At
     held-out conditions the models are those that were fitted without them. Where nothing could be
     learnt there is no model but the given one. Conditions of one panel that differ in more than
-    their frequency have markers of their own. Empty where no velocity was measured.
+    their frequency have markers of their own. None where no velocity was measured.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     m = len(conditions)
     if m == 0:
-        return ""
+        return None
     problem = found.problem
     observed = problem.observed[:m] * 1e3
     sd = np.sqrt(np.diag(found.noise.covariance))[:m] * 1e3
@@ -95,7 +102,7 @@ def velocities(found: Findings, conditions: Sequence[Mapping[str, Value]], given
     columns = 2 if len(panels) < 3 else 5 if len(kinds) == 1 else 3
     figure.legend(legend.values(), legend.keys(), loc="outside upper center", ncols=columns,
                   fontsize=10, frameon=False)  # fmt: skip
-    return png(figure)
+    return figure
 
 
 def _measured(
@@ -125,7 +132,7 @@ def _legend(frames: Iterable[Any]) -> dict[str, Any]:
 
 def _models(found: Findings, m: int) -> dict[str, Array]:
     """Velocities of the fitted models at the m conditions, mm/s."""
-    if found.verdict.word == "data-problem":
+    if found.verdict.kind == "data-problem":
         return {}
     points = {"recalibrated": found.null.x}
     if found.verdict.fit is not None:
@@ -138,7 +145,7 @@ def _models(found: Findings, m: int) -> dict[str, Array]:
     return dict(zip(points, predicted, strict=True))
 
 
-def profile(each: Profile) -> str:
+def profile(each: Profile) -> Figure:
     """Chi-square along one parameter, everything else fitted anew."""
     figure, (frame,) = axes(1, 5.0, 2.6)
     order = np.argsort(each.value)
@@ -152,7 +159,7 @@ def profile(each: Profile) -> str:
     frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2[order]), 5.0, 1.5 * FAR)))
     frame.set_xlabel(f"{each.name.removeprefix('effects.')} ({each.unit})")
     frame.set_ylabel("chi-square above the least")
-    return png(figure)
+    return figure
 
 
 def against_model(
@@ -165,7 +172,7 @@ def against_model(
     words: tuple[str, str],
     names: Sequence[str] = ("",),
     joined: bool = True,
-) -> str:
+) -> Figure:
     """Data with 2 sd, recalibrated and extended model, and residuals below.
 
     Parameters
@@ -201,10 +208,10 @@ def against_model(
     below.set_xlabel(words[0])
     legend = _legend([above])
     above.legend(legend.values(), legend.keys(), fontsize=8, frameon=False)
-    return png(figure)
+    return figure
 
 
-def readings(place: Array, observed: Array, sd: Array | None, words: tuple[str, str]) -> str:
+def readings(place: Array, observed: Array, sd: Array | None, words: tuple[str, str]) -> Figure:
     """Data alone, with 2 sd where it is known; `words` below and beside the axes."""
     figure, (frame,) = axes(1, 9.0, 4.0)
     bars = None if sd is None else 2 * sd
@@ -213,11 +220,77 @@ def readings(place: Array, observed: Array, sd: Array | None, words: tuple[str, 
     frame.set_xlabel(words[0])
     frame.set_ylabel(words[1])
     frame.legend(fontsize=8, frameon=False)
-    return png(figure)
+    return figure
 
 
-def ranking(found: Findings) -> str | None:
-    """Log-evidence of the leading candidates above no cause, after the price of a second cause."""
+def own_model(found: Findings, place: Array, words: tuple[str, str]) -> Figure:
+    """Data and models against an abscissa, for a model of the user's own.
+
+    No model where nothing was learnt, and no error where none is known.
+
+    Parameters
+    ----------
+    found : Findings
+    place : ndarray, shape (m,)
+        Of each condition.
+    words : tuple of str
+        Below and beside the axes, with units.
+    """
+    m, order = len(place), np.argsort(place, kind="stable")
+    observed, sd = found.problem.observed[:m], found.problem.sd[:m]
+    models = list(own_models(found, m).values())
+    if found.noise.dof == 0.0 or not models:
+        known = None if found.noise.dof == 0.0 else sd[order]
+        return readings(place[order], observed[order], known, words)
+    extended = models[1][order] if len(models) > 1 else None
+    held_out = found.held_out[:m][order]
+    rows = (place[order], observed[order], sd[order], models[0][order], extended, held_out)
+    return against_model(*rows, words, joined=False)
+
+
+def own_models(found: Findings, m: int) -> dict[str, Array]:
+    """The fitted models at the first m observables; none where nothing was learnt."""
+    if found.verdict.kind == "data-problem":
+        return {}
+    points = {"recalibrated": found.null.x}
+    if found.verdict.fit is not None:
+        points["extended"] = found.verdict.fit.x
+    return {name: found.problem.predicted(x[None, :])[0, :m] for name, x in points.items()}
+
+
+def residuals(found: Findings, place: Array, word: str) -> Figure:
+    """Whitened residuals of both fitted models against an abscissa.
+
+    Each is independent of the others and of variance one, if the model is right: errors that
+    set-ups share are taken out.
+
+    Parameters
+    ----------
+    found : Findings
+    place : ndarray, shape (m,)
+        Of each observable.
+    word : str
+        Below the axis, with its unit.
+    """
+    figure, (frame,) = axes(1, 9.0, 3.6)
+    for name, fit, marker, colour in (
+        ("recalibrated", found.null, "o", BLUE),
+        ("extended", found.verdict.fit, "s", VERMILION),
+    ):
+        if fit is not None:
+            frame.plot(place, fit.residual[: len(place)], marker, color=colour, ms=4, label=name)
+    frame.axhspan(-2, 2, color="#dddddd", zorder=0)
+    frame.set_xlabel(word)
+    frame.set_ylabel("residual / sd")
+    frame.legend(fontsize=8, frameon=False)
+    return figure
+
+
+def ranking(found: Findings) -> Figure | None:
+    """Log-evidence of the leading candidates above no cause, after the price of a second cause.
+
+    None where no candidate was fitted.
+    """
     fits = leading(found)
     if not fits:
         return None
@@ -227,10 +300,10 @@ def ranking(found: Findings) -> str | None:
     colours = [GREEN if fit.name in claimed else DARK_GREY for fit in fits]
     frame.barh([fit.name for fit in fits][::-1], gains[::-1], color=colours[::-1])
     frame.set_xlabel("log-evidence above no cause (green: what is claimed)")
-    return png(figure)
+    return figure
 
 
-def distinguishability(found: Findings) -> str:
+def distinguishability(found: Findings) -> Figure:
     """Map of the cosines between projected sensitivities."""
     names = [cause.name for cause in found.problem.causes]
     size = 2.0 + 0.18 * len(names)
@@ -239,4 +312,4 @@ def distinguishability(found: Findings) -> str:
     frame.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
     frame.set_yticks(range(len(names)), names, fontsize=7)
     figure.colorbar(image, ax=frame, shrink=0.7, label="|cosine| after recalibration")
-    return png(figure)
+    return figure

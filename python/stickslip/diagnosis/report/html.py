@@ -14,17 +14,17 @@ import numpy as np
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
-from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.inference.discrimination import TRIALS
 from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
 from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import short
 from stickslip.diagnosis.report.section import ReportSection
-from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -42,31 +42,10 @@ _SHOWN = {
 }
 
 
-def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
-    """The scenario with recalibrated constants and, where there is one, the cause.
-
-    Of data that allows no diagnosis nothing is learnt, so the scenario stays as it is.
-    """
-    if found.verdict.word == "data-problem":
-        return scenario
-    fit = found.verdict.fit or found.null
-    values = found.problem.physical(fit.x[None, :])[0]
-    problem = found.problem
-    keys = known_keys()
-    changes = {
-        each.name: float(values[k]) for k, each in enumerate(problem.uncertain) if each.name in keys
-    }
-    for k in fit.candidate.free[problem.base_count :]:
-        changes[problem.parameters[k - problem.base_count].name] = float(values[k])
-    try:
-        return scenario.replace(changes)
-    except ScenarioError as error:
-        raise ScenarioError(f"the extended model makes no scenario: {error}") from None
-
-
 def write_report(
     out: str | PathLike[str],
-    examination: Examination,
+    found: Findings,
+    posed: PosedProblem,
     measurement: Measurement,
     experiments: Sequence[Experiment],
 ) -> None:
@@ -77,28 +56,28 @@ def write_report(
     OSError
         If a file cannot be written.
     """
-    found = examination.found
-    sections = report_sections(examination.comparisons())
+    sections = report_sections(posed.comparisons(found))
     # All three are made before the first is written.
-    texts = report_texts(examination, measurement, experiments, sections, gain_unit(examination))
+    texts = report_texts(found, posed, measurement, experiments, sections, gain_unit(posed))
     extended = extended_scenario(found, measurement.scenario)
     origin = _origin(found, measurement, extended)
     write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
 
 
 def report_texts(
-    examination: Examination,
+    found: Findings,
+    posed: PosedProblem,
     source: Source,
     experiments: Sequence[Experiment],
     sections: Sequence[ReportSection],
     unit: str,
 ) -> dict[str, str]:
     """Contents of report.json and report.html; `unit` is that of the held-out observables."""
-    full = {**summary(examination, source, experiments), **details(examination, source, unit)}
+    full = {**summary(found, posed, source, experiments), **details(found, posed, source, unit)}
     full["channels"] = {each.title: each.numbers for each in sections}
     full["gain_unit"] = unit
-    full |= further(examination)
-    page = page_text(examination, full, sections, experiments)
+    full |= further(found, posed)
+    page = page_text(found, posed, full, sections, experiments)
     return {JSON: json_text(full) + "\n", PAGE: page}
 
 
@@ -116,10 +95,10 @@ def write_files(
 
 def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> list[str]:
     """Where an extended scenario is from, and what it has changed."""
-    lines = [f"stickslip diagnose {measurement.path.name}: {found.verdict.word}"]
+    lines = [f"stickslip diagnose {measurement.path.name}: {found.verdict.kind}"]
     if found.verdict.causes:
         lines[0] += " " + ", ".join(found.verdict.causes)
-    if found.verdict.fit is not None and found.verdict.word == "ambiguous":
+    if found.verdict.fit is not None and found.verdict.kind == "ambiguous":
         lines.append(
             f"here: {found.verdict.fit.name}, which leads among those that explain the data"
         )
@@ -147,7 +126,8 @@ def _typical_error(found: Findings) -> str:
 
 
 def page_text(
-    examination: Examination,
+    found: Findings,
+    posed: PosedProblem,
     full: Mapping[str, Any],
     sections: Sequence[ReportSection],
     experiments: Sequence[Experiment],
@@ -165,8 +145,8 @@ def page_text(
         lstrip_blocks=True,
         finalize=lambda each: printable_lines(each) if isinstance(each, str) else each,
     )
-    found, conditions = examination.found, examination.conditions
-    nothing = found.verdict.word == "data-problem"
+    conditions = posed.conditions
+    nothing = found.verdict.kind == "data-problem"
     keys, among = known_keys(), varied(conditions)
     return environment.from_string(source).render(
         report=full,
@@ -174,10 +154,10 @@ def page_text(
         units={short(each.name): each.unit for each in found.problem.parameters},
         downward={short(each.name) for each in found.problem.parameters if each.downward},
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
-        simulated=examination.simulator is not None,
-        held="readings" if examination.combined.observables and not conditions else "conditions",
-        curves=figures.velocities(found, conditions, examination.given),
-        profiles=[figures.profile(each) for each in found.profiles],
+        simulated=posed.simulator is not None,
+        held="readings" if posed.model.observables and not conditions else "conditions",
+        curves=figures.png(figures.velocities(found, conditions, posed.given)),
+        profiles=[figures.png(figures.profile(each)) for each in found.profiles],
         columns=[heading(key) for key in among],
         settings=[[shown_value(key, each[key]) for key in among] for each in conditions],
         common=in_words(
@@ -194,6 +174,8 @@ def page_text(
         models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
         typical=_typical_error(found),
         report_sections=sections,
-        ranking=figures.ranking(found),
-        distinguishability=figures.distinguishability(found) if found.problem.causes else "",
+        ranking=figures.png(figures.ranking(found)),
+        distinguishability=figures.png(figures.distinguishability(found))
+        if found.problem.causes
+        else "",
     )

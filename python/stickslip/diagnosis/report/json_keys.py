@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.inference.constancy import changing, refit_parts
@@ -19,6 +18,7 @@ from stickslip.diagnosis.inference.ranking import leading, runner_up
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects
 from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.evidence import (
     carriers,
     misfit_by_part,
@@ -48,19 +48,18 @@ class Source(Protocol):
 
 
 def summary(
-    examination: Examination, measurement: Source, experiments: Sequence[Experiment]
+    found: Findings, posed: PosedProblem, measurement: Source, experiments: Sequence[Experiment]
 ) -> dict[str, Any]:
     """Keys of ``stickslip diagnose --json``; SI units."""
-    found = examination.found
     verdict = found.verdict
     cause: Any = None
-    if verdict.word == "named":
+    if verdict.kind == "named":
         cause = verdict.causes[0]
-    elif verdict.word in ("ambiguous", "pair"):
+    elif verdict.kind in ("ambiguous", "pair"):
         cause = list(verdict.causes)
     gain = found.gain
     return {
-        "verdict": verdict.word,
+        "verdict": verdict.kind,
         "cause": cause,
         "parameters": {
             short(name): entry
@@ -81,15 +80,15 @@ def summary(
             {"drive": dict(each.drive), "why": each.why, "predictions": each.predictions}
             for each in experiments
         ],
-        "left_out": [*measurement.left_out, *examination.left_out],
+        "left_out": [*measurement.left_out, *posed.left_out],
         "seed": found.seed,
         "version": _core.__version__,
     }  # fmt: skip
 
 
-def details(examination: Examination, measurement: Source, unit: str) -> dict[str, Any]:
+def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str) -> dict[str, Any]:
     """What was found, beyond the summary; `unit` is that of the held-out observables."""
-    found, conditions = examination.found, examination.conditions
+    conditions = posed.conditions
     problem, gain = found.problem, found.gain
     extended = found.verdict.fit
     points = [found.null.x] if extended is None else [found.null.x, extended.x]
@@ -104,7 +103,7 @@ def details(examination: Examination, measurement: Source, unit: str) -> dict[st
         row["sd"] = float(sd[k]) if found.noise.dof > 0.0 else None
         row["model_scatter"] = float(found.roughness[k])
         row["trials"] = int(found.noise.count[k])
-        row["given"] = float(examination.given[k])
+        row["given"] = float(posed.given[k])
         row["recalibrated"] = float(predicted[0, k])
         row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
         row["held_out"] = k in held
@@ -179,17 +178,17 @@ def details(examination: Examination, measurement: Source, unit: str) -> dict[st
     }
 
 
-def further(examination: Examination) -> dict[str, Any]:
+def further(found: Findings, posed: PosedProblem) -> dict[str, Any]:
     """What the verdict rests on, and what takes some more simulations."""
-    found, problem = examination.found, examination.found.problem
-    parts = refit_parts(problem, found.null, examination.parts())
+    problem = found.problem
+    parts = refit_parts(problem, found.null, posed.parts())
     smallest = smallest_effects(problem, found.sensitivities, found.detection.threshold)
     share = None
     if found.verdict.fit is not None:
         share = share_of_smooth_bound(found.null, found.verdict.fit, found.smooth_bound)
-    judged = found.verdict.word != "data-problem"
-    misfit = misfit_by_part(examination) if judged else {}
-    velocities = velocity_changes(examination)
+    judged = found.verdict.kind != "data-problem"
+    misfit = misfit_by_part(found, posed.parts()) if judged else {}
+    velocities = velocity_changes(found, posed.conditions)
     return {
         "signal_to_noise": signal_to_noise(found),
         "misfit_by_part": misfit,
@@ -212,7 +211,7 @@ def further(examination: Examination) -> dict[str, Any]:
         "smallest_effects": {short(name): value for name, value in smallest.items()},
         "smooth_ceiling": found.smooth_bound,
         "share_of_ceiling": share,
-        "carried_by": carriers(examination),
+        "carried_by": carriers(found, len(posed.conditions)),
         "advice": advice(found),
     }
 
@@ -225,11 +224,11 @@ def _level(found: Findings, unit: str) -> float | None:
     return size if size > 0.0 else None
 
 
-def gain_unit(examination: Examination) -> str:
+def gain_unit(posed: PosedProblem) -> str:
     """Unit of what is held out: velocities, where there are any, else the channels' observables."""
-    if examination.conditions:
+    if posed.conditions:
         return "m/s"
-    kinds = {observable.name for observable in examination.combined.observables}
+    kinds = {observable.name for observable in posed.model.observables}
     return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
 
 

@@ -29,13 +29,13 @@ def rounded(value: float, sd: float) -> str:
 def headline(found: Findings) -> str:
     """The verdict in one sentence, and in a second one if there is no certain gain."""
     verdict = found.verdict
-    if verdict.word in _NAMELESS:
-        text = _NAMELESS[verdict.word]
-    elif verdict.word == "data-problem":
+    if verdict.kind in _NAMELESS:
+        text = _NAMELESS[verdict.kind]
+    elif verdict.kind == "data-problem":
         text = f"The data do not allow a diagnosis: {verdict.reasons[0]}."
-    elif verdict.word == "named":
+    elif verdict.kind == "named":
         text = f"The data point to {verdict.causes[0]}: {_sizes(found)}."
-    elif verdict.word == "pair":
+    elif verdict.kind == "pair":
         both = " and ".join(verdict.causes)
         text = f"The data point to two causes together, {both}: {_sizes(found)}."
     elif verdict.fit is not None and len(verdict.causes) == len(verdict.fit.candidate.causes):

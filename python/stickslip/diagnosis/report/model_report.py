@@ -6,21 +6,21 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.observables.combined import Combined
+from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.html import report_texts, write_files
 from stickslip.diagnosis.report.section import ReportSection
-from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class _Own:
+class OwnData:
+    """Where data of a model of the user's own are from, as far as a report says it."""
+
     name: str
     left_out: tuple[str, ...] = ()
 
@@ -28,11 +28,11 @@ class _Own:
 def write_model_report(
     out: str | PathLike[str],
     found: Findings,
+    posed: PosedProblem,
     title: str,
-    *,
-    place: ArrayLike | None = None,
-    labels: tuple[str, str] = ("condition", "observable"),
-    unit: str = "SI",
+    place: Array,
+    labels: tuple[str, str],
+    unit: str,
 ) -> None:
     """Write report.html and report.json of a `diagnose_model` into the folder `out`, which is made.
 
@@ -40,9 +40,10 @@ def write_model_report(
     ----------
     out : str or path-like
     found : Findings
+    posed : PosedProblem
     title : str
-    place : array_like, shape (m,), optional
-        Abscissa of each condition in the figure; its number, if not given.
+    place : ndarray, shape (m,)
+        Abscissa of each condition in the figure.
     labels : tuple of str
         Of abscissa and ordinate, with units.
     unit : str
@@ -50,55 +51,22 @@ def write_model_report(
 
     Raises
     ------
-    ScenarioError
-        If `place` has another length or is not finite.
     OSError
         If a file cannot be written.
     """
-    m = len(found.noise.mean)
-    at = np.arange(1.0, m + 1.0) if place is None else np.asarray(place, dtype=float)
-    if at.shape != (m,) or not np.all(np.isfinite(at)):
-        raise ScenarioError(f"place: allowed is a finite number for each of {m} conditions")
-    problem = found.problem
-    names = [each.name for each in problem.uncertain] + [each.name for each in problem.parameters]
-    model = Combined(problem.predict, names, names, ())
-    examination = Examination(found, None, [], model, (), np.zeros(0))
-    write_files(
-        out, report_texts(examination, _Own(title), [], [_report_section(found, at, labels)], unit)
-    )
+    section = _report_section(found, place, labels)
+    write_files(out, report_texts(found, posed, OwnData(title), [], [section], unit))
 
 
 def _report_section(found: Findings, place: Array, labels: tuple[str, str]) -> ReportSection:
-    """Data and models; no model where nothing was learnt, and no error where none is known."""
-    problem, fit, m = found.problem, found.verdict.fit, len(place)
-    observed = problem.observed[:m]
-    sd = problem.sd[:m] if found.noise.dof > 0.0 else None
-    points = {} if found.verdict.word == "data-problem" else {"recalibrated": found.null.x}
-    if fit is not None:
-        points["extended"] = fit.x
-    models = {name: problem.predicted(x[None, :])[0, :m] for name, x in points.items()}
-    order = np.argsort(place, kind="stable")
-    if sd is None or not models:
-        picture = figures.readings(
-            place[order], observed[order], None if sd is None else sd[order], labels
-        )
-    else:
-        extended = models.get("extended")
-        picture = figures.against_model(
-            place[order],
-            observed[order],
-            sd[order],
-            models["recalibrated"][order],
-            None if extended is None else extended[order],
-            found.held_out[:m][order],
-            labels,
-            joined=False,
-        )
+    m = len(place)
+    sd = found.problem.sd[:m] if found.noise.dof > 0.0 else None
     numbers: dict[str, object] = {
         "place": place.tolist(),
-        "observed": observed.tolist(),
+        "observed": found.problem.observed[:m].tolist(),
         "sd": None if sd is None else sd.tolist(),
-        **{name: row.tolist() for name, row in models.items()},
+        **{name: row.tolist() for name, row in figures.own_models(found, m).items()},
         "held_out": [] if found.gain is None else found.gain.held_out.tolist(),
     }
+    picture = figures.png(figures.own_model(found, place, labels))
     return ReportSection("Data and models", picture, (), numbers)

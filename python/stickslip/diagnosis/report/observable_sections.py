@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.observables import Comparison
 from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
-from stickslip.diagnosis.report.figures import against_model
+from stickslip.diagnosis.report.figures import against_model, png
 from stickslip.diagnosis.report.film_section import film_sections
 from stickslip.diagnosis.report.section import ReportSection
 
@@ -85,7 +85,7 @@ def _angle_section(found: Comparison) -> ReportSection:
             "No angle was read without field. One such reading tells an offset of the camera, "
             "which is there too, from what tilts the robot."
         )
-    return ReportSection(found.title, picture, tuple(lines), _numbers(found, "theta"))
+    return ReportSection(found.title, png(picture), tuple(lines), _numbers(found, "theta"))
 
 
 def _field_section(found: Comparison) -> ReportSection:
@@ -105,4 +105,4 @@ def _field_section(found: Comparison) -> ReportSection:
     before, after = (None if each is None else f"{each * 1e6:.3g} uT" for each in found.errors)
     said = _missed("fields", str(before), after)
     line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
-    return ReportSection(found.title, picture, (line,), _numbers(found, "field"))
+    return ReportSection(found.title, png(picture), (line,), _numbers(found, "field"))

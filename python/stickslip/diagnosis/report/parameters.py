@@ -20,10 +20,9 @@ def describe(problem: Problem, fit: Fit) -> dict[str, dict[str, float | str]]:
     spread = np.sqrt(np.diag(fit.covariance))
     result: dict[str, dict[str, float | str]] = {}
     for each in fitted_parameters(problem, fit):
-        u = fit.x[each.column]
-        value = np.asarray(each.value(np.array([u - 0.01, u, u + 0.01])))
-        sd = abs(float(value[2] - value[0])) / 0.02 * float(spread[each.position])
-        result[each.name] = {"value": float(value[1]), "sd": sd, "unit": each.unit}
+        value = float(np.asarray(each.value(fit.x[[each.column]]))[0])
+        sd = abs(each.slope(fit)) * float(spread[each.position])
+        result[each.name] = {"value": value, "sd": sd, "unit": each.unit}
     return result
 
 

@@ -1,0 +1,92 @@
+"""A problem with what its rows stand for: drives, tables, and what the stated model gives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.model.problem import Predict, Problem
+from stickslip.diagnosis.model.simulator import Simulator
+from stickslip.diagnosis.observables import Combined, Comparison
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
+from stickslip.scenario.keys import Value
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class PosedProblem(OneLine):
+    """What the rows of a problem stand for.
+
+    Attributes
+    ----------
+    model : Combined
+        The forward model of all rows, at any conditions; its channels' rows follow those of the
+        conditions.
+    conditions : list of dict
+        Drive settings by dotted key, of the first rows; none for a model of the user's own.
+    simulator : Simulator, optional
+        Of mean velocities; a user's own model has none.
+    given : ndarray, shape (conditions,)
+        Velocities of the scenario as it was given, m/s; NaN where it has none.
+    left_out : tuple of str
+        Sound rows that could not be used, and why.
+    """
+
+    model: Combined
+    conditions: list[dict[str, Value]]
+    simulator: Simulator | None
+    given: Array
+    left_out: tuple[str, ...]
+
+    @staticmethod
+    def of_model(problem: Problem, predict: Predict) -> PosedProblem:
+        """That of a model of the user's own, whose rows stand for nothing that is known here."""
+        names = problem.names
+        return PosedProblem(Combined(predict, names, names, ()), [], None, np.zeros(0), ())
+
+    def velocities(self, drives: Sequence[Any], parameters: Array) -> Array:
+        """The first rows alone, shape (vectors, drives), at drives that need not be measured.
+
+        Of a user's own model all rows, at whatever conditions it takes.
+        """
+        return self.model.velocities(drives, self.model.shared(parameters))
+
+    def parts(self) -> dict[str, NDArray[np.int64]]:
+        """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
+        result: dict[str, NDArray[np.int64]] = {}
+        for key in ("drive.mode", "drive.direction"):
+            words = np.array([str(each[key]) for each in self.conditions])
+            found = sorted(set(words.tolist()))
+            if len(found) == 2:
+                result |= {word: np.flatnonzero(words == word) for word in found}
+        for key in ("drive.frequency", "drive.peak"):
+            values = np.array([float(each[key]) for each in self.conditions])
+            middle = float(np.median(values)) if len(values) else 0.0
+            below, above = np.flatnonzero(values < middle), np.flatnonzero(values >= middle)
+            if len(below) and len(above):
+                name = key.split(".")[1]
+                result |= {f"low {name}": below, f"high {name}": above}
+        return result
+
+    def comparisons(self, found: Findings) -> list[Comparison | FilmComparison]:
+        """What each observable shows beside the models: see `Observable.comparison`."""
+        problem, fit = found.problem, found.verdict.fit
+        null = problem.physical(found.null.x[None, :])[0]
+        extended = None if fit is None else problem.physical(fit.x[None, :])[0]
+        end = len(self.conditions)
+        result: list[Comparison | FilmComparison] = []
+        for number, observable in enumerate(self.model.observables):
+            start, end = end, end + len(observable.observed)
+            names, before = self.model.report_arguments(number, null)
+            after = None
+            if extended is not None:
+                after = self.model.report_arguments(number, extended)[1]
+            result.append(observable.comparison(names, before, after, found.held_out[start:end]))
+        return result

@@ -1,0 +1,130 @@
+"""The pictures of a diagnosis, each as a matplotlib figure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report import figures
+from stickslip.diagnosis.report.parameters import short
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import suggestion
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+
+class Plots:
+    """Pictures of a diagnosis, as `Diagnosis.plot` has them.
+
+    Each method returns a `matplotlib.figure.Figure`, which a notebook shows by itself and
+    ``figure.savefig("name.png")`` writes.
+    """
+
+    def __init__(self, findings: Findings, posed: PosedProblem) -> None:
+        self._findings = findings
+        self._posed = posed
+
+    def fit(
+        self,
+        place: ArrayLike | None = None,
+        labels: tuple[str, str] = ("condition", "observable"),
+    ) -> Figure:
+        """Data and fitted models; held-out readings are hollow.
+
+        Of a measurement velocities against frequency, with a column for each mode and direction,
+        the scenario as it was given, and residuals below.
+
+        Parameters
+        ----------
+        place : array_like, shape (m,), optional
+            For a model of the user's own: the abscissa of each condition; its number, if not given.
+        labels : tuple of str
+            For a model of the user's own: of abscissa and ordinate, with units.
+
+        Raises
+        ------
+        ScenarioError
+            If a measurement has no velocities, or `place` has another length or is not finite.
+        """
+        if self._posed.simulator is None:
+            return figures.own_model(self._findings, abscissa(self._findings, place), labels)
+        drawn = figures.velocities(self._findings, self._posed.conditions, self._posed.given)
+        if drawn is None:
+            raise ScenarioError("plot.fit: no velocity was measured; save_report draws other data")
+        return drawn
+
+    def residuals(self, place: ArrayLike | None = None, label: str = "observable") -> Figure:
+        """Whitened residuals of the recalibrated and, if there is one, of the extended model.
+
+        Two thirds of them lie between -1 and 1, and 95 % in the grey band, if the model is right.
+
+        Parameters
+        ----------
+        place : array_like, shape (m,), optional
+            Abscissa of each observable; its number, if not given.
+        label : str
+            Of the abscissa, with its unit.
+        """
+        count = len(self._findings.problem.observed)
+        at = np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
+        return figures.residuals(self._findings, at, label)
+
+    def ranking(self) -> Figure:
+        """Log-evidence of the leading candidates above no cause.
+
+        Raises
+        ------
+        ScenarioError
+            If no candidate was fitted, as nothing was detected.
+        """
+        drawn = figures.ranking(self._findings)
+        if drawn is None:
+            raise ScenarioError("plot.ranking: no candidate was fitted, as nothing was detected")
+        return drawn
+
+    def profile(self, name: str) -> Figure:
+        """Chi-square along one parameter of the claimed cause, everything else fitted anew.
+
+        Parameters
+        ----------
+        name : str
+            Of the parameter, such as ``effects.surface_tilt.angle`` or ``surface_tilt.angle``.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such profile; the nearest one is named.
+        """
+        profiles = {short(each.name): each for each in self._findings.profiles}
+        if short(name) not in profiles:
+            hint = (
+                suggestion(name, profiles) if profiles else "there is none, as no cause is claimed"
+            )
+            raise ScenarioError(f"plot.profile: {name}: there is no such profile; {hint}")
+        return figures.profile(profiles[short(name)])
+
+
+def abscissa(found: Findings, place: ArrayLike | None) -> Array:
+    """Where each of the m conditions is drawn.
+
+    Raises
+    ------
+    ScenarioError
+        If `place` has another length or is not finite.
+    """
+    count = len(found.noise.mean)
+    return np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
+
+
+def _checked(place: ArrayLike, count: int) -> Array:
+    at = np.asarray(place, dtype=float)
+    if at.shape != (count,) or not np.all(np.isfinite(at)):
+        raise ScenarioError(f"place: allowed is a finite number for each of {count} conditions")
+    return at

@@ -1,0 +1,291 @@
+"""What a person gets from a diagnosis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.diagnosis import tables
+from stickslip.diagnosis.fit.prediction import predict_with_variance
+from stickslip.diagnosis.inference.cross_validation import Gain
+from stickslip.diagnosis.inference.discrimination import TRIALS, Separation, separate
+from stickslip.diagnosis.inference.experiment_design import PROPOSED, Experiment, propose
+from stickslip.diagnosis.inference.extended_model import extended_scenario, extended_values
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.verdict import Verdict
+from stickslip.diagnosis.new_drives import drive_settings
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.plots import Plots, abscissa
+from stickslip.diagnosis.report.text import table_lines, verdict_lines
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import Value
+from stickslip.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+__all__ = ["Diagnosis", "Plots"]
+
+_MOST_ROWS = 12
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Diagnosis:
+    """Result of a diagnosis of a measurement, or of data with a model of one's own.
+
+    The *recalibrated* model has its constants fitted within their priors. The *extended* model has
+    the claimed cause besides; there is one for the verdicts named, pair and ambiguous.
+
+    Attributes
+    ----------
+    findings : Findings
+        Everything that was fitted.
+    posed : PosedProblem
+        What the rows of the problem stand for.
+    measurement : Measurement, optional
+        What was diagnosed; none for a model of one's own.
+    """
+
+    findings: Findings
+    posed: PosedProblem
+    measurement: Measurement | None
+
+    def __repr__(self) -> str:
+        found = self.findings
+        causes = f" {', '.join(self.verdict.causes[:3])}" if self.verdict.causes else ""
+        causes += ", ..." if len(self.verdict.causes) > 3 else ""
+        count = len(found.problem.observed)
+        return (
+            f"<Diagnosis of {count} observables: {self.verdict.kind}{causes}, "
+            f"p = {found.detection.p_value:.2g}>"
+        )
+
+    def summary(self) -> str:
+        """The verdict, the parameters and the leading candidates as text for one screen."""
+        lines = self.verdict_lines()
+        for table, most in ((self.params, _MOST_ROWS), (self.compare(), _MOST_ROWS // 2)):
+            if len(table):
+                lines += ["", *table_lines(table, most)]
+        return "\n".join(lines)
+
+    def verdict_lines(self) -> list[str]:
+        """The verdict in one sentence, and below it why it is no bolder one."""
+        measured = () if self.measurement is None else self.measurement.left_out
+        return verdict_lines(self.findings, [*measured, *self.posed.left_out])
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is said: its `kind`, the `causes`, the `reasons` and all `probabilities`."""
+        return self.findings.verdict
+
+    @property
+    def gain(self) -> Gain | None:
+        """Error on held-out conditions, recalibrated and extended; None if nothing is held out."""
+        return self.findings.gain
+
+    @property
+    def params(self) -> DataFrame:
+        """Fitted parameters, a row for each constant and each parameter of the claimed cause.
+
+        Columns: `value` and `sd` in the column `unit`; `prior`, what was known before the data;
+        `pull`, how many standard deviations of its prior the value lies from the prior's middle. Of
+        the extended model, or the recalibrated one if there is no other. Empty for the verdict
+        data-problem, as nothing is learnt from such data.
+        """
+        return tables.parameter_table(self.findings)
+
+    def conf_int(self, level: float = 0.95) -> DataFrame:
+        """Confidence intervals of `params`, columns `low`, `high` and `unit`.
+
+        From the profile likelihood where there is one, which is for the strength of a claimed
+        cause; else from the covariance of the fit, without a profile's view of other minima.
+
+        Parameters
+        ----------
+        level : float
+            Above 0, at most 0.9973, where profiles end.
+
+        Raises
+        ------
+        ScenarioError
+            If the level is another one.
+        """
+        return tables.interval_table(self.findings, level)
+
+    @property
+    def covariance(self) -> DataFrame:
+        """Covariance of `params` by the curvature at the fit, in products of their units."""
+        return tables.covariance_table(self.findings)
+
+    def compare(self) -> DataFrame:
+        """All candidates that were fitted, best first; ``none`` is the recalibrated model.
+
+        Columns: `log_evidence` above that of none, less the price of a second cause; `delta`, how
+        far behind the first; `chi2` of data and priors; `p`, of the lack of fit; `converged`,
+        whether fits from several starts agree.
+        """
+        return tables.candidate_table(self.findings)
+
+    def predict(self, conditions: Any) -> DataFrame:
+        """Predictions of the fitted models at new conditions.
+
+        Parameters
+        ----------
+        conditions : DataFrame or sequence of dict, or whatever the own model takes
+            Of a measurement drive settings by name, such as ``frequency``; what is not given is as
+            in the scenario. For a model of one's own they are handed to it as they are.
+
+        Returns
+        -------
+        DataFrame
+            A row for each condition: the settings that were given, then `recalibrated` and
+            `recalibrated_sd` and, where there is an extended model, `extended` and `extended_sd`.
+            In m/s or the own observable's unit; the errors are those of the fitted parameters and
+            hold no noise of a trial. NaN where a model computes nothing.
+
+        Raises
+        ------
+        ScenarioError
+            If the data allow no diagnosis, or a setting is not one that a drive can have.
+        """
+        import pandas as pd
+
+        if self.verdict.kind == "data-problem":
+            raise ScenarioError("predict: the data allow no diagnosis, so no model was fitted")
+        at, settings = self._conditions(conditions)
+        columns: dict[str, Any] = {}
+        for name, fit in (("recalibrated", self.findings.null), ("extended", self.verdict.fit)):
+            if fit is not None:
+                level, variance = predict_with_variance(
+                    self.findings.problem, fit, self.posed.velocities, at
+                )
+                columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
+        found = pd.DataFrame(columns)
+        return found if settings is None else pd.concat([pd.DataFrame(settings), found], axis=1)
+
+    @property
+    def plot(self) -> Plots:
+        """Pictures: `fit`, `residuals`, `ranking` and `profile`, each a matplotlib figure."""
+        return Plots(self.findings, self.posed)
+
+    def propose_experiments(self, count: int = PROPOSED) -> list[Experiment]:
+        """The drives that would tell the leading candidates apart best, each of another kind.
+
+        Parameters
+        ----------
+        count : int
+            How many at most. There are none where nothing was found or no velocity was measured.
+
+        Raises
+        ------
+        ScenarioError
+            For a model of one's own, of which no other conditions are known; see `separate`.
+        """
+        if self.measurement is None:
+            raise ScenarioError(
+                "propose_experiments: which conditions a model of one's own can have is not known; "
+                "separate(conditions) compares those that you give"
+            )
+        return self._experiments if count == PROPOSED else self._proposed(count)
+
+    def separate(self, conditions: Any, trials: int = TRIALS) -> Separation | None:
+        """How well the leading candidates could be told apart at conditions not measured yet.
+
+        Parameters
+        ----------
+        conditions : DataFrame or sequence of dict, or whatever the own model takes
+            As for `predict`.
+        trials : int
+            Trials of each new condition, with the noise of the others.
+
+        Returns
+        -------
+        Separation, optional
+            None where nothing was found, so that there is nothing to separate.
+        """
+        at, _ = self._conditions(conditions)
+        return separate(self.findings, self.posed.velocities, at, trials)
+
+    @property
+    def extended(self) -> Scenario | dict[str, float]:
+        """The model with recalibrated constants and, where there is one, the claimed cause.
+
+        Of a measurement a scenario; of a model of one's own the values of its parameters by name.
+        From data that allow no diagnosis nothing is learnt: the scenario is as it was given.
+
+        Raises
+        ------
+        ScenarioError
+            If the fitted values are none that a scenario can have together.
+        """
+        if self.measurement is None:
+            return extended_values(self.findings)
+        return extended_scenario(self.findings, self.measurement.scenario)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What ``stickslip diagnose --json`` prints: the keys are those of the reference."""
+        from stickslip.diagnosis.report.json_keys import summary
+        from stickslip.diagnosis.report.model_report import OwnData
+
+        source = self.measurement or OwnData("")
+        return summary(self.findings, self.posed, source, self._experiments)
+
+    def save_report(
+        self,
+        folder: str | PathLike[str],
+        *,
+        title: str | None = None,
+        place: ArrayLike | None = None,
+        labels: tuple[str, str] = ("condition", "observable"),
+        unit: str = "SI",
+    ) -> None:
+        """Write the report into a folder, which is made.
+
+        That is report.html, one page with all figures, and report.json with its numbers; of a
+        measurement also extended.toml, a scenario with what was found.
+
+        Parameters
+        ----------
+        folder : str or path-like
+        title : str, optional
+            Of the page of a model of one's own; a measurement has its name.
+        place, labels : optional
+            For a model of one's own, as in `plot.fit`.
+        unit : str
+            For a model of one's own: of the observable.
+
+        Raises
+        ------
+        ScenarioError
+            If `place` has another length or is not finite, or the extended model makes no scenario.
+        OSError
+            If a file cannot be written.
+        """
+        from stickslip.diagnosis.report.html import write_report
+        from stickslip.diagnosis.report.model_report import write_model_report
+
+        if self.measurement is not None:
+            write_report(folder, self.findings, self.posed, self.measurement, self._experiments)
+            return
+        at = abscissa(self.findings, place)
+        name = "Diagnosis" if title is None else title
+        write_model_report(folder, self.findings, self.posed, name, at, labels, unit)
+
+    def _conditions(self, given: Any) -> tuple[Any, list[dict[str, Value]] | None]:
+        """What the model takes, and the settings in a table where they have names."""
+        if self.measurement is None:
+            return given, None
+        return drive_settings(given, self.measurement.scenario)
+
+    @cached_property
+    def _experiments(self) -> list[Experiment]:
+        return [] if self.measurement is None else self._proposed(PROPOSED)
+
+    def _proposed(self, count: int) -> list[Experiment]:
+        return propose(self.findings, self.posed.velocities, self.posed.conditions, count)

@@ -1,0 +1,122 @@
+"""Tables of a diagnosis: parameters, their intervals and covariance, and the candidates."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_law
+
+from stickslip.diagnosis.fit.fit_result import Fit, Fitted, free_parameters, ranked
+from stickslip.diagnosis.fit.goodness import adequacy
+from stickslip.diagnosis.fit.profile_likelihood import FAR
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.errors import ScenarioError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Array = NDArray[np.float64]
+
+
+def parameter_table(found: Findings) -> DataFrame:
+    """See `Diagnosis.params`."""
+    fit, parameters = _fitted(found)
+    spread = np.sqrt(np.diag(fit.covariance))
+    profiles = {each.name: each.sd for each in found.profiles}
+    rows = []
+    for each in parameters:
+        sd = abs(each.slope(fit)) * float(spread[each.position])
+        rows.append(
+            {
+                "value": _value(each, fit.x[each.column]),
+                "sd": max(sd, profiles.get(each.name, 0.0)),
+                "unit": each.unit,
+                "prior": _prior(found, each),
+                "pull": float(fit.x[each.column]),
+            }
+        )
+    return _frame(rows, parameters, ["value", "sd", "unit", "prior", "pull"])
+
+
+def interval_table(found: Findings, level: float) -> DataFrame:
+    """See `Diagnosis.conf_int`."""
+    most = float(chi2_law.cdf(FAR, 1))
+    if not (isinstance(level, int | float) and 0.0 < level <= most):
+        raise ScenarioError(f"level = {level!r}: allowed is a number above 0, at most {most:.4f}")
+    fit, parameters = _fitted(found)
+    rise = float(chi2_law.ppf(level, 1))
+    spread = np.sqrt(np.diag(fit.covariance))
+    low, high = found.problem.limits()
+    profiles = {each.name: each for each in found.profiles}
+    rows = []
+    for each in parameters:
+        if each.name in profiles:
+            ends = profiles[each.name].interval(rise)
+        else:
+            reach = math.sqrt(rise) * float(spread[each.position])
+            at = fit.x[each.column] + np.array([-reach, reach])
+            at = np.clip(at, low[each.column], high[each.column])
+            first, last = (float(value) for value in np.asarray(each.continuous(at)))
+            ends = (min(first, last), max(first, last))
+        rows.append({"low": ends[0], "high": ends[1], "unit": each.unit})
+    return _frame(rows, parameters, ["low", "high", "unit"])
+
+
+def covariance_table(found: Findings) -> DataFrame:
+    """See `Diagnosis.covariance`."""
+    import pandas as pd
+
+    fit, parameters = _fitted(found)
+    slope = np.array([each.slope(fit) for each in parameters])
+    names = [each.name for each in parameters]
+    at = [each.position for each in parameters]
+    covariance = slope[:, None] * fit.covariance[np.ix_(at, at)] * slope
+    return pd.DataFrame(covariance, index=names, columns=names)
+
+
+def candidate_table(found: Findings) -> DataFrame:
+    """See `Diagnosis.compare`."""
+    import pandas as pd
+
+    fits = ranked([found.null, *found.ranking.singles, *found.ranking.pairs], priced=True)
+    best = fits[0].priced_evidence
+    rows = [
+        {
+            "log_evidence": fit.priced_evidence - found.null.log_evidence,
+            "delta": best - fit.priced_evidence,
+            "chi2": fit.chi2,
+            "p": adequacy(found.problem, fit),
+            "converged": fit.converged,
+        }
+        for fit in fits
+    ]
+    return pd.DataFrame(rows, index=pd.Index([fit.name for fit in fits], name="candidate"))
+
+
+def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
+    """The extended model, or the recalibrated one, and what it has free."""
+    fit = found.verdict.fit or found.null
+    learnt = found.verdict.kind != "data-problem"
+    return fit, free_parameters(found.problem, fit) if learnt else []
+
+
+def _value(each: Fitted, u: float) -> float:
+    return float(np.asarray(each.value(np.array([u])))[0])
+
+
+def _prior(found: Findings, each: Fitted) -> str:
+    """In words what was known of it before the data."""
+    base = found.problem.base_count
+    if each.column < base:
+        return str(found.problem.uncertain[each.column].prior)
+    return found.problem.parameters[each.column - base].prior_in_words
+
+
+def _frame(rows: list[dict[str, Any]], parameters: list[Fitted], columns: list[str]) -> DataFrame:
+    import pandas as pd
+
+    names = pd.Index([each.name for each in parameters], name="parameter", dtype=object)
+    return pd.DataFrame(rows, index=names, columns=columns)
