@@ -34,7 +34,7 @@ def command(
     """
     from stickslip.diagnosis.api import diagnose
     from stickslip.diagnosis.data.conditions import changes
-    from stickslip.diagnosis.inference.experiment_design import advice, propose
+    from stickslip.diagnosis.inference.experiment_design import advice, propose, undecided
     from stickslip.diagnosis.inference.ranking import runner_up
     from stickslip.diagnosis.report.html import EXTENDED, FILES, write_report
     from stickslip.diagnosis.report.json_keys import summary
@@ -76,21 +76,21 @@ def command(
     say(f"{found.verdict.word}: {headline(found)}")
     reasons = () if found.verdict.word == "data-problem" else found.verdict.reasons
     second = runner_up(found)
-    for line in (*reasons, *([second] if second else []), *found.notes):
-        say(f"  {line}")
-    for line in (*data.left_out, *examination.left_out):
-        say(f"  left out: {line}")
+    for fact in (*reasons, *([second] if second else []), *found.notes):
+        say(f"  {fact}")
+    for fact in (*data.left_out, *examination.left_out):
+        say(f"  left out: {fact}")
     if found.gain is not None:
         say(
             f"  chi-square per condition, {len(found.gain.held_out)} held out: "
             f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
         )
     for each in experiments[:1]:
-        what = f"{changes(each.drive, examination.conditions)}; {each.why}"
-        if not each.decides:
-            what = f"none that was tried tells the leading rivals apart; the best: {what}"
-        say(f"  next experiment: {what}")
-    for line in advice(found):
-        say(f"  beside the drive: {line}")
+        none = undecided(experiments)
+        if none is not None:
+            say(f"  {none}")
+        say(f"  next experiment: {changes(each.drive, examination.conditions)}. {each.why}")
+    for fact in advice(found):
+        say(f"  beside the drive: {fact}")
     if out is not None:
         say(f"  in {out}: {', '.join(FILES)}")

@@ -14,7 +14,7 @@ from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.data.conditions import (
     Conditions,
     find_singleton_condition,
-    in_words,
+    named,
     varied,
 )
 from stickslip.diagnosis.data.noise import fit_noise
@@ -30,6 +30,7 @@ from stickslip.diagnosis.observables import Combined, ReportSection, find_observ
 from stickslip.diagnosis.observables.combined import pooled_observables
 from stickslip.diagnosis.pipeline import diagnose_model
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
@@ -54,7 +55,7 @@ class Examination:
         Drive settings by dotted key, of the first rows of `Findings.problem.observed`.
     combined : Combined
         The forward model of all rows; its channels' rows follow those of the conditions.
-    left_out : tuple of str
+    left_out : tuple of Fact
         Sound rows that could not be used, and why.
     given : ndarray, shape (conditions,)
         Velocities of the scenario as it was given, m/s; NaN where it has none.
@@ -64,7 +65,7 @@ class Examination:
     simulator: Simulator | None
     conditions: list[dict[str, Value]]
     combined: Combined
-    left_out: tuple[str, ...]
+    left_out: tuple[Fact, ...]
     given: Array
 
     def parts(self) -> dict[str, NDArray[np.int64]]:
@@ -147,7 +148,7 @@ def diagnose(
     simulator = Simulator(measurement.scenario, keys, threads)
     middle = _nominal(simulator, conditions, uncertain, causes)
     lost = np.flatnonzero(~np.isfinite(middle))
-    left_out = [line for observable in observables for line in observable.left_out]
+    left_out = [each for observable in observables for each in observable.left_out]
     if len(lost) and len(lost) < len(conditions):
         kept = np.isfinite(middle)[index]
         number = np.cumsum(np.isfinite(middle)) - 1
@@ -155,8 +156,7 @@ def diagnose(
         index = number[index[kept]]
         among = varied(conditions)
         left_out += [
-            f"{in_words(conditions[k], among)}: the stated model cannot compute it"
-            for k in lost.tolist()
+            Fact(Code.CONDITION_NOT_COMPUTED, named(conditions[k], among)) for k in lost.tolist()
         ]
         conditions = [each for k, each in enumerate(conditions) if k not in set(lost.tolist())]
         middle = middle[np.isfinite(middle)]
@@ -203,7 +203,7 @@ def diagnose(
         "source": source,
     }
     found = diagnose_model(combined, computed, velocity, [*uncertain, *nuisance], causes, **options)
-    notes = [*found.notes, *(line for observable in observables for line in observable.notes)]
+    notes = [*found.notes, *(each for observable in observables for each in observable.notes)]
     if still is not None:
         notes.insert(0, still)
     return Examination(

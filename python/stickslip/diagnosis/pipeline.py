@@ -47,6 +47,7 @@ from stickslip.diagnosis.inference.verdict import (
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import AuxiliaryData, Cause, Predict, Problem, Uncertain
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -69,7 +70,7 @@ def diagnose_model(
     low_fidelity: Predict | None = None,
     settings: Settings | None = None,
     source: Sequence[str] = (),
-    data_problem: str | None = None,
+    data_problem: Fact | str | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Findings:
@@ -111,7 +112,7 @@ def diagnose_model(
         a smooth function would take from the misfit.
     source : sequence of str, length m and that of `auxiliary`, optional
         What kind of table each observable is from. A cause is not named against one of them.
-    find_data_problem : str, optional
+    data_problem : Fact or str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
         Of all random draws.
@@ -192,6 +193,8 @@ def diagnose_model(
     notes = list(noise.notes)
     uneven = uneven_setups(values, index, noise, blocks)
     notes += [] if uneven is None else [uneven]
+    if isinstance(data_problem, str):
+        data_problem = Fact(Code.STATED_PROBLEM, {"problem": data_problem})
     trouble = data_problem or find_data_problem(
         values, index, noise, order, blocks, auxiliary is None
     )
@@ -262,10 +265,7 @@ def diagnose_model(
         )
     )
     if rough:
-        notes.append(
-            f"conditions where the model itself jumps by more than the noise under tiny changes of "
-            f"its parameters: {rough}; they count less"
-        )
+        notes.append(Fact(Code.MODEL_JUMPS, {"count": rough}))
     alike = indistinguishable_causes(problem, cosines)
     say(1.0, "done")
     return Findings(

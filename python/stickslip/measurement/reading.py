@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stickslip._util.atomic_files import check_name
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError
+from stickslip.facts import Fact
 from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers
 from stickslip.measurement.tracking import TrackingRun, read_tracking
@@ -59,8 +60,8 @@ class Measurement:
     tracking : tuple of TrackingRun
     angle, field : tuple of dict
         Columns by name, sound rows only, SI units and radians.
-    left_out : tuple of str
-        What was not used and why, one line each.
+    left_out : tuple of Fact
+        What was not used and why; each is a sentence as a `str`.
     path : Path
     """
 
@@ -71,7 +72,7 @@ class Measurement:
     tracking: tuple[TrackingRun, ...]
     angle: tuple[Table, ...]
     field: tuple[Table, ...]
-    left_out: tuple[str, ...]
+    left_out: tuple[Fact, ...]
     path: Path
 
 
@@ -113,15 +114,30 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     name = document.get("name", path.stem)
     if not isinstance(name, str):
         raise ScenarioError(f"name = {shown(name)}: allowed is a text")
-    if "scenario" not in document:
-        raise ScenarioError("scenario is missing: allowed is the path of a scenario file")
-    nominal = document["scenario"]
-    if not isinstance(nominal, str):
-        raise ScenarioError(f"scenario = {shown(nominal)}: allowed is the path of a scenario file")
+    nominal = _path_of(document, "scenario", "", "a scenario file")
     scenario = Scenario.from_toml(path.parent / nominal)
     uncertain = _uncertain(document.get("uncertain", {}), scenario)
-    left_out: list[str] = []
-    velocity, tracking, tables = [], [], {kind: [] for kind in _COLUMNS}  # type: ignore[var-annotated]
+    tables, left_out = _tables(document, path, scenario)
+    if not any(tables.values()):
+        if left_out:
+            raise ScenarioError(f"nothing sound is left. {left_out[-1]}")
+        raise ScenarioError("there is none of [[velocity]], [[tracking]], [[angle]], [[field]]")
+    return Measurement(
+        name=name,
+        scenario=scenario,
+        uncertain=uncertain,
+        **{kind: tuple(found) for kind, found in tables.items()},
+        left_out=tuple(left_out),
+        path=path,
+    )
+
+
+def _tables(
+    document: dict[str, Any], path: Path, scenario: Scenario
+) -> tuple[dict[str, list[Any]], list[Fact]]:
+    """What can be used of the tables of each kind, and what was left out of them."""
+    tables: dict[str, list[Any]] = {kind: [] for kind in _ENTRIES}
+    left_out: list[Fact] = []
     for kind in _ENTRIES:
         files: set[str] = set()
         for entry in _entries(document, kind):
@@ -130,38 +146,32 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
                 said_twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
                 raise ScenarioError(f"{said_twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
-            said: list[str]
-            if kind == "velocity":
-                try:
-                    data, said = read_velocity(file, scenario, _relative_sd(entry))
-                    velocity.append(data)
-                except NothingSound as error:
-                    said = [str(error)]
-            elif kind == "tracking":
-                run, said = read_tracking(file, entry, scenario)
-                tracking += [] if run is None else [run]
-            else:
-                try:
-                    table, said = read_numbers(file, *_COLUMNS[kind])
-                    tables[kind].append(table)
-                except NothingSound as error:
-                    said = [str(error)]
+            try:
+                found, said = _table(kind, file, entry, scenario)
+                tables[kind] += [] if found is None else [found]
+            except NothingSound as error:
+                said = [error.fact]
             left_out += said
-    if not velocity and not tracking and not any(tables.values()):
-        if left_out:
-            raise ScenarioError(f"nothing sound is left: {left_out[-1]}")
-        raise ScenarioError("there is none of [[velocity]], [[tracking]], [[angle]], [[field]]")
-    return Measurement(
-        name=name,
-        scenario=scenario,
-        uncertain=uncertain,
-        velocity=tuple(velocity),
-        tracking=tuple(tracking),
-        angle=tuple(tables["angle"]),
-        field=tuple(tables["field"]),
-        left_out=tuple(map(printable, left_out)),
-        path=path,
-    )
+    return tables, left_out
+
+
+def _table(
+    kind: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
+) -> tuple[Any, list[Fact]]:
+    if kind == "velocity":
+        return read_velocity(file, scenario, _relative_sd(entry))
+    if kind == "tracking":
+        return read_tracking(file, entry, scenario)
+    return read_numbers(file, *_COLUMNS[kind])
+
+
+def _path_of(table: Mapping[str, Any], key: str, section: str, kind: str) -> str:
+    """The path under a key that has to be there."""
+    value = table.get(key)
+    if isinstance(value, str):
+        return value
+    given = f"{key} = {shown(value)}" if key in table else f"{key} is missing"
+    raise ScenarioError(f"{section}{given}: allowed is the path of {kind}")
 
 
 def _are_tables(value: object) -> bool:
@@ -203,16 +213,11 @@ def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
                     f"[[{kind}]] {key} = {shown(value)}: there is no such key; "
                     f"{suggestion(key, _ENTRIES[kind])}"
                 )
-        if "file" not in entry:
-            raise ScenarioError(f"[[{kind}]] file is missing: allowed is the path of a CSV file")
-        if not isinstance(entry["file"], str):
-            raise ScenarioError(
-                f"[[{kind}]] file = {shown(entry['file'])}: allowed is the path of a CSV file"
-            )
+        file = _path_of(entry, "file", f"[[{kind}]] ", "a CSV file")
         try:
-            check_name(entry["file"])
+            check_name(file)
         except OSError as error:
-            raise ScenarioError(f"[[{kind}]] file = {shown(entry['file'])}: {error}") from None
+            raise ScenarioError(f"[[{kind}]] file = {shown(file)}: {error}") from None
     return entries
 
 

@@ -15,6 +15,7 @@ from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Fact
 
 Array = NDArray[np.float64]
 
@@ -47,7 +48,7 @@ class Findings:
     gain : Gain, optional
     profiles : tuple of Profile
         Of the parameters of the verdict's fit.
-    notes : tuple of str
+    notes : tuple of Fact
     seed : int
     """
 
@@ -65,7 +66,7 @@ class Findings:
     smooth_bound: float | None
     gain: Gain | None
     profiles: tuple[Profile, ...]
-    notes: tuple[str, ...]
+    notes: tuple[Fact, ...]
     seed: int
 
     @property

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.diagnosis.data.unit_check import refuse_larger
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.angle_noise import Noise, estimate
 from stickslip.diagnosis.observables.curve_noise import curvature, order_along
 from stickslip.diagnosis.observables.observable import ReportSection
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 from stickslip.scenario.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -66,7 +68,7 @@ class AngleObservable:
         self.sd = self.noise.sd / np.sqrt(merged.count[order])
         self.covariance = np.diag(self.sd**2)
         self.group = np.arange(len(self.observed), dtype=np.int64)
-        self.notes = tuple(f"{title}: {line}" for line in self.noise.notes)
+        self.notes: tuple[Fact, ...] = (self.noise.note.of(table=title),)
         self.left_out = (*beyond, *spikes)
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
@@ -100,21 +102,14 @@ class AngleObservable:
             joined=bool(np.ptp(other) <= 1e-3 * np.ptp(varied)),
         )
         error = [_rms(self.observed - before)]
-        said = f"The recalibrated model misses these angles by {error[0]:.2f} degrees"
         if after is not None:
             error.append(_rms(self.observed - after))
-            said += f", the extended one by {error[1]:.2f}"
-        lines = [
-            said + " (root mean square).",
-            "Each is the angle at which the magnetic torque and the weight about the corner it "
-            "pivots on cancel, after the field was raised from zero.",
-        ]
+        radians = [math.radians(each) for each in error]
+        missed = dict(zip(("recalibrated", "extended"), [*radians, None], strict=False))
+        lines = [Fact(Code.ANGLE_MISFIT, missed), Fact(Code.ANGLE_MODEL, {})]
         size = np.hypot(*self.fields.T)
         if np.all(size > _WEAK * np.max(size)):
-            lines.append(
-                "No angle was read without field. One such reading tells an offset of the camera, "
-                "which is there too, from what tilts the robot."
-            )
+            lines.append(Fact(Code.NO_ANGLE_WITHOUT_FIELD, {"percent": 100.0 * _WEAK}))
         numbers: dict[str, object] = {
             "Bx": self.fields[:, 0].tolist(),
             "Bz": self.fields[:, 1].tolist(),
@@ -134,16 +129,11 @@ def _rms(error: Array) -> float:
     return math.degrees(math.sqrt(float(np.mean(error**2))))
 
 
-def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[str]]:
+def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[Fact]]:
     """Fields and angles that can be meant, and what was left out."""
     fields = np.stack([table["Bx"], table["Bz"]], axis=1)
     theta = table["theta"]
-    strongest = float(np.max(np.abs(fields)))
-    if strongest > _STRONGEST:
-        raise ScenarioError(
-            f"{title}: a field of {strongest:.4g} T; allowed is at most {_STRONGEST:.0f} T. "
-            "If fields are in mT, divide them by 1e3"
-        )
+    refuse_larger(title, "field", float(np.max(np.abs(fields))), _STRONGEST, "T")
     beyond = np.abs(theta) > math.pi
     if np.mean(beyond) > _FEW:
         raise ScenarioError(
@@ -151,12 +141,13 @@ def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[s
             "If angles are in degrees, multiply them by pi/180"
         )
     left_out = [
-        f"{title}: theta of {value:.4g} rad is beyond half a turn" for value in theta[beyond]
+        Fact(Code.ANGLE_BEYOND_TURN, {"table": title, "theta": value})
+        for value in theta[beyond].tolist()
     ]
     return fields[~beyond], theta[~beyond], left_out
 
 
-def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Array, list[str]]:
+def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Array, list[Fact]]:
     """Leave out a row that lies far from two neighbours which agree with each other."""
     if len(theta) < 8 or len(np.unique(fields, axis=0)) < len(theta):
         return fields, theta, []
@@ -166,8 +157,7 @@ def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Arr
     kept = np.ones(len(theta), dtype=bool)
     kept[1:-1] = ~alone
     left_out = [
-        f"{title}: theta of {value:.4g} rad at Bx = {bx:.4g} T, Bz = {bz:.4g} T, far from both "
-        "its neighbours"
-        for value, (bx, bz) in zip(theta[~kept], fields[~kept], strict=True)
+        Fact(Code.LONELY_ANGLE, {"table": title, "theta": value, "Bx": bx, "Bz": bz})
+        for value, (bx, bz) in zip(theta[~kept].tolist(), fields[~kept].tolist(), strict=True)
     ]
     return fields[kept], theta[kept], left_out

@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.data.unit_check import magnitude_mismatch
+from stickslip.diagnosis.data.unit_check import magnitude_mismatch, refuse_larger
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.coil_field import CoilField
 from stickslip.diagnosis.observables.field_noise import estimate, far_rows
 from stickslip.diagnosis.observables.observable import ReportSection
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
+from stickslip.facts.sentences_of_data import mismatch
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.coils import COIL_NAMES
 
@@ -63,18 +65,18 @@ class FieldObservable:
         self.model = self._model(merged.settings, scenario)
         self.fields = merged.mean
         self.observed = merged.mean.reshape(-1)
-        reading, origin = estimate(self.model.nominal, merged)
+        reading, note = estimate(self.model.nominal, merged)
         self.sd = np.repeat(reading / np.sqrt(merged.count), 3)
         self.covariance = np.diag(self.sd**2)
         self.group = np.repeat(np.arange(len(merged.mean)), 3)
-        self.notes: tuple[str, ...] = (f"{title}: {origin}",)
+        self.notes: tuple[Fact, ...] = (note.of(table=title),)
         left_out = []
         if not off.all():
-            left_out.append(f"{title}: {_rows(~off)} on the wire of a coil")
+            on_wire = {"table": title, "count": int((~off).sum())}
+            left_out.append(Fact(Code.PROBES_ON_WIRE, on_wire))
         left_out += [
-            f"{title}: a reading of {_three(value)} T with currents {_three(row[:count])} A is far "
-            "from what any gain of the coils gives"
-            for row, value in zip(settings[far], fields[far], strict=True)
+            Fact(Code.FAR_FIELD, {"table": title, "field": value, "currents": row[:count]})
+            for row, value in zip(settings[far].tolist(), fields[far].tolist(), strict=True)
         ]
         self.left_out = tuple(left_out)
 
@@ -112,10 +114,9 @@ class FieldObservable:
             joined=False,
         )
         error = [_rms(self.observed - before)]
-        said = f"The recalibrated model misses these fields by {error[0] * 1e6:.3g} uT"
         if after is not None:
             error.append(_rms(self.observed - after))
-            said += f", the extended one by {error[1] * 1e6:.3g} uT"
+        missed = dict(zip(("recalibrated", "extended"), [*error, None], strict=False))
         largest = float(np.max(np.abs(self.observed)))
         numbers: dict[str, object] = {
             "currents": self.model.currents.tolist(),
@@ -128,7 +129,7 @@ class FieldObservable:
             "rms_recalibrated": error[0],
             "rms_extended": error[1] if after is not None else None,
         }
-        line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
+        line = Fact(Code.FIELD_MISFIT, {**missed, "largest": largest})
         return [ReportSection(self.title, picture, (line,), numbers)]
 
 
@@ -136,28 +137,11 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _rows(which: NDArray[np.bool_]) -> str:
-    count = int(which.sum())
-    return f"{count} row{'' if count == 1 else 's'}"
-
-
-def _three(values: Array) -> str:
-    return "(" + ", ".join(f"{value:.3g}" for value in values) + ")"
-
-
 def _refuse_units(table: Mapping[str, Array], title: str) -> None:
     strongest = max(float(np.max(np.abs(table[key]))) for key in _FIELD)
-    if strongest > _STRONGEST:
-        raise ScenarioError(
-            f"{title}: a field of {strongest:.4g} T; allowed is at most {_STRONGEST:.0f} T. "
-            "If fields are in mT, divide them by 1e3"
-        )
+    refuse_larger(title, "field", strongest, _STRONGEST, "T")
     farthest = max(float(np.max(np.abs(table[key]))) for key in _PLACE)
-    if farthest > _FARTHEST:
-        raise ScenarioError(
-            f"{title}: a place at {farthest:.4g} m; allowed is at most {_FARTHEST:.0f} m. "
-            "If places are in mm, divide them by 1e3"
-        )
+    refuse_larger(title, "place", farthest, _FARTHEST, "m")
 
 
 def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) -> None:
@@ -175,13 +159,13 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
     read, made, most = map(_rms, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1)))
     # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
     usual = float(np.clip(read, made, most))
-    far = magnitude_mismatch(read, usual, "T", "what the stated coils make of the currents")
+    far = magnitude_mismatch(read, usual, "T")
     if far is not None:
         strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
         largest = float(np.max(np.abs(currents[:, strongest])))
         raise ScenarioError(
             f"{title}: with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
-            f"the fields are {far}"
+            f"the fields are {mismatch(far, 'what the stated coils make of them')}"
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.facts import Fact
 
 Array = NDArray[np.float64]
 
@@ -23,15 +24,15 @@ class ReportSection:
     title : str
     picture : str
         PNG in base64, may be empty.
-    lines : tuple of str
-        Sentences below it.
+    lines : tuple of Fact
+        What is said below it.
     numbers : dict
         For report.json.
     """
 
     title: str
     picture: str
-    lines: tuple[str, ...]
+    lines: tuple[Fact, ...]
     numbers: dict[str, object]
 
 
@@ -51,9 +52,9 @@ class Observable(Protocol):
     nuisance : tuple of Uncertain
         Parameters that only this channel has, such as a camera's angle offset. Each begins with the
         channel's name and a dot.
-    notes : tuple of str
+    notes : tuple of Fact
         What a reader has to know of the noise.
-    left_out : tuple of str
+    left_out : tuple of Fact
         What was not used, and why.
     """
 
@@ -62,8 +63,8 @@ class Observable(Protocol):
     covariance: Array
     group: NDArray[np.int64]
     nuisance: tuple[Uncertain, ...]
-    notes: tuple[str, ...]
-    left_out: tuple[str, ...]
+    notes: tuple[Fact, ...]
+    left_out: tuple[Fact, ...]
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Observables, shape (vectors, k), for values of shape (vectors, names); NaN where none.

@@ -16,14 +16,19 @@ from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.api import Examination
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
-from stickslip.diagnosis.inference.discrimination import TRIALS
-from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.fit.goodness import ADEQUATE
+from stickslip.diagnosis.inference.cross_validation import INTERVAL
+from stickslip.diagnosis.inference.detection import ALPHA
+from stickslip.diagnosis.inference.experiment_design import Experiment, undecided
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.inference.ranking import runner_up, set_members
+from stickslip.diagnosis.inference.upper_bounds import BOUND, POWER
+from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN, PRIOR_NONE, PRIOR_UNKNOWN
 from stickslip.diagnosis.observables import ReportSection
-from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
+from stickslip.diagnosis.report.json_keys import Source, details, facts, further, gain_unit, summary
 from stickslip.diagnosis.report.parameters import short
 from stickslip.errors import ScenarioError
+from stickslip.facts import Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -39,6 +44,21 @@ _SHOWN = {
     # Readings of several units have no mean error.
     "SI": None,
 }
+
+
+_LIMITS = {
+    "adequate": ADEQUATE,
+    "alpha": ALPHA,
+    "bound": BOUND,
+    "interval": INTERVAL,
+    "margin": MARGIN,
+    "odds": math.exp(MARGIN),
+    "power": POWER,
+    "prior_none": PRIOR_NONE,
+    "prior_unknown": PRIOR_UNKNOWN,
+    "share": LEAST_SHARE,
+}
+"""Limits that the page explains."""
 
 
 def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
@@ -98,7 +118,10 @@ def report_texts(
     full = {**summary(examination, source, experiments), **details(examination, source, unit)}
     full["channels"] = {each.title: each.numbers for each in report_sections}
     full["gain_unit"] = unit
-    full |= further(examination)
+    more = further(examination)
+    left_out = [*source.left_out, *examination.left_out]
+    told = facts(examination.found, left_out, experiments, report_sections)
+    full |= {**more, "facts": {**told, **more["facts"]}}
     page = page_text(examination, full, report_sections, experiments)
     return {JSON: json_text(full) + "\n", PAGE: page}
 
@@ -136,6 +159,11 @@ def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     """Rows of the leading candidates and of no cause, as the verdict weighs them."""
     rows = [row for row in ranking if row["leading"]]
     return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
+
+
+def _weighed(found: Findings) -> list[Fact]:
+    second = runner_up(found)
+    return [*found.verdict.reasons, *([] if second is None else [second])]
 
 
 def _typical_error(found: Findings) -> str:
@@ -189,8 +217,9 @@ def page_text(
         candidates=_leading(full["ranking"]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
-        decisive=any(each.decides for each in experiments),
-        trials=TRIALS,
+        undecided=undecided(experiments),
+        by_evidence=any("lead" in each.fields for each in _weighed(found)),
+        limits=_LIMITS,
         observables=len(found.problem.observed),
         models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
         typical=_typical_error(found),

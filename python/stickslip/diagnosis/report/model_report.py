@@ -15,6 +15,7 @@ from stickslip.diagnosis.observables.combined import Combined
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.html import report_texts, write_files
 from stickslip.errors import ScenarioError
+from stickslip.facts import Fact
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class _Own:
     name: str
-    left_out: tuple[str, ...] = ()
+    left_out: tuple[Fact, ...] = ()
 
 
 def write_model_report(

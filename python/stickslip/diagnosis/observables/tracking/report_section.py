@@ -21,6 +21,7 @@ from stickslip.diagnosis.observables.tracking.messages import (
     view_lines,
 )
 from stickslip.diagnosis.report.figures import png
+from stickslip.facts import Code, Fact
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,22 +44,19 @@ def draw(
     view = force_view(observable, names, recalibrated)
     title = f"Tracking of {observable.run.file}"
     if view is None:
-        line = (
-            "No view of forces: the drive has no phase to fold on, the frames are too few, or the "
-            "recalibrated model does not simulate."
-        )
-        return [ReportSection(title, "", (line,), {"held_out": held_out})]
+        lines = (Fact(Code.NO_FORCE_VIEW, {}),)
+        return [ReportSection(title, "", lines, {"held_out": held_out})]
     after = None if extended is None else force_view(observable, names, extended)
     advance = _advance(observable, names, recalibrated, None if after is None else extended)
-    lines = [*advance_lines(advance), *view_lines(view, after)]
+    told = [*advance_lines(advance), *view_lines(view, after)]
     numbers = {"held_out": held_out, "advance": advance, **_numbers(view, after)}
-    report_sections = [ReportSection(title, _figure(view, after), tuple(lines), numbers)]
+    report_sections = [ReportSection(title, _figure(view, after), tuple(told), numbers)]
     observable.last_view = view
     for other in observable.family[: observable.family.index(observable)]:
         if opposite(observable, other) and other.last_view is not None:
-            lines, numbers = direction_lines(other, observable)
+            told, numbers = direction_lines(other, observable)
             title = f"{other.run.file} and {observable.run.file}: forward and reversed"
-            report_sections.append(ReportSection(title, "", tuple(lines), numbers))
+            report_sections.append(ReportSection(title, "", tuple(told), numbers))
     return report_sections
 
 
