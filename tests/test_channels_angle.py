@@ -15,6 +15,7 @@ from stickslip.diagnosis.observables.curve_noise import noise_of_curve, order_al
 from stickslip.diagnosis.observables.repeats import merge, widening
 from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
+from stickslip.facts import Code
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1
@@ -103,7 +104,7 @@ def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
     assert result.findings.verdict.kind == "ambiguous"
     assert {"misalignment", "angle_offset"} <= set(result.findings.verdict.causes)
     (report_section,) = report_sections(result.posed.comparisons(result.findings))
-    assert "without field" in report_section.lines[-1]
+    assert report_section.lines[-1].code is Code.NO_ANGLE_WITHOUT_FIELD
 
 
 def test_velocities_and_angles_together(tmp_path):
@@ -159,7 +160,8 @@ def test_repeats_are_one_condition_and_their_scatter_the_noise(tmp_path):
     single = found.sd * math.sqrt(3)
     assert np.ptp(single) < 1e-12
     assert 0.7 * DEGREE < single[0] < 1.6 * DEGREE
-    assert "scatter of readings at the same field" in found.notes[0]
+    (note,) = found.notes
+    assert (note.code, note.fields["origin"]) == (Code.READING_NOISE, "repeats")
     assert found.group.tolist() == list(range(len(FIELDS)))
 
 
@@ -187,7 +189,8 @@ def test_without_scatter_a_reading_has_its_floor(tmp_path):
     assert np.all(found.sd >= READING)
     exact = channel(laboratory(tmp_path, {}, 0, repeats=3, noise=0.0))
     assert exact.sd * math.sqrt(3) == pytest.approx(READING)
-    assert "0.5 degrees are taken" in exact.notes[0]
+    (note,) = exact.notes
+    assert (note.code, note.fields["taken"]) == (Code.READING_NOISE_SMALL, READING)
 
 
 def test_widening_keeps_the_size_of_a_test():
@@ -231,10 +234,11 @@ def test_a_dirty_table_gives_the_same_verdict(tmp_path):
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert said["verdict"] == "none"
-    assert any("2 of 18 rows" in line for line in said["left_out"])
-    notes = said["left_out"]
-    assert any("beyond half a turn" in line for line in notes)
-    assert any("far from both its neighbours" in line for line in notes)
+    facts = json.loads((tmp_path / "found" / "report.json").read_text())["facts"]["left_out"]
+    codes = [each["code"] for each in facts]
+    assert codes == [Code.BAD_CELLS, Code.ANGLE_BEYOND_TURN, Code.LONELY_ANGLE]
+    assert (facts[0]["fields"]["count"], facts[0]["fields"]["rows"]) == (2, 18)
+    assert len(said["left_out"]) == len(facts)
 
 
 def test_a_table_in_degrees_is_refused_with_the_reason(tmp_path):

@@ -12,6 +12,7 @@ from stickslip.diagnosis.observables import find_observables
 from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code
 from stickslip.measurement import read_measurement
 
 MEASUREMENT = """stickslip_measurement = 1
@@ -166,9 +167,9 @@ def test_a_geometry_that_puts_a_wire_on_a_probe_has_no_prediction(tmp_path):
 
 def test_the_noise_is_found_from_repeats_or_from_a_free_fit(tmp_path):
     repeated = channel(write(tmp_path, probed(repeats=3)))
-    assert "repeated readings" in repeated.notes[0]
+    assert repeated.notes[0].fields["origin"] == "repeats"
     single = channel(write(tmp_path, probed(repeats=1, clamp=0.3, ambient=(1e-4, 0.0))))
-    assert "free gain" in single.notes[0]
+    assert single.notes[0].fields["origin"] == "free-fit"
     # Each is known to some 7 % from 120 and more degrees of freedom, and widened for that.
     assert 0.8 * NOISE < repeated.sd.max() * np.sqrt(3) < 1.5 * NOISE
     assert 0.8 * NOISE < single.sd.max() < 1.5 * NOISE
@@ -177,7 +178,7 @@ def test_the_noise_is_found_from_repeats_or_from_a_free_fit(tmp_path):
 def test_a_perfect_table_has_a_floor(tmp_path):
     found = channel(write(tmp_path, probed(noise=0.0)))
     size = np.sqrt(np.mean(found.observed**2))
-    assert "are taken" in found.notes[0]
+    assert found.notes[0].code is Code.READING_NOISE_SMALL
     assert found.sd.max() == pytest.approx(1e-3 * size)
 
 
@@ -199,10 +200,11 @@ def test_a_dirty_table_gives_the_same_verdict(tmp_path):
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert said["verdict"] == "none"
-    assert any("2 of 84 rows" in line for line in said["left_out"])
-    notes = said["left_out"]
-    assert any("1 row on the wire" in line for line in notes)
-    assert any("far from what any gain" in line for line in notes)
+    facts = json.loads((tmp_path / "found" / "report.json").read_text())["facts"]["left_out"]
+    codes = [each["code"] for each in facts]
+    assert codes == [Code.BAD_CELLS, Code.PROBES_ON_WIRE, Code.FAR_FIELD]
+    assert [each["fields"].get("count") for each in facts] == [2, 1, None]
+    assert facts[0]["fields"]["rows"] == 84
 
 
 @pytest.mark.parametrize(

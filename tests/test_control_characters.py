@@ -78,7 +78,7 @@ def test_what_is_left_out_of_a_measurement(tmp_path):
     (tmp_path / WILD).write_text(f"velocity,mode\n1e-3,IPP\n{cells},IPP\n1e-3,{cells}\n")
     left_out = read_measurement(path).left_out
     assert len(left_out) >= 2
-    assert all(line.isprintable() for line in left_out)
+    assert all(str(fact).isprintable() for fact in left_out)
     (tmp_path / WILD).write_text(f"velocity,{cells}\n1e-3,IPP\n")
     with pytest.raises(ScenarioError, match="is not known") as error:
         read_measurement(path)

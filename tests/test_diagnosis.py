@@ -11,6 +11,7 @@ from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.model.problem import AuxiliaryData
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code
 from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
 
 
@@ -155,7 +156,7 @@ def test_drift_with_order_is_a_problem_of_the_data():
     options = {"condition": index, "order": order}
     found = diagnose_model(predict, None, drifted, UNCERTAIN, CAUSES, **options).findings
     assert found.verdict.kind == "data-problem"
-    assert "drift" in found.verdict.reasons[0]
+    assert [each.code for each in found.verdict.reasons] == [Code.DRIFT]
     sound = diagnose_model(predict, None, values, UNCERTAIN, CAUSES, **options).findings
     assert sound.verdict.kind == "none"
 
@@ -163,14 +164,14 @@ def test_drift_with_order_is_a_problem_of_the_data():
 @pytest.mark.parametrize(
     ("values", "options", "said"),
     [
-        (np.zeros(SIZE), {"relative_sd": 0.01}, "zero"),
-        (truth(), {}, "noise is not known"),
+        (np.zeros(SIZE), {"relative_sd": 0.01}, Code.ALL_ZERO),
+        (truth(), {}, Code.NO_NOISE),
     ],
 )
 def test_data_that_cannot_be_judged_is_a_problem_of_the_data(values, options, said):
     found = diagnose_model(predict, None, values, UNCERTAIN, CAUSES, **options).findings
     assert found.verdict.kind == "data-problem"
-    assert said in found.verdict.reasons[0]
+    assert [each.code for each in found.verdict.reasons] == [said]
 
 
 def test_probabilities_sum_to_one_and_lean_to_the_truth():
@@ -347,7 +348,9 @@ def test_a_model_that_computes_nothing_is_a_problem_of_the_data_if_that_is_known
         lambda x, p: p[:, :1] * x * math.nan, x, x, UNCERTAIN[:1], sd=np.full(12, 0.1),
         data_problem="nothing moves",
     ).findings  # fmt: skip
-    assert (found.verdict.kind, found.verdict.reasons) == ("data-problem", ("nothing moves",))
+    (reason,) = found.verdict.reasons
+    assert (found.verdict.kind, reason.code) == ("data-problem", Code.STATED_PROBLEM)
+    assert reason.fields == {"problem": "nothing moves"}
 
 
 def test_a_name_that_the_other_conditions_do_not_give_is_none(monkeypatch):
@@ -370,4 +373,4 @@ def test_a_leader_that_its_profile_moves_is_judged_where_it_goes(monkeypatch):
     monkeypatch.setattr(pipeline, "moved_to_profile_minimum", moved)
     said = diagnosis(3, {"wave": 1.0}).verdict
     assert said.kind == "ambiguous"
-    assert any("end of its physical range" in reason for reason in said.reasons)
+    assert Code.AT_LIMIT in [each.code for each in said.reasons]

@@ -20,6 +20,7 @@ from stickslip.cli.commands import stickslip as commands
 from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.model.effect_causes import _SHAPES, _SIZES, library
 from stickslip.diagnosis.model.simulator import Simulator, loosest_tolerances
+from stickslip.facts import Code
 from stickslip.scenario.named_effects import effects
 
 KEYS = {
@@ -218,16 +219,13 @@ def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
         raise NotWritten("cannot write report.html: No space left on device")
 
     told = []
-    monkeypatch.setattr("stickslip.diagnosis.api.diagnose", lambda *_, **__: "found")
-    monkeypatch.setattr(
-        "stickslip.diagnosis.inference.experiment_design.propose", lambda *_: "next"
-    )
-    monkeypatch.setattr("stickslip.diagnosis.report.html.write_report", full)
+    found = SimpleNamespace(propose_experiments=list, save_report=full)
+    monkeypatch.setattr("stickslip.diagnosis.api.diagnose", lambda *_, **__: found)
     monkeypatch.setattr(diagnose_command, "_tell", lambda *given: told.append(given))
     path = write(tmp_path, {})
     with pytest.raises(NotWritten):
         diagnose_command.command.callback(path, tmp_path / "found", False, 0, 1)
-    assert [(found, proposed) for found, _, proposed, _ in told] == [("found", "next")]
+    assert told == [(found, False)]
 
 
 def test_the_command_is_listed_with_an_example():
@@ -274,14 +272,23 @@ def _scaled(folder, factor):
 
 
 @pytest.mark.parametrize(
-    ("factor", "words"), [(1e-3, "wrong by 1000"), (300.0, "times what"), (-1.0, "opposite sign")]
+    ("factor", "code", "by_1000"),
+    [
+        (1e-3, Code.VELOCITIES_SIZE, True),
+        (300.0, Code.VELOCITIES_SIZE, True),
+        (60.0, Code.VELOCITIES_SIZE, False),
+        (-1.0, Code.OPPOSITE_SIGN, None),
+    ],
 )
-def test_a_column_in_a_wrong_unit_or_of_a_wrong_sign_is_said_to_be(tmp_path, factor, words):
+def test_a_column_in_a_wrong_unit_or_of_a_wrong_sign_is_said_to_be(tmp_path, factor, code, by_1000):
     done = stickslip("diagnose", _scaled(tmp_path, factor), "--json", "--out", tmp_path / "found")
     said = json.loads(done.stdout)
     assert said["verdict"] == "data-problem"
     assert said["cause"] is None
-    assert words in json.loads((tmp_path / "found" / "report.json").read_text())["headline"]
+    report = json.loads((tmp_path / "found" / "report.json").read_text())
+    (fact,) = report["facts"]["reasons"]
+    assert (fact["code"], fact["fields"].get("by_1000")) == (code, by_1000)
+    assert report["headline"].endswith(report["reasons"][0])
 
 
 def _dirty(folder, change):
@@ -321,31 +328,35 @@ def _drifting(lines):
 
 
 @pytest.mark.parametrize(
-    ("change", "verdicts", "words"),
+    ("change", "verdict", "code"),
     [
-        (lambda lines: [lines[0], *reversed(lines[1:])], ("none",), ""),
-        (lambda lines: [*lines[:4], lines[4].rsplit(",", 1)[0] + ",nan", *lines[5:]], ("none",),
-         "is no number"),
-        (_absurd, ("none",), "others of its condition"),
-        (lambda lines: [lines[0], *lines[1::3]], ("data-problem",), "repeats"),
-        (lambda lines: lines[:4], ("data-problem",), "too few"),
-        (_all_zero, ("data-problem",), "zero"),
-        (_drifting, ("data-problem",), "drift"),
-        (_first_condition(1e3), ("none",), "4: a velocity above 1.0 m/s"),
-        (_first_condition(200.0), ("data-problem",),
-         "the velocity of direction +x, frequency 25 Hz is about"),
-        (lambda lines: [line.replace("+x", "+X") for line in lines], ("none",), ""),
+        (lambda lines: [lines[0], *reversed(lines[1:])], "none", None),
+        (lambda lines: [*lines[:4], lines[4].rsplit(",", 1)[0] + ",nan", *lines[5:]], "none",
+         Code.NOT_A_NUMBER),
+        (_absurd, "none", Code.OUTLIER),
+        (lambda lines: [lines[0], *lines[1::3]], "data-problem", Code.NO_NOISE),
+        (lambda lines: lines[:4], "data-problem", Code.TOO_FEW_CONDITIONS),
+        (_all_zero, "data-problem", Code.ALL_ZERO),
+        (_drifting, "data-problem", Code.DRIFT),
+        (_first_condition(1e3), "none", Code.TOO_FAST),
+        (_first_condition(200.0), "data-problem", Code.VELOCITY_SIZE),
+        (lambda lines: [line.replace("+x", "+X") for line in lines], "none", None),
     ],
     ids=["out of order", "nan", "outlier", "no repeats", "one condition", "all zero", "drift",
          "in mm/s", "far too fast", "capitals"],
 )  # fmt: skip
-def test_dirty_tables_end_in_a_sound_verdict(tmp_path, change, verdicts, words):
+def test_dirty_tables_end_in_a_sound_verdict(tmp_path, change, verdict, code):
     path = _dirty(tmp_path, change)
     done = stickslip("diagnose", path, "--out", tmp_path / "found", "--seed", 3)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.split(":")[0] in verdicts, done.stdout
-    assert words in done.stdout
+    assert done.stdout.split(":")[0] == verdict, done.stdout
     assert "Traceback" not in done.stderr
+    report = json.loads((tmp_path / "found" / "report.json").read_text())
+    facts = report["facts"]["reasons"] if verdict == "data-problem" else report["facts"]["left_out"]
+    assert [each["code"] for each in facts] == ([] if code is None else [code])
+    # The command prints what report.json has.
+    for line in (*report["reasons"], *report["notes"], *report["left_out"]):
+        assert verdict == "data-problem" or line in done.stdout
     assert (tmp_path / "found" / "report.html").is_file()
 
 

@@ -22,6 +22,7 @@ from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_b
 from stickslip.diagnosis.report.evidence import carriers
 from stickslip.diagnosis.report.json_keys import flat_directions
 from stickslip.diagnosis.report.messages import headline, rounded
+from stickslip.facts import Code, Fact
 
 
 def test_the_fit_is_the_linear_answer():
@@ -53,10 +54,10 @@ ACROSS *= SD / np.linalg.norm(ACROSS)
     ("shape", "said"),
     [
         # Of 0.5 a + 0.4 b nothing is known along (0.4, -0.5), where b moves more.
-        (X, ["other and slope trade off"]),
-        (0.0 * X, ["the data say little about other"]),
+        (X, [Fact(Code.TRADE_OFF, {"names": ["other", "slope"]})]),
+        (0.0 * X, [Fact(Code.LITTLE_KNOWN, {"name": "other"})]),
         # One standard deviation of its prior, 0.4, does 0.9 or 1.1 errors to the data.
-        (0.9 / 0.4 * ACROSS, ["the data say little about other"]),
+        (0.9 / 0.4 * ACROSS, [Fact(Code.LITTLE_KNOWN, {"name": "other"})]),
         (1.1 / 0.4 * ACROSS, []),
     ],
 )
@@ -184,10 +185,12 @@ def test_an_ambiguous_pair_is_worded_as_one():
         verdict = SimpleNamespace(kind="ambiguous", causes=causes, fit=fit, reasons=reasons)
         return headline(SimpleNamespace(verdict=verdict, gain=None))
 
-    assert said(("a", "b"), ("a", "b"), "why") == "a and b are the best pair, but why."
-    assert said(("a",), ("a",), "why") == "a is the best candidate, but why."
-    assert said(("a", "b", "c"), ("a", "b"), "why").startswith("Two of these together")
-    assert said(("a", "b"), ("a",), "why").startswith("One of these")
+    why = Fact(Code.AT_LIMIT, {"name": "a"})
+    both = said(("a", "b"), ("a", "b"), why)
+    assert both == f"a and b are the best pair, but this is not certain. {why}"
+    assert said(("a",), ("a",), why).startswith("a is the best candidate, but")
+    assert said(("a", "b", "c"), ("a", "b"), why).startswith("Two of these together")
+    assert said(("a", "b"), ("a",), why).startswith("One of these")
 
 
 NOT_CERTAIN = " On 5 held-out conditions the gain is not certain: its interval includes 0."
@@ -285,14 +288,14 @@ def test_another_instrument_is_named_where_it_would_split_a_set():
     def advised(word, *causes):
         return advice(SimpleNamespace(verdict=SimpleNamespace(kind=word, causes=causes)))
 
-    (said,) = advised("ambiguous", "surface_tilt", "friction_anisotropy")
-    assert said.startswith("Tilt the stage")
-    assert "friction_anisotropy" in said
+    tilt = {"seen": ["surface_tilt"], "unseen": ["friction_anisotropy"]}
+    assert advised("ambiguous", "surface_tilt", "friction_anisotropy") == [
+        Fact(Code.LOOK_AT_TILT, tilt)
+    ]
     assert len(advised("ambiguous", "coil_heating", "misalignment")) == 2
     # Each of the exact twins has a look of its own; a field at rest shows no lag of it.
-    assert [line.split(":")[0] for line in advised("ambiguous", "length_scale", "clock_scale")] == [
-        "Film a scale", "Film a clock"
-    ]  # fmt: skip
+    twins = advised("ambiguous", "length_scale", "clock_scale")
+    assert [each.code for each in twins] == [Code.LOOK_AT_SCALE, Code.LOOK_AT_CLOCK]
     assert advised("ambiguous", "eddy_lag", "friction_patches") == []
     assert advised("named", "surface_tilt") == []
 
@@ -317,16 +320,20 @@ WAYS = [
 MODEL = np.array([1.0, -1.1, -0.6, 0.7] * 4) * np.linspace(0.8, 1.3, 16)
 
 
+def reverse(setting, value):
+    return Fact(Code.REVERSED, {"setting": setting, "value": value})
+
+
 @pytest.mark.parametrize(
-    ("change", "word"),
+    ("change", "said"),
     [
-        (lambda v: np.abs(v), "speeds"),
-        (lambda v: v * np.array([1.0, -1.0, 1.0, -1.0] * 4), "direction is -x"),
-        (lambda v: v * np.array([1.0, 1.0, -1.0, -1.0] * 4), "mode is OPP"),
+        (lambda v: np.abs(v), Fact(Code.SPEEDS, {})),
+        (lambda v: v * np.array([1.0, -1.0, 1.0, -1.0] * 4), reverse("direction", "-x")),
+        (lambda v: v * np.array([1.0, 1.0, -1.0, -1.0] * 4), reverse("mode", "OPP")),
     ],
 )
-def test_a_sign_that_follows_a_rule_is_no_physics(change, word):
-    assert word in wrong_sign(WAYS, MODEL, 1.1 * change(MODEL))
+def test_a_sign_that_follows_a_rule_is_no_physics(change, said):
+    assert wrong_sign(WAYS, MODEL, 1.1 * change(MODEL)) == said
 
 
 def test_a_sign_that_follows_no_rule_is_left_to_the_causes():
@@ -349,7 +356,6 @@ def test_what_stands_still_where_the_model_walks_is_said():
     read[9] = 0.0
     assert standing_still(paces, model, read) is None
     read[:6] = 0.0
-    assert standing_still(paces, model, read) == (
-        "6 conditions read zero where the stated model moves by up to 1 mm/s: "
-        "frequency 20 Hz; frequency 21 Hz; frequency 22 Hz; frequency 23 Hz and 2 more"
-    )
+    first = [f"frequency {pace} Hz" for pace in (20, 21, 22, 23)]
+    still = {"count": 6, "speed": 1e-3, "conditions": first}
+    assert standing_still(paces, model, read) == Fact(Code.STANDS_STILL, still)

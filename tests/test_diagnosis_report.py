@@ -21,12 +21,31 @@ from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.report.evidence import pattern, where_it_lives
 from stickslip.diagnosis.report.messages import against, headline
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 from toy_model import CAUSES, MODE, SIZE, UNCERTAIN, X, diagnosis, predict, result
 
 
 @pytest.fixture(scope="module")
 def full(tilted):
     return json.loads((tilted[0] / "found" / "report.json").read_text())
+
+
+def test_the_facts_are_those_of_the_sentences(full):
+    def said(facts):
+        return [str(Fact(Code(each["code"]), each["fields"])) for each in facts]
+
+    facts = full["facts"]
+    for key in ("reasons", "notes", "left_out", "flat_directions", "changing", "advice"):
+        assert said(facts[key]) == full[key]
+    assert said(facts["next_experiments"]) == [each["why"] for each in full["next_experiments"]]
+    for key in ("runner_up", "where_it_lives"):
+        assert "".join(said(facts[key])) == full[key]
+    changes = full["velocity_changes"]
+    assert said(facts["velocity_changes"].values()) == [
+        each["in_words"] for each in changes.values()
+    ]
+    assert full["reasons"]
+    assert full["notes"]
 
 
 def test_parts_share_the_whole_misfit(full):
@@ -73,7 +92,9 @@ def test_the_change_by_a_tilt_is_that_of_the_simulator(full):
     )
     way = np.sign(tilt - plain)
     assert all(np.sign(each["change"]) == way for each in found["parts"].values())
-    assert found["in_words"] == f"shifted towards {'+x' if way > 0 else '-x'} throughout"
+    shifted = Fact(Code.VELOCITIES_SHIFTED, {"direction": "+x" if way > 0 else "-x"})
+    assert found["in_words"] == str(shifted)
+    assert full["facts"]["velocity_changes"]["surface_tilt"] == shifted.as_dict()
 
 
 def test_held_out_predictions_have_the_error_that_is_reported(full):
@@ -113,7 +134,7 @@ def test_the_extended_scenario_says_where_it_is_from(tilted):
 
 def test_the_page_explains_its_words(tilted):
     page = (tilted[0] / "found" / "report.html").read_text()
-    for words in ("Chi-square: squared", "Starts agree", "the constants held"):
+    for words in ("Chi-square: squared", "Starts agree", "same constants"):
         assert words in page
 
 
@@ -122,7 +143,7 @@ def test_of_data_that_teach_nothing_the_page_says_so(tmp_path):
     lines = (tmp_path / "velocity.csv").read_text().splitlines()
     (tmp_path / "velocity.csv").write_text("\n".join([lines[0], *lines[1::3]]) + "\n")
     done = stickslip("diagnose", path, cwd=tmp_path)
-    assert "velocity_sd" in done.stdout
+    assert str(Fact(Code.NO_NOISE, {})) in done.stdout
     assert done.stdout.splitlines()[-1].endswith("report.html, report.json, extended.toml")
     page = (tmp_path / "diagnosis" / "report.html").read_text()
     assert "Nothing was learnt" in page
@@ -154,24 +175,33 @@ def part(conditions, recalibrated):
 
 def test_where_the_misfit_lives_is_a_contrast():
     said = where_it_lives({"IPP": part(9, 1.1), "OPP": part(9, 7.3)})
-    assert said.endswith("larger in OPP (7.3, against 1.1 in IPP).")
+    larger = {"part": "OPP", "misfit": 7.3, "other": "IPP", "misfit_of_other": 1.1}
+    assert (said.code, said.fields["parts"]) == (Code.MISFIT_UNEVEN, [larger])
     # Below the noise nothing is large, however small the other part is.
-    assert "same in all" in where_it_lives({"IPP": part(9, 0.1), "OPP": part(9, 1.9)})
+    even = where_it_lives({"IPP": part(9, 0.1), "OPP": part(9, 1.9)})
+    assert even.code is Code.MISFIT_EVEN
+
+
+def mixed(faster, slower):
+    return Fact(Code.VELOCITIES_MIXED, {"faster": faster, "slower": slower})
 
 
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"IPP +x": (1.0, -0.1), "IPP -x": (-1.0, 0.1)}, "slower throughout"),
-        ({"IPP +x": (1.0, 0.1), "IPP -x": (-1.0, -0.1)}, "faster throughout"),
-        ({"IPP +x": (1.0, -0.1), "IPP -x": (-1.0, -0.1)}, "shifted towards -x throughout"),
+        ({"IPP +x": (1.0, -0.1), "IPP -x": (-1.0, 0.1)}, Fact(Code.VELOCITIES_SLOWER, {})),
+        ({"IPP +x": (1.0, 0.1), "IPP -x": (-1.0, -0.1)}, Fact(Code.VELOCITIES_FASTER, {})),
+        (
+            {"IPP +x": (1.0, -0.1), "IPP -x": (-1.0, -0.1)},
+            Fact(Code.VELOCITIES_SHIFTED, {"direction": "-x"}),
+        ),
         (
             {"IPP +x": (1.0, 0.1), "OPP +x": (1.0, -0.1), "IPP -x": (-1.0, -0.1)},
-            "faster in IPP +x, IPP -x; slower in OPP +x",
+            mixed(["IPP +x", "IPP -x"], ["OPP +x"]),
         ),
-        ({"IPP +x": (1.0, 0.0), "OPP +x": (-1.0, 0.1)}, "slower in OPP +x"),
-        ({"IPP +x": (1.0, 0.0)}, "hardly changed"),
-        ({}, "hardly changed"),
+        ({"IPP +x": (1.0, 0.0), "OPP +x": (-1.0, 0.1)}, mixed([], ["OPP +x"])),
+        ({"IPP +x": (1.0, 0.0)}, Fact(Code.VELOCITIES_UNCHANGED, {})),
+        ({}, Fact(Code.VELOCITIES_UNCHANGED, {})),
     ],
 )
 def test_patterns_of_velocity(changed, said):
@@ -216,7 +246,7 @@ def test_what_leads_and_what_comes_next():
     found = diagnosis(0, {"ripple": 0.3})
     assert found.verdict.causes == ("ripple",)
     assert leading(found)[0].name == "ripple"
-    assert runner_up(found) == ""  # the reason of a name says it already
+    assert runner_up(found) is None  # the reason of a name says it already
     both = next(
         each
         for each in (diagnosis(seed, {"wave": 0.5, "swell": -0.5}) for seed in range(20))
@@ -224,7 +254,7 @@ def test_what_leads_and_what_comes_next():
     )
     assert both.verdict.causes == ("swell", "wave")
     assert leading(both)[0].name == both.verdict.fit.name
-    assert runner_up(both).startswith("the runner-up, ")
+    assert runner_up(both).code is Code.RUNNER_UP
     assert "two causes together, swell and wave: " in headline(both)
 
 
@@ -233,7 +263,8 @@ def test_what_no_cause_explains_has_a_nearest():
     found = diagnosis(2, extra=shape)
     assert found.verdict.kind == "unexplained"
     nearest = min([*found.ranking.singles, *found.ranking.pairs], key=lambda fit: fit.chi2)
-    assert runner_up(found).startswith(f"{nearest.name} comes nearest")
+    said = runner_up(found)
+    assert (said.code, said.fields["name"]) == (Code.NEAREST, nearest.name)
 
 
 @pytest.mark.parametrize(
@@ -281,7 +312,7 @@ def test_of_close_pairs_no_other_is_made():
     )
     assert [fit.name for fit in set_members(found)] == ["a + b", "c + d"]
     # 50 less 6.7 for a second cause, against 30 less the same.
-    assert runner_up(found) == "the runner-up, a + c, is behind by 20.0 in log-evidence"
+    assert runner_up(found) == Fact(Code.RUNNER_UP, {"name": "a + c", "lead": pytest.approx(20.0)})
 
 
 def test_stages_are_told_in_order():

@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
+from stickslip.diagnosis.data.data_quality import (
+    FEWEST_CONDITIONS,
+    find_data_problem,
+    uneven_setups,
+)
 from stickslip.diagnosis.data.noise import fit_noise, whitener
 from stickslip.diagnosis.fit.cause_pairs import beside_a_released_constant
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
@@ -22,6 +26,7 @@ from stickslip.diagnosis.inference.cross_validation import folds, predictive_gai
 from stickslip.diagnosis.inference.model_comparison import reweighed
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Code, Fact
 
 X = np.linspace(1.0, 3.0, 16)
 SD = 0.05
@@ -332,7 +337,8 @@ def test_the_predictive_density_is_that_of_a_normal_law(shared):
 def test_few_velocities_are_no_trouble_beside_other_data():
     values, index = np.array([1.0, 2.0]), np.arange(2)
     noise = fit_noise(values, index)
-    assert "too few" in find_data_problem(values, index, noise, None)
+    few = find_data_problem(values, index, noise, None)
+    assert few == Fact(Code.TOO_FEW_CONDITIONS, {"count": 2, "needed": FEWEST_CONDITIONS})
     assert find_data_problem(values, index, noise, None, alone=False) is None
 
 
@@ -353,7 +359,7 @@ def test_readings_rounded_to_more_than_their_scatter_are_no_measure_of_it():
     random = np.random.default_rng(5)
     level = np.linspace(1e-4, 1e-3, 20)[:, None]
     trials = level + 1e-5 * random.standard_normal((20, 3))
-    assert "exactly alike" in _trouble(3e-5 * np.round(trials / 3e-5))
+    assert _trouble(3e-5 * np.round(trials / 3e-5)).code is Code.ROUNDED
     assert _trouble(5e-6 * np.round(trials / 5e-6)) is None
 
 
@@ -369,7 +375,7 @@ def test_a_set_up_that_scatters_more_than_the_others_is_told_apart_from_heavy_ta
         blamed += _uneven(trials) is not None
     assert blamed <= 1
     trials = level * (1.0 + 0.03 * random.standard_normal((60, 4)) * np.array([1, 1, 4, 1]))
-    assert "set-up 3" in _uneven(trials)
+    assert _uneven(trials).fields["setup"] == 3
 
 
 def test_set_ups_of_unlike_sizes_are_no_trouble():
@@ -394,7 +400,7 @@ def test_what_stands_still_hides_no_uneven_set_up_and_is_no_drift():
     random = np.random.default_rng(14)
     level = np.concatenate([np.linspace(1e-4, 1e-3, 60), np.zeros(80)])[:, None]
     trials = level * (1.0 + 0.03 * random.standard_normal((140, 4)) * np.array([1, 1, 4, 1]))
-    assert "set-up 3" in _uneven(trials)
+    assert _uneven(trials).fields["setup"] == 3
     # Still conditions in a row at the end know nothing of time, and count as no degrees of freedom.
     blamed = 0
     index = np.repeat(np.arange(24), 3)

@@ -17,6 +17,7 @@ from stickslip.diagnosis.inference.verdict import (
     contradicting,
     decide,
 )
+from stickslip.facts import Code, Fact
 
 
 @pytest.mark.parametrize(("source", "word"), [((), "named"), ("a" * 12 + "b" * 12, "ambiguous")])
@@ -29,7 +30,8 @@ def test_a_table_that_contradicts_a_cause_is_heard(source, word):
     ).findings  # fmt: skip
     assert found.verdict.causes == ("wave",)
     assert found.verdict.kind == word
-    assert any("kind b contradicts" in each for each in found.verdict.reasons) == bool(source)
+    against = [each for each in found.verdict.reasons if each.code is Code.TABLE_CONTRADICTS]
+    assert [each.fields["kind"] for each in against] == (["b"] if source else [])
 
 
 def test_each_table_is_judged_by_its_own_noise():
@@ -53,8 +55,7 @@ def test_a_name_that_the_other_conditions_turn_is_none():
     assert (more.kind, len(more.reasons)) == ("named", 2)
     other = checked_on_training_subset(said, ranking, "bend")
     assert (other.kind, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
-    (reason,) = other.reasons
-    assert "bend would lead" in reason
+    assert other.reasons == (Fact(Code.TRAINING_SUBSET, {"name": "bend"}),)
     # A pair is no member of a set of single causes.
     candidate = replace(fits[2].candidate, causes=(BEND, replace(BEND, name="third")))
     outside = replace(ranking, pairs=(replace(fits[2], candidate=candidate),))
@@ -63,6 +64,19 @@ def test_a_name_that_the_other_conditions_turn_is_none():
     # Nor is a claimed pair turned by one of its own.
     both = Verdict("pair", ("bend", "wave"), fits[2], ("why",), {})
     assert checked_on_training_subset(both, ranking, "wave").kind == "pair"
+
+
+def behind(lead):
+    """That the pair of bend and wave is the runner-up."""
+    return Code.RUNNER_UP, {"name": "bend + wave", "lead": pytest.approx(lead)}
+
+
+def ahead(lead):
+    """That it leads, but does not explain the data."""
+    return Code.OTHER_LEADS_UNEXPLAINED, {"name": "bend + wave", "lead": pytest.approx(lead)}
+
+
+LESS_LIKELY = (Code.LESS_LIKELY, {"explaining": "wave", "name": "bend"})
 
 
 def standing(evidence, misfit, causes, like):
@@ -77,13 +91,13 @@ def standing(evidence, misfit, causes, like):
     ("wave", "bend", "both", "word", "said"),
     [
         # Log-evidence and misfit of 24 readings; above 43 (p < 0.01) it is not explained.
-        ((90.0, 20.0), (70.0, 30.0), (96.0, 18.0), "named", "bend + wave, is behind by 0.7 in"),
-        ((90.0, 20.0), (88.7, 60.0), (70.0, 18.0), "ambiguous", "does not separate them"),
-        ((90.0, 20.0), (95.0, 60.0), (70.0, 18.0), "unexplained", "than bend, which does not"),
-        ((90.0, 20.0), (92.0, 60.0), (97.5, 18.0), "unexplained", "than bend, which does not"),
-        ((90.0, 60.0), (70.0, 60.0), (95.0, 18.0), "unexplained", "leads by too little"),
-        ((90.0, 60.0), (70.0, 60.0), (97.0, 60.0), "unexplained", "no single cause and no pair"),
-        ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", "leads by 2.3 in log-evidence, but"),
+        ((90.0, 20.0), (70.0, 30.0), (96.0, 18.0), "named", behind(0.7)),
+        ((90.0, 20.0), (88.7, 60.0), (70.0, 18.0), "ambiguous", (Code.NOT_SEPARATED, {})),
+        ((90.0, 20.0), (95.0, 60.0), (70.0, 18.0), "unexplained", LESS_LIKELY),
+        ((90.0, 20.0), (92.0, 60.0), (97.5, 18.0), "unexplained", LESS_LIKELY),
+        ((90.0, 60.0), (70.0, 60.0), (95.0, 18.0), "unexplained", (Code.PAIR_LEADS_TOO_LITTLE, {})),
+        ((90.0, 60.0), (70.0, 60.0), (97.0, 60.0), "unexplained", (Code.NO_EXPLANATION, {})),
+        ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", ahead(2.3)),
     ],
 )
 def test_the_reason_says_what_stands_against_more(wave, bend, both, word, said):
@@ -96,4 +110,6 @@ def test_the_reason_says_what_stands_against_more(wave, bend, both, word, said):
     found = SimpleNamespace(found=True)
     verdict = decide(given, found, ranking, np.eye(2), {}, lambda fit: True)
     assert verdict.kind == word
-    assert said in verdict.reasons[0]
+    code, fields = said
+    assert verdict.reasons[0].code is code
+    assert {key: verdict.reasons[0].fields[key] for key in fields} == fields

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.velocity import read_velocity
 from stickslip.scenario.scenario import Scenario
@@ -59,18 +60,31 @@ def test_what_is_not_sound_is_left_out_and_said(tmp_path):
     lines.append("0.001,3,IPP,fast,day3,41")
     lines.append("0.001,3,IPP")
     found = read_measurement(_write(tmp_path, "\n".join(lines)))
-    said = "\n".join(found.left_out)
-    for word in ("is no number", "repeats", "cells, not", "fast", "others of its condition"):
-        assert word in said, said
-    assert any("4 of 16 rows were left out" in line for line in found.left_out)
-    assert len(found.left_out) == 6
+    table = {"table": "velocity.csv"}
+    outlier = found.left_out[-1]
+    assert found.left_out[:-1] == (
+        Fact(Code.ROWS_LEFT_OUT, {**table, "count": 4, "rows": 16}),
+        _fact(Code.NOT_A_NUMBER, 3, column="velocity", cell="nan"),
+        _fact(Code.REPEATED_ROW, 5),
+        _fact(Code.NOT_A_NUMBER, 16, column="frequency", cell="fast"),
+        _fact(Code.CELL_COUNT, 17, cells=3, columns=6),
+    )
+    assert (outlier.code, outlier.fields["velocity"]) == (Code.OUTLIER, 0.5)
+    assert outlier.fields["unit_factor"] is None
     assert len(found.velocity[0].velocity) == 11
+
+
+def _fact(code, *lines, **fields):
+    return Fact(
+        code, {"table": "velocity.csv", "lines": list(lines), "count": len(lines), **fields}
+    )
 
 
 def test_a_single_wrong_unit_is_named_as_such(tmp_path):
     rows = ROWS + "0.6,3,IPP,30,day3,40\n"
     found = read_measurement(_write(tmp_path, rows))
-    assert "factor of 1000" in found.left_out[0]
+    assert found.left_out[0].code is Code.OUTLIER
+    assert found.left_out[0].fields["unit_factor"] == 1000.0
 
 
 def test_slow_conditions_scatter_by_more_than_their_share(tmp_path):
@@ -119,7 +133,9 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
     assert np.allclose(run.columns["t"], np.arange(120) * 1e-3)
     assert np.array_equal(run.columns["theta"], run.columns["t"])
     assert run.frame_rate == pytest.approx(1000.0)
-    assert len(found.left_out) == 4
+    assert [each.code for each in found.left_out] == [
+        Code.BAD_CELLS, Code.FRAMES_SORTED, Code.REPEATED_TIMES, Code.FRAMES_AFTER_DRIVE
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -205,9 +221,10 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
     )
     data, left_out = read_velocity(path, Scenario(), float("nan"))
     assert len(data.velocity) == 1
-    assert any(line.startswith("velocity.csv lines 5, 6: ") for line in left_out)
-    assert any(line.startswith("velocity.csv line 8: ") for line in left_out)
-    assert "velocity.csv: 3 of 4 rows were left out" in left_out
+    many, refused, lost = left_out
+    assert many == Fact(Code.ROWS_LEFT_OUT, {"table": "velocity.csv", "count": 3, "rows": 4})
+    assert (refused.code, refused.fields["lines"]) == (Code.SETTING_REFUSED, [5, 6])
+    assert lost == _fact(Code.NOT_A_NUMBER, 8, column="velocity", cell="lost")
 
 
 def test_one_field_in_another_unit_is_left_out(tmp_path):
@@ -215,7 +232,8 @@ def test_one_field_in_another_unit_is_left_out(tmp_path):
     path.write_text("frequency,hold,velocity\n30,6e-4,1e-3\n40,6e-4,1e-3\n50,0.6,1e-3\n")
     data, left_out = read_velocity(path, Scenario(), float("nan"))
     assert len(data.velocity) == 2
-    assert any("line 4: hold of 0.6 T" in line for line in left_out)
+    limit = {"unit": "T", "limit": 0.1, "other": "mT"}
+    assert _fact(Code.SETTING_TOO_LARGE, 4, key="hold", value=0.6, **limit) in left_out
 
 
 def test_other_separators_are_named(tmp_path):

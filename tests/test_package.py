@@ -54,8 +54,8 @@ def test_the_library_does_not_need_the_command():
         assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
 
 
-ROOMS = ("_util", "scenario", "simulation", "sweeping", "measurement", "diagnosis", "plot")
-ROOMS += ("reproduction", "cli")
+ROOMS = ("_util", "scenario", "simulation", "sweeping", "facts", "measurement", "diagnosis")
+ROOMS += ("plot", "reproduction", "cli")
 IMPORTED = re.compile(r"^\s*(?:from|import) stickslip\.(\w+)", re.MULTILINE)
 
 

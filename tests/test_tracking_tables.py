@@ -10,6 +10,7 @@ from films import NOISE, TRUE, film, write_table
 from stickslip.diagnosis.observables.tracking.camera import Camera
 from stickslip.diagnosis.observables.tracking.film import find_films
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code
 from stickslip.measurement import read_measurement
 
 TOML = """stickslip_measurement = 1
@@ -76,11 +77,16 @@ def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
     (run,) = found.tracking
     assert len(run.columns["t"]) == len(kept) - 1
     assert np.all(np.diff(run.columns["t"]) > 0.0)
-    said = "\n".join(found.left_out)
-    for word in ("no number", "order of time", "repeat a time", "column z", "column current_x"):
-        assert word in said, said
+    assert [(each.code, each.fields.get("column")) for each in found.left_out] == [
+        (Code.BAD_CELLS, None),
+        (Code.GAPS, "z"),
+        (Code.GAPS, "current_x"),
+        (Code.FRAMES_SORTED, None),
+        (Code.REPEATED_TIMES, None),
+    ]
     (channel,) = find_films(found.tracking, 1)
-    assert "current_x is not used" in "\n".join(channel.left_out)
+    unused = channel.left_out[-1]
+    assert (unused.code, unused.fields["column"]) == (Code.COLUMN_TOO_SHORT, "current_x")
     assert np.all(np.isfinite(channel.predict(list(TRUE), np.array([[*TRUE.values()]]))))
 
 
@@ -91,10 +97,14 @@ def test_a_run_that_says_too_little_is_left_out_and_the_others_go_on(tmp_path, f
     lost = {key: np.full(30, np.nan) for key in frames}
     found = read_measurement(write(tmp_path, TOML + tables, a=frames, b=few, c=degrees, d=lost))
     assert [run.file for run in found.tracking] == ["a.csv"]
-    said = "\n".join(found.left_out)
-    assert "10 sound frames" in said
-    assert "degrees where rad" in said
-    assert "no row is sound" in said
+    short, degrees, none = (
+        each
+        for each in found.left_out
+        if each.code in (Code.RUN_TOO_SHORT, Code.RUN_ANGLE_UNIT, Code.NO_SOUND_ROW)
+    )
+    assert (short.fields["table"], short.fields["count"]) == ("b.csv", 10)
+    assert (degrees.fields["table"], degrees.code) == ("c.csv", Code.RUN_ANGLE_UNIT)
+    assert none.fields["table"].endswith("d.csv")
 
 
 ALL = ("x", "theta", "z", "current_x", "current_clamp")
@@ -115,9 +125,9 @@ def used(folder, frames, toml=TOML):
 @pytest.mark.parametrize(
     ("column", "what", "unit"),
     [
-        ("z", "its spread", "m"),
-        ("current_x", "its size", "A"),
-        ("current_clamp", "its size", "A"),
+        ("z", "spread", "m"),
+        ("current_x", "size", "A"),
+        ("current_clamp", "size", "A"),
     ],
 )
 def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
@@ -125,9 +135,10 @@ def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
 ):
     columns, said = used(tmp_path, {**full_frames, column: factor * full_frames[column]})
     assert columns == set(ALL) - {column}
-    (line,) = said
-    assert line.startswith(f"a.csv: column {column} is not used: {what} is about ")
-    assert f" {unit}; allowed is 0.02 to 50 times), so a column may be in a unit" in line
+    (fact,) = said
+    expected = {"table": "a.csv", "column": column, "what": what, "unit": unit, "by_1000": True}
+    assert fact.code is Code.COLUMN_SIZE
+    assert expected.items() <= fact.fields.items()
 
 
 @pytest.mark.parametrize(
@@ -159,7 +170,8 @@ def test_frames_that_were_lost_are_no_wrong_unit(tmp_path, full_frames):
     frames["current_x"][170] = -9999.0
     columns, said = used(tmp_path, frames)
     assert columns == set(ALL)
-    assert [line.split(" in ")[1].split(",")[0] for line in said] == ["z", "current_x"]
+    wild = [(each.code, each.fields["column"]) for each in said]
+    assert wild == [(Code.WILD_FRAMES, "z"), (Code.WILD_FRAMES, "current_x")]
 
 
 def test_a_film_in_the_trough_of_its_drive_is_used(tmp_path, full_frames):

@@ -13,7 +13,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.conditions import (
     Conditions,
     find_singleton_condition,
-    in_words,
+    named,
     varied,
 )
 from stickslip.diagnosis.data.noise import fit_noise
@@ -29,6 +29,7 @@ from stickslip.diagnosis.observables.observable import Observable
 from stickslip.diagnosis.options import Options
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
@@ -54,7 +55,7 @@ class MeasurementProblem(OneLine):
     uncertain : list of Uncertain
     causes : tuple of Cause
     options : Options
-    first_notes, last_notes : tuple of str
+    first_notes, last_notes : tuple of Fact
         What a reader has to know of the conditions, and of the channels.
     """
 
@@ -64,8 +65,8 @@ class MeasurementProblem(OneLine):
     uncertain: list[Uncertain]
     causes: tuple[Cause, ...]
     options: Options
-    first_notes: tuple[str, ...]
-    last_notes: tuple[str, ...]
+    first_notes: tuple[Fact, ...]
+    last_notes: tuple[Fact, ...]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -117,7 +118,7 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
     parameters = _parameters(measurement, observables)
     simulator = Simulator(scenario, parameters.keys, threads)
     velocities, lost = _computable(_velocities(measurement, simulator, parameters))
-    left_out = [*(line for each in observables for line in each.left_out), *lost]
+    left_out = [*(fact for each in observables for fact in each.left_out), *lost]
     conditions: list[dict[str, Value]] = []
     given = np.zeros(0)
     if velocities.conditions:
@@ -146,7 +147,7 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
         parameters.causes,
         replace(options, seed=seed, source=source, low_fidelity=low_fidelity),
         tuple(_still(velocities)),
-        tuple(line for each in observables for line in each.notes),
+        tuple(fact for each in observables for fact in each.notes),
     )
 
 
@@ -181,8 +182,8 @@ def _nominal(simulator: Simulator, conditions: Conditions, parameters: _Paramete
     return np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
 
 
-def _computable(given: _Velocities) -> tuple[_Velocities, list[str]]:
-    """Without the conditions that the stated model cannot compute, and a line for each of those.
+def _computable(given: _Velocities) -> tuple[_Velocities, list[Fact]]:
+    """Without the conditions that the stated model cannot compute, and a fact for each of those.
 
     If it computes none, all stay: then something is wrong with the data, and that is said.
     """
@@ -191,7 +192,7 @@ def _computable(given: _Velocities) -> tuple[_Velocities, list[str]]:
         return given, []
     among = varied(given.conditions)
     said = [
-        f"{in_words(given.conditions[k], among)}: the stated model cannot compute it"
+        Fact(Code.CONDITION_NOT_COMPUTED, named(given.conditions[k], among))
         for k in np.flatnonzero(~sound).tolist()
     ]
     kept = sound[given.condition]
@@ -244,7 +245,7 @@ def _means(given: _Velocities) -> Array:
     return np.bincount(given.condition, given.value) / np.bincount(given.condition)
 
 
-def _still(given: _Velocities) -> list[str]:
+def _still(given: _Velocities) -> list[Fact]:
     """A note on conditions that read zero where the model walks."""
     if not given.conditions:
         return []

@@ -13,6 +13,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.problem import AuxiliaryData, Predict
+from stickslip.facts import Fact
 from stickslip.scenario.keys import suggestion
 
 
@@ -45,7 +46,7 @@ class Options(OneLine):
         a smooth function would take from the misfit.
     source : sequence of str, length m and that of `auxiliary`, optional
         What kind of table each observable is from. A cause is not named against one of them.
-    data_problem : str, optional
+    data_problem : Fact or str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
         Of all random draws.
@@ -64,7 +65,7 @@ class Options(OneLine):
     low_fidelity: Predict | None = None
     settings: Settings | None = None
     source: Sequence[str] = ()
-    data_problem: str | None = None
+    data_problem: Fact | str | None = None
     seed: int = 0
     progress: Progress | None = None
 

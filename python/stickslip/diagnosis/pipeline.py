@@ -48,6 +48,7 @@ from stickslip.diagnosis.model.problem import Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.options import Options
 from stickslip.diagnosis.state import State
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 
 
 def run_steps(
@@ -162,7 +163,10 @@ def detect_departure(state: State) -> None:
     uneven = uneven_setups(trials.value, trials.condition, noise, trials.block)
     state.notes += [] if uneven is None else [uneven]
     alone = options.auxiliary is None
-    state.data_problem = options.data_problem or find_data_problem(
+    stated = options.data_problem
+    if isinstance(stated, str):
+        stated = Fact(Code.STATED_PROBLEM, {"problem": stated}) if stated else None
+    state.data_problem = stated or find_data_problem(
         trials.value, trials.condition, noise, options.order, trials.block, alone
     )
 
@@ -262,10 +266,7 @@ def note_roughness(state: State) -> None:
     measured = np.sqrt(np.diag(state.base.covariance)[:count] - roughness**2)
     rough = int(np.sum(roughness > measured))
     if rough:
-        state.notes.append(
-            f"conditions where the model itself jumps by more than the noise under tiny changes of "
-            f"its parameters: {rough}; they count less"
-        )
+        state.notes.append(Fact(Code.MODEL_JUMPS, {"count": rough}))
 
 
 def _tables(source: Sequence[str], measured: int, dof: float) -> list[Table]:

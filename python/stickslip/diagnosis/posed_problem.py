@@ -15,6 +15,7 @@ from stickslip.diagnosis.model.problem import Predict, Problem
 from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.diagnosis.observables import Combined, Comparison
 from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
+from stickslip.facts import Fact
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ class PosedProblem(OneLine):
         Of mean velocities; a user's own model has none.
     given : ndarray, shape (conditions,)
         Velocities of the scenario as it was given, m/s; NaN where it has none.
-    left_out : tuple of str
+    left_out : tuple of Fact
         Sound rows that could not be used, and why.
     """
 
@@ -43,7 +44,7 @@ class PosedProblem(OneLine):
     conditions: list[dict[str, Value]]
     simulator: Simulator | None
     given: Array
-    left_out: tuple[str, ...]
+    left_out: tuple[Fact, ...]
 
     @staticmethod
     def of_model(problem: Problem, predict: Predict) -> PosedProblem:

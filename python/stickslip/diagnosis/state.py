@@ -19,6 +19,7 @@ from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.input_checks import Trials
 from stickslip.diagnosis.model.problem import Problem
 from stickslip.diagnosis.options import Options
+from stickslip.facts import Fact
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ class State(OneLine):
     base : AssessedBaseline
         The recalibrated model, its errors and the test. Set by `detect_departure`; `compare_causes`
         and `find_profiles` may lead to a better one.
-    data_problem : str, optional
+    data_problem : Fact, optional
         What makes the data suspect. Set by `detect_departure`.
     ranking : Ranking
         Set by `compare_causes`.
@@ -59,7 +60,7 @@ class State(OneLine):
         Set by `find_profiles`.
     gain : Gain, optional
         Set by `measure_improvement`.
-    notes : list of str
+    notes : list of Fact
         Whatever a reader has to know, by several steps.
     """
 
@@ -70,7 +71,7 @@ class State(OneLine):
     problem: Problem = field(init=False)
     recalibration: Recalibration = field(init=False)
     base: AssessedBaseline = field(init=False)
-    data_problem: str | None = None
+    data_problem: Fact | None = None
     ranking: Ranking = field(init=False)
     cosines: Array = field(init=False)
     screened: dict[str, float] = field(init=False)
@@ -78,7 +79,7 @@ class State(OneLine):
     verdict: Verdict = field(init=False)
     profiles: list[Profile] = field(default_factory=list)
     gain: Gain | None = None
-    notes: list[str] = field(default_factory=list)
+    notes: list[Fact] = field(default_factory=list)
 
     @property
     def dof(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,7 +52,8 @@ class Prior:
             raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
         one, two = _NUMBERS[self.kind]
         for name, value in ((one, self.first), (two, self.second)):
-            if not isinstance(value, int | float) or not math.isfinite(value):
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if not number or not math.isfinite(value):
                 raise ScenarioError(f"{name} = {shown(value)}: allowed is a number")
         said = f"{one} = {self.first}, {two} = {self.second}"
         if self.kind == "normal" and self.second <= 0.0:
@@ -98,19 +99,13 @@ def parse_prior(key: str, table: object) -> Prior:
     ScenarioError
         If the table has none of the three forms, or a number that makes no distribution.
     """
-    if not isinstance(table, Mapping):
-        raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')
-    kind = next((kind for kind, names in _NUMBERS.items() if set(names) == set(table)), None)
-    if kind is None:
-        raise ScenarioError(f'[uncertain] "{key}" = {shown(dict(table))}: allowed is {_FORMS}')
-    first, second = (_number(key, name, table[name]) for name in _NUMBERS[kind])
+    names = set(table) if isinstance(table, Mapping) else None
+    kind = next((kind for kind, numbers in _NUMBERS.items() if set(numbers) == names), None)
+    if not isinstance(table, Mapping) or kind is None:
+        given = shown(dict(table) if isinstance(table, Mapping) else table)
+        raise ScenarioError(f'[uncertain] "{key}" = {given}: allowed is {_FORMS}')
     try:
-        return Prior(kind, first, second)
+        prior = Prior(kind, *(table[name] for name in _NUMBERS[kind]))
     except ScenarioError as error:
         raise ScenarioError(f'[uncertain] "{key}" {error}') from None
-
-
-def _number(key: str, name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ScenarioError(f'[uncertain] "{key}" {name} = {shown(value)}: allowed is a number')
-    return float(value)
+    return Prior(kind, float(prior.first), float(prior.second))

@@ -17,6 +17,7 @@ from stickslip._util.atomic_files import check_name
 from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError
+from stickslip.facts import Fact
 from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
@@ -64,8 +65,8 @@ class Measurement(OneLine):
     tracking : tuple of TrackingRun
     angle, field : tuple of dict
         Columns by name, sound rows only, SI units and radians.
-    left_out : tuple of str
-        What was not used and why, one line each.
+    left_out : tuple of Fact
+        What was not used and why; each is a sentence as a `str`.
     path : Path
         Of the file; of a table in memory ``DataFrame``.
     """
@@ -77,7 +78,7 @@ class Measurement(OneLine):
     tracking: tuple[TrackingRun, ...]
     angle: tuple[Table, ...]
     field: tuple[Table, ...]
-    left_out: tuple[str, ...]
+    left_out: tuple[Fact, ...]
     path: Path
 
     @staticmethod
@@ -121,8 +122,7 @@ class Measurement(OneLine):
         header, rows = rows_of_frame(table)
         data, left_out = sound_trials(path, header, rows, scenario, _relative_sd(entry), "row")
         priors = _uncertain(dict(uncertain or {}), scenario)
-        said = tuple(map(printable, left_out))
-        return Measurement(name, scenario, priors, (data,), (), (), (), said, path)
+        return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
 
 
 def read_measurement(path: str | PathLike[str]) -> Measurement:
@@ -169,24 +169,24 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     tables, left_out = _tables(document, path, scenario)
     if not any(tables.values()):
         if left_out:
-            raise ScenarioError(f"nothing sound is left: {left_out[-1]}")
+            raise ScenarioError(f"nothing sound is left. {left_out[-1]}")
         raise ScenarioError("there is none of [[velocity]], [[tracking]], [[angle]], [[field]]")
     return Measurement(
         name=name,
         scenario=scenario,
         uncertain=uncertain,
         **{kind: tuple(found) for kind, found in tables.items()},
-        left_out=tuple(map(printable, left_out)),
+        left_out=tuple(left_out),
         path=path,
     )
 
 
 def _tables(
     document: dict[str, Any], path: Path, scenario: Scenario
-) -> tuple[dict[str, list[Any]], list[str]]:
+) -> tuple[dict[str, list[Any]], list[Fact]]:
     """What can be used of the tables of each kind, and what was left out of them."""
     tables: dict[str, list[Any]] = {kind: [] for kind in _ENTRIES}
-    left_out: list[str] = []
+    left_out: list[Fact] = []
     for kind in _ENTRIES:
         files: set[str] = set()
         for entry in _entries(document, kind):
@@ -199,14 +199,14 @@ def _tables(
                 found, said = _table(kind, file, entry, scenario)
                 tables[kind] += [] if found is None else [found]
             except NothingSound as error:
-                said = [str(error)]
+                said = [error.fact]
             left_out += said
     return tables, left_out
 
 
 def _table(
     kind: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
-) -> tuple[Any, list[str]]:
+) -> tuple[Any, list[Fact]]:
     if kind == "velocity":
         return read_velocity(file, scenario, _relative_sd(entry))
     if kind == "tracking":

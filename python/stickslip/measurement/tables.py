@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
+from stickslip.facts.sentences_of_data import LINES
 from stickslip.scenario.keys import shown, suggestion
 
 if TYPE_CHECKING:
@@ -25,7 +27,18 @@ _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
 
 
 class NothingSound(ScenarioError):
-    """A table without a sound row."""
+    """A table without a sound row; `fact` says why.
+
+    Parameters
+    ----------
+    path : Path
+    why : Fact
+        What is wrong with the first rows.
+    """
+
+    def __init__(self, path: Path, why: Fact) -> None:
+        self.fact = Fact(Code.NO_SOUND_ROW, {"table": str(path), "why": why})
+        super().__init__(self.fact)
 
 
 def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
@@ -108,11 +121,15 @@ def _cell(value: Any) -> str:
     return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
 
 
-def listed(lines: Sequence[int], word: str = "line") -> str:
-    """Numbers of lines as a reader wants them: the first five."""
-    more = ", ..." if len(lines) > 5 else ""
-    word = word if len(lines) == 1 else f"{word}s"
-    return f"{word} " + ", ".join(str(line) for line in lines[:5]) + more
+def in_lines(
+    code: Code, table: str, lines: Sequence[int], *, word: str = "line", **fields: Any
+) -> Fact:
+    """What some lines of a table have in common; the first of them are named.
+
+    `word` is what a line is called in the sentence; a field where it is another one.
+    """
+    where = {"table": table, "lines": list(lines[:LINES]), "count": len(lines)}
+    return Fact(code, {**where, **fields, **({} if word == "line" else {"word": word})})
 
 
 def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) -> None:
@@ -156,7 +173,7 @@ def number(cell: str) -> float:
 
 def read_numbers(
     path: Path, required: Sequence[str], optional: Sequence[str] = ()
-) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
+) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
     """Columns of numbers, without the rows that are not sound, and what was left out.
 
     Parameters
@@ -169,7 +186,7 @@ def read_numbers(
     Returns
     -------
     columns : dict of ndarray, shape (n,)
-    left_out : list of str
+    left_out : list of Fact
 
     Raises
     ------
@@ -191,15 +208,12 @@ def read_numbers(
     sound = np.all(np.isfinite(table[:, needed]), axis=1)
     left_out = []
     if not sound.all():
-        left_out.append(
-            f"{path.name}: {(~sound).sum()} of {len(table)} rows have a cell that is no number, "
-            "too few cells or too many "
-            f"({listed([rows[k][0] for k in np.flatnonzero(~sound)])})"
-        )
+        lines = [rows[k][0] for k in np.flatnonzero(~sound)]
+        left_out.append(in_lines(Code.BAD_CELLS, path.name, lines, rows=len(table)))
     if not sound.any():
-        raise NothingSound(f"{path}: no row is sound; every one has a cell that is no number")
+        raise NothingSound(path, left_out[0])
     for name in optional:
         gaps = int(np.sum(~np.isfinite(table[sound, header.index(name)]))) if name in header else 0
         if gaps:
-            left_out.append(f"{path.name}: {gaps} cells of column {name} are no number")
+            left_out.append(Fact(Code.GAPS, {"table": path.name, "count": gaps, "column": name}))
     return {name: table[sound, k] for k, name in enumerate(header)}, left_out

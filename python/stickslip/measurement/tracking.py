@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from stickslip._util.number_text import highest
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
-from stickslip.measurement.tables import NothingSound, read_numbers
+from stickslip.facts import Code, Fact
+from stickslip.measurement.tables import read_numbers
 from stickslip.scenario.keys import FILE, shown
 from stickslip.scenario.scenario import Scenario
 
@@ -68,7 +69,7 @@ class TrackingRun(OneLine):
 
 def read_tracking(
     path: Path, entry: Mapping[str, Any], scenario: Scenario
-) -> tuple[TrackingRun | None, list[str]]:
+) -> tuple[TrackingRun | None, list[Fact]]:
     """Read one ``[[tracking]]`` entry, and say what was left out of it.
 
     Parameters
@@ -84,12 +85,14 @@ def read_tracking(
     -------
     run : TrackingRun or None
         None where too little is sound; the last line left out says why.
-    left_out : list of str
+    left_out : list of Fact
 
     Raises
     ------
     ScenarioError
         If a key has a value that is not allowed, or the table lacks a column.
+    NothingSound
+        If no row is sound.
     """
     own = _own_scenario(path.name, entry.get("drive", {}), scenario)
     noise = {
@@ -101,25 +104,19 @@ def read_tracking(
     if "frame_rate" in entry:
         rate = _positive(path.name, "frame_rate", entry["frame_rate"])
     exposure = _exposure(path.name, entry.get("exposure", 0.0), rate)
-    left_out: list[str] = []
-    try:
-        columns, left_out = read_numbers(path, REQUIRED, OPTIONAL)
-    except NothingSound as error:
-        return None, [str(error)]
+    columns, left_out = read_numbers(path, REQUIRED, OPTIONAL)
     columns = _in_order(path.name, columns, left_out)
     columns = _within(path.name, columns, own, left_out)
     why = _too_little(columns, own)
     if why is not None:
-        return None, [*left_out, f"{path.name}: the run is left out: {why}"]
+        return None, [*left_out, why.of(table=path.name)]
     spacing = float(np.median(np.diff(columns["t"])))
     if not math.isfinite(rate):
         rate = 1.0 / spacing
         _exposure(path.name, exposure, rate * (1 - 1e-6))
     elif abs(rate * spacing - 1.0) > _OTHER_RATE:
-        left_out.append(
-            f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are {spacing:g} s "
-            "apart"
-        )
+        rates = {"table": path.name, "stated": rate, "spacing": spacing}
+        left_out.append(Fact(Code.FRAME_RATE_NOT_USED, rates))
     return TrackingRun(path.name, columns, own, rate, exposure, noise), left_out
 
 
@@ -162,47 +159,48 @@ def _exposure(name: str, value: object, rate: float) -> float:
 
 
 def _in_order(
-    name: str, table: dict[str, NDArray[np.float64]], left_out: list[str]
+    name: str, table: dict[str, NDArray[np.float64]], left_out: list[Fact]
 ) -> dict[str, NDArray[np.float64]]:
     """Frames sorted by time, each time once."""
     order = np.argsort(table["t"], kind="stable")
     if np.any(np.diff(order) < 0):
-        left_out.append(f"{name}: rows were not in the order of time; they were sorted")
+        left_out.append(Fact(Code.FRAMES_SORTED, {"table": name}))
     times, first = np.unique(table["t"][order], return_index=True)
     if len(times) < len(order):
-        left_out.append(f"{name}: {len(order) - len(times)} frames repeat a time; the first counts")
+        again = {"table": name, "count": len(order) - len(times)}
+        left_out.append(Fact(Code.REPEATED_TIMES, again))
     return {key: column[order][first] for key, column in table.items()}
 
 
 def _within(
-    name: str, table: dict[str, NDArray[np.float64]], scenario: Scenario, left_out: list[str]
+    name: str, table: dict[str, NDArray[np.float64]], scenario: Scenario, left_out: list[Fact]
 ) -> dict[str, NDArray[np.float64]]:
     """Frames before the end of the last pulse: what the coils do after it is not known."""
-    inside = table["t"] < scenario.window[1]
+    end = scenario.window[1]
+    inside = table["t"] < end
     if not inside.all():
-        left_out.append(
-            f"{name}: {(~inside).sum()} frames after the last pulse, at {scenario.window[1]:g} s"
-        )
+        late = {"table": name, "count": int((~inside).sum()), "end": end}
+        left_out.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
     if inside.sum() > _LIMIT:
-        left_out.append(f"{name}: the first {_LIMIT} of {inside.sum()} frames are enough")
+        many = {"table": name, "count": int(inside.sum()), "used": _LIMIT}
+        left_out.append(Fact(Code.FRAMES_NOT_NEEDED, many))
         inside &= np.cumsum(inside) <= _LIMIT
     return {key: column[inside] for key, column in table.items()}
 
 
-def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> str | None:
+def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> Fact | None:
+    """Why a run is not used, if it is not."""
     start, end = scenario.window
     count = int(np.sum(table["t"] > start - 1e-9))
     if count < FEWEST:
-        return (
-            f"{count} sound frames from {start:g} s to {end:g} s, where the robot walks steadily; "
-            f"{FEWEST} are needed (times are in s, from the start of the drive)"
-        )
+        span = {"count": count, "start": start, "end": end, "needed": FEWEST}
+        return Fact(Code.RUN_TOO_SHORT, span)
     turn = float(np.median(np.abs(table["theta"])))
     if turn > _TURNS:
-        return f"theta is near {turn:.3g}: degrees where rad are wanted?"
+        return Fact(Code.RUN_ANGLE_UNIT, {"theta": turn, "limit": _TURNS})
     way = float(np.ptp(table["x"]))
     if way > _LONGEST:
-        return f"x spans {way:.3g}: um or mm where m are wanted?"
+        return Fact(Code.RUN_LENGTH_UNIT, {"span": way, "limit": _LONGEST})
     if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
-        return "neither x nor theta ever changes"
+        return Fact(Code.RUN_STANDS_STILL, {})
     return None

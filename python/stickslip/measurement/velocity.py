@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
+from stickslip.facts.sentences_of_data import IN_OTHER_UNIT
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
     NothingSound,
     check_columns,
-    listed,
+    in_lines,
     number,
     read_rows,
     refuse_unknown,
 )
-from stickslip.scenario.keys import Value, known_keys, shown
+from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0
@@ -68,6 +70,13 @@ class VelocityData(OneLine):
     relative_sd: float = math.nan
 
 
+class _Unsound(Exception):
+    """A row that is not used: its code and fields."""
+
+    def __init__(self, code: Code, **fields: Any) -> None:
+        self.code, self.fields = code, fields
+
+
 @dataclass(frozen=True)
 class _Trial:
     """A sound row."""
@@ -81,7 +90,7 @@ class _Trial:
 
 def read_velocity(
     path: Path, scenario: Scenario, relative_sd: float
-) -> tuple[VelocityData, list[str]]:
+) -> tuple[VelocityData, list[Fact]]:
     """Read a table of velocities, and say what was left out of it.
 
     Parameters
@@ -107,7 +116,7 @@ def sound_trials(
     scenario: Scenario,
     relative_sd: float,
     word: str = "line",
-) -> tuple[VelocityData, list[str]]:
+) -> tuple[VelocityData, list[Fact]]:
     """The sound rows of a table of text cells, and what was left out; see `read_velocity`.
 
     Parameters
@@ -128,17 +137,14 @@ def sound_trials(
     size = float(np.median(np.abs(velocity)))
     if size > FASTEST:
         raise ScenarioError(
-            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s. "
-            "If they are in mm/s or um/s, divide them by 1e3 or 1e6"
+            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s; "
+            f"{IN_OTHER_UNIT}"
         )
     sound = _without_outliers(path.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
     if fast.any():
         lines = [trials[k].line for k in np.flatnonzero(fast)]
-        left_out.append(
-            f"{path.name} {listed(lines, word)}: a velocity above {FASTEST} m/s; "
-            "if it is in mm/s or um/s, divide it by 1e3 or 1e6"
-        )
+        left_out.append(in_lines(Code.TOO_FAST, path.name, lines, word=word, limit=FASTEST))
         sound &= ~fast
     blocks = _numbered([each.block for each in trials if each.block])
     block = np.full(len(trials), -1, dtype=np.int64)
@@ -167,60 +173,71 @@ def _sound_rows(
     rows: Sequence[tuple[int, list[str]]],
     scenario: Scenario,
     word: str,
-) -> tuple[list[_Trial], list[str]]:
-    """Rows that can be meant, and what was left out."""
+) -> tuple[list[_Trial], list[Fact]]:
+    """Rows that can be used, at least one, and why the others cannot."""
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
-    reasons: dict[str, list[int]] = {}
-    wrong: list[tuple[int, str]] = []
+    # Lines by what is wrong with them, in the order of the file.
+    wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[int]] = {}
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
     for line, row in rows:
-        why, setting = _refused(row, header, seen, drive, scenario, word)
-        other = "" if why else _in_other_unit(dict(setting))
-        if other:
-            wrong.append((line, other))
-        if why or other:
-            reasons.setdefault(why or other, []).append(line)
-            continue
-        seen.add(tuple(row))
-        cells = dict(zip(header, row, strict=True))
-        order = number(cells.get("order", ""))
-        kept.append(_Trial(number(cells["velocity"]), setting, cells.get("block", ""), order, line))
-    if len(wrong) > _SAME_MISTAKE * len(rows):
-        line, other = wrong[0]
-        raise ScenarioError(f"{path}: {word} {line}: {other}; {len(wrong)} rows are like this")
-    left_out = [f"{path.name} {listed(lines, word)}: {reason}" for reason, lines in reasons.items()]
-    lost = sum(len(lines) for lines in reasons.values())
-    if lost > _MANY * len(rows):
-        left_out.insert(0, f"{path.name}: {lost} of {len(rows)} rows were left out")
+        try:
+            kept.append(_trial(line, row, header, seen, drive, scenario))
+        except _Unsound as why:
+            wrong.setdefault((why.code, tuple(why.fields.items())), []).append(line)
+        else:
+            seen.add(tuple(row))
+    left_out = [
+        in_lines(code, path.name, lines, word=word, **dict(fields))
+        for (code, fields), lines in wrong.items()
+    ]
+    lost = len(rows) - len(kept)
+    _refuse_other_unit(path, left_out, len(rows))
     if not kept:
-        reason = next(iter(reasons), "it has none")
-        raise NothingSound(f"{path}: no row is sound; the first: {reason}")
+        raise NothingSound(path, left_out[0])
+    if lost > _MANY * len(rows):
+        part = {"table": path.name, "count": lost, "rows": len(rows)}
+        left_out.insert(0, Fact(Code.ROWS_LEFT_OUT, part))
     return kept, left_out
 
 
-def _refused(
+def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
+    """Refuse a table most of whose rows have a setting in another unit."""
+    units = (Code.SETTING_TOO_LARGE, Code.SETTING_TOO_SMALL)
+    wrong = [each for each in left_out if each.code in units]
+    count = sum(each.fields["count"] for each in wrong)
+    if count > _SAME_MISTAKE * rows:
+        first = Fact(wrong[0].code, {**wrong[0].fields, "table": str(path)})
+        raise ScenarioError(f"{first} {count} rows are like this")
+
+
+def _trial(
+    line: int,
     row: list[str],
     header: Sequence[str],
     seen: set[tuple[str, ...]],
     drive: list[str],
     scenario: Scenario,
-    word: str,
-) -> tuple[str, tuple[tuple[str, Any], ...]]:
-    """Why a row cannot be used, empty if it can, and its drive settings."""
+) -> _Trial:
+    """A row of the table, if it is sound."""
     if len(row) != len(header):
-        return f"{len(row)} cells, not {len(header)}", ()
+        raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
     cells = dict(zip(header, row, strict=True))
-    if not math.isfinite(number(cells["velocity"])):
-        return f"velocity {shown(cells['velocity'])} is no number", ()
+    velocity = _number("velocity", cells["velocity"])
     if tuple(row) in seen and ("trial" in cells or "order" in cells):
-        return f"repeats an earlier {word}", ()
-    try:
-        return "", _setting(cells, drive, scenario)
-    except ScenarioError as error:
-        return str(error), ()
+        raise _Unsound(Code.REPEATED_ROW)
+    setting = _setting(cells, drive, scenario)
+    _check_units(dict(setting))
+    return _Trial(velocity, setting, cells.get("block", ""), number(cells.get("order", "")), line)
+
+
+def _number(column: str, cell: str) -> float:
+    value = number(cell)
+    if not math.isfinite(value):
+        raise _Unsound(Code.NOT_A_NUMBER, column=column, cell=cell)
+    return value
 
 
 def _setting(
@@ -239,41 +256,45 @@ def _setting(
             spelt = (cells[name], cells[name].upper(), cells[name].lower())
             value = next((each for each in spelt if f'"{each}"' in key.allowed), value)
         else:
-            value = number(cells[name])
-            if not math.isfinite(value):
-                raise ScenarioError(f"{name} {shown(cells[name])} is no number")
+            value = _number(name, cells[name])
             if key.kind == "whole" and value == int(value):
                 value = int(value)
         changes[key.name] = value
     if changes.get("drive.mode") == "program":
-        raise ScenarioError('mode "program" has no place in a table of velocities')
-    full = scenario.replace(changes)
+        refusal = 'mode "program" has no place in a table of velocities'
+        raise _Unsound(Code.SETTING_REFUSED, refusal=refusal)
+    try:
+        full = scenario.replace(changes)
+    except ScenarioError as error:
+        raise _Unsound(Code.SETTING_REFUSED, refusal=str(error)) from None
     return tuple((f"drive.{name}", full.get(f"drive.{name}")) for name in drive)
 
 
-def _in_other_unit(setting: Mapping[str, Value]) -> str:
-    """Why a setting can only be in mT or kHz; empty if it need not."""
+def _check_units(setting: Mapping[str, Value]) -> None:
+    """Leave out a setting that can only be in mT or kHz."""
     for name in ("peak", "base", "hold"):
         field = float(setting[f"drive.{name}"])
         if field > _STRONGEST:
-            return f"{name} of {field:.3g} T is above {_STRONGEST} T; in mT, divide it by 1e3"
+            limit = {"unit": "T", "limit": _STRONGEST, "other": "mT"}
+            raise _Unsound(Code.SETTING_TOO_LARGE, key=name, value=field, **limit)
     frequency = float(setting["drive.frequency"])
     if frequency < _SLOWEST:
-        return f"frequency of {frequency:.3g} Hz is below {_SLOWEST} Hz; in kHz, multiply it by 1e3"
-    return ""
+        limit = {"unit": "Hz", "limit": _SLOWEST, "other": "kHz"}
+        raise _Unsound(Code.SETTING_TOO_SMALL, key="frequency", value=frequency, **limit)
 
 
 def _without_outliers(
-    name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[str]
+    name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[Fact]
 ) -> NDArray[np.bool_]:
     """Leave out a trial that lies absurdly far from the others of its condition."""
     far, level = far_from_their_group(velocity, condition)
     for index in np.flatnonzero(far):
-        ratio = velocity[index] / level[index] if level[index] else math.inf
-        unit = " (a factor of 1000: a wrong unit?)" if 0.9e3 < abs(ratio) < 1.1e3 else ""
-        unit = " (a factor of 1/1000: a wrong unit?)" if 0.9e-3 < abs(ratio) < 1.1e-3 else unit
-        left_out.append(
-            f"{name}: trial of {velocity[index]:.4g} m/s where the others of its condition are "
-            f"near {level[index]:.4g} m/s{unit}"
-        )
+        ratio = abs(velocity[index] / level[index]) if level[index] else math.inf
+        trial = {
+            "table": name,
+            "velocity": float(velocity[index]),
+            "others": float(level[index]),
+            "unit_factor": next((f for f in (1e3, 1e-3) if 0.9 * f < ratio < 1.1 * f), None),
+        }
+        left_out.append(Fact(Code.OUTLIER, trial))
     return np.asarray(~far)

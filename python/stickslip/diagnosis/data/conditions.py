@@ -64,6 +64,12 @@ def in_words(settings: Mapping[str, Value], keys: Sequence[str]) -> str:
     )
 
 
+def named(condition: Mapping[str, Value], keys: Sequence[str]) -> dict[str, object]:
+    """Fields of a fact about a condition: its name in words, and the same settings as data."""
+    settings = {key.split(".")[1]: condition[key] for key in keys}
+    return {"condition": in_words(condition, keys), "settings": settings}
+
+
 def sorted_by_settings(
     conditions: Conditions, shown: Sequence[str], most: int
 ) -> dict[str, list[int]]:

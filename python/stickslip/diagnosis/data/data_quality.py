@@ -10,10 +10,18 @@ from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
 from stickslip.diagnosis.data.noise import NoiseModel, completed, moving, setup_columns
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
+FEWEST_CONDITIONS = 4
+"""Conditions without which no cause is told from another, if there are no other data."""
+
 _RARE = 0.002
+_SPREAD = 3.0
+"""Variance of the conditions, in units of that of their means' errors, below which they are alike.
+"""
+
 _FEWEST_PAIRS, _ALIKE = 12, 0.4
 _UNEVEN, _ALONE = 1.5, 0.05
 
@@ -25,7 +33,7 @@ def find_data_problem(
     order: ArrayLike | None,
     block: NDArray[np.int64] | None = None,
     alone: bool = True,
-) -> str | None:
+) -> Fact | None:
     """What makes the data itself suspect, if anything does.
 
     Few trials, or trials without repeats, are no trouble where they do not stand alone: other data
@@ -48,30 +56,25 @@ def find_data_problem(
 
     Returns
     -------
-    str, optional
-        A reason in words.
+    Fact, optional
     """
     if np.all(values == 0.0):
-        return "every reading is zero: nothing moved, so nothing can be told apart"
-    if alone and len(noise.mean) < 4:
-        few = len(noise.mean)
-        said = "1 condition is" if few == 1 else f"{few} conditions are"
-        return f"{said} too few to tell causes apart; at least 4 are needed"
+        return Fact(Code.ALL_ZERO, {})
+    count = len(noise.mean)
+    if alone and count < FEWEST_CONDITIONS:
+        return Fact(Code.TOO_FEW_CONDITIONS, {"count": count, "needed": FEWEST_CONDITIONS})
     if alone and noise.dof == 0.0:
-        return (
-            "the noise is not known, so no misfit can be judged: repeat the trials of some "
-            "conditions, or state their error (velocity_sd in [[velocity]]; in diagnose_model, "
-            "condition, which says what trials are repeats, or sd, or relative_sd)"
-        )
-    if 0.0 < noise.dof < math.inf and len(noise.mean) > 3:
-        between = float(np.var(noise.mean))
-        if between < 3.0 * float(np.mean(noise.sd**2 / noise.count)):
-            return "the conditions differ by no more than their trials do: labels may be mixed up"
+        return Fact(Code.NO_NOISE, {})
+    if 0.0 < noise.dof < math.inf and count > 3:
+        between, within = float(np.var(noise.mean)), float(np.mean(noise.sd**2 / noise.count))
+        if between < _SPREAD * within:
+            ratio = {"ratio": between / within, "needed": _SPREAD}
+            return Fact(Code.CONDITIONS_ALIKE, ratio)
     rounded = _rounded(values, index) if noise.dof < math.inf else None
     return rounded or _drifting(values, index, noise, order, completed(block))
 
 
-def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
+def _rounded(values: Array, index: NDArray[np.int64]) -> Fact | None:
     """Whether readings are in steps so wide that the scatter of trials says nothing of the error.
 
     Of two trials with normal errors that are rounded to steps of q, a share q / (2 sqrt(pi) sd)
@@ -85,15 +88,12 @@ def _rounded(values: Array, index: NDArray[np.int64]) -> str | None:
         alike += int(np.sum(counts * (counts - 1) // 2))
     if pairs < _FEWEST_PAIRS or alike in (pairs, 0) or alike < _ALIKE * pairs:
         return None
-    return (
-        f"{100.0 * alike / pairs:.0f} % of repeated trials read exactly alike: they are rounded to "
-        "steps wider than their scatter, which then says nothing of their error; give more digits"
-    )
+    return Fact(Code.ROUNDED, {"percent": 100.0 * alike / pairs, "limit": 100.0 * _ALIKE})
 
 
 def uneven_setups(
     values: Array, index: NDArray[np.int64], noise: NoiseModel, block: NDArray[np.int64] | None
-) -> str | None:
+) -> Fact | None:
     """What to know if the trials of one set-up scatter more than all others.
 
     Such a set-up weighs too much, but it is no reason to say nothing. By ranks, as heavy tails are
@@ -117,11 +117,10 @@ def uneven_setups(
         mine, others = size[shown & (block == each)], size[shown & (block != each)]
         ratio = float(np.median(mine) / np.median(others)) if np.median(others) > 0.0 else math.inf
         chance = float(mannwhitneyu(mine, others, alternative="greater").pvalue)
-        if ratio > _UNEVEN and len(looked) * chance < _RARE:
-            return (
-                f"the trials of set-up {each + 1}, in the order of the table, lie {ratio:.2g} "
-                "times as far from the rest as the others do; all weigh alike"
-            )
+        p_value = len(looked) * chance
+        if ratio > _UNEVEN and p_value < _RARE:
+            uneven = {"setup": each + 1, "ratio": ratio, "p_value": p_value}
+            return Fact(Code.UNEVEN_SETUP, uneven)
     return None
 
 
@@ -148,7 +147,7 @@ def _drifting(
     noise: NoiseModel,
     order: ArrayLike | None,
     block: NDArray[np.int64] | None,
-) -> str | None:
+) -> Fact | None:
     """Whether velocities change with time; what differs between set-ups is not drift."""
     place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)
     usable = np.isfinite(place) & moving(values, index)
@@ -165,9 +164,8 @@ def _drifting(
         _drift(_beyond((scatter * toward)[usable], basis), centred, free)
         for toward in (1.0, np.sign(noise.mean[index]))
     ]
-    if 2.0 * min(chances) < _RARE:
-        return "velocities drift with the order in which they were measured"
-    return None
+    p_value = 2.0 * min(chances)
+    return Fact(Code.DRIFT, {"p_value": p_value, "level": _RARE}) if p_value < _RARE else None
 
 
 def _drift(residual: Array, centred: Array, free: int) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -47,7 +48,7 @@ class NoiseModel(OneLine):
         Degrees of freedom; infinity where the noise was stated, 0 where nothing is known.
     setups : ndarray, shape (m, set-ups)
         Share of each condition's trials in each set-up; no columns where that is not known.
-    notes : tuple of str
+    notes : tuple of Fact
     """
 
     mean: Array
@@ -59,7 +60,7 @@ class NoiseModel(OneLine):
     between_gain: float
     dof: float
     setups: Array
-    notes: tuple[str, ...]
+    notes: tuple[Fact, ...]
 
     @property
     def covariance(self) -> Array:
@@ -132,30 +133,25 @@ def fit_noise(
     elif math.isfinite(stated):
         floor, relative, free = 0.1 * stated * size, stated, math.inf
         sd = np.sqrt(floor**2 + (relative * mean) ** 2)
-        notes.append(f"too few repeats to measure the noise; the stated {stated:.3g} is used")
+        known_by = {"dof": dof, "needed": FEWEST_DOF, "stated": stated}
+        notes.append(Fact(Code.NOISE_STATED, known_by))
     else:
         floor, relative, free, sd = size, 0.0, 0.0, np.full(m, size)
-        notes.append(
-            f"the noise is not known: {dof} degrees of freedom of repeats that differ, where "
-            f"{FEWEST_DOF} are needed, and no stated error"
-        )
+        notes.append(Fact(Code.NOISE_UNKNOWN, {"dof": dof, "needed": FEWEST_DOF}))
     between, gain, setups = 0.0, 0.0, np.zeros((m, 0))
     if known and crossed:
         assert block is not None
         assert setup is not None
         between, gain = _between(trial, where, setup, mean, sd)
-        notes.append(
-            f"set-ups: {len(np.unique(setup))}; they scatter by {between:.2g} of a trial's error, "
-            f"and by {gain:.2g} where all of a set-up is faster or slower"
-        )
+        scatter = {"count": len(np.unique(setup)), "shift": between, "gain": gain}
+        notes.append(Fact(Code.SETUPS, scatter))
         setups = np.zeros((m, int(block.max()) + 1))
         np.add.at(setups, (condition, block), 1.0)
         setups /= count[:, None]
     elif not known:
-        said = "no column block" if block is None else "one block only"
-        notes.append(f"{said}: scatter between set-ups cannot be separated from a cause")
+        notes.append(Fact(Code.NO_BLOCK_COLUMN if block is None else Code.ONE_BLOCK, {}))
     else:
-        notes.append("no condition was repeated in another set-up: their scatter is not known")
+        notes.append(Fact(Code.SETUPS_NOT_CROSSED, {}))
     return NoiseModel(
         mean, sd, count, floor, relative, between, gain, free, setups, tuple(notes)
     )  # fmt: skip

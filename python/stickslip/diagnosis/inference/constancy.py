@@ -13,6 +13,7 @@ from stickslip.diagnosis.fit.fit_result import Fit, Start
 from stickslip.diagnosis.fit.least_squares import fit_candidates
 from stickslip.diagnosis.inference.cross_validation import restricted
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -75,14 +76,15 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, NDArray[np.int6
     return found
 
 
-def changing(problem: Problem, parts: list[Part]) -> list[str]:
-    """Sentences on the constants that two complementary parts do not agree about."""
+def changing(problem: Problem, parts: list[Part]) -> list[Fact]:
+    """The constants that two complementary parts do not agree about."""
     said = []
     for first, second in zip(parts[::2], parts[1::2], strict=True):
         gap = np.abs(first.x - second.x) / np.hypot(first.sd, second.sd)
         for k in np.flatnonzero(gap > _STRAINED):
+            between = {"first": first.name, "second": second.name}
+            by = {"gap": float(gap[k]), "limit": _STRAINED}
             said.append(
-                f"{problem.uncertain[k].name} differs between {first.name} and {second.name} "
-                f"by {gap[k]:.1f} standard deviations"
+                Fact(Code.CONSTANT_CHANGES, {"name": problem.uncertain[k].name, **between, **by})
             )
     return said

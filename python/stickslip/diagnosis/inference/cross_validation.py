@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 SHARE = 0.27
 """Share of the conditions that is held out."""
 
+INTERVAL, _ENDS = 0.95, (0.025, 0.975)
+"""Coverage of the interval of the gain, and the quantiles at its ends."""
+
 _RESAMPLES = 2000
 _FOLDS = 5
 
@@ -201,7 +204,7 @@ def measure_gain(
         float(np.mean(after)),
         float(np.mean(np.abs(error[0]))),
         float(np.mean(np.abs(error[1]))),
-        (float(np.quantile(fall, 0.025)), float(np.quantile(fall, 0.975))),
+        (float(np.quantile(fall, _ENDS[0])), float(np.quantile(fall, _ENDS[1]))),
         float(chi2_law.sf(weighed, len(held_out))),
         best.name,
         predicted[0],

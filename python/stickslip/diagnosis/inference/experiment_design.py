@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.model.problem import Predict
+from stickslip.facts import Code, Fact
 from stickslip.scenario.keys import Value
 
 Array = NDArray[np.float64]
@@ -32,33 +33,17 @@ _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.edge": ("rise", "fall"),
 }
 # What one look beside the drive would settle, for the causes that it sees.
-_LOOKS = (
-    (
-        "Log the coil currents: they show {seen} directly, and nothing of {unseen}.",
-        ("coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"),
+_LOOKS = {
+    Code.LOOK_AT_CURRENTS: (
+        "coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"
     ),
-    (
-        "Measure the field at the robot for known currents: it shows {seen}, and nothing of "
-        "{unseen}.",
-        ("field_gain", "ambient_field"),
-    ),
-    (
-        "Tilt the stage by 2 degrees one way and the other: the velocities change alike about a "
-        "surface that was level, which tells {seen} from {unseen}.",
-        ("surface_tilt",),
-    ),
-    ("Film a scale: it shows {seen}, and nothing of {unseen}.", ("length_scale",)),
-    ("Film a clock: it shows {seen}, and nothing of {unseen}.", ("clock_scale",)),
-    (
-        "Film the robot flat on the surface without a field: that shows {seen}, and nothing of "
-        "{unseen}.",
-        ("angle_offset",),
-    ),
-    (
-        "Read the static tilt in held fields: it shows {seen}, and nothing of {unseen}.",
-        ("misalignment", "magnetization_scale"),
-    ),
-)
+    Code.LOOK_AT_FIELD: ("field_gain", "ambient_field"),
+    Code.LOOK_AT_TILT: ("surface_tilt",),
+    Code.LOOK_AT_SCALE: ("length_scale",),
+    Code.LOOK_AT_CLOCK: ("clock_scale",),
+    Code.LOOK_AT_REST: ("angle_offset",),
+    Code.LOOK_AT_STATIC_TILT: ("misalignment", "magnetization_scale"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -69,7 +54,7 @@ class Experiment:
     ----------
     drive : dict
         Settings of ``[drive]`` by bare name.
-    why : str
+    why : Fact
     separation : float
         Expected chi-square between the two candidates that it separates best, three trials.
     predictions : dict
@@ -77,7 +62,7 @@ class Experiment:
     """
 
     drive: Mapping[str, Value]
-    why: str
+    why: Fact
     separation: float
     predictions: Mapping[str, Mapping[str, float]]
 
@@ -130,8 +115,7 @@ def propose(
         chosen.append(
             Experiment(
                 {key.split(".")[1]: value for key, value in drive.items()},
-                f"separates {first} from {second}: expected chi-square {chi2:.1f} "
-                f"with {TRIALS} trials{'' if chi2 > DECISIVE else ', too little'}",
+                _worth(first, second, chi2),
                 chi2,
                 {
                     fit.name: {
@@ -147,20 +131,29 @@ def propose(
     return chosen
 
 
-def advice(found: Findings) -> list[str]:
+def _worth(first: str, second: str, chi2: float) -> Fact:
+    code = Code.SEPARATES if chi2 > DECISIVE else Code.SEPARATES_TOO_LITTLE
+    two = {"first": first, "second": second}
+    return Fact(code, {**two, "chi2": chi2, "trials": TRIALS, "needed": DECISIVE})
+
+
+def undecided(experiments: Sequence[Experiment]) -> Fact | None:
+    """That none of them tells the leading candidates apart, if it is so."""
+    if not experiments or any(each.decides for each in experiments):
+        return None
+    return Fact(Code.NONE_SEPARATES, {"trials": TRIALS})
+
+
+def advice(found: Findings) -> list[Fact]:
     """What to look at beside the drive, to tell the causes of a set apart."""
     names = set(found.verdict.causes) if found.verdict.kind == "ambiguous" else set()
     said = []
-    for sentence, seen in _LOOKS:
+    for code, seen in _LOOKS.items():
         inside, outside = names & set(seen), names - set(seen)
         if inside and outside:
-            said.append(sentence.format(seen=_listed(inside), unseen=_listed(outside)))
+            sets = {"seen": sorted(inside), "unseen": sorted(outside)}
+            said.append(Fact(code, sets))
     return said
-
-
-def _listed(names: set[str]) -> str:
-    first, more = sorted(names)[:4], len(names) - 4
-    return ", ".join(first) + (f" and {more} more" if more > 0 else "")
 
 
 def _middle(conditions: Sequence[Mapping[str, Value]], key: str) -> float:

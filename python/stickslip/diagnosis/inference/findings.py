@@ -16,6 +16,7 @@ from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Fact
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ class Findings(OneLine):
     gain : Gain, optional
     profiles : tuple of Profile
         Of the parameters of the verdict's fit.
-    notes : tuple of str
+    notes : tuple of Fact
     seed : int
     """
 
@@ -66,7 +67,7 @@ class Findings(OneLine):
     smooth_bound: float | None
     gain: Gain | None
     profiles: tuple[Profile, ...]
-    notes: tuple[str, ...]
+    notes: tuple[Fact, ...]
     seed: int
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN, describe_runner_up
+from stickslip.facts import Code, Fact
 
 _SINGLES, _PAIRS = 7, 5
 
@@ -37,21 +38,20 @@ def leading(found: Findings) -> list[Fit]:
     return list(ranked(both, priced=True))
 
 
-def runner_up(found: Findings) -> str:
+def runner_up(found: Findings) -> Fact | None:
     """What comes next after what is claimed; for `unexplained`, what comes nearest.
 
-    Empty where nothing was fitted, and where it is the reason of a name already.
+    None where nothing was fitted, and where it is the reason of a name already.
     """
     verdict, null = found.verdict, found.null
     fits = [*found.ranking.singles, *found.ranking.pairs]
     if not found.detection.found or verdict.kind in ("named", "data-problem") or not fits:
-        return ""
+        return None
     if verdict.fit is None:
         nearest = min(fits, key=lambda fit: fit.chi2)
-        return (
-            f"{nearest.name} comes nearest and leaves a chi-square of {nearest.chi2:.0f} for "
-            f"{len(found.problem.observed)} observables (recalibrated: {null.chi2:.0f})"
-        )
+        left = {"chi2": nearest.chi2, "recalibrated": null.chi2}
+        count = len(found.problem.observed)
+        return Fact(Code.NEAREST, {"name": nearest.name, **left, "observables": count})
     claimed = {fit.name for fit in set_members(found)}
     others = [fit for fit in fits if fit.name not in claimed]
     return describe_runner_up(found.problem, verdict.fit, null, others)

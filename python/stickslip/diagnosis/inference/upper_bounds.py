@@ -10,6 +10,12 @@ from stickslip.diagnosis.model.problem import Problem
 
 Array = NDArray[np.float64]
 
+BOUND, _BOUND_SDS = 0.95, 1.96
+"""Confidence of an upper limit, and standard deviations on both sides that hold so much."""
+
+POWER, _POWER_SDS = 0.8, 0.84
+"""Chance that an effect of the smallest size is seen, and the standard deviations for it."""
+
 
 def upper_bounds(
     problem: Problem, sensitivities: Sensitivities, residual: Array
@@ -65,7 +71,7 @@ def _reach(sensitivities: Sensitivities, residual: Array, row: int, far: float) 
     if size < UNSEEN:
         return far
     estimate = float(sensitivities.projected[row] @ residual) / size**2
-    limit = max(estimate, 0.0) + 1.96 / size
+    limit = max(estimate, 0.0) + _BOUND_SDS / size
     # A response at one amplitude says little of amplitudes far from it, larger or smaller.
     return abs(float(sensitivities.amplitude[row])) * max(limit, 1.0 / 3.0) if limit < 3.0 else far
 
@@ -84,7 +90,7 @@ def smallest_effects(
     threshold : float
         Of the score.
     """
-    wanted = threshold + 0.84
+    wanted = threshold + _POWER_SDS
     found: dict[str, float] = {}
     nearest: dict[str, float] = {}
     for row in np.flatnonzero(sensitivities.at >= 0):

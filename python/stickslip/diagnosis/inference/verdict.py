@@ -14,8 +14,9 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.distinguishability import SAME
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
-from stickslip.diagnosis.inference.detection import Detection
+from stickslip.diagnosis.inference.detection import ALPHA, Detection
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 VerdictKind = Literal["none", "named", "ambiguous", "pair", "unexplained", "data-problem"]
@@ -23,8 +24,10 @@ VerdictKind = Literal["none", "named", "ambiguous", "pair", "unexplained", "data
 MARGIN = 3.0
 """Log-evidence by which a named cause leads."""
 
-_NONE, _UNKNOWN = 0.5, 0.1
-_LEAST_SHARE = 0.7
+PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1
+"""What is thought before any data of no cause, and of a cause of any shape; the rest is shared."""
+
+LEAST_SHARE = 0.7
 """Of what a smooth function explains, so that a cause or a pair may be claimed."""
 
 
@@ -58,7 +61,7 @@ class Verdict(OneLine):
         The named cause, the set, or the pair.
     fit : Fit, optional
         The extended model, where there is one.
-    reasons : tuple of str
+    reasons : tuple of Fact
         Why it is this verdict and no bolder one.
     probabilities : dict
         Over all causes, ``none`` and ``unknown``; they sum to 1.
@@ -67,7 +70,7 @@ class Verdict(OneLine):
     kind: VerdictKind
     causes: tuple[str, ...]
     fit: Fit | None
-    reasons: tuple[str, ...]
+    reasons: tuple[Fact, ...]
     probabilities: Mapping[str, float]
 
 
@@ -101,20 +104,23 @@ def decide(
     """
     chance = probabilities(problem, ranking, linear_evidence)
     if not detection.found:
-        return Verdict("none", (), None, ("both tests pass",), chance)
+        passed = Fact(Code.NOTHING_DETECTED, {"p_value": detection.p_value, "level": ALPHA})
+        return Verdict("none", (), None, (passed,), chance)
     said = _decided(problem, ranking, cosines, improves_prediction, chance)
     if said.fit is not None and said.kind in ("named", "pair"):
         share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
-        if share is not None and share < _LEAST_SHARE:
-            reason = (
-                f"{said.fit.name} takes {100.0 * share:.0f} % of what a smooth function of the "
-                f"settings would take from the misfit"
-            )
+        if share is not None and share < LEAST_SHARE:
+            part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
+            reason = Fact(Code.SMOOTH_REST, {"name": said.fit.name, **part})
             return Verdict("unexplained", (), None, (reason,), _unknown(chance, said.causes))
         against = contradicting(said.fit, tables)
         if against:
-            reasons = tuple(f"the table of kind {name} contradicts it" for name in against)
-            return replace(said, kind="ambiguous", reasons=reasons)
+            fact = Fact(
+                Code.TABLE_CONTRADICTS, {"name": said.fit.name, "level": ADEQUATE / len(tables)}
+            )
+            return replace(
+                said, kind="ambiguous", reasons=tuple(fact.of(kind=each) for each in against)
+            )
     return said
 
 
@@ -171,9 +177,9 @@ def _decided(
     candidates = [fit for fit in singles if fit in close or fit in alike]
     if len(candidates) > 1:
         names = tuple(fit.name for fit in candidates)
-        said = "the evidence does not separate them"
+        said = Fact(Code.NOT_SEPARATED, {"causes": list(names), "margin": MARGIN})
         if all(fit in alike or fit is best for fit in candidates):
-            said = "their effects on this data are alike once the model is recalibrated"
+            said = Fact(Code.ALIKE, {"causes": list(names), "limit": SAME})
         return Verdict(
             "ambiguous", names, best, (said, *_reasons_against(problem, null, best)), chance
         )
@@ -186,7 +192,7 @@ def _decided(
     )
 
 
-def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> str:
+def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> Fact:
     """How the best of the others stands to what is said, after the price of a second cause.
 
     Parameters
@@ -199,17 +205,16 @@ def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[
 
     Returns
     -------
-    str
-        In words, with the lead in log-evidence.
+    Fact
     """
     second = ranked([null, *others], priced=True)[0]
-    name = "no cause at all" if second is null else second.name
     lead = said.priced_evidence - second.priced_evidence
-    if lead < 0.0:
-        leads = f"{name} leads by {-lead:.1f} in log-evidence"
-        explains = adequacy(problem, second) >= ADEQUATE
-        return leads if explains else f"{leads}, but does not explain the data"
-    return f"the runner-up, {name}, is behind by {lead:.1f} in log-evidence"
+    if lead >= 0.0:
+        return Fact(Code.RUNNER_UP, {"name": second.name, "lead": lead})
+    if adequacy(problem, second) >= ADEQUATE:
+        return Fact(Code.OTHER_LEADS, {"name": second.name, "lead": -lead})
+    unexplained = {"name": second.name, "lead": -lead, "level": ADEQUATE}
+    return Fact(Code.OTHER_LEADS_UNEXPLAINED, unexplained)
 
 
 def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
@@ -221,7 +226,7 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
     fit = verdict.fit
     if fit is None or choice == fit.name:
         return verdict
-    said = f"without the held-out conditions {choice} would lead"
+    said = Fact(Code.TRAINING_SUBSET, {"name": choice})
     candidates = [*ranking.singles, *ranking.pairs]
     other = next((each for each in candidates if each.name == choice), fit)
     own, theirs = ({cause.name for cause in each.candidate.causes} for each in (fit, other))
@@ -234,19 +239,21 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
 
 def _reasons_against(
     problem: Problem, null: Fit, best: Fit, improves_prediction: Callable[[Fit], bool] | None = None
-) -> list[str]:
+) -> list[Fact]:
     """Why a candidate that leads all others is not claimed all the same."""
     reasons = []
-    if best.log_evidence - null.log_evidence < MARGIN:
-        reasons.append("the log-evidence is less than 3 above that of no cause")
+    name = {"name": best.name}
+    lead = best.log_evidence - null.log_evidence
+    if lead < MARGIN:
+        reasons.append(Fact(Code.LITTLE_EVIDENCE, {**name, "lead": lead, "margin": MARGIN}))
     if not best.converged:
-        reasons.append("fits from different starts do not agree")
+        reasons.append(Fact(Code.STARTS_DISAGREE, name))
     # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
     shaped = any(cause.relaxes_prior is None for cause in best.candidate.causes)
     if improves_prediction is not None and shaped and not improves_prediction(best):
-        reasons.append("conditions that are left out are not predicted better")
+        reasons.append(Fact(Code.NOT_PREDICTED_BETTER, name))
     if _at_limit(problem, best):
-        reasons.append("an amplitude is at the end of its physical range")
+        reasons.append(Fact(Code.AT_LIMIT, name))
     return reasons
 
 
@@ -259,28 +266,28 @@ def _without_single(
     best_single = ranking.singles[0] if ranking.singles else ranking.null
     adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
     if not adequate or adequate[0].log_evidence < best_single.log_evidence + PAIR_PRICE:
-        reason = "no single cause and no pair brings the misfit down to the noise"
+        reason = Fact(Code.NO_EXPLANATION, {"level": ADEQUATE})
         enough = [fit for fit in ranking.singles if adequacy(problem, fit) >= ADEQUATE]
         if enough:
-            reason = (
-                f"{enough[0].name} brings the misfit down to the noise, but is less likely than "
-                f"{best_single.name}, which does not"
+            reason = Fact(
+                Code.LESS_LIKELY, {"explaining": enough[0].name, "name": best_single.name}
             )
         elif adequate:
-            reason = "no single cause is adequate, and a pair leads by too little to be claimed"
+            lead = adequate[0].log_evidence - best_single.log_evidence
+            pair = {"name": adequate[0].name, "lead": lead, "needed": PAIR_PRICE}
+            reason = Fact(Code.PAIR_LEADS_TOO_LITTLE, pair)
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
     close = [fit for fit in ranking.pairs if best.log_evidence - fit.log_evidence < MARGIN]
     names = tuple(sorted({cause.name for fit in close for cause in fit.candidate.causes}))
     if len(close) > 1:
-        said = f"{len(close)} pairs explain the data about as well: " + "; ".join(
-            fit.name for fit in close[:4]
-        )
+        several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": MARGIN}
+        said = Fact(Code.SEVERAL_PAIRS, several)
         return Verdict("ambiguous", names, best, (said,), chance)
     reasons = _reasons_against(problem, ranking.null, best, improves_prediction)
     if reasons:
         return Verdict("ambiguous", names, best, tuple(reasons), chance)
-    return Verdict("pair", names, best, ("no single cause explains the data as well",), chance)
+    return Verdict("pair", names, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)
 
 
 def _at_limit(problem: Problem, fit: Fit) -> bool:
@@ -292,9 +299,10 @@ def _at_limit(problem: Problem, fit: Fit) -> bool:
 
 def prior_probabilities(problem: Problem) -> dict[str, float]:
     """What is thought before any data."""
-    share = (1.0 - _NONE - _UNKNOWN) / max(len(problem.causes), 1)
+    share = (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / max(len(problem.causes), 1)
     result = {cause.name: share for cause in problem.causes}
-    return {**result, "none": _NONE if result else 1.0 - _UNKNOWN, "unknown": _UNKNOWN}
+    none = PRIOR_NONE if result else 1.0 - PRIOR_UNKNOWN
+    return {**result, "none": none, "unknown": PRIOR_UNKNOWN}
 
 
 def probabilities(
@@ -306,7 +314,7 @@ def probabilities(
     evidence is that of independent extra variance, fitted, at the price of one parameter. A pair
     counts half for each of its members.
     """
-    share = (1.0 - _NONE - _UNKNOWN) / max(len(problem.causes), 1)
+    share = (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / max(len(problem.causes), 1)
     null = ranking.null
     m = len(problem.observed)
     excess = max(null.chi2 / m, 1.0)
@@ -315,8 +323,8 @@ def probabilities(
     # A cause that was not fitted leaves the misfit about as it is.
     nothing = _worth(problem, null)
     weights: dict[str, float] = {
-        "none": math.log(_NONE) + nothing,
-        "unknown": math.log(_UNKNOWN) + generic,
+        "none": math.log(PRIOR_NONE) + nothing,
+        "unknown": math.log(PRIOR_UNKNOWN) + generic,
     }
     evidence = {name: nothing + above for name, above in linear_evidence.items()}
     evidence |= {fit.name: _worth(problem, fit) for fit in ranking.singles}

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.diagnosis.data.unit_check import refuse_larger
 from stickslip.diagnosis.observables.angle_noise import Noise, estimate
 from stickslip.diagnosis.observables.curve_noise import curvature, order_along
 from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_neighbours
 from stickslip.scenario.scenario import Scenario
 
@@ -70,7 +72,7 @@ class AngleObservable(TableObservable):
         self.sd = self.noise.sd / np.sqrt(merged.count[order])
         self.covariance = np.diag(self.sd**2)
         self.group = np.arange(len(self.observed), dtype=np.int64)
-        self.notes = tuple(f"{title}: {line}" for line in self.noise.notes)
+        self.notes: tuple[Fact, ...] = (self.noise.note.of(table=title),)
         self.left_out = (*beyond, *spikes)
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
@@ -78,16 +80,11 @@ class AngleObservable(TableObservable):
         return _core.static_tilts(self._base, list(names), parameters, self.fields)
 
 
-def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[str]]:
+def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[Fact]]:
     """Fields and angles that can be meant, and what was left out."""
     fields = np.stack([table["Bx"], table["Bz"]], axis=1)
     theta = table["theta"]
-    strongest = float(np.max(np.abs(fields)))
-    if strongest > _STRONGEST:
-        raise ScenarioError(
-            f"{title}: a field of {strongest:.4g} T; allowed is at most {_STRONGEST:.0f} T. "
-            "If fields are in mT, divide them by 1e3"
-        )
+    refuse_larger(title, "field", float(np.max(np.abs(fields))), _STRONGEST, "T")
     beyond = np.abs(theta) > math.pi
     if np.mean(beyond) > _FEW:
         raise ScenarioError(
@@ -95,20 +92,20 @@ def _sound(table: Mapping[str, Array], title: str) -> tuple[Array, Array, list[s
             "If angles are in degrees, multiply them by pi/180"
         )
     left_out = [
-        f"{title}: theta of {value:.4g} rad is beyond half a turn" for value in theta[beyond]
+        Fact(Code.ANGLE_BEYOND_TURN, {"table": title, "theta": value})
+        for value in theta[beyond].tolist()
     ]
     return fields[~beyond], theta[~beyond], left_out
 
 
-def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Array, list[str]]:
+def _without_spikes(fields: Array, theta: Array, title: str) -> tuple[Array, Array, list[Fact]]:
     """Leave out a row that lies far from two neighbours which agree with each other."""
     if len(theta) < _FEWEST or len(np.unique(fields, axis=0)) < len(theta):
         return fields, theta, []
     kept = np.ones(len(theta), dtype=bool)
     kept[1:-1] = ~far_from_their_neighbours(*curvature(fields, theta), _ALONE_LEAST)
     left_out = [
-        f"{title}: theta of {value:.4g} rad at Bx = {bx:.4g} T, Bz = {bz:.4g} T, far from both "
-        "its neighbours"
-        for value, (bx, bz) in zip(theta[~kept], fields[~kept], strict=True)
+        Fact(Code.LONELY_ANGLE, {"table": title, "theta": value, "Bx": bx, "Bz": bz})
+        for value, (bx, bz) in zip(theta[~kept].tolist(), fields[~kept].tolist(), strict=True)
     ]
     return fields[kept], theta[kept], left_out

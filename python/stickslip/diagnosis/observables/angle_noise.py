@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.diagnosis.observables.curve_noise import noise_of_curve
 from stickslip.diagnosis.observables.repeats import ENOUGH, FEWEST, Repeats, widening
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -26,11 +27,12 @@ class Noise:
     ----------
     sd : float
         Standard deviation as it is used, rad.
-    notes : tuple of str
+    note : Fact
+        How it was found.
     """
 
     sd: float
-    notes: tuple[str, ...]
+    note: Fact
 
 
 def estimate(fields: Array, theta: Array, merged: Repeats) -> Noise:
@@ -46,24 +48,13 @@ def estimate(fields: Array, theta: Array, merged: Repeats) -> Noise:
     """
     smooth, free = noise_of_curve(fields, theta)
     if merged.dof >= ENOUGH or merged.dof >= max(free, FEWEST):
-        sd, dof = merged.sd, float(merged.dof)
-        origin = f"the scatter of readings at the same field ({merged.dof} degrees of freedom)"
+        sd, dof, origin = merged.sd, float(merged.dof), "repeats"
     else:
-        sd, dof = smooth, free
-        origin = f"how smoothly theta follows the field (about {dof:.0f} degrees of freedom)"
+        sd, dof, origin = smooth, free, "smoothness"
+    told = {"origin": origin, "dof": dof, "taken": READING, "unit": "rad"}
     if dof < FEWEST:
-        return Noise(READING, (f"the noise cannot be told from so few rows; {_taken()}",))
-    factor = widening(len(theta), dof)
-    if sd * factor <= READING:
-        return Noise(READING, (f"noise from {origin} is below a reading's; {_taken()}",))
-    return Noise(
-        sd * factor,
-        (
-            f"noise of a reading from {origin}: {math.degrees(sd):.2f} degrees, taken as "
-            f"{math.degrees(sd * factor):.2f} because so little tells it",
-        ),
-    )
-
-
-def _taken() -> str:
-    return f"{math.degrees(READING):.1f} degrees are taken"
+        return Noise(READING, Fact(Code.READING_NOISE_UNKNOWN, {**told, "needed": FEWEST}))
+    wide = sd * widening(len(theta), dof)
+    if wide <= READING:
+        return Noise(READING, Fact(Code.READING_NOISE_SMALL, told))
+    return Noise(wide, Fact(Code.READING_NOISE, {**told, "sd": sd, "taken": wide}))

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip._util.root_mean_square import root_mean_square
-from stickslip.diagnosis.data.unit_check import magnitude_mismatch
+from stickslip.diagnosis.data.unit_check import magnitude_mismatch, refuse_larger
 from stickslip.diagnosis.observables.field_noise import estimate, far_rows
 from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
+from stickslip.facts.sentences_of_data import mismatch
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 
@@ -68,18 +70,18 @@ class FieldObservable(TableObservable):
         self.settings = {"currents": self.currents, "place": self.points}
         self.fields = merged.mean
         self.observed = merged.mean.reshape(-1)
-        reading, origin = estimate(coils.shares(self.points, self.currents), merged)
+        reading, note = estimate(coils.shares(self.points, self.currents), merged)
         self.sd = np.repeat(reading / np.sqrt(merged.count), 3)
         self.covariance = np.diag(self.sd**2)
         self.group = np.repeat(np.arange(len(merged.mean)), 3)
-        self.notes: tuple[str, ...] = (f"{title}: {origin}",)
+        self.notes: tuple[Fact, ...] = (note.of(table=title),)
         left_out = []
         if not off.all():
-            left_out.append(f"{title}: {_rows(~off)} on the wire of a coil")
+            on_wire = {"table": title, "count": int((~off).sum())}
+            left_out.append(Fact(Code.PROBES_ON_WIRE, on_wire))
         left_out += [
-            f"{title}: a reading of {_three(value)} T with currents {_three(row[:count])} A is far "
-            "from what any gain of the coils gives"
-            for row, value in zip(settings[far], fields[far], strict=True)
+            Fact(Code.FAR_FIELD, {"table": title, "field": value, "currents": row[:count]})
+            for row, value in zip(settings[far].tolist(), fields[far].tolist(), strict=True)
         ]
         self.left_out = tuple(left_out)
 
@@ -95,28 +97,11 @@ class FieldObservable(TableObservable):
         return fields
 
 
-def _rows(which: NDArray[np.bool_]) -> str:
-    count = int(which.sum())
-    return f"{count} row{'' if count == 1 else 's'}"
-
-
-def _three(values: Array) -> str:
-    return "(" + ", ".join(f"{value:.3g}" for value in values) + ")"
-
-
 def _refuse_units(table: Mapping[str, Array], title: str) -> None:
     strongest = max(float(np.max(np.abs(table[key]))) for key in _FIELD)
-    if strongest > _STRONGEST:
-        raise ScenarioError(
-            f"{title}: a field of {strongest:.4g} T; allowed is at most {_STRONGEST:.0f} T. "
-            "If fields are in mT, divide them by 1e3"
-        )
+    refuse_larger(title, "field", strongest, _STRONGEST, "T")
     farthest = max(float(np.max(np.abs(table[key]))) for key in _PLACE)
-    if farthest > _FARTHEST:
-        raise ScenarioError(
-            f"{title}: a place at {farthest:.4g} m; allowed is at most {_FARTHEST:.0f} m. "
-            "If places are in mm, divide them by 1e3"
-        )
+    refuse_larger(title, "place", farthest, _FARTHEST, "m")
 
 
 def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) -> None:
@@ -136,11 +121,11 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
     )
     # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
     usual = float(np.clip(read, made, most))
-    far = magnitude_mismatch(read, usual, "T", "what the stated coils make of the currents")
+    far = magnitude_mismatch(read, usual, "T")
     if far is not None:
         strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
         largest = float(np.max(np.abs(currents[:, strongest])))
         raise ScenarioError(
             f"{title}: with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
-            f"the fields are {far}"
+            f"the fields are {mismatch(far, 'what the stated coils make of them')}"
         )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.observables.repeats import ENOUGH, FEWEST, Repeats, widening
+from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_a_fit
 
 Array = NDArray[np.float64]
@@ -60,8 +61,8 @@ def floor_of(fields: Array) -> float:
     return max(READING, RELATIVE * root_mean_square(fields))
 
 
-def estimate(shares: Array, merged: Repeats) -> tuple[float, str]:
-    """Standard deviation of one reading as it is used, T, and a sentence on where it is from.
+def estimate(shares: Array, merged: Repeats) -> tuple[float, Fact]:
+    """Standard deviation of one reading as it is used, T, and how it was found.
 
     Parameters
     ----------
@@ -72,18 +73,13 @@ def estimate(shares: Array, merged: Repeats) -> tuple[float, str]:
     floor = floor_of(merged.mean)
     left, dof = free_fit(shares, merged.mean)
     sd = math.sqrt(float(np.sum(left**2)) / dof) if dof else math.nan
-    origin = "what a free gain of each coil and a free uniform field leave over"
+    origin = "free-fit"
     if merged.dof >= ENOUGH or merged.dof >= max(dof, FEWEST):
-        sd, dof = merged.sd, merged.dof
-        origin = "the scatter of repeated readings"
+        sd, dof, origin = merged.sd, merged.dof, "repeats"
+    told = {"origin": origin, "dof": dof, "taken": floor, "unit": "T"}
     if dof < FEWEST:
-        return floor, (
-            f"the noise cannot be told from so few rows; {floor:.2g} T are taken for a reading"
-        )
+        return floor, Fact(Code.READING_NOISE_UNKNOWN, {**told, "needed": FEWEST})
     wide = sd * widening(merged.mean.size, dof)
     if wide <= floor:
-        return floor, f"noise from {origin} is below {floor:.2g} T, which are taken"
-    return wide, (
-        f"noise of a reading from {origin} ({dof} degrees of freedom): {sd:.2g} T, taken as "
-        f"{wide:.2g} T because so little tells it"
-    )
+        return floor, Fact(Code.READING_NOISE_SMALL, told)
+    return wide, Fact(Code.READING_NOISE, {**told, "sd": sd, "taken": wide})

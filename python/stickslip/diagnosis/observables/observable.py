@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip._util.one_line import OneLine
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.facts import Fact
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
@@ -119,9 +120,9 @@ class Observable(Protocol):
     nuisance : tuple of Uncertain
         Parameters that only this channel has, such as a camera's angle offset. Each begins with the
         channel's name and a dot.
-    notes : tuple of str
+    notes : tuple of Fact
         What a reader has to know of the noise.
-    left_out : tuple of str
+    left_out : tuple of Fact
         What was not used, and why.
     """
 
@@ -130,8 +131,8 @@ class Observable(Protocol):
     covariance: Array
     group: NDArray[np.int64]
     nuisance: tuple[Uncertain, ...]
-    notes: tuple[str, ...]
-    left_out: tuple[str, ...]
+    notes: tuple[Fact, ...]
+    left_out: tuple[Fact, ...]
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Observables, shape (vectors, k), for values of shape (vectors, names); NaN where none.

@@ -13,6 +13,7 @@ from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -50,17 +51,18 @@ def misfit_by_part(
     }
 
 
-def where_it_lives(parts: Mapping[str, Mapping[str, float | int | None]]) -> str:
-    """The contrasts among `misfit_by_part` in one sentence; its parts come in twos."""
-    names, said = list(parts), []
+def where_it_lives(parts: Mapping[str, Mapping[str, float | int | None]]) -> Fact:
+    """The contrasts among `misfit_by_part`; its parts come in twos."""
+    names: list[str] = list(parts)
+    found: list[dict[str, str | float]] = []
     for one, other in zip(names[::2], names[1::2], strict=True):
         high, low = sorted((one, other), key=lambda name: -float(parts[name]["recalibrated"] or 0))
         most, least = (float(parts[name]["recalibrated"] or 0.0) for name in (high, low))
         if most > _CONTRAST * max(least, 1.0):
-            said.append(f"in {high} ({most:.1f}, against {least:.1f} in {low})")
-    if not said:
-        return "Misfit of the recalibrated model per condition: about the same in all parts."
-    return f"Misfit of the recalibrated model per condition: larger {' and '.join(said)}."
+            found.append({"part": high, "misfit": most, "other": low, "misfit_of_other": least})
+    if not found:
+        return Fact(Code.MISFIT_EVEN, {"contrast": _CONTRAST})
+    return Fact(Code.MISFIT_UNEVEN, {"parts": found, "contrast": _CONTRAST})
 
 
 def signal_to_noise(found: Findings) -> dict[str, float] | None:
@@ -106,8 +108,8 @@ def velocity_changes(
     return result
 
 
-def pattern(changes: Mapping[str, Mapping[str, float]]) -> str:
-    """What a cause does to the velocities, in words.
+def pattern(changes: Mapping[str, Mapping[str, float]]) -> Fact:
+    """What a cause does to the velocities.
 
     Parameters
     ----------
@@ -120,17 +122,13 @@ def pattern(changes: Mapping[str, Mapping[str, float]]) -> str:
     faster = [word for word, each in clear.items() if way[word] * each["velocity"] > 0.0]
     slower = [word for word in clear if word not in faster]
     if not clear:
-        return "hardly changed"
+        return Fact(Code.VELOCITIES_UNCHANGED, {})
     if len(clear) == len(changes) and not (faster and slower):
-        return "faster throughout" if faster else "slower throughout"
+        return Fact(Code.VELOCITIES_FASTER if faster else Code.VELOCITIES_SLOWER, {})
     if len(clear) == len(changes) and len(set(way.values())) == 1:
-        return f"shifted towards {'+x' if next(iter(way.values())) > 0.0 else '-x'} throughout"
-    said = [
-        f"{how} in {', '.join(where)}"
-        for how, where in (("faster", faster), ("slower", slower))
-        if where
-    ]
-    return "; ".join(said)
+        direction = "+x" if next(iter(way.values())) > 0.0 else "-x"
+        return Fact(Code.VELOCITIES_SHIFTED, {"direction": direction})
+    return Fact(Code.VELOCITIES_MIXED, {"faster": faster, "slower": slower})
 
 
 def _without(problem: Problem, fit: Fit) -> Array:

@@ -24,6 +24,7 @@ from stickslip.diagnosis.observables.tracking.force_residuals import (
 from stickslip.diagnosis.report.figures import png
 from stickslip.diagnosis.report.film_messages import advance_lines, direction_lines, view_lines
 from stickslip.diagnosis.report.section import ReportSection
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -32,16 +33,13 @@ def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> li
     """The section of one run; with the second of two directions, one of their difference."""
     title = f"Tracking of {film.file}"
     if film.view is None:
-        line = (
-            "No view of forces: the drive has no phase to fold on, the frames are too few, or the "
-            "recalibrated model does not simulate."
-        )
-        return [ReportSection(title, "", (line,), {"held_out": film.held_out})]
-    lines = [*advance_lines(film.advance), *view_lines(film.view, film.after)]
+        lines = (Fact(Code.NO_FORCE_VIEW, {}),)
+        return [ReportSection(title, "", lines, {"held_out": film.held_out})]
+    told = [*advance_lines(film.advance), *view_lines(film.view, film.after)]
     numbers = {
         "held_out": film.held_out, "advance": film.advance, **_numbers(film.view, film.after)
     }  # fmt: skip
-    sections = [ReportSection(title, _figure(film.view, film.after), tuple(lines), numbers)]
+    sections = [ReportSection(title, _figure(film.view, film.after), tuple(told), numbers)]
     for other in earlier:
         if other.view is not None and opposite(film, other):
             found = compare_directions(other, film)

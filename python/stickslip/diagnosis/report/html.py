@@ -15,16 +15,21 @@ from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
-from stickslip.diagnosis.inference.discrimination import TRIALS
-from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.fit.goodness import ADEQUATE
+from stickslip.diagnosis.inference.cross_validation import INTERVAL
+from stickslip.diagnosis.inference.detection import ALPHA
+from stickslip.diagnosis.inference.experiment_design import Experiment, undecided
 from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.inference.ranking import runner_up, set_members
+from stickslip.diagnosis.inference.upper_bounds import BOUND, POWER
+from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN, PRIOR_NONE, PRIOR_UNKNOWN
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.json_keys import Source, details, further, gain_unit, summary
+from stickslip.diagnosis.report.json_keys import Source, details, facts, further, gain_unit, summary
 from stickslip.diagnosis.report.observable_sections import report_sections
 from stickslip.diagnosis.report.parameters import short
 from stickslip.diagnosis.report.section import ReportSection
+from stickslip.facts import Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -40,6 +45,21 @@ _SHOWN = {
     # Readings of several units have no mean error.
     "SI": None,
 }
+
+
+_LIMITS = {
+    "adequate": ADEQUATE,
+    "alpha": ALPHA,
+    "bound": BOUND,
+    "interval": INTERVAL,
+    "margin": MARGIN,
+    "odds": math.exp(MARGIN),
+    "power": POWER,
+    "prior_none": PRIOR_NONE,
+    "prior_unknown": PRIOR_UNKNOWN,
+    "share": LEAST_SHARE,
+}
+"""Limits that the page explains."""
 
 
 def write_report(
@@ -76,7 +96,9 @@ def report_texts(
     full = {**summary(found, posed, source, experiments), **details(found, posed, source, unit)}
     full["channels"] = {each.title: each.numbers for each in sections}
     full["gain_unit"] = unit
-    full |= further(found, posed)
+    more = further(found, posed)
+    told = facts(found, [*source.left_out, *posed.left_out], experiments, sections)
+    full |= {**more, "facts": {**told, **more["facts"]}}
     page = page_text(found, posed, full, sections, experiments)
     return {JSON: json_text(full) + "\n", PAGE: page}
 
@@ -114,6 +136,11 @@ def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     """Rows of the leading candidates and of no cause, as the verdict weighs them."""
     rows = [row for row in ranking if row["leading"]]
     return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
+
+
+def _weighed(found: Findings) -> list[Fact]:
+    second = runner_up(found)
+    return [*found.verdict.reasons, *([] if second is None else [second])]
 
 
 def _typical_error(found: Findings) -> str:
@@ -168,8 +195,9 @@ def page_text(
         candidates=_leading(full["ranking"]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
-        decisive=any(each.decides for each in experiments),
-        trials=TRIALS,
+        undecided=undecided(experiments),
+        by_evidence=any("lead" in each.fields for each in _weighed(found)),
+        limits=_LIMITS,
         observables=len(found.problem.observed),
         models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
         typical=_typical_error(found),

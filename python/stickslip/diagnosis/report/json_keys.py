@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -29,6 +29,8 @@ from stickslip.diagnosis.report.evidence import (
 )
 from stickslip.diagnosis.report.messages import headline
 from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
+from stickslip.diagnosis.report.section import ReportSection
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -42,7 +44,7 @@ class Source(Protocol):
         ...
 
     @property
-    def left_out(self) -> tuple[str, ...]:
+    def left_out(self) -> tuple[Fact, ...]:
         """What of the data was not sound."""
         ...
 
@@ -77,10 +79,10 @@ def summary(
             "interval": list(gain.interval),
         },
         "next_experiments": [
-            {"drive": dict(each.drive), "why": each.why, "predictions": each.predictions}
+            {"drive": dict(each.drive), "why": str(each.why), "predictions": each.predictions}
             for each in experiments
         ],
-        "left_out": [*measurement.left_out, *posed.left_out],
+        "left_out": _said([*measurement.left_out, *posed.left_out]),
         "seed": found.seed,
         "version": _core.__version__,
     }  # fmt: skip
@@ -116,9 +118,9 @@ def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str
     return {
         "name": measurement.name,
         "headline": headline(found),
-        "runner_up": runner_up(found),
-        "reasons": list(found.verdict.reasons),
-        "notes": list(found.notes),
+        "runner_up": str(runner_up(found) or ""),
+        "reasons": _said(found.verdict.reasons),
+        "notes": _said(found.notes),
         "tests": {
             "lack_of_fit": found.detection.lack_of_fit,
             "lack_of_fit_p": found.detection.lack_of_fit_p,
@@ -147,7 +149,7 @@ def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str
             }
             for k, each in enumerate(problem.uncertain)
         },
-        "flat_directions": flat_directions(problem, found.null),
+        "flat_directions": _said(flat_directions(problem, found.null)),
         "ranking": [
             {
                 "causes": [cause.name for cause in fit.candidate.causes],
@@ -188,13 +190,17 @@ def further(found: Findings, posed: PosedProblem) -> dict[str, Any]:
         share = share_of_smooth_bound(found.null, found.verdict.fit, found.smooth_bound)
     judged = found.verdict.kind != "data-problem"
     misfit = misfit_by_part(found, posed.parts()) if judged else {}
+    lives = where_it_lives(misfit) if misfit and found.detection.found else None
     velocities = velocity_changes(found, posed.conditions)
+    changes = {name: pattern(each) for name, each in velocities.items()}
+    changed, looks = changing(problem, parts), advice(found)
     return {
         "signal_to_noise": signal_to_noise(found),
         "misfit_by_part": misfit,
-        "where_it_lives": where_it_lives(misfit) if misfit and found.detection.found else "",
+        "where_it_lives": str(lives or ""),
         "velocity_changes": {
-            name: {"parts": parts, "in_words": pattern(parts)} for name, parts in velocities.items()
+            name: {"parts": parts, "in_words": str(changes[name])}
+            for name, parts in velocities.items()
         },
         "constancy": {
             part.name: {
@@ -207,13 +213,46 @@ def further(found: Findings, posed: PosedProblem) -> dict[str, Any]:
             }
             for part in parts
         },
-        "changing": changing(problem, parts),
+        "changing": _said(changed),
         "smallest_effects": {short(name): value for name, value in smallest.items()},
         "smooth_ceiling": found.smooth_bound,
         "share_of_ceiling": share,
         "carried_by": carriers(found, len(posed.conditions)),
-        "advice": advice(found),
+        "advice": _said(looks),
+        "facts": {
+            "changing": _data(changed),
+            "where_it_lives": _data([] if lives is None else [lives]),
+            "velocity_changes": {name: fact.as_dict() for name, fact in changes.items()},
+            "advice": _data(looks),
+        },
     }
+
+
+def facts(
+    found: Findings,
+    left_out: Sequence[Fact],
+    experiments: Sequence[Experiment],
+    report_sections: Sequence[ReportSection],
+) -> dict[str, Any]:
+    """The facts of the sentences of `summary` and `details`, under the same keys."""
+    second = runner_up(found)
+    return {
+        "reasons": _data(found.verdict.reasons),
+        "runner_up": _data([] if second is None else [second]),
+        "notes": _data(found.notes),
+        "left_out": _data(left_out),
+        "flat_directions": _data(flat_directions(found.problem, found.null)),
+        "next_experiments": [each.why.as_dict() for each in experiments],
+        "channels": {each.title: _data(each.lines) for each in report_sections},
+    }
+
+
+def _said(told: Iterable[Fact]) -> list[str]:
+    return [str(each) for each in told]
+
+
+def _data(told: Iterable[Fact]) -> list[dict[str, Any]]:
+    return [each.as_dict() for each in told]
 
 
 def _level(found: Findings, unit: str) -> float | None:
@@ -232,8 +271,8 @@ def gain_unit(posed: PosedProblem) -> str:
     return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
 
 
-def flat_directions(problem: Problem, fit: Fit) -> list[str]:
-    """Combinations of uncertain parameters that the data says nothing about, in words."""
+def flat_directions(problem: Problem, fit: Fit) -> list[Fact]:
+    """Combinations of uncertain parameters that the data says nothing about."""
     m, p = len(problem.observed), problem.base_count
     if p == 0:
         return []
@@ -248,7 +287,7 @@ def flat_directions(problem: Problem, fit: Fit) -> list[str]:
             abs(direction[k]) > 0.4
         ]  # fmt: skip
         if len(strong) > 1:
-            said.append(" and ".join(strong[:3]) + " trade off")
+            said.append(Fact(Code.TRADE_OFF, {"names": strong[:3]}))
         elif strong:
-            said.append(f"the data say little about {strong[0]}")
+            said.append(Fact(Code.LITTLE_KNOWN, {"name": strong[0]}))
     return said

@@ -32,7 +32,7 @@ def headline(found: Findings) -> str:
     if verdict.kind in _NAMELESS:
         text = _NAMELESS[verdict.kind]
     elif verdict.kind == "data-problem":
-        text = f"The data do not allow a diagnosis: {verdict.reasons[0]}."
+        text = f"The data do not allow a diagnosis. {verdict.reasons[0]}"
     elif verdict.kind == "named":
         text = f"The data point to {verdict.causes[0]}: {_sizes(found)}."
     elif verdict.kind == "pair":
@@ -41,7 +41,7 @@ def headline(found: Findings) -> str:
     elif verdict.fit is not None and len(verdict.causes) == len(verdict.fit.candidate.causes):
         members = " and ".join(verdict.causes)
         best = "is the best candidate" if len(verdict.causes) == 1 else "are the best pair"
-        text = f"{members} {best}, but {verdict.reasons[0]}."
+        text = f"{members} {best}, but this is not certain. {verdict.reasons[0]}"
     else:
         first, more = verdict.causes[:_LISTED], len(verdict.causes) - _LISTED
         pair = verdict.fit is not None and len(verdict.fit.candidate.causes) > 1

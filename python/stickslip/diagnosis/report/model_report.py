@@ -13,6 +13,7 @@ from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.html import report_texts, write_files
 from stickslip.diagnosis.report.section import ReportSection
+from stickslip.facts import Fact
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ class OwnData:
     """Where data of a model of the user's own are from, as far as a report says it."""
 
     name: str
-    left_out: tuple[str, ...] = ()
+    left_out: tuple[Fact, ...] = ()
 
 
 def write_model_report(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,6 +12,7 @@ from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.report.figures import against_model, png
 from stickslip.diagnosis.report.film_section import film_sections
 from stickslip.diagnosis.report.section import ReportSection
+from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
@@ -36,10 +36,9 @@ def report_sections(comparisons: Sequence[Comparison | FilmComparison]) -> list[
     return sections
 
 
-def _missed(what: str, before: str, after: str | None) -> str:
-    """What both models miss, as the beginning of a sentence."""
-    said = f"The recalibrated model misses these {what} by {before}"
-    return said if after is None else f"{said}, the extended one by {after}"
+def _missed(found: Comparison) -> dict[str, float | None]:
+    """What both models miss, as fields of a fact."""
+    return dict(zip(("recalibrated", "extended"), found.errors, strict=True))
 
 
 def _numbers(found: Comparison, reading: str) -> dict[str, object]:
@@ -72,19 +71,10 @@ def _angle_section(found: Comparison) -> ReportSection:
         (f"{('Bx', 'Bz')[component]} (mT)", "theta (degrees)"),
         joined=bool(np.ptp(other) <= _ONE_CURVE * np.ptp(varied)),
     )
-    before, after = (None if each is None else math.degrees(each) for each in found.errors)
-    said = _missed("angles", f"{before:.2f} degrees", None if after is None else f"{after:.2f}")
-    lines = [
-        said + " (root mean square).",
-        "Each is the angle at which the magnetic torque and the weight about the corner it "
-        "pivots on cancel, after the field was raised from zero.",
-    ]
+    lines = [Fact(Code.ANGLE_MISFIT, _missed(found)), Fact(Code.ANGLE_MODEL, {})]
     size = np.hypot(*fields.T)
     if np.all(size > _WEAK * np.max(size)):
-        lines.append(
-            "No angle was read without field. One such reading tells an offset of the camera, "
-            "which is there too, from what tilts the robot."
-        )
+        lines.append(Fact(Code.NO_ANGLE_WITHOUT_FIELD, {"percent": 100.0 * _WEAK}))
     return ReportSection(found.title, png(picture), tuple(lines), _numbers(found, "theta"))
 
 
@@ -102,7 +92,5 @@ def _field_section(found: Comparison) -> ReportSection:
         joined=False,
     )
     largest = float(np.max(np.abs(found.observed)))
-    before, after = (None if each is None else f"{each * 1e6:.3g} uT" for each in found.errors)
-    said = _missed("fields", str(before), after)
-    line = f"{said} (root mean square); the largest component is {largest * 1e3:.3g} mT."
+    line = Fact(Code.FIELD_MISFIT, {**_missed(found), "largest": largest})
     return ReportSection(found.title, png(picture), (line,), _numbers(found, "field"))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stickslip.facts import Fact
+
 
 @dataclass(frozen=True)
 class ReportSection:
@@ -14,13 +16,13 @@ class ReportSection:
     title : str
     picture : str
         PNG in base64, may be empty.
-    lines : tuple of str
-        Sentences below it.
+    lines : tuple of Fact
+        What is said below it.
     numbers : dict
         For report.json.
     """
 
     title: str
     picture: str
-    lines: tuple[str, ...]
+    lines: tuple[Fact, ...]
     numbers: dict[str, object]

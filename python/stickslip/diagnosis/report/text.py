@@ -6,22 +6,23 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stickslip.diagnosis.data.conditions import Conditions, changes
-from stickslip.diagnosis.inference.experiment_design import Experiment, advice
+from stickslip.diagnosis.inference.experiment_design import Experiment, advice, undecided
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import runner_up
 from stickslip.diagnosis.report.messages import headline
+from stickslip.facts import Fact
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-def verdict_lines(found: Findings, left_out: Sequence[str]) -> list[str]:
+def verdict_lines(found: Findings, left_out: Sequence[Fact]) -> list[str]:
     """The verdict and why it is no bolder one, what was left out, and the held-out improvement."""
     reasons = () if found.verdict.kind == "data-problem" else found.verdict.reasons
     second = runner_up(found)
     lines = [f"{found.verdict.kind}: {headline(found)}"]
-    lines += [f"  {line}" for line in (*reasons, *([second] if second else []), *found.notes)]
-    lines += [f"  left out: {line}" for line in left_out]
+    lines += [f"  {fact}" for fact in (*reasons, *([second] if second else []), *found.notes)]
+    lines += [f"  left out: {fact}" for fact in left_out]
     if found.gain is not None:
         lines.append(
             f"  chi-square per condition, {len(found.gain.held_out)} held out: "
@@ -36,11 +37,11 @@ def experiment_lines(
     """The best experiment, and what to look at beside the drive."""
     lines = []
     for each in experiments[:1]:
-        what = f"{changes(each.drive, conditions)}; {each.why}"
-        if not each.decides:
-            what = f"none that was tried tells the leading rivals apart; the best: {what}"
-        lines.append(f"  next experiment: {what}")
-    return lines + [f"  beside the drive: {line}" for line in advice(found)]
+        none = undecided(experiments)
+        if none is not None:
+            lines.append(f"  {none}")
+        lines.append(f"  next experiment: {changes(each.drive, conditions)}. {each.why}")
+    return lines + [f"  beside the drive: {fact}" for fact in advice(found)]
 
 
 def table_lines(table: DataFrame, most: int) -> list[str]:

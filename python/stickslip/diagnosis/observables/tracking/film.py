@@ -27,6 +27,7 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
+from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.priors import Prior
 from stickslip.measurement.tracking import FEWEST, TrackingRun
@@ -105,8 +106,8 @@ class FilmObservable:
         self.name = f"tracking.{number}"
         self.rate = recording_rate(run.scenario)
         self.nuisance = _nuisance(self.name, run)
-        said: list[str] = []
-        unused: list[str] = []
+        said: list[Fact] = []
+        unused: list[Fact] = []
         nominal = self._nominal_frames()
         self.quantities = tuple(
             found
@@ -120,8 +121,8 @@ class FilmObservable:
             block_diag(*(each.reduction.covariance for each in self.quantities)), dtype=float
         )
         self.group = np.zeros(len(self.observed), dtype=np.int64)
-        self.notes = tuple(f"{run.file}: {line}" for line in said)
-        self.left_out = tuple(f"{run.file}: {line}" for line in unused)
+        self.notes = tuple(each.of(table=run.file) for each in said)
+        self.left_out = tuple(each.of(table=run.file) for each in unused)
 
     def camera(self, names: Sequence[str], values: Array) -> Camera:
         """The run's camera with the nuisances among `names`, from values of shape (names,)."""
@@ -219,24 +220,23 @@ def _quantity(
     run: TrackingRun,
     name: str,
     nominal: dict[str, Array] | None,
-    said: list[str],
-    unused: list[str],
+    said: list[Fact],
+    unused: list[Fact],
 ) -> Quantity | None:
     """Reduce one column, with what there is to say of it and what of it is not used."""
     times, values, kind = run.columns["t"], run.columns[name], _KINDS[name]
     finite = np.isfinite(values)
     if name not in ("x", "theta") and finite.sum() < FEWEST:
-        unused.append(f"column {name} is not used: {finite.sum()} numbers in it")
+        few = {"column": name, "count": int(finite.sum()), "needed": FEWEST}
+        unused.append(Fact(Code.COLUMN_TOO_SHORT, few))
         return None
     guess = np.zeros(len(times)) if nominal is None else nominal[name]
     wild = np.zeros(len(times), dtype=bool)
     quantum = _quantum(values[finite])
     wild[finite] = _wild(fold(times[finite], run.scenario), (values - guess)[finite], quantum)
     if wild.any():
-        unused.append(
-            f"{int(wild.sum())} frames lie far from all others of their phase in {name}, such as "
-            f"that at {times[np.argmax(wild)]:.5g} s"
-        )
+        lost = {"count": int(wild.sum()), "time": float(times[np.argmax(wild)])}
+        unused.append(Fact(Code.WILD_FRAMES, {"column": name, **lost}))
     used = finite & ~wild
     if kind in ("drift", "place") and run.scenario.drive.mode != "program":
         # How far the contact slips while the robot stands up and wobbles in the ramp changes by
@@ -249,41 +249,41 @@ def _quantity(
         shown = {key: each[sized] for key, each in nominal.items()}
         far = _odd_size(name, values[sized], shown, run.scenario.robot.height)
         if far is not None:
-            unused.append(f"column {name} is not used: {far}")
+            unused.append(far)
             return None
     residual = (values - guess)[used]
     sd = _noise(run, name, folded, residual, said)
     if quantum > math.sqrt(12.0) * sd:
         # Rounding is an error of its own where the noise does not carry a reading over a step.
         sd = quantum / math.sqrt(12.0)
-        said.append(f"{name} is rounded to steps of {quantum:.3g}; their scatter {sd:.3g} is used")
+        said.append(Fact(Code.ROUNDED_COLUMN, {**_column(name), "step": quantum, "taken": sd}))
     shared = cycle_scatter(folded, residual, kind, sd)
     if shared > 0.0:
-        what = "its advance scatters from period to period by" if kind == "drift" else (
-            "periods differ by"
-        )  # fmt: skip
-        said.append(f"{name}: {what} {shared:.2g} beyond the noise of frames; counted as noise")
+        code = Code.ADVANCE_SCATTERS if kind == "drift" else Code.PERIODS_DIFFER
+        said.append(Fact(code, {**_column(name), "scatter": shared}))
     reduction = reduce(folded, kind, sd, shared)
     return Quantity(name, used, values[used], folded, sd, reduction)
 
 
-def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> str | None:
+def _column(name: str) -> dict[str, str]:
+    units = {"theta": "rad", "current_x": "A", "current_clamp": "A"}
+    return {"column": name, "unit": units.get(name, "m")}
+
+
+def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> Fact | None:
     """Whether z or a current is far from the stated model's, at the same frames."""
     own = nominal[name]
     if name == "z":
         # The origin of z is anywhere, and a robot that hardly rises shows the tracking's noise.
         read, own = read - np.mean(read), own - np.mean(own)
-        what, unit, largest = "its spread", "m", _LEAST_RISE * height
+        what, largest = "spread", _LEAST_RISE * height
     else:
         # A coil that hardly carries a current shows the logger's noise, or what another induces.
-        what, unit, largest = (
-            "its size",
-            "A",
-            max(root_mean_square(nominal[each]) for each in _CURRENTS),
-        )
+        what, largest = "size", max(root_mean_square(nominal[each]) for each in _CURRENTS)
     measured, usual = root_mean_square(read), root_mean_square(own)
-    far = magnitude_mismatch(measured, float(np.clip(measured, usual, max(usual, largest))), unit)
-    return None if far is None else f"{what} is {far}"
+    nearest = float(np.clip(measured, usual, max(usual, largest)))
+    far = magnitude_mismatch(measured, nearest, _column(name)["unit"])
+    return None if far is None else Fact(Code.COLUMN_SIZE, {**_column(name), "what": what, **far})
 
 
 def _quantum(values: Array) -> float:
@@ -302,7 +302,7 @@ def _wild(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
     return wild
 
 
-def _noise(run: TrackingRun, name: str, folded: Fold, residual: Array, said: list[str]) -> float:
+def _noise(run: TrackingRun, name: str, folded: Fold, residual: Array, said: list[Fact]) -> float:
     """Standard deviation of one frame: as stated, unless the frames scatter more."""
     seen, free = frame_noise(folded, residual)
     # An estimate is as likely too small as too large, and too small makes false alarms: so one
@@ -314,15 +314,13 @@ def _noise(run: TrackingRun, name: str, folded: Fold, residual: Array, said: lis
     if stated is not None:
         sd = stated
         if free > 0 and chi2_law.sf(free * (seen / stated) ** 2, free) < _UNLIKELY:
-            said.append(
-                f"{name} scatters by {seen:.3g} where a phase repeats, more than the stated "
-                f"{stated:.3g}; the scatter is used"
-            )
+            more = {**_column(name), "scatter": seen, "stated": stated}
+            said.append(Fact(Code.FRAME_NOISE_ABOVE_STATED, more))
             sd = safe
     elif free > 0:
         sd = safe
-        said.append(f"noise of {name} from repeats of a phase: {seen:.3g}, taken as {safe:.3g}")
+        said.append(Fact(Code.FRAME_NOISE, {**_column(name), "scatter": seen, "taken": safe}))
     else:
         sd = float(np.std(residual)) or 1.0
-        said.append(f"noise of {name} is not known; the whole misfit of {sd:.3g} counts as noise")
+        said.append(Fact(Code.FRAME_NOISE_UNKNOWN, {**_column(name), "taken": sd}))
     return sd
