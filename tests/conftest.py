@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from command_line import stickslip
+from command_line import stickslip_process
 from made_measurement import write
 
 # Shells start what runs in the background with interrupts ignored, and so would be all commands
@@ -19,6 +19,6 @@ def tilted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tilted")
     path = write(folder, {"effects.surface_tilt.angle": 0.04})
     # Jobs are stated, so that a test can compare with another number on any machine.
-    done = stickslip("diagnose", path, "--out", folder / "found", "--json", "--jobs", 2)
+    done = stickslip_process("diagnose", path, "--out", folder / "found", "--json", "--jobs", 2)
     assert done.returncode == 0, done.stderr
     return folder, json.loads(done.stdout)

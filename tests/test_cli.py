@@ -14,7 +14,7 @@ import pandas
 import pytest
 import xarray
 
-from command_line import COMMAND, stickslip
+from command_line import COMMAND, stickslip, stickslip_process
 from stickslip import COIL_NAMES, Scenario, effects, load, simulate
 from stickslip.simulation.run import COLUMNS
 
@@ -298,7 +298,7 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
 
-    done = stickslip("run", scenario, option, folder / name, preexec_fn=limit)
+    done = stickslip_process("run", scenario, option, folder / name, preexec_fn=limit)
     assert done.returncode == 1
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1

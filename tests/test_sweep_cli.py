@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray
 
-from command_line import COMMAND, stickslip
+from command_line import COMMAND, stickslip, stickslip_process
 from stickslip import load, simulate, sweep
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n"
@@ -139,7 +139,9 @@ def test_a_full_disk_is_one_line(scenario, tmp_path):
 
     folder = tmp_path / "out"
     folder.mkdir()
-    done = stickslip("sweep", scenario, *VARY, "--out", folder / "a.nc", preexec_fn=limit)
+    done = stickslip_process(
+        "sweep", scenario, *VARY, "--out", folder / "a.nc", preexec_fn=limit
+    )
     assert done.returncode == 1
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1
