@@ -1,6 +1,7 @@
 """The command: in this process, which costs no start, and as a process where that is tested."""
 
 import io
+import math
 import os
 import subprocess
 import sys
@@ -27,7 +28,8 @@ def _show(message, category, filename, lineno, file=None, line=None):
 def stickslip(*arguments, cwd=None):
     """What a process would end with and print, called in this one.
 
-    Warnings are printed to standard error, as a process does, and not turned into errors.
+    Warnings are printed to standard error, as a process does, and not turned into errors. There is
+    no progress bar, which comes after two seconds and so on a busy machine only.
     """
     before = os.getcwd()
     output = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
@@ -36,6 +38,7 @@ def stickslip(*arguments, cwd=None):
     with (
         mock.patch.multiple(sys, stdout=output, stderr=errors),
         mock.patch.object(os, "_exit", _leave),
+        mock.patch("stickslip.cli.progress.PATIENCE", math.inf),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("default")
