@@ -5,7 +5,7 @@ import pytest
 
 from stickslip.diagnosis import write_model_report
 from stickslip.diagnosis.report import figures
-from toy_model import X, diagnosis
+from toy_model import X, shared_diagnosis
 
 HELD = "held out for the gain"
 
@@ -61,7 +61,7 @@ def test_where_nothing_was_held_out_nothing_is_hollow(drawn):
 
 
 def test_held_out_conditions_of_a_users_own_model_are_hollow(tmp_path, drawn):
-    found = diagnosis(3, {"wave": 1.0})
+    found = shared_diagnosis(3, wave=1.0)
     write_model_report(tmp_path, found, "Toy", place=X)
     (frame,) = (each for figure in drawn for each in figure.axes if each.get_legend())
     (points,) = hollow(frame)
