@@ -104,7 +104,7 @@ def sweeping() -> float:
                 simulate(base.replace({"drive.frequency": float(frequency), "drive.mode": mode}))
 
     def together() -> None:
-        sweep(base, {"drive.frequency": frequencies, "drive.mode": modes}, jobs=1)
+        sweep(base, {"drive.frequency": frequencies, "drive.mode": modes}, threads=1)
 
     together()
     return statistics.median(
@@ -120,7 +120,7 @@ def overhead() -> float:
         "contact.adhesion": np.linspace(0.0, 1e-6, 200),
     }
     with tempfile.TemporaryDirectory() as folder:
-        taken = cpu_seconds(lambda: sweep(tiny, vary, jobs=1, out=Path(folder) / "tiny.nc"))
+        taken = cpu_seconds(lambda: sweep(tiny, vary, threads=1, out=Path(folder) / "tiny.nc"))
     return taken / 100_000
 
 
