@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-before blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-before blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -68,7 +68,7 @@ $(VENV)/.installed: $(PACKAGE_SOURCES) $(VENV)/.build-tools
 
 install: $(VENV)/.installed ## build the package into .venv
 
-test: test-cpp test-python ## all tests: C++ under the sanitizers, then Python
+test: test-cpp test-python ## all tests: C++ under the sanitizers, then Python on all processors
 
 test-cpp: $(VENV)/.build-tools | system ## C++ tests under the address and undefined-behaviour sanitizers
 	@mkdir -p build
@@ -76,8 +76,10 @@ test-cpp: $(VENV)/.build-tools | system ## C++ tests under the address and undef
 	@cmake --build --preset asan
 	@ctest --preset asan -j $(JOBS)
 
-test-python: install ## Python tests
-	@$(RUN) -m pytest $(PYTEST_ARGS)
+# A worker begins with its share of the tests in order, so that few fixtures are made twice, and takes
+# over from another when it is done.
+test-python: install ## Python tests (PYTEST_ARGS="-m 'not slow'" leaves out the slow ones)
+	@$(RUN) -m pytest -n $(JOBS) --dist worksteal --durations=10 $(PYTEST_ARGS)
 
 demo: install ## a short tour
 	@$(RUN) -m stickslip.demo
@@ -100,6 +102,9 @@ bench: install ## speed of both integrators at equal accuracy, into bench/result
 	@$(RUN) bench/bench.py
 
 BEFORE ?= f99d6ef
+
+bench-promises: install ## promises about time: import, Ctrl-C, long runs, sweeps; fails if one is broken
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/promises.py
 
 bench-before: install ## speed beside an earlier commit, which is built into build/before (BEFORE=<commit>)
 	@$(RUN) bench/before.py --before $(BEFORE)

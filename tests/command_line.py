@@ -1,12 +1,66 @@
-"""The real command, in a process of its own."""
+"""The command: in this process, which costs no start, and as a process where that is tested."""
 
+import io
+import math
+import os
 import subprocess
 import sys
+import warnings
+from unittest import mock
+
+from stickslip.cli import main
 
 COMMAND = [sys.executable, "-m", "stickslip"]
 
 
-def stickslip(*arguments, **options):
+class _Left(BaseException):
+    """What the command meant to end its process with."""
+
+
+def _leave(code):
+    raise _Left(code)
+
+
+def _show(message, category, filename, lineno, file=None, line=None):
+    sys.stderr.write(warnings.formatwarning(message, category, filename, lineno, line))
+
+
+def stickslip(*arguments, cwd=None):
+    """What a process would end with and print, called in this one.
+
+    Warnings are printed to standard error, as a process does, and not turned into errors. There is
+    no progress bar, which comes after two seconds and so on a busy machine only.
+    """
+    before = os.getcwd()
+    output = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
+    errors = io.TextIOWrapper(io.BytesIO(), encoding="utf-8", errors="backslashreplace")
+    code = 0
+    with (
+        mock.patch.multiple(sys, stdout=output, stderr=errors),
+        mock.patch.object(os, "_exit", _leave),
+        mock.patch("stickslip.cli.progress.PATIENCE", math.inf),
+        warnings.catch_warnings(),
+    ):
+        warnings.simplefilter("default")
+        for kind in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+            warnings.simplefilter("ignore", kind)
+        warnings.showwarning = _show
+        try:
+            os.chdir(cwd or before)
+            main([*map(str, arguments)])
+        except SystemExit as end:
+            code = end.code
+        except _Left as end:
+            (code,) = end.args
+        finally:
+            os.chdir(before)
+            output.flush()
+            errors.flush()
+    texts = [each.buffer.getvalue().decode() for each in (output, errors)]
+    return subprocess.CompletedProcess([*map(str, arguments)], code, *texts)
+
+
+def stickslip_process(*arguments, **options):
     """The finished process, with standard output and standard error as text."""
     return subprocess.run(
         [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options

@@ -46,9 +46,9 @@ def film(changes, camera, rate, seed, names=("x", "theta"), noise=NOISE):
     """Columns of noisy frames of the nominal robot with `changes`, from the start of its drive."""
     scenario = ROBOT.replace(changes)
     times = np.arange(0.0, scenario.window[1], 1.0 / rate)
-    # A rate that no fit uses, and much finer.
-    motion = next(record(scenario, [], np.zeros((1, 0)), 9e4, 1))
-    frames = noisy(camera.frames(motion, times, names), noise, np.random.default_rng(seed))
+    frames = noisy(
+        camera.frames(_motion(scenario), times, names), noise, np.random.default_rng(seed)
+    )
     frames["x"] = frames["x"] + 1e-4  # the origin of the pixels is nobody's
     return {"t": times, **frames}
 
@@ -59,6 +59,17 @@ def tracking_run(changes, rate, seed, exposure=3e-4, stated=True, drive=None, **
     columns = film({**TRUE, **drive, **changes}, Camera(exposure), rate, seed, **more)
     noise = {"x": NOISE["x"], "theta": NOISE["theta"]} if stated else {}
     return TrackingRun("film.csv", columns, ROBOT.replace(drive), rate, exposure, noise)
+
+
+_MOTIONS = {}
+
+
+def _motion(scenario):
+    """Recorded at a rate that no fit uses, and much finer; once for all films of it."""
+    key = scenario.to_toml()
+    if key not in _MOTIONS:
+        _MOTIONS[key] = next(record(scenario, [], np.zeros((1, 0)), 9e4, 1))
+    return _MOTIONS[key]
 
 
 def write_table(path, columns):

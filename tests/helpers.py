@@ -28,6 +28,15 @@ NO_FIELD = {"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0, "drive.ramp
 # Currents that follow their voltages within 0.1 us, for tests that need a field at once.
 QUICK_COILS = {"coil.inductance": 1e-6}
 
+# Pressed so hard to the surface that no field of these tests moves it.
+HELD = {"contact.adhesion": 1e-3}
+# All five coils, jumps, ramps, both signs; stretches short against the time constant.
+BUSY = Waveform.from_points(
+    [0.0, 1e-3, 1e-3, 2e-3, 3e-3, 3e-3, 4e-3],
+    [[0, 0, 0, 0, 0], [30, 5, 0, -8, -20], [-10, 5, 0, 8, -20], [-10, -5, 4, 8, 30],
+     [20, 0, 4, 0, -30], [0, 0, 0, 0, 10], [25, -25, 0, 2, 10]],
+)  # fmt: skip
+
 
 def scenario(*changes, **more):
     """The default scenario with values by dotted key; `mode=...` stands for `drive.mode`."""
@@ -45,6 +54,11 @@ def run(*changes, rate="none", **more):
 def program(waveform):
     """Keys of a drive that plays `waveform`."""
     return {"drive.mode": "program", "drive.program": waveform}
+
+
+def friction(static, kinetic=None):
+    kinetic = static if kinetic is None else kinetic
+    return {"contact.static_friction": static, "contact.kinetic_friction": kinetic}
 
 
 def still_for(seconds):

@@ -1,6 +1,6 @@
 """The roller's velocities as the documentation shows them: a row a bin of 6 Hz, a column a run.
 
-python tests/roller_table.py roller_velocity.csv
+python tests/roller_table.py tests/data/roller_velocity.csv
 """
 
 from __future__ import annotations

@@ -7,14 +7,13 @@ import resource
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pandas
 import pytest
 import xarray
 
-from command_line import COMMAND, stickslip
+from command_line import COMMAND, stickslip, stickslip_process
 from stickslip import COIL_NAMES, Scenario, effects, load, simulate
 from stickslip.simulation.run import COLUMNS
 
@@ -239,26 +238,19 @@ def run_until_the_bar(scenario, *settings):
         pytest.param(["drive.peak=0.6e-3", "drive.hold=1e-6", "drive.pulses=499e6"], id="at rest"),
     ],
 )
-def test_an_interrupt_stops_within_a_fifth_of_a_second(scenario, settings):
-    # A busy machine can hold up any process, so the best of three counts.
-    fastest = float("inf")
-    for _ in range(3):
-        process = run_until_the_bar(scenario, *settings)
-        try:
-            start = time.perf_counter()
-            process.send_signal(signal.SIGINT)
-            output, errors = process.communicate(timeout=5)
-            fastest = min(fastest, time.perf_counter() - start)
-        finally:
-            process.kill()
-            process.wait()
-        assert process.returncode == 130
-        assert output == b""
-        assert b"Traceback" not in errors
-        assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", errors)
-        if fastest < 0.2:
-            break
-    assert fastest < 0.2
+def test_an_interrupt_stops_a_run(scenario, settings):
+    # How fast is measured by bench/promises.py; here a run that would take hours has to end.
+    process = run_until_the_bar(scenario, *settings)
+    try:
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 130
+    assert output == b""
+    assert b"Traceback" not in errors
+    assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", errors)
 
 
 def test_an_interrupt_of_the_imports_is_silent():
@@ -276,7 +268,7 @@ def test_an_interrupt_of_the_imports_is_silent():
 
 
 def test_a_short_run_has_no_bar(scenario):
-    assert stickslip("run", scenario).stderr == ""
+    assert stickslip_process("run", scenario).stderr == ""
 
 
 def test_a_reader_that_leaves_is_no_error():
@@ -312,7 +304,7 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
 
-    done = stickslip("run", scenario, option, folder / name, preexec_fn=limit)
+    done = stickslip_process("run", scenario, option, folder / name, preexec_fn=limit)
     assert done.returncode == 1
     assert done.stdout == stickslip("run", scenario).stdout  # nobody simulates it again
     assert done.stderr.startswith("stickslip: cannot write")

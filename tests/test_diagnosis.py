@@ -12,7 +12,19 @@ from stickslip.diagnosis.model.problem import AuxiliaryData
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code
-from toy_model import CAUSES, MODE, SIZE, TRIALS, UNCERTAIN, X, diagnosis, predict, trials, truth
+from toy_model import (
+    CAUSES,
+    MODE,
+    SIZE,
+    TRIALS,
+    UNCERTAIN,
+    X,
+    diagnosis,
+    predict,
+    shared_diagnosis,
+    trials,
+    truth,
+)
 
 
 def _count(seeds, wanted, **options):
@@ -51,7 +63,7 @@ def test_scatter_of_set_ups_is_no_cause_where_blocks_say_so():
 
 
 def test_a_cause_is_named_and_never_another_in_its_place():
-    found = [diagnosis(seed, {"ripple": 0.3}) for seed in range(40)]
+    found = [shared_diagnosis(seed, ripple=0.3) for seed in range(40)]
     named = [each.verdict.causes for each in found if each.verdict.kind == "named"]
     assert len(named) >= 36
     assert set(named) == {("ripple",)}
@@ -60,7 +72,7 @@ def test_a_cause_is_named_and_never_another_in_its_place():
 def test_the_amplitude_is_within_its_error():
     pulls = []
     for seed in range(40):
-        fit = diagnosis(seed, {"ripple": 0.3}).ranking.singles[0]
+        fit = shared_diagnosis(seed, ripple=0.3).ranking.singles[0]
         assert fit.name == "ripple"
         sd = math.sqrt(fit.covariance[-1, -1])
         pulls.append((fit.x[fit.candidate.free[-1]] - 1.0) / sd)
@@ -81,15 +93,13 @@ def test_a_constant_far_off_is_named_itself():
 
 def test_twins_are_a_set_that_holds_the_truth():
     for seed in range(20):
-        verdict = diagnosis(seed, {"split": 0.6}).verdict
-        if verdict.kind == "none":
-            continue
+        verdict = shared_diagnosis(seed, split=0.6).verdict
         assert verdict.kind == "ambiguous"
         assert {"split", "split_twin"} <= set(verdict.causes)
 
 
 def test_twins_are_one_isolability_class():
-    found = diagnosis(0, {"split": 0.6})
+    found = shared_diagnosis(0, split=0.6)
     assert any({"split", "split_twin"} <= set(group) for group in found.indistinguishable_causes)
     assert not any({"wave", "swell"} <= set(group) for group in found.indistinguishable_causes)
 
@@ -122,14 +132,9 @@ def test_trials_and_data_of_another_kind_have_to_have_one_cause():
 
 
 def test_two_causes_are_a_pair():
-    right = _count(
-        range(20),
-        lambda found: (
-            found.verdict.kind == "pair" and set(found.verdict.causes) == {"wave", "swell"}
-        ),
-        causes={"wave": 0.5, "swell": -0.5},
-    )
-    assert right >= 16
+    verdicts = [shared_diagnosis(seed, wave=0.5, swell=-0.5).verdict for seed in range(20)]
+    right = [each for each in verdicts if set(each.causes) == {"wave", "swell"}]
+    assert sum(each.kind == "pair" for each in right) >= 16
 
 
 def test_what_no_cause_explains_is_unexplained():
@@ -175,8 +180,8 @@ def test_data_that_cannot_be_judged_is_a_problem_of_the_data(values, options, sa
 
 
 def test_probabilities_sum_to_one_and_lean_to_the_truth():
-    for causes in (None, {"ripple": 0.3}):
-        chance = diagnosis(3, causes).verdict.probabilities
+    for causes in ({}, {"ripple": 0.3}):
+        chance = shared_diagnosis(3, **causes).verdict.probabilities
         assert math.isclose(sum(chance.values()), 1.0, rel_tol=1e-12)
         names = {"none", "unknown", *(cause.name for cause in CAUSES)}
         assert set(chance) == names | {each.name for each in UNCERTAIN}
@@ -202,7 +207,7 @@ def test_bounds_hold_the_truth_where_nothing_was_found():
 
 
 def test_gain_is_measured_on_conditions_that_no_fit_saw():
-    found = diagnosis(2, {"ripple": 0.3})
+    found = shared_diagnosis(2, ripple=0.3)
     gain = found.gain
     assert {0, SIZE - 1} <= set(gain.held_out.tolist())
     assert 0.2 * SIZE <= len(gain.held_out) <= 0.34 * SIZE

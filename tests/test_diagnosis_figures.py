@@ -3,7 +3,7 @@
 import numpy as np
 
 from stickslip.diagnosis.report import figures
-from toy_model import X, result
+from toy_model import X, shared_result
 
 HELD = "held out for the gain"
 
@@ -49,6 +49,6 @@ def test_where_nothing_was_held_out_nothing_is_hollow():
 
 
 def test_held_out_conditions_of_a_users_own_model_are_hollow():
-    given = result(3, {"wave": 1.0})
+    given = shared_result(3, wave=1.0)
     (points,) = hollow(given.plot.fit(place=X).axes[0])
     assert points == sorted(X[given.gain.held_out].tolist())

@@ -6,7 +6,7 @@ import threading
 import pytest
 import tomllib
 
-from command_line import stickslip
+from command_line import stickslip, stickslip_process
 from made_measurement import write
 from stickslip import Scenario, ScenarioError, Waveform
 from stickslip._util.atomic_files import check_folder, check_writable, read_bytes
@@ -116,10 +116,10 @@ def test_devices_are_not_read(tmp_path):
 
 def test_a_pipe_is_read(tmp_path):
     for scenario in (HEAD + "pulses = 4\n", ""):
-        done = stickslip("run", "/dev/stdin", "--json", input=scenario)
+        done = stickslip_process("run", "/dev/stdin", "--json", input=scenario)
         assert done.returncode == (0 if scenario else 2), done.stderr
     (tmp_path / "s.toml").write_text(PROGRAM.replace("v.csv", "/dev/stdin"))
-    assert stickslip("run", tmp_path / "s.toml", input=CSV).returncode == 0
+    assert stickslip_process("run", tmp_path / "s.toml", input=CSV).returncode == 0
 
 
 def test_a_pipe_without_end_is_left(tmp_path):

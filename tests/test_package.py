@@ -6,32 +6,21 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mypy.api
 import pytest
 
 import stickslip
 
 
 def test_import_is_light():
-    # The promise is 0.3 s; what would break it are these, each 0.1 s or more by itself. Looking
-    # for them, unlike a clock, gives one answer on any machine.
+    # The promise is 0.3 s (bench/promises.py); what would break it are these, each 0.1 s or more by
+    # itself. Looking for them, unlike a clock, gives one answer on any machine.
     heavy = "{'numpy', 'scipy', 'pandas', 'xarray', 'matplotlib', 'h5py', 'jinja2', 'click'}"
     code = f"import sys, stickslip; print(sorted({heavy} & set(sys.modules)))"
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
-
-
-def test_import_takes_less_than_three_tenths_of_a_second():
-    # A busy machine can hold up any one process, so the quickest of five counts.
-    code = (
-        "import time; start = time.perf_counter(); import stickslip; "
-        "print(time.perf_counter() - start)"
-    )
-    times = [
-        float(subprocess.check_output([sys.executable, "-c", code], text=True)) for _ in range(5)
-    ]
-    assert min(times) < 0.3
 
 
 def test_no_module_takes_the_place_of_a_public_name():
@@ -84,7 +73,6 @@ def test_an_unknown_name_is_an_attribute_error():
 
 
 def test_type_checkers_see_names_that_are_not_there(tmp_path):
-    api = pytest.importorskip("mypy.api")
     file = tmp_path / "typos.py"
     file.write_text(
         "import stickslip\n"
@@ -93,7 +81,7 @@ def test_type_checkers_see_names_that_are_not_there(tmp_path):
         "run.thetta\n"
         "run.theta\n"
     )
-    text, _, _ = api.run(["--strict", f"--cache-dir={tmp_path}", str(file)])
+    text, _, _ = mypy.api.run(["--strict", f"--cache-dir={tmp_path}", str(file)])
     errors = [line for line in text.splitlines() if line.startswith(str(file))]
     assert len(errors) == 2, text
     assert ":2: " in errors[0]

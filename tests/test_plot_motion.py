@@ -91,7 +91,7 @@ def test_a_filmstrip_shows_outline_contact_and_the_contact_before(run, data):
     figure = plot.filmstrip(data, times)
     assert len(figure.axes) == 4
     offsets_x, offsets_z = corner_offsets(run)
-    touched = []
+    touched, standing = [], 0
     for axes, time in zip(figure.axes, times, strict=True):
         k = np.abs(run.t - time).argmin()
         outline = axes.patches[0].get_xy()[:4]
@@ -102,10 +102,12 @@ def test_a_filmstrip_shows_outline_contact_and_the_contact_before(run, data):
         touched.append(float(marker.get_xdata()[0]))
         assert touched[-1] == pytest.approx(expected[expected[:, 1].argmin(), 0])
         if np.isfinite(run.contact_x[k]):
+            standing += 1
             assert touched[-1] == pytest.approx(run.contact_x[k] * 1e6)
         dashed = [each for each in axes.get_lines() if each.get_linestyle() == "--"]
         assert [float(each.get_xdata()[0]) for each in dashed] == touched[-2:-1]
         assert axes.get_aspect() == 1.0
+    assert standing
     assert "x (µm)" in labels(figure)
     assert "z (µm)" in labels(figure)
     assert_legible(figure, least=20)

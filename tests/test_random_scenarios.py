@@ -3,16 +3,15 @@
 import math
 import subprocess
 import sys
-import time
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from helpers import violations
+from helpers import MOMENT, WEIGHT, violations
 from stickslip import Scenario, simulate
 
-SECONDS = 5.0  # a run of a few pulses takes some milliseconds; what takes this long hangs
+STEPS_AT_MOST = 10**6  # a run of a few pulses takes some thousand; what takes more goes nowhere
 
 SETTINGS = {
     "derandomize": True,
@@ -69,20 +68,33 @@ def scenarios(draw, restitution):
     return Scenario().replace(keys)
 
 
+def may_leave(scenario):
+    """Whether weight and coils can push the robot out of the set-up: that is no failure.
+
+    A coil's field falls by 18.7 times itself a metre at the centre, so that is what pulls; friction
+    holds with what is left of weight and adhesion; and nothing slides faster than drag lets it. The
+    pull grows on the way, so half the way to the coils is taken for all of it.
+    """
+    drive, contact = scenario.drive, scenario.contact
+    tilt = abs(scenario.get("effects.surface_tilt.angle"))
+    pull = MOMENT * 18.7 * (max(drive.peak, drive.base) + drive.hold)
+    normal = max(0.0, WEIGHT * math.cos(tilt) + contact.adhesion - pull)
+    push = WEIGHT * math.sin(tilt) + pull - contact.kinetic_friction * normal
+    return push / scenario.drag.linear * scenario.duration > 0.5 * scenario.coil.distance
+
+
 def simulated(scenario, endless=False, **more):
-    """A run of the scenario that has ended in time and is finite.
+    """A run of the scenario that has ended soon and is finite.
 
     endless: bounces that lose nothing may go on until the run is given up.
     """
-    begin = time.process_time()
     run = simulate(scenario.replace({f"{key}": value for key, value in more.items()}))
-    taken = time.process_time() - begin
     text = scenario.to_toml()
-    assert taken < SECONDS, f"took {taken:.1f} s:\n{text}"
-    # On a tilt without friction the block slides out of the set-up: that is no failure.
-    leaves = scenario.get("effects.surface_tilt.angle") != 0.0 or run.status == "left_workspace"
+    steps = run.summary()["steps"]
+    most = 10 * STEPS_AT_MOST if endless else STEPS_AT_MOST
+    assert steps["accepted"] + steps["rejected"] < most, f"{steps}:\n{text}"
     given_up = endless and run.status == "too_many_events"
-    fine = run.ok or given_up or (run.status == "left_workspace" and leaves)
+    fine = run.ok or given_up or (run.status == "left_workspace" and may_leave(scenario))
     assert fine, f"{run.message}:\n{text}"
     for name, value in run.summary().items():
         if isinstance(value, float) and run.ok:
@@ -190,23 +202,21 @@ def test_a_touch_down_that_the_forces_undo_ends(keys, method):
 SHORT_EDGE = """
 import sys
 from stickslip import Drive, Scenario, simulate
-run = simulate(Scenario(drive=Drive(base=0.5e-3, pulses=4, edge=sys.argv[1],
-                                    edge_time=float(sys.argv[2]), ramp=float(sys.argv[3]))))
-print(run.status, run.mean_velocity)
+for edge_time in sys.argv[3:]:
+    run = simulate(Scenario(drive=Drive(base=0.5e-3, pulses=4, edge=sys.argv[1],
+                                        edge_time=float(edge_time), ramp=float(sys.argv[2]))))
+    print(run.status, run.mean_velocity)
 """
+EDGE_TIMES = ["0.0", "1e-300", "1e-30", "1e-17", "1e-14"]  # s
 
 
-@pytest.mark.parametrize("edge_time", ["1e-300", "1e-30", "1e-17", "1e-14"])
 @pytest.mark.parametrize("ramp", ["0.0", "0.05"])
 @pytest.mark.parametrize("edge", ["rise", "fall"])
-def test_an_edge_shorter_than_any_time_is_a_jump(edge, ramp, edge_time):
+def test_an_edge_shorter_than_any_time_is_a_jump(edge, ramp):
     # In a process of its own, which can be ended if it hangs.
-    def outcome(seconds):
-        command = [sys.executable, "-c", SHORT_EDGE, edge, seconds, ramp]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20)
-        status, velocity = done.stdout.split()
-        return status, float(velocity)
-
-    status, velocity = outcome(edge_time)
-    assert status == "ok"
-    assert velocity == pytest.approx(outcome("0.0")[1], rel=1e-3)
+    command = [sys.executable, "-c", SHORT_EDGE, edge, ramp, *EDGE_TIMES]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    outcomes = [line.split() for line in done.stdout.splitlines()]
+    assert [status for status, _ in outcomes] == ["ok"] * len(EDGE_TIMES)
+    jump, *velocities = (float(velocity) for _, velocity in outcomes)
+    assert velocities == pytest.approx([jump] * len(velocities), rel=1e-3)

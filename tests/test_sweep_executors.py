@@ -5,6 +5,8 @@ import os
 import signal
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 
+import distributed
+import loky
 import numpy as np
 import pytest
 import xarray
@@ -91,7 +93,6 @@ def test_a_worker_of_another_version_is_refused(monkeypatch):
 
 
 def test_loky(expected):
-    loky = pytest.importorskip("loky")
     executor = loky.ProcessPoolExecutor(2)
     try:
         killer = Killer(lambda: executor._processes)
@@ -103,7 +104,6 @@ def test_loky(expected):
 
 
 def test_dask_with_a_worker_that_is_killed(expected):
-    distributed = pytest.importorskip("distributed")
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None

@@ -1,5 +1,7 @@
 """A cheap forward model with two modes, four uncertain constants and eight causes."""
 
+import functools
+
 import numpy as np
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
@@ -50,6 +52,17 @@ def trials(level, random, noise=0.03, law=None):
     index = np.repeat(np.arange(SIZE), TRIALS)
     draws = random.standard_normal(len(index)) if law is None else law(random, len(index))
     return level[index] * (1 + noise * draws), index
+
+
+@functools.cache
+def shared_result(seed, **causes):
+    """`result` with causes of these sizes, made once for all tests that only look at it."""
+    return result(seed, causes)
+
+
+def shared_diagnosis(seed, **causes):
+    """What is found in it."""
+    return shared_result(seed, **causes).findings
 
 
 def diagnosis(seed, *given, **options):

@@ -88,10 +88,12 @@ def test_conditions_that_carry_a_verdict_have_their_share_of_the_fall():
     assert (first["condition"], second["condition"]) == (1, len(X))
     assert first["share"] == pytest.approx(0.9, abs=1e-3)
     assert second["share"] == pytest.approx(0.1, abs=1e-3)
+    assert rest
     assert all(each["share"] < 1e-3 for each in rest)
     # Rows beyond the conditions, such as a film's, carry none of the velocities' fall.
     alone, *rest = carriers(_examined(X + bump, bump), 12)
     assert (alone["condition"], alone["share"]) == (1, pytest.approx(1.0, abs=1e-3))
+    assert rest
     assert all(each["condition"] <= 12 for each in rest)
 
 

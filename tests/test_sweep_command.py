@@ -7,14 +7,14 @@ import resource
 import signal
 import socket
 import subprocess
-import time
 
+import distributed
 import h5netcdf
 import numpy as np
 import pytest
 import xarray
 
-from command_line import COMMAND, stickslip
+from command_line import COMMAND, stickslip, stickslip_process
 from stickslip import load, simulate, sweep
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n"
@@ -139,7 +139,7 @@ def test_a_full_disk_is_one_line(scenario, tmp_path):
 
     folder = tmp_path / "out"
     folder.mkdir()
-    done = stickslip("sweep", scenario, *VARY, "--out", folder / "a.nc", preexec_fn=limit)
+    done = stickslip_process("sweep", scenario, *VARY, "--out", folder / "a.nc", preexec_fn=limit)
     assert done.returncode == 1
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1
@@ -147,7 +147,6 @@ def test_a_full_disk_is_one_line(scenario, tmp_path):
 
 
 def test_dask(scenario, tmp_path):
-    distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None
     ) as cluster:
@@ -245,8 +244,6 @@ OPTIONS = {
 @pytest.mark.parametrize("name", OPTIONS)
 def test_options_that_are_refused(scenario, tmp_path, name):
     options, words = OPTIONS[name]
-    if any("nonsense" in option for option in options):
-        pytest.importorskip("distributed")
     (tmp_path / "other.nc").write_text("other")
     check(stickslip("sweep", "scenario.toml", *VARY, *options, cwd=tmp_path), *words)
     assert sorted(each.name for each in tmp_path.iterdir()) == ["other.nc", "scenario.toml"]
@@ -256,15 +253,14 @@ def test_options_that_are_refused(scenario, tmp_path, name):
 
 @pytest.mark.parametrize("listening", [False, True])
 def test_a_cluster_that_does_not_answer(scenario, listening):
-    pytest.importorskip("distributed")
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         if listening:
             server.listen()
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
-        start = time.monotonic()
-        check(stickslip("sweep", scenario, *VARY, "--dask", address), address, "no cluster")
-        assert time.monotonic() - start < 15.0
+        # It gives up by itself, long before the process would be ended.
+        done = stickslip_process("sweep", scenario, *VARY, "--dask", address)
+        check(done, address, "no cluster")
 
 
 def test_the_file_of_another_scenario_is_not_touched(scenario, tmp_path):
