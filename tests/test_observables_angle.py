@@ -105,6 +105,7 @@ def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
     assert "without field" in report_section.lines[-1]
 
 
+@pytest.mark.slow
 def test_velocities_and_angles_together(tmp_path):
     # Velocities see the misalignment too, but here the angles say how large it is.
     hidden = {"effects.misalignment.angle": 0.1}
