@@ -20,6 +20,12 @@ from made_measurement import write
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if "tilted" in item.fixturenames:
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def tilted(tmp_path_factory, worker_id):
     """The folder of a diagnosis of a surface that tilts by 0.04 rad, and what ``--json`` said.

@@ -56,6 +56,7 @@ def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
         assert np.max(np.abs(gap) / sd) < 0.2
 
 
+@pytest.mark.slow
 def test_the_folder_does_not_tell_the_answer(tmp_path):
     answer = write_case(tmp_path / "a", "single", 2006)
     text = "".join(path.read_text() for path in (tmp_path / "a").iterdir())
@@ -66,12 +67,14 @@ def test_the_folder_does_not_tell_the_answer(tmp_path):
     assert all(name not in text for name in answer["answer"])
 
 
+@pytest.mark.slow
 def test_a_control_is_left_in_peace(tmp_path):
     _, said, _ = _said(tmp_path, "none", 2003)
     assert said["verdict"] == "none"
     assert said["bounds"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "group"), [(2006, "surface"), (2001, "contact"), (2012, "fluid")])
 def test_a_single_cause_is_first(tmp_path, seed, group):
     answer, said, names = _said(tmp_path, "single", seed)
@@ -81,12 +84,14 @@ def test_a_single_cause_is_first(tmp_path, seed, group):
     assert max(chance, key=chance.get) == answer["answer"][0]
 
 
+@pytest.mark.slow
 def test_exact_twins_are_never_told_apart(tmp_path):
     _, said, names = _said(tmp_path, "exact twins", 2003)
     assert said["verdict"] == "ambiguous"
     assert {"length_scale", "clock_scale"} <= names
 
 
+@pytest.mark.slow
 def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
     row = study(tmp_path / "data" / "before", "near twins", 2011)
     assert row["said"]["verdict"] == "ambiguous"
@@ -105,11 +110,13 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
     assert abs(angle["value"] - truth) < 3.0 * angle["sd"]
 
 
+@pytest.mark.slow
 def test_two_causes_are_both_said(tmp_path):
     answer, _, names = _said(tmp_path, "pair", 2011)
     assert set(answer["answer"]) <= names
 
 
+@pytest.mark.slow
 def test_what_no_cause_makes_is_not_named(tmp_path):
     _, said, _ = _said(tmp_path, "unknown", 2003)
     assert said["verdict"] == "unexplained"

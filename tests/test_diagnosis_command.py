@@ -195,6 +195,7 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path, old, new, said):
     assert not (tmp_path / "found").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
     path = write(tmp_path, {"effects.surface_tilt.angle": 0.04})
     out = tmp_path / "found"
@@ -250,6 +251,7 @@ def test_every_extension_has_a_size_of_its_own():
     assert names == {*_SIZES, *_SHAPES, "amplifier_limit.voltage"}
 
 
+@pytest.mark.slow
 def test_the_answer_does_not_depend_on_the_number_of_threads(tilted):
     folder, said = tilted
     done = stickslip(

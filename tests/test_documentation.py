@@ -15,15 +15,21 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = [*pages(DOCS), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 
-by_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-
 
 def modules():
     found = pkgutil.walk_packages(stickslip.__path__, "stickslip.")
     return [each.name for each in found if not each.name.endswith(("__main__", "_core"))]
 
 
-@by_page
+def _is_slow(page):
+    return any("diagnose" in block.text for block in blocks(page) if block.language != "text")
+
+
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.slow if _is_slow(page) else ()) for page in PAGES],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
 def test_the_code_of_a_page_runs_and_prints_what_it_says(page):
     with play(page):
         pass

@@ -107,6 +107,7 @@ def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
     assert report_section.lines[-1].code is Code.NO_ANGLE_WITHOUT_FIELD
 
 
+@pytest.mark.slow
 def test_velocities_and_angles_together(tmp_path):
     # Velocities see the misalignment too, but here the angles say how large it is.
     hidden = {"effects.misalignment.angle": 0.1}

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from numba import cfunc
 
 from made_measurement import write
@@ -37,6 +38,7 @@ def test_it_joins_the_library_with_its_range():
     assert np.all(np.isfinite(size.limits))
 
 
+@pytest.mark.slow
 def test_it_is_found_and_extends_the_scenario(tmp_path):
     register(pulling, parameter(unit="N", low=-1e-7, high=1e-7))
     hidden = 2e-8
