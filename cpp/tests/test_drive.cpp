@@ -175,7 +175,7 @@ TEST_CASE("the voltages that a drive asks for are not those that an amplifier gi
     Scenario scenario;
     scenario.effects.amplifier_limit_voltage = 1.0;
     const double volts_per_tesla = scenario.coil.resistance / CoilSet().centre_field_per_ampere();
-    const PerCoil& asked = asked_program(scenario).largest_voltage();
+    const PerCoil asked = asked_program(scenario).largest_voltage();
     CHECK(asked[0] == doctest::Approx(scenario.drive.peak * volts_per_tesla).epsilon(1e-15));
     CHECK(asked[4] == doctest::Approx(scenario.drive.hold * volts_per_tesla).epsilon(1e-15));
     CHECK(make_program(scenario).largest_voltage()[0] == 1.0);
