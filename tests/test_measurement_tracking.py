@@ -188,3 +188,13 @@ def test_where_nothing_sound_is_left_there_is_one_line(tmp_path, frames):
     assert len(done.stderr.splitlines()) == 1
     assert "20 are needed" in done.stderr
     assert not (tmp_path / "found").exists()
+
+
+def test_a_number_beyond_all_sense_is_no_reading(tmp_path, frames):
+    # Squared it overflows: one such tilt ended a diagnosis in a traceback.
+    columns = {name: np.array(column, copy=True) for name, column in frames.items()}
+    columns["theta"][60] = 1e308
+    found = read_measurement(write(tmp_path, a=columns))
+    (run,) = found.tracking
+    assert len(run.columns["t"]) == len(columns["t"]) - 1
+    assert Code.BAD_CELLS in [each.code for each in found.left_out]

@@ -22,6 +22,9 @@ from stickslip.scenario.keys import shown, suggestion
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+_NONSENSE = 1e60
+"""No quantity of a laboratory, in any unit; its fourth power is still a number."""
+
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
 """Of a table. Chosen: far beyond what a laboratory has, and what memory holds as text."""
 
@@ -168,7 +171,7 @@ def number(cell: str) -> float:
         value = float(cell)
     except ValueError:
         return math.nan
-    return value if math.isfinite(value) else math.nan
+    return value if abs(value) < _NONSENSE else math.nan
 
 
 def read_numbers(
