@@ -10,28 +10,17 @@ import pytest
 from command_line import stickslip
 from helpers import run
 from made_measurement import write
-from report_page import without_pictures
 from stickslip._util.atomic_files import check_folder
-from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
-from stickslip.diagnosis.inference.discrimination import separate
-from stickslip.diagnosis.inference.experiment_design import _proposals
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
-from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.report.evidence import pattern, where_it_lives
 from stickslip.diagnosis.report.messages import against, headline
-from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from toy_model import (
-    CAUSES,
     MODE,
-    SIZE,
-    UNCERTAIN,
     X,
     diagnosis,
-    predict,
     shared_diagnosis,
-    shared_result,
 )
 
 
@@ -334,134 +323,3 @@ def test_stages_are_told_in_order():
     stages = [stage for _, stage in told]
     assert stages[:3] == ["recalibrating", "testing", "fitting causes"]
     assert stages[-2:] == ["verdict and gain", "done"]
-
-
-def test_rivals_are_compared_where_nothing_was_measured():
-    found = shared_diagnosis(0, split=0.4)
-    assert found.verdict.kind == "ambiguous"
-    places = np.arange(len(X))
-
-    def elsewhere(rows, parameters):
-        values = predict(None, parameters)[:, rows]
-        values[:, 3] = np.nan
-        return values
-
-    worth = separate(found, elsewhere, places, trials=2)
-    assert {fit.name for fit in worth.candidates} == set(found.verdict.causes)
-    assert worth.chi2[3] == 0.0  # what cannot be computed is worth nothing
-    random = np.random.default_rng(3)
-    for k, fit in enumerate(worth.candidates):
-        # The spread of predictions over draws of the fit; 2000 draws tell it to 1.6 %.
-        draws = np.tile(fit.x, (2000, 1))
-        draws[:, fit.candidate.free] += random.multivariate_normal(
-            np.zeros(len(fit.candidate.free)), fit.covariance, 2000
-        )
-        drawn = np.std(predict(None, found.problem.physical(draws)), axis=0)
-        inside = places != 3
-        assert worth.sd[k, inside] == pytest.approx(drawn[inside], rel=0.1)
-    level = np.mean(worth.predicted, axis=0)
-    noise = (found.noise.floor**2 + (found.noise.relative * level) ** 2) / 2
-    noise += np.median(found.roughness) ** 2
-    gap = worth.predicted[0] - worth.predicted[1]
-    assert worth.chi2 == pytest.approx(gap**2 / (noise + np.sum(worth.sd**2, axis=0)))
-
-
-def test_what_is_named_is_told_from_what_comes_next():
-    found = shared_diagnosis(3, wave=1.0)
-    worth = separate(found, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
-    others = [fit for fit in found.ranking.singles if fit is not found.verdict.fit]
-    best = max(others, key=lambda fit: fit.log_evidence)
-    assert worth.candidates[:2] == [found.verdict.fit, best]
-    near = [fit for fit in others if best.log_evidence - fit.log_evidence < MARGIN]
-    assert {fit.name for fit in worth.candidates[2:]} == {fit.name for fit in near} - {best.name}
-    assert np.all(worth.pair[:, 0] == 0)
-
-
-def test_a_rival_at_the_end_of_what_can_be_computed_is_compared_too():
-    found = shared_diagnosis(3, wave=1.0)
-    fit = found.verdict.fit
-    least = found.problem.physical(fit.x[None, :])[0, 0]
-
-    def ends(rows, p):
-        return np.where(p[:, :1] < least - 1e-12, np.nan, predict(None, p))[:, rows]
-
-    whole = separate(found, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
-    worth = separate(found, ends, np.arange(len(X)))
-    # The constant's slope changes by 0.06 over a unit, so by 0.003 over half a step of 0.1; with
-    # the others' covariances the error may be some times that.
-    np.testing.assert_allclose(worth.sd[0], whole.sd[0], rtol=0.02)
-
-
-def test_proposals_vary_the_middle_of_what_a_mode_was_given():
-    def condition(mode, hold, frequency):
-        return {
-            "drive.mode": mode, "drive.direction": "+x", "drive.edge": "rise", "drive.base": 0.0,
-            "drive.peak": 2.5e-3, "drive.hold": hold, "drive.frequency": frequency,
-        }  # fmt: skip
-
-    measured = [condition("OPP", 1.3e-3, 20.0)]
-    measured += [condition("OPP", 1e-3, 30.0 + k) for k in range(4)]
-    measured += [condition("IPP", 2e-3, 30.0)]
-    holds = {"OPP": set(), "IPP": set()}
-    for each in _proposals(measured):
-        holds[each["drive.mode"]].add(each["drive.hold"])
-    assert holds == {"OPP": {7e-4, 1e-3, 1.3e-3}, "IPP": {1.4e-3, 2e-3, 2.6e-3}}
-
-
-def _page(folder, given):
-    given.save_report(folder, title="Toy", place=X, labels=("x", "y (V)"), unit="V")
-    assert sorted(each.name for each in folder.iterdir()) == ["report.html", "report.json"]
-    text = without_pictures(folder / "report.html")
-    assert "<h1>Toy</h1>" in text
-    assert not any(word in text for word in ("extended.toml", "http", "mm/s"))
-    return json.loads((folder / "report.json").read_text()), text
-
-
-def test_a_model_of_the_users_own_has_a_page_too(tmp_path):
-    given = shared_result(3, wave=1.0)
-    full, text = _page(tmp_path / "toy", given)
-    assert (full["verdict"], full["cause"], full["gain_unit"]) == ("named", "wave", "V")
-    assert "mean absolute error (V)" in text
-    assert "% of the mean size" in text
-    assert f"Gain on {full['gain']['n']} held-out conditions" in text
-    data = full["channels"]["Data and models"]
-    assert data["place"] == X.tolist()
-    assert data["observed"] == given.findings.problem.observed.tolist()
-    # The extended model is within the noise, the recalibrated one is not.
-    gap = {
-        name: np.subtract(data[name], data["observed"]) / data["sd"]
-        for name in ("recalibrated", "extended")
-    }
-    assert np.mean(gap["extended"] ** 2) < 2.0 < np.mean(gap["recalibrated"] ** 2)
-
-
-def test_each_verdict_has_a_page(tmp_path):
-    full, text = _page(tmp_path / "set", shared_result(0, split=0.4))
-    assert full["verdict"] == "ambiguous"
-    assert "the best that explains the data" in text
-    full, text = _page(tmp_path / "none", shared_result(3))
-    assert full["verdict"] == "none"
-    assert "Upper bounds" in text
-    lost = diagnose_model(predict, None, np.zeros(SIZE), UNCERTAIN, CAUSES)
-    full, text = _page(tmp_path / "lost", lost)
-    assert full["verdict"] == "data-problem"
-    data = full["channels"]["Data and models"]
-    assert (data["sd"], "recalibrated" in data) == (None, False)
-
-
-def test_a_model_without_suspects_has_a_page(tmp_path):
-    slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
-    given = diagnose_model(lambda x, p: p * x, X, 0.3 * X, [slope], sd=0.1)
-    full, text = _page(tmp_path / "plain", given)
-    assert full["verdict"] == "none"
-    assert "What these data can tell apart" not in text
-
-
-@pytest.mark.parametrize("place", [[1.0, 2.0], np.full(SIZE, np.nan)])
-def test_a_page_with_a_wrong_abscissa_is_refused(tmp_path, place):
-    given = shared_result(3)
-    with pytest.raises(ScenarioError, match="place: allowed is a finite number for each of 30"):
-        given.save_report(tmp_path / "toy", place=place)
-    with pytest.raises(ScenarioError, match="place: allowed is a finite number for each of 30"):
-        given.plot.fit(place=place)
-    assert not (tmp_path / "toy").exists()

@@ -144,11 +144,11 @@ EXAMPLES = {
     Code.PAIR_NEEDED: ({"name": "a + b"}, r"a \+ b"),
     Code.SEPARATES: (
         {"first": "a", "second": "b", "chi2": 5.5, "trials": 3, "needed": 4.0},
-        r"separates a from b: expected chi-square 5\.5 with 3 trials, and 4 is enough",
+        r"separates a from b: with 3 trials a chi-square of 5\.5 is expected, and one of 4 is",
     ),
     Code.SEPARATES_TOO_LITTLE: (
         {"first": "a", "second": "b", "chi2": 1.5, "trials": 3, "needed": 4.0},
-        r"a from b too little: expected chi-square 1\.5 with 3 trials, and 4 is needed",
+        r"a from b too little: with 3 trials a chi-square of 1\.5 is expected, and one of 4 is",
     ),
     Code.NONE_SEPARATES: ({"trials": 3}, "3 trials"),
     **{code: (LOOK, "tilt.* a, b, c, d and 2 more") for code in Code if code.name[:4] == "LOOK"},

@@ -158,12 +158,12 @@ SENTENCES: Mapping[Code, Sentence] = {
     ),
     Code.PAIR_NEEDED: "No single cause explains the data as well as the pair {name}.",
     Code.SEPARATES: (
-        "It separates {first} from {second}: expected chi-square {chi2:.1f} with {trials} trials, "
-        "and {needed:g} is enough."
+        "It separates {first} from {second}: with {trials} trials a chi-square of {chi2:.1f} is "
+        "expected, and one of {needed:g} is enough."
     ),
     Code.SEPARATES_TOO_LITTLE: (
-        "It separates {first} from {second} too little: expected chi-square {chi2:.1f} with "
-        "{trials} trials, and {needed:g} is needed."
+        "It separates {first} from {second} too little: with {trials} trials a chi-square "
+        "of {chi2:.1f} is expected, and one of {needed:g} is needed."
     ),
     Code.NONE_SEPARATES: (
         "No drive that was tried would tell the leading candidates apart with {trials} trials; "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
@@ -60,7 +61,7 @@ class Comparison(OneLine):
         )
 
 
-class TableObservable:
+class TableObservable(ABC):
     """What tables of angles and of fields have alike: readings of some components, and a model.
 
     Attributes
@@ -78,9 +79,9 @@ class TableObservable:
     settings: Mapping[str, Array]
     nuisance: tuple[Uncertain, ...] = ()
 
+    @abstractmethod
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """See `Observable`."""
-        raise NotImplementedError
 
     def comparison(
         self,

@@ -90,31 +90,7 @@ def summary(
 
 def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str) -> dict[str, Any]:
     """What was found, beyond the summary; `unit` is that of the held-out observables."""
-    conditions = posed.conditions
     problem, gain = found.problem, found.gain
-    extended = found.verdict.fit
-    points = [found.null.x] if extended is None else [found.null.x, extended.x]
-    predicted = problem.predicted(np.stack(points))
-    sd = np.sqrt(np.diag(found.noise.covariance))
-    spread = np.sqrt(np.diag(found.null.covariance))
-    held = {} if gain is None else {int(k): number for number, k in enumerate(gain.held_out)}
-    rows = []
-    for k, each in enumerate(conditions):
-        row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
-        row["velocity"] = float(problem.observed[k])
-        row["sd"] = float(sd[k]) if found.noise.dof > 0.0 else None
-        row["model_scatter"] = float(found.roughness[k])
-        row["trials"] = int(found.noise.count[k])
-        row["given"] = float(posed.given[k])
-        row["recalibrated"] = float(predicted[0, k])
-        row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
-        row["held_out"] = k in held
-        if gain is not None and k in held:
-            row["recalibrated_without_it"] = float(gain.predicted_before[held[k]])
-            row["extended_without_it"] = float(gain.predicted_after[held[k]])
-        rows.append(row)
-    fits = [found.null, *found.ranking.singles, *found.ranking.pairs]
-    shown = {fit.name for fit in [found.null, *leading(found)]}
     return {
         "name": measurement.name,
         "headline": headline(found),
@@ -136,34 +112,9 @@ def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str
             "between_setups_gain": found.noise.between_gain,
             "dof": found.noise.dof,
         },
-        "recalibrated": {
-            each.name: {
-                "value": float(each.prior.value(found.null.x[k])),
-                "unit": each.unit,
-                "stated": float(each.prior.value(0.0)) if each.prior.has_middle else None,
-                "low": float(each.prior.value(found.null.x[k] - spread[k])),
-                "high": float(each.prior.value(found.null.x[k] + spread[k])),
-                "pull": float(found.null.x[k]),
-                "extended": None if extended is None else float(each.prior.value(extended.x[k])),
-                "pull_extended": None if extended is None else float(extended.x[k]),
-            }
-            for k, each in enumerate(problem.uncertain)
-        },
+        "recalibrated": _recalibrated(found),
         "flat_directions": _said(flat_directions(problem, found.null)),
-        "ranking": [
-            {
-                "causes": [cause.name for cause in fit.candidate.causes],
-                "chi2": fit.chi2,
-                "data_chi2": fit.data_chi2,
-                "misfit_p": adequacy(problem, fit),
-                "log_evidence": fit.log_evidence - found.null.log_evidence,
-                "priced_evidence": fit.priced_evidence - found.null.log_evidence,
-                "certified": fit.converged,
-                "leading": fit.name in shown,
-                "parameters": describe(problem, fit),
-            }
-            for fit in fits
-        ],
+        "ranking": _ranking(found),
         "profiles": {
             each.name: {"value": each.value.tolist(), "chi2": each.chi2.tolist(), "unit": each.unit}
             for each in found.profiles
@@ -176,8 +127,71 @@ def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str
         "choice_without_held_out": None if gain is None else gain.choice,
         "held_out_level": _level(found, unit),
         "held_out_p_value": None if gain is None else gain.p_value,
-        "conditions": rows,
+        "conditions": _condition_rows(found, posed),
     }
+
+
+def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]]:
+    """Each condition with its settings, its reading, and what the models say of it."""
+    problem, gain, extended = found.problem, found.gain, found.verdict.fit
+    points = [found.null.x] if extended is None else [found.null.x, extended.x]
+    predicted = problem.predicted(np.stack(points))
+    sd = np.sqrt(np.diag(found.noise.covariance))
+    held = {} if gain is None else {int(k): number for number, k in enumerate(gain.held_out)}
+    rows = []
+    for k, each in enumerate(posed.conditions):
+        row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
+        row["velocity"] = float(problem.observed[k])
+        row["sd"] = float(sd[k]) if found.noise.dof > 0.0 else None
+        row["model_scatter"] = float(found.roughness[k])
+        row["trials"] = int(found.noise.count[k])
+        row["given"] = float(posed.given[k])
+        row["recalibrated"] = float(predicted[0, k])
+        row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
+        row["held_out"] = k in held
+        if gain is not None and k in held:
+            row["recalibrated_without_it"] = float(gain.predicted_before[held[k]])
+            row["extended_without_it"] = float(gain.predicted_after[held[k]])
+        rows.append(row)
+    return rows
+
+
+def _recalibrated(found: Findings) -> dict[str, dict[str, float | str | None]]:
+    """Each uncertain parameter in both models, with its error in the recalibrated one."""
+    extended = found.verdict.fit
+    spread = np.sqrt(np.diag(found.null.covariance))
+    return {
+        each.name: {
+            "value": float(each.prior.value(found.null.x[k])),
+            "unit": each.unit,
+            "stated": float(each.prior.value(0.0)) if each.prior.has_middle else None,
+            "low": float(each.prior.value(found.null.x[k] - spread[k])),
+            "high": float(each.prior.value(found.null.x[k] + spread[k])),
+            "pull": float(found.null.x[k]),
+            "extended": None if extended is None else float(each.prior.value(extended.x[k])),
+            "pull_extended": None if extended is None else float(extended.x[k]),
+        }
+        for k, each in enumerate(found.problem.uncertain)
+    }
+
+
+def _ranking(found: Findings) -> list[dict[str, Any]]:
+    """All fits, the recalibrated model first."""
+    shown = {fit.name for fit in [found.null, *leading(found)]}
+    return [
+        {
+            "causes": [cause.name for cause in fit.candidate.causes],
+            "chi2": fit.chi2,
+            "data_chi2": fit.data_chi2,
+            "misfit_p": adequacy(found.problem, fit),
+            "log_evidence": fit.log_evidence - found.null.log_evidence,
+            "priced_evidence": fit.priced_evidence - found.null.log_evidence,
+            "certified": fit.converged,
+            "leading": fit.name in shown,
+            "parameters": describe(found.problem, fit),
+        }
+        for fit in [found.null, *found.ranking.singles, *found.ranking.pairs]
+    ]
 
 
 def further(found: Findings, posed: PosedProblem) -> dict[str, Any]:
