@@ -72,9 +72,10 @@ public:
     template <class Phase>
     auto observer(Phase& phase);
 
-    /// Whether lanes can have it: no named effect, and no samples within the steps.
+    /// Whether lanes can have it: no named effect, and nothing to look for within the steps.
     bool is_plain() const {
-        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid();
+        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid() &&
+               !stop_;
     }
     Integrator& integrator() { return integrator_; }
     PhaseMemory& memory() { return memory_; }

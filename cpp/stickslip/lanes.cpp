@@ -128,12 +128,13 @@ void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
     const auto next_lane = [&]() -> Lane* {
         while (const auto task = next()) {
             if (task->scenario.solver.method == Method::tsit5) {
-                auto lane = std::make_unique<Lane>(task->index, task->scenario, control);
+                auto lane =
+                    std::make_unique<Lane>(task->index, task->scenario, control, task->stop);
                 Lane* const key = lane.get();
                 lanes.emplace(key, std::move(lane));
                 return key;
             }
-            done(task->index, simulate(task->scenario, &control));
+            done(task->index, simulate(task->scenario, &control, task->stop));
         }
         return nullptr;
     };

@@ -15,14 +15,16 @@ namespace stickslip {
 struct LaneTask {
     std::size_t index = 0;
     Scenario scenario;
+    std::optional<StopCondition> stop = std::nullopt;
 };
 
 /// A run among others, and its place in their batch.
 struct Lane {
     using Loop = HybridLoop<Tsit5>;
 
-    Lane(std::size_t place, const Scenario& scenario, RunControl& control)
-        : index(place), loop(scenario, &control) {}
+    Lane(std::size_t place, const Scenario& scenario, RunControl& control,
+         std::optional<StopCondition> stop = std::nullopt)
+        : index(place), loop(scenario, &control, stop) {}
 
     std::size_t index;
     Loop loop;
