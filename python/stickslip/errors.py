@@ -1,4 +1,4 @@
-"""The exception of everything that a user can get wrong in a scenario."""
+"""The exceptions of this package."""
 
 from __future__ import annotations
 
@@ -14,3 +14,7 @@ class ScenarioError(ValueError):
 
     def __init__(self, message: object) -> None:
         super().__init__(printable(message))
+
+
+class SimulationError(RuntimeError):
+    """A simulation that is stepped cannot go on; the message says why and what to do."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
@@ -42,19 +42,23 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
             )
 
 
-class _Section:
+class Section:
     """A section of a scenario: it checks its fields by the keys of its own name."""
 
+    _key: ClassVar[str]
+
+    def __init_subclass__(cls, key: str | None = None) -> None:
+        cls._key = key or cls.__name__.lower()
+
     def __post_init__(self) -> None:
-        section = type(self).__name__.lower()
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
             if each.name != "program":
-                value = checked(f"{section}.{each.name}", getattr(self, each.name))
+                value = checked(f"{self._key}.{each.name}", getattr(self, each.name))
                 object.__setattr__(self, each.name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drive(_Section):
+class Drive(Section):
     """What the coils are driven with, section V of the paper.
 
     A field given in tesla is the steady-state one of one coil, at the centre.
@@ -120,7 +124,7 @@ class Drive(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coil(_Section):
+class Coil(Section):
     """One of the five equal coils, Table I.
 
     Parameters
@@ -145,7 +149,7 @@ class Coil(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Robot(_Section):
+class Robot(Section):
     """The magnetic body, Table II.
 
     Parameters
@@ -166,7 +170,7 @@ class Robot(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contact(_Section):
+class Contact(Section):
     """Contact of the body with the surface, sections IV-C, VI-A and VI-B.
 
     Parameters
@@ -189,7 +193,7 @@ class Contact(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drag(_Section):
+class Drag(Section):
     """Drag of the fluid, section VI-C.
 
     Parameters
@@ -205,7 +209,7 @@ class Drag(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Environment(_Section):
+class Environment(Section):
     """What is the same for everything.
 
     Parameters
@@ -218,7 +222,7 @@ class Environment(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solver(_Section):
+class Solver(Section):
     """The integrator.
 
     Parameters
@@ -242,7 +246,7 @@ class Solver(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Record(_Section):
+class Record(Section):
     """What a run keeps beside its summary.
 
     Parameters
@@ -252,10 +256,3 @@ class Record(_Section):
     """
 
     rate: float | Literal["none", "events"] = "none"
-
-
-SECTIONS: dict[str, type[Any]] = {
-    each.__name__.lower(): each
-    for each in (Drive, Coil, Robot, Contact, Drag, Environment, Solver, Record)
-}
-"""The sections of a scenario that are always there, in the order of a file."""
