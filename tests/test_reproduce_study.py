@@ -17,8 +17,13 @@ from stickslip.reproduction.curves import CURVES
 from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.measured import MeasuredPoint, read_measured
 from stickslip.reproduction.motions import MOTIONS, draw_motion, film_times, reference_runs
-from stickslip.reproduction.points import RTOL, variations
-from stickslip.reproduction.scans import FEWER_PULSES_BELOW, PULSES, PULSES_WHEN_SLOW
+from stickslip.reproduction.points import (
+    FEWER_PULSES_BELOW,
+    PULSES,
+    PULSES_WHEN_SLOW,
+    RTOL,
+    variations,
+)
 from stickslip.reproduction.settings import MODES, Grid, Setting
 from stickslip.reproduction.strokes import strokes
 from stickslip.reproduction.study import FIGURES, Effort

@@ -14,16 +14,8 @@ from stickslip._util.handy_units import in_handy_units
 from stickslip.plot import style
 from stickslip.reproduction.curves import CURVES
 from stickslip.reproduction.measured import MeasuredPoint
-from stickslip.reproduction.scans import KINETIC_SHARE, PAINLEVE_FRICTION
+from stickslip.reproduction.points import KINETIC_SHARE, PAINLEVE_FRICTION
 
-_WORDS = {
-    "static_friction": "static friction coefficient",
-    "adhesion": "adhesion",
-    "linear": "linear drag coefficient",
-    "rotational": "rotational drag coefficient",
-    "frequency": "pulsing frequency",
-    "peak": "greatest pulsing field",
-}
 _STYLES = {
     "IPP": (palette.BLUE, "-", "o"),
     "OPP": (palette.VERMILION, "--", "s"),
@@ -42,28 +34,41 @@ def draw_curves(name: str, table: pd.DataFrame, measured: Sequence[MeasuredPoint
     drawn on top.
     """
     curves = CURVES[name]
-    factor, label = in_handy_units(_WORDS[curves.column], table.attrs["units"][curves.column])
+    factor, label = in_handy_units(curves.scan.axis, table.attrs["units"][curves.column])
     with matplotlib.rc_context(style.RC):
         figure = Figure(figsize=(5.4, 3.4), layout="constrained")
         axes = figure.subplots()
         for mode in curves.modes:
-            for place, word in enumerate(curves.scans):
-                rows = table[(table["mode"] == mode) & (table["varied"] == word)]
+            for place, scan in enumerate(curves.scans):
+                rows = table[(table["mode"] == mode) & (table["varied"] == scan.words)]
                 colour, dashes = _SECOND if place else _STYLES[mode][:2]
                 x = rows[curves.column].to_numpy() * factor
                 low, high = rows["velocity_p10"] * 1e3, rows["velocity_p90"] * 1e3
                 axes.fill_between(x, low, high, color=colour, alpha=0.22, linewidth=0.0)
-                words = f"{mode}, {word}" if len(curves.scans) > 1 else mode
+                words = f"{mode}, {scan.words}" if len(curves.scans) > 1 else mode
                 median = rows["velocity_median"] * 1e3
                 axes.plot(x, median, color=colour, linestyle=dashes, label=words)
         for mode in curves.modes:
-            _draw_points(axes, [p for p in measured if (p.figure, p.mode) == (name, mode)], factor)
+            points = [p for p in measured if (p.figure, p.mode) == (name, mode)]
+            if points:
+                axes.plot(
+                    [p.x * factor for p in points],
+                    [p.y * 1e3 for p in points],
+                    color=palette.BLACK,
+                    marker=_STYLES[mode][2],
+                    markerfacecolor="none",
+                    linestyle="none",
+                    label=f"{mode}, measured",
+                )
         if curves.log:
             axes.set_xscale("log")
         if table["velocity_p90"].max() > _SYMLOG_ABOVE:
-            _press_together(axes, table)
+            _scale_symmetrically(axes, table)
         if name == "fig8":
-            _mark_painleve(axes)
+            # From here on a sliding contact can have no consistent force.
+            first = PAINLEVE_FRICTION / KINETIC_SHARE
+            beyond = r"$\mu_k$ = 4/3: Painlevé beyond"
+            axes.axvline(first, color=palette.GREY, linestyle=":", label=beyond)
         axes.margins(x=0.02)
         axes.set_xlabel(label)
         axes.set_ylabel("mean velocity (mm/s)")
@@ -71,20 +76,7 @@ def draw_curves(name: str, table: pd.DataFrame, measured: Sequence[MeasuredPoint
     return figure
 
 
-def _draw_points(axes: Axes, points: Sequence[MeasuredPoint], factor: float) -> None:
-    if points:
-        axes.plot(
-            [p.x * factor for p in points],
-            [p.y * 1e3 for p in points],
-            color=palette.BLACK,
-            marker=_STYLES[points[0].mode][2],
-            markerfacecolor="none",
-            linestyle="none",
-            label=f"{points[0].mode}, measured",
-        )
-
-
-def _press_together(axes: Axes, table: pd.DataFrame) -> None:
+def _scale_symmetrically(axes: Axes, table: pd.DataFrame) -> None:
     """A scale that is linear near zero and logarithmic beyond."""
     low = min(float(table["velocity_p10"].min()) * 1e3, 0.0)
     high = float(table["velocity_p90"].max()) * 1e3
@@ -93,9 +85,3 @@ def _press_together(axes: Axes, table: pd.DataFrame) -> None:
     axes.set_yticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
     axes.set_ylim(low - 0.1 * _LINEAR_UP_TO, 1.3 * high)
-
-
-def _mark_painleve(axes: Axes) -> None:
-    """From here on a sliding contact can have no consistent force."""
-    first = PAINLEVE_FRICTION / KINETIC_SHARE
-    axes.axvline(first, color=palette.GREY, linestyle=":", label=r"$\mu_k$ = 4/3: Painlevé beyond")

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from stickslip.reproduction.points import evaluate_all, varied
-from stickslip.reproduction.scans import SCANS, Scan
+from stickslip.reproduction.points import SCANS, Array, Scan, evaluate, varied
 from stickslip.reproduction.settings import MODES, Mode, Setting
 from stickslip.reproduction.tables import table
 from stickslip.scenario.keys import known_keys
@@ -27,15 +26,15 @@ class Curves:
     """One figure of velocities."""
 
     modes: tuple[Mode, ...]
-    scans: Mapping[str, Scan]  # by the word for what varies; the first is that of the figure
-    values: tuple[float, ...]  # where it is evaluated, SI
+    scans: tuple[Scan, ...]  # the first is that of the figure
+    values: Array  # where it is evaluated, SI
     caption: str
     log: bool = False  # whether the values are spread evenly in their logarithm
 
     @property
     def scan(self) -> Scan:
         """The scan of the figure."""
-        return next(iter(self.scans.values()))
+        return self.scans[0]
 
     @property
     def column(self) -> str:
@@ -43,16 +42,8 @@ class Curves:
         return self.scan.key.rpartition(".")[2]
 
 
-def _even(start: float, stop: float, count: int) -> tuple[float, ...]:
-    return tuple(np.linspace(start, stop, count).tolist())
-
-
-def _even_log(start: float, stop: float, count: int) -> tuple[float, ...]:
-    return tuple(np.geomspace(start, stop, count).tolist())
-
-
-_FREQUENCY = {"frequency": SCANS["frequency"]}
-_FIELDS = {"peak alone": SCANS["field"], "all fields in proportion": SCANS["fields"]}
+_FREQUENCY = ((SCANS["frequency"],), np.linspace(5.0, 150.0, 30))
+_FIELDS = ((SCANS["field"], SCANS["fields"]), np.linspace(1.5e-3, 6.5e-3, 26))
 _OVER_FIELDS = (
     "velocity over the sawtooth's top at 30 Hz, alone and with base and hold in proportion."
 )
@@ -61,38 +52,34 @@ _OVER_FIELDS = (
 CURVES: dict[str, Curves] = {
     "fig8": Curves(
         MODES,
-        {"friction": SCANS["friction"]},
-        _even(0.02, 2.4, 35),
+        (SCANS["friction"],),
+        np.linspace(0.02, 2.4, 35),
         "Velocity over static friction at 100 Hz and 2.5 mT; kinetic friction is 0.7 of it.",
     ),
     "fig9": Curves(
         MODES,
-        {"adhesion": SCANS["adhesion"]},
-        _even(0.0, 0.8e-6, 33),
+        (SCANS["adhesion"],),
+        np.linspace(0.0, 0.8e-6, 33),
         "Velocity over adhesion at 100 Hz and 2.5 mT.",
     ),
     "fig10": Curves(
         MODES,
-        {"linear drag": SCANS["linear"]},
-        _even_log(1e-8, 1e-2, 31),
+        (SCANS["linear"],),
+        np.geomspace(1e-8, 1e-2, 31),
         "Velocity over the linear drag coefficient at 100 Hz and 2.5 mT.",
         log=True,
     ),
     "fig11": Curves(
         MODES,
-        {"rotational drag": SCANS["rotational"]},
-        _even_log(1e-18, 1e-12, 31),
+        (SCANS["rotational"],),
+        np.geomspace(1e-18, 1e-12, 31),
         "Velocity over the rotational drag coefficient at 100 Hz and 2.5 mT.",
         log=True,
     ),
-    "fig12": Curves(
-        ("IPP",), _FREQUENCY, _even(5.0, 150.0, 30), "IPP: velocity over frequency at 2.5 mT."
-    ),
-    "fig13": Curves(
-        ("OPP",), _FREQUENCY, _even(5.0, 150.0, 30), "OPP: velocity over frequency at 2.5 mT."
-    ),
-    "fig14": Curves(("IPP",), _FIELDS, _even(1.5e-3, 6.5e-3, 26), f"IPP: {_OVER_FIELDS}"),
-    "fig15": Curves(("OPP",), _FIELDS, _even(1.5e-3, 6.5e-3, 26), f"OPP: {_OVER_FIELDS}"),
+    "fig12": Curves(("IPP",), *_FREQUENCY, "IPP: velocity over frequency at 2.5 mT."),
+    "fig13": Curves(("OPP",), *_FREQUENCY, "OPP: velocity over frequency at 2.5 mT."),
+    "fig14": Curves(("IPP",), *_FIELDS, f"IPP: {_OVER_FIELDS}"),
+    "fig15": Curves(("OPP",), *_FIELDS, f"OPP: {_OVER_FIELDS}"),
 }
 """The figures of velocities by name."""
 
@@ -111,41 +98,36 @@ def curve_tables(
     `painleve_events` and `failed` (counts, over all changes).
     """
     lines = [
-        (name, mode, word, scan)
+        (name, mode, scan)
         for name in names
         for mode in CURVES[name].modes
-        for word, scan in CURVES[name].scans.items()
+        for scan in CURVES[name].scans
     ]
     if not lines:
         return {}
     batches = [
         varied(scan.points([reference[mode]], CURVES[name].values)[0], count)
-        for name, mode, _, scan in lines
+        for name, mode, scan in lines
     ]
     parts: dict[str, list[pd.DataFrame]] = {name: [] for name in names}
-    for (name, mode, word, _), result in zip(
-        lines, evaluate_all(batches, threads, progress), strict=True
-    ):
-        parts[name].append(pd.DataFrame(_columns(CURVES[name], mode, word, result)))
+    for (name, mode, scan), result in zip(lines, evaluate(batches, threads, progress), strict=True):
+        curves, velocity = CURVES[name], result["mean_velocity"]
+        low, median, high = np.nanpercentile(velocity, [LOW, 50.0, HIGH], axis=1)
+        columns = {
+            curves.column: curves.values,
+            "mode": mode,
+            "varied": scan.words,
+            "velocity": velocity[:, 0],
+            "velocity_p10": low,
+            "velocity_median": median,
+            "velocity_p90": high,
+            "painleve_events": result["painleve"].sum(axis=1),
+            "failed": (result["status"] != 0).sum(axis=1),
+        }
+        parts[name].append(pd.DataFrame(columns))
     return {
         name: table(pd.concat(each, ignore_index=True), _units(CURVES[name]))
         for name, each in parts.items()
-    }
-
-
-def _columns(curves: Curves, mode: Mode, word: str, result: dict[str, Any]) -> dict[str, Any]:
-    velocity = result["mean_velocity"]
-    low, median, high = np.nanpercentile(velocity, [LOW, 50.0, HIGH], axis=1)
-    return {
-        curves.column: curves.values,
-        "mode": mode,
-        "varied": word,
-        "velocity": velocity[:, 0],
-        "velocity_p10": low,
-        "velocity_median": median,
-        "velocity_p90": high,
-        "painleve_events": result["painleve"].sum(axis=1),
-        "failed": (result["status"] != 0).sum(axis=1),
     }
 
 

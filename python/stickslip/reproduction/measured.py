@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 from stickslip.errors import ScenarioError
-from stickslip.measurement.tables import check_columns, read_rows
+from stickslip.measurement.tables import check_columns, number, read_rows
 from stickslip.reproduction.curves import CURVES
 from stickslip.scenario.keys import known_keys, shown
 
@@ -51,14 +50,7 @@ def _point(where: str, row: dict[str, str]) -> MeasuredPoint:
     modes = CURVES[figure].modes
     refuse_unless(mode in modes, "mode", f"in {figure} is {' or '.join(modes)}")
     key = known_keys()[CURVES[figure].scan.key]
-    x, y = _number(row["x"]), _number(row["y"])
+    x, y = number(row["x"]), number(row["y"])
     refuse_unless(key.low <= x <= key.high, "x", f"is {key.name}, {key.allowed}")
     refuse_unless(abs(y) <= _MAX_VELOCITY, "y", "is a velocity in m/s from -1 to 1")
     return MeasuredPoint(figure, mode, x, y)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from stickslip import _core
-from stickslip.plot import style
+from stickslip._util import palette
 from stickslip.reproduction.curves import CURVES
 from stickslip.reproduction.measured import MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
@@ -42,7 +42,7 @@ def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
         result=result,
         marks=_MARKS,
         counts=_counts(result),
-        style=style,
+        palette=palette,
         figures=[_figure(name, result, measured) for name in result.figures],
         spread=f"{SPREAD:.0%}",
         version=_core.__version__,

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip.reproduction.outcome import Flags
+from stickslip.reproduction.survey import Flags
 
 Word = Literal["reproduced", "not reproduced", "depends"]
 
