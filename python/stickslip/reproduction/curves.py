@@ -1,24 +1,61 @@
-"""The paper's Figs. 8 to 15: mean velocity over one quantity, as a band over small changes."""
+"""The paper's Figs. 8 to 15: mean velocity over one quantity, as a band over small changes.
+
+Their data, and their pictures, over which points can be laid that a reader has digitised from the
+paper's plots: its text holds none of them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
+import matplotlib
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from stickslip.reproduction.points import SCANS, Array, Scan, evaluate, varied
+from stickslip._util import palette
+from stickslip._util.handy_units import in_handy_units
+from stickslip.errors import ScenarioError
+from stickslip.measurement.tables import check_columns, number, read_rows
+from stickslip.plot import style
+from stickslip.reproduction.points import (
+    KINETIC_SHARE,
+    PAINLEVE_FRICTION,
+    SCANS,
+    Array,
+    Scan,
+    evaluate,
+    varied,
+)
 from stickslip.reproduction.settings import MODES, Mode, Setting
 from stickslip.reproduction.tables import table
-from stickslip.scenario.keys import known_keys
+from stickslip.scenario.keys import known_keys, shown
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
 
 LOW, HIGH = 10.0, 90.0
 """Percentiles of the band: a choice of this study, which its page names."""
+
+
+_STYLES = {
+    "IPP": (palette.BLUE, "-", "o"),
+    "OPP": (palette.VERMILION, "--", "s"),
+}
+_SECOND = (palette.GREEN, "-.")
+# Beyond this a velocity would press all others to the axis, m/s; below the other, mm/s, the scale
+# stays linear; both chosen by eye.
+_SYMLOG_ABOVE, _LINEAR_UP_TO = 20e-3, 5.0
+_TICKS = (-5.0, -2.0, 0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+
+MEASURED_COLUMNS = ("figure", "mode", "x", "y")
+
+_MAX_VELOCITY = 1.0  # m/s; far above any robot's, and a velocity that is given in mm/s is above it
 
 
 @dataclass(frozen=True)
@@ -140,3 +177,103 @@ def _units(curves: Curves) -> dict[str, str]:
         **dict.fromkeys(speeds, "m/s"),
         **dict.fromkeys(("painleve_events", "failed"), "1"),
     }
+
+
+class MeasuredPoint(NamedTuple):
+    """One point: its figure and mode, x in the SI unit of the figure's key, y in m/s."""
+
+    figure: str
+    mode: str
+    x: float
+    y: float
+
+
+def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
+    """Read a CSV file with the columns figure, mode, x and y, in any order."""
+    path = Path(path)
+    header, rows = read_rows(path)
+    check_columns(path, header, MEASURED_COLUMNS)
+    points = []
+    for line, cells in rows:
+        where = f"{path}: line {line}"
+        if len(cells) != len(header):
+            raise ScenarioError(f"{where}: {len(cells)} cells; allowed are {len(header)}")
+        points.append(_point(where, dict(zip(header, cells, strict=True))))
+    return points
+
+
+def _point(where: str, row: dict[str, str]) -> MeasuredPoint:
+    figure, mode = row["figure"], row["mode"]
+
+    def refuse_unless(allowed: bool, name: str, what: str) -> None:
+        if not allowed:
+            raise ScenarioError(f"{where}: {name} = {shown(row[name])}: allowed {what}")
+
+    refuse_unless(figure in CURVES, "figure", f"is one of {', '.join(CURVES)}")
+    modes = CURVES[figure].modes
+    refuse_unless(mode in modes, "mode", f"in {figure} is {' or '.join(modes)}")
+    key = known_keys()[CURVES[figure].scan.key]
+    x, y = number(row["x"]), number(row["y"])
+    refuse_unless(key.low <= x <= key.high, "x", f"is {key.name}, {key.allowed}")
+    refuse_unless(abs(y) <= _MAX_VELOCITY, "y", "is a velocity in m/s from -1 to 1")
+    return MeasuredPoint(figure, mode, x, y)
+
+
+def draw_curves(name: str, table: pd.DataFrame, measured: Sequence[MeasuredPoint]) -> Figure:
+    """Draw one figure of `CURVES`: medians as lines, the band from the 10th to the 90th percentile.
+
+    `table` is one of `curve_tables`; those of the `measured` points that are of this figure are
+    drawn on top.
+    """
+    curves = CURVES[name]
+    factor, label = in_handy_units(curves.scan.axis, table.attrs["units"][curves.column])
+    with matplotlib.rc_context(style.RC):
+        figure = Figure(figsize=(5.4, 3.4), layout="constrained")
+        axes = figure.subplots()
+        for mode in curves.modes:
+            for place, scan in enumerate(curves.scans):
+                rows = table[(table["mode"] == mode) & (table["varied"] == scan.words)]
+                colour, dashes = _SECOND if place else _STYLES[mode][:2]
+                x = rows[curves.column].to_numpy() * factor
+                low, high = rows["velocity_p10"] * 1e3, rows["velocity_p90"] * 1e3
+                axes.fill_between(x, low, high, color=colour, alpha=0.22, linewidth=0.0)
+                words = f"{mode}, {scan.words}" if len(curves.scans) > 1 else mode
+                median = rows["velocity_median"] * 1e3
+                axes.plot(x, median, color=colour, linestyle=dashes, label=words)
+        for mode in curves.modes:
+            points = [p for p in measured if (p.figure, p.mode) == (name, mode)]
+            if points:
+                axes.plot(
+                    [p.x * factor for p in points],
+                    [p.y * 1e3 for p in points],
+                    color=palette.BLACK,
+                    marker=_STYLES[mode][2],
+                    markerfacecolor="none",
+                    linestyle="none",
+                    label=f"{mode}, measured",
+                )
+        if curves.log:
+            axes.set_xscale("log")
+        if table["velocity_p90"].max() > _SYMLOG_ABOVE:
+            _scale_symmetrically(axes, table)
+        if name == "fig8":
+            # From here on a sliding contact can have no consistent force.
+            first = PAINLEVE_FRICTION / KINETIC_SHARE
+            beyond = r"$\mu_k$ = 4/3: Painlevé beyond"
+            axes.axvline(first, color=palette.GREY, linestyle=":", label=beyond)
+        axes.margins(x=0.02)
+        axes.set_xlabel(label)
+        axes.set_ylabel("mean velocity (mm/s)")
+        figure.legend(loc="outside upper center", ncols=2, frameon=False)
+    return figure
+
+
+def _scale_symmetrically(axes: Axes, table: pd.DataFrame) -> None:
+    """A scale that is linear near zero and logarithmic beyond."""
+    low = min(float(table["velocity_p10"].min()) * 1e3, 0.0)
+    high = float(table["velocity_p90"].max()) * 1e3
+    axes.set_yscale("symlog", linthresh=_LINEAR_UP_TO)
+    ticks = [tick for tick in _TICKS if low <= tick <= high]
+    axes.set_yticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    axes.set_ylim(low - 0.1 * _LINEAR_UP_TO, 1.3 * high)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.reproduction.criteria import Outcome, criterion
+from stickslip.reproduction.criteria import Criterion, Outcome, criterion
 from stickslip.reproduction.points import Array
 from stickslip.reproduction.settings import MODES, Mode
 from stickslip.reproduction.survey import Survey, pairwise
@@ -28,30 +28,27 @@ def _of_strokes(found: Survey, mode: Mode, name: str) -> Array:
     return pairwise(mode, np.array(values, dtype=np.float64))
 
 
-@criterion(
-    "S1",
-    "IPP slips on the downstroke.",
-    f"{SLIP_SHARE:.0%} of the slip's path on the downstroke, forwards, at 30 Hz",
-    "{share:.1%} of the slip's path is on the downstroke",
-)
-def slip_on_the_downstroke(found: Survey) -> Outcome:
-    share = 1.0 - _of_strokes(found, "IPP", "share_up")
-    forwards = _of_strokes(found, "IPP", "slip_down") > 0.0
-    holds = (share >= SLIP_SHARE) & forwards
-    return Outcome({"IPP slips on the downstroke": holds}, {"share": share})
+def _slips_on(name: str, mode: Mode, stroke: str) -> Criterion:
+    """The contact slips forwards on one stroke, "up" or "down", and hardly at all on the other."""
+
+    def evaluate(found: Survey) -> Outcome:
+        up = _of_strokes(found, mode, "share_up")
+        share = up if stroke == "up" else 1.0 - up
+        forwards = _of_strokes(found, mode, f"slip_{stroke}") > 0.0
+        holds = (share >= SLIP_SHARE) & forwards
+        return Outcome({f"{mode} slips on the {stroke}stroke": holds}, {"share": share})
+
+    return Criterion(
+        name,
+        f"{mode} slips on the {stroke}stroke.",
+        f"{SLIP_SHARE:.0%} of the slip's path on the {stroke}stroke, forwards, at 30 Hz",
+        f"{{share:.1%}} of the slip's path is on the {stroke}stroke",
+        evaluate,
+    )
 
 
-@criterion(
-    "S2",
-    "OPP slips on the upstroke.",
-    f"{SLIP_SHARE:.0%} of the slip's path on the upstroke, forwards, at 30 Hz",
-    "{share:.1%} of the slip's path is on the upstroke",
-)
-def slip_on_the_upstroke(found: Survey) -> Outcome:
-    share = _of_strokes(found, "OPP", "share_up")
-    forwards = _of_strokes(found, "OPP", "slip_up") > 0.0
-    holds = (share >= SLIP_SHARE) & forwards
-    return Outcome({"OPP slips on the upstroke": holds}, {"share": share})
+slip_on_the_downstroke = _slips_on("S1", "IPP", "down")
+slip_on_the_upstroke = _slips_on("S2", "OPP", "up")
 
 
 @criterion(

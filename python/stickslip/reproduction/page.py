@@ -11,8 +11,7 @@ import jinja2
 
 from stickslip import _core
 from stickslip._util import palette
-from stickslip.reproduction.curves import CURVES
-from stickslip.reproduction.measured import MeasuredPoint
+from stickslip.reproduction.curves import CURVES, MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
 from stickslip.reproduction.points import SPREAD
 from stickslip.reproduction.tables import headings

@@ -16,12 +16,16 @@ from stickslip import plot
 from stickslip._util.atomic_files import check_folder, text_writer, write_together
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.reproduction.curve_drawing import draw_curves
-from stickslip.reproduction.curves import CURVES, curve_tables
+from stickslip.reproduction.curves import (
+    CURVES,
+    MeasuredPoint,
+    curve_tables,
+    draw_curves,
+    read_measured,
+)
 from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.findings import findings, settings_table
 from stickslip.reproduction.flaws import Flaw, flaws
-from stickslip.reproduction.measured import MeasuredPoint, read_measured
 from stickslip.reproduction.motions import MOTIONS, draw_motion, motion_table, reference_runs
 from stickslip.reproduction.page import page_text
 from stickslip.reproduction.reference import RULE
