@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -17,10 +16,7 @@ from stickslip._util import palette
 from stickslip._util.atomic_files import check_suffix, replacing
 from stickslip.plot import style
 from stickslip.plot.film import draw_arrow, draw_body, frame, mark_contact
-from stickslip.plot.motion import Motion, corners, lowest_corner, motion
-
-if TYPE_CHECKING:
-    from stickslip.plot.motion import Data
+from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
 
 MOST_FRAMES = 2000
 """Of one picture: a hundred seconds of it at the default rate."""

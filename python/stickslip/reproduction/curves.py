@@ -12,7 +12,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -22,7 +21,7 @@ from stickslip._util import palette
 from stickslip._util.handy_units import in_handy_units
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import check_columns, number, read_rows
-from stickslip.plot import style
+from stickslip.plot.canvas import drawing, root_figure
 from stickslip.reproduction.points import (
     KINETIC_SHARE,
     PAINLEVE_FRICTION,
@@ -227,9 +226,7 @@ def draw_curves(name: str, table: pd.DataFrame, measured: Sequence[MeasuredPoint
     """
     curves = CURVES[name]
     factor, label = in_handy_units(curves.scan.axis, table.attrs["units"][curves.column])
-    with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(5.4, 3.4), layout="constrained")
-        axes = figure.subplots()
+    with drawing(None, (5.4, 3.4)) as axes:
         for mode in curves.modes:
             for place, scan in enumerate(curves.scans):
                 rows = table[(table["mode"] == mode) & (table["varied"] == scan.words)]
@@ -264,6 +261,7 @@ def draw_curves(name: str, table: pd.DataFrame, measured: Sequence[MeasuredPoint
         axes.margins(x=0.02)
         axes.set_xlabel(label)
         axes.set_ylabel("mean velocity (mm/s)")
+        figure = root_figure(axes)
         figure.legend(loc="outside upper center", ncols=2, frameon=False)
     return figure
 
