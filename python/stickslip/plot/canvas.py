@@ -1,4 +1,4 @@
-"""Axes to draw in, legends above them, and figures in files."""
+"""Axes to draw in, legends above them, and figures written to files."""
 
 from __future__ import annotations
 

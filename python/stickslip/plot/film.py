@@ -17,7 +17,7 @@ from stickslip.plot.canvas import root_figure
 from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
 
 _COLUMNS = 2  # as the paper's Fig. 2 (e) to (h)
-_MARGIN = 25.0  # µm
+_MARGIN = 25.0  # µm; chosen by eye
 
 
 def filmstrip(

@@ -18,7 +18,8 @@ from stickslip.plot.one_motion import draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.simulation.run import Run, resting_force
 
-# More pulses than this are a smear; the last ones show the steady motion.
+# More pulses than the first number cannot be told apart in the picture; then as many of the last
+# ones as the second says are drawn, which show the steady motion. Both chosen by eye.
 _MOST_PULSES, _SHOWN_PULSES = 12, 6
 
 # Part of the picture's time that is as wide as a dot of the picture: 8 inches of 150 dots.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 _MOST_LINES = 8  # as many as there are styles that can be told apart
-# Values over more than this are shown on a logarithmic axis.
+# Values whose ratio is this or more are shown on a logarithmic axis; chosen: two decades.
 _LOG_RATIO = 100.0
 
 _STYLES = list(

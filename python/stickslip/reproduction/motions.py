@@ -19,9 +19,9 @@ from stickslip.simulation.run import COLUMNS, Run
 from stickslip.simulation.simulate import simulate_batch
 
 _RAMP_DOWN = 0.05  # s; as the ramp up
-_CSV_RATE = 5e3  # Hz; enough to draw the figure again
-_FILM_PULSE = 8  # of twelve: the motion repeats itself by then
-_SHOWN_PULSES = 4  # few enough to tell the strokes apart
+_CSV_RATE = 5e3  # Hz; chosen: enough to draw the figure again
+_FILM_PULSE = 8  # of twelve; chosen: the motion repeats itself by then
+_SHOWN_PULSES = 4  # chosen: few enough to tell the strokes apart
 
 _FRAMES = {
     "e": "steady angle",

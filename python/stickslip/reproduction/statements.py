@@ -18,7 +18,7 @@ from stickslip.reproduction.verdicts import Verdict, of_number, verdict
 
 # What the paper's section IV-B states of the coils: N m, N, and parts of the field.
 TORQUE, FORCE, FILAMENT, FRINGE = 10.5e-9, 240e-9, 0.022, 0.025
-_SAME = 0.01  # part within which a number that is stated with two or three digits is met
+_SAME = 0.01  # relative difference up to which a stated number is met; chosen: as its digits
 
 CRITERIA = (
     motion.slip_on_the_downstroke,

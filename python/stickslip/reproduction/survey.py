@@ -29,9 +29,9 @@ STROKE_FREQUENCY = 30.0
 WORKING_FREQUENCIES = (30.0, 100.0)
 """Those of the paper's figures, at which a setting has to walk, Hz."""
 
-_MIN_VELOCITY = 2e-5  # m/s; a hundredth of what the paper measured
-_TILT_TOLERANCE = 0.02  # rad; a degree, by which a body that lies flat may rock back
-_STROKE_PULSES = 12  # the first three are not measured
+_MIN_VELOCITY = 2e-5  # m/s; chosen: a hundredth of what the paper measured
+_TILT_TOLERANCE = 0.02  # rad; chosen: a degree, by which a body that lies flat may rock back
+_STROKE_PULSES = 12  # as `PULSES_WHEN_SLOW`
 _STROKE_RATE = 20e3  # Hz; ten samples a period of the fastest free swing and more
 
 
