@@ -1,4 +1,4 @@
-"""TOML text: what the parser would need minutes for, or refuse without a reason, is refused first."""
+"""TOML text; what the parser would need minutes for, or refuse without a reason, is refused."""
 
 from __future__ import annotations
 

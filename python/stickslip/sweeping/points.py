@@ -199,7 +199,7 @@ def _check_key(key: object) -> None:
 
 
 def as_list(name: str, values: object, allowed: str) -> list[Any]:
-    """The values of an iterable that is neither text nor a mapping; `allowed` names it in errors."""
+    """The values of an iterable that is neither text nor mapping; `allowed` names it in errors."""
     try:
         if not isinstance(values, str | bytes | Mapping):
             return list(values)  # type: ignore[call-overload, no-any-return]
