@@ -38,6 +38,12 @@ from stickslip.scenario.keys import known_keys, shown
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
 
+_UNITS = {
+    "mode": "", "varied": "", "velocity": "m/s", "velocity_p10": "m/s", "velocity_median": "m/s",
+    "velocity_p90": "m/s", "painleve_events": "1", "failed": "1",
+}  # fmt: skip
+"""Columns of a table beside what is varied."""
+
 LOW, HIGH = 10.0, 90.0
 """Percentiles of the band: a choice of this study, which its page names."""
 
@@ -161,21 +167,12 @@ def curve_tables(
             "failed": (result["status"] != 0).sum(axis=1),
         }
         parts[name].append(pd.DataFrame(columns))
-    return {
-        name: table(pd.concat(each, ignore_index=True), _units(CURVES[name]))
-        for name, each in parts.items()
-    }
-
-
-def _units(curves: Curves) -> dict[str, str]:
-    unit = known_keys()[curves.scan.key].unit
-    speeds = ("velocity", "velocity_p10", "velocity_median", "velocity_p90")
-    return {
-        curves.column: "1" if unit == "-" else unit,
-        **dict.fromkeys(("mode", "varied"), ""),
-        **dict.fromkeys(speeds, "m/s"),
-        **dict.fromkeys(("painleve_events", "failed"), "1"),
-    }
+    tables = {}
+    for name, each in parts.items():
+        unit = known_keys()[CURVES[name].scan.key].unit
+        units = {CURVES[name].column: "1" if unit == "-" else unit, **_UNITS}
+        tables[name] = table(pd.concat(each, ignore_index=True), units)
+    return tables
 
 
 class MeasuredPoint(NamedTuple):

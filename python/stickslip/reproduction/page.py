@@ -37,10 +37,11 @@ def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    verdicts: list[str] = [each.verdict.word for each in result.statements]
     return environment.from_string(source).render(
         result=result,
         marks=_MARKS,
-        counts=_counts(result),
+        counts=[f"{verdicts.count(word)} {_PLURALS[word]}" for word in _MARKS],
         palette=palette,
         figures=[_figure(name, result, measured) for name in result.figures],
         spread=f"{SPREAD:.0%}",
@@ -48,11 +49,6 @@ def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
         seconds=f"{result.seconds:.0f}",
         tried=len(result.settings["mode"]),
     )
-
-
-def _counts(result: Reproduction) -> list[str]:
-    words: list[str] = [each.verdict.word for each in result.statements]
-    return [f"{words.count(word)} {_PLURALS[word]}" for word in _MARKS]
 
 
 def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) -> dict[str, Any]:

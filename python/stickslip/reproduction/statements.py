@@ -13,7 +13,7 @@ from stickslip.reproduction.criteria import Outcome
 from stickslip.reproduction.field_checks import FieldChecks
 from stickslip.reproduction.reference import reference_pair
 from stickslip.reproduction.settings import FACTORS, MODES
-from stickslip.reproduction.survey import Flags, Survey
+from stickslip.reproduction.survey import Survey
 from stickslip.reproduction.verdicts import Verdict, of_number, verdict
 
 # What the paper's section IV-B states of the coils: N m, N, and parts of the field.
@@ -101,17 +101,16 @@ def judge(
         outcome = outcomes[each.name]
         numbers = each.words(outcome, reference)
         judged = verdict(outcome.holds, works, factors, reference)
-        shares = {part: _share(flags, works) for part, flags in outcome.parts.items()}
+        shares = {
+            part: float(np.broadcast_to(flags, works.shape)[works].mean())
+            for part, flags in outcome.parts.items()
+        }
         statements.append(Statement(each.name, each.text, each.condition, numbers, judged, shares))
     return statements + _of_the_field(checks), reference, outcomes
 
 
 def _level(value: str | float) -> str:
     return value if isinstance(value, str) else f"{value * 1e3:g} mT"
-
-
-def _share(flags: Flags, works: Flags) -> float:
-    return float(np.broadcast_to(flags, works.shape)[works].mean())
 
 
 def _of_the_field(checks: FieldChecks) -> list[Statement]:
