@@ -5,12 +5,16 @@
 `animation` writes a moving picture. No module here may have the name of one of them.
 """
 
+from stickslip.plot.canvas import check_format, save
 from stickslip.plot.film import filmstrip
 from stickslip.plot.moving_picture import animation
-from stickslip.plot.over_time import angle_and_contact_velocity, fields
-from stickslip.plot.paths import phase_portrait, trajectory
+from stickslip.plot.one_motion import (
+    angle_and_contact_velocity,
+    fields,
+    phase_portrait,
+    trajectory,
+)
 from stickslip.plot.run_figure import run
-from stickslip.plot.saving import check_format, save
 from stickslip.plot.velocities import velocity
 
 __all__ = [

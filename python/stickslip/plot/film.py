@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -15,13 +14,10 @@ from numpy.typing import ArrayLike
 from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.canvas import root_figure
-from stickslip.plot.motion import Motion, corners, lowest_corner, motion
-
-if TYPE_CHECKING:
-    from stickslip.plot.motion import Data
+from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
 
 _COLUMNS = 2  # as the paper's Fig. 2 (e) to (h)
-_MARGIN = 25.0  # µm
+_MARGIN = 25.0  # µm; chosen by eye
 
 
 def filmstrip(

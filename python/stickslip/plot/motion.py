@@ -19,8 +19,7 @@ else:
 if TYPE_CHECKING:
     import xarray
 
-    Data: TypeAlias = Run | xarray.Dataset
-
+Data: TypeAlias = "Run | xarray.Dataset"
 Array = NDArray[np.float64]
 
 _DRAWN = ("t", "x", "z", "theta", "omega", "normal_force", "slip_velocity", "bx", "bz", "contact")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -17,17 +16,14 @@ from stickslip._util import palette
 from stickslip._util.atomic_files import check_suffix, replacing
 from stickslip.plot import style
 from stickslip.plot.film import draw_arrow, draw_body, frame, mark_contact
-from stickslip.plot.motion import Motion, corners, lowest_corner, motion
-
-if TYPE_CHECKING:
-    from stickslip.plot.motion import Data
+from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
 
 MOST_FRAMES = 2000
-"""Of one picture: a hundred seconds of it at the default rate."""
+"""Of one picture; chosen: a hundred seconds of it at the default rate."""
 
 _DOTS_PER_INCH = 100  # of a screen
-_FIELD_ARROW = 60.0  # µm, of the strongest field
-_MARGIN = 30.0  # µm
+_FIELD_ARROW = 60.0  # µm, length for the strongest field; chosen by eye
+_MARGIN = 30.0  # µm; chosen by eye
 
 
 def animation(

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import matplotlib
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from stickslip._util import palette
 from stickslip.plot import style
+from stickslip.plot.canvas import legend_above
 from stickslip.plot.motion import Array, motion
+from stickslip.plot.one_motion import draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, length, readable
-from stickslip.plot.time_axes import draw_fields, draw_tilt, legend_above
 from stickslip.simulation.run import Run, resting_force
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-# More pulses than this are a smear; the last ones show the steady motion.
+# More pulses than the first number cannot be told apart in the picture; then as many of the last
+# ones as the second says are drawn, which show the steady motion. Both chosen by eye.
 _MOST_PULSES, _SHOWN_PULSES = 12, 6
 
 # Part of the picture's time that is as wide as a dot of the picture: 8 inches of 150 dots.
@@ -63,7 +61,10 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         t = shown.t
         draw_fields(fields, shown)
         draw_tilt(tilt, shown)
-        _draw_path(path, t, shown.x)
+        scale = length(shown.x)
+        path.plot(t, shown.x * scale.factor, color=palette.BLACK)
+        path.set_ylabel(f"x ({scale.unit})")
+        readable(path, y=scale.least)
         shaded = _shade_window([fields, tilt, path, force], t, run)
         _draw_force(force, t, shown.normal_force, run, shaded)
         _draw_contact(figure, contact, t, shown.contact)
@@ -100,13 +101,6 @@ def _title(run: Run, what: str) -> str:
     if not run.ok:
         words.append(f"ended early: {run.status}")
     return ", ".join(words)
-
-
-def _draw_path(axes: Axes, t: Array, x: Array) -> None:
-    shown = length(x)
-    axes.plot(t, x * shown.factor, color=palette.BLACK)
-    axes.set_ylabel(f"x ({shown.unit})")
-    readable(axes, y=shown.least)
 
 
 def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 _MOST_MICRONS = 1000.0  # a number of four digits is read sooner in mm
 
-# Smaller spans are those of a robot that stands still, or of rounding; in the units shown.
+# Smaller spans are those of a robot that stands still, or of rounding; in the units shown. Chosen:
+# far below what any motion shows.
 LEAST_FIELD = 1e-2  # mT
 LEAST_TILT = 0.1  # degrees
 LEAST_VELOCITY = 1e-3  # mm/s

@@ -4,17 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip._util.palette import (
-    BLUE,
-    GREEN,
-    GREY,
-    LIGHT_GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    YELLOW,
-)
+from stickslip._util import palette
 
 # Faces behind or beside those: a shaded stretch, the body, a point without a value.
 SHADE = "#F0F0F0"
@@ -23,12 +13,12 @@ NO_VALUE = "#BBBBBB"
 
 CONTACT_COLOURS = {
     "flight": "#FFFFFF",
-    "corner_stick": BLUE,
-    "corner_slip_forward": ORANGE,
-    "corner_slip_backward": VERMILION,
-    "face_stick": SKY,
-    "face_slip_forward": YELLOW,
-    "face_slip_backward": PURPLE,
+    "corner_stick": palette.BLUE,
+    "corner_slip_forward": palette.ORANGE,
+    "corner_slip_backward": palette.VERMILION,
+    "face_stick": palette.SKY,
+    "face_slip_forward": palette.YELLOW,
+    "face_slip_backward": palette.PURPLE,
 }
 
 CONTACT_LABELS = {name: name.replace("_", " ") for name in CONTACT_COLOURS}
@@ -40,10 +30,10 @@ RC: Any = {
     "legend.fontsize": 8.0,
     "lines.linewidth": 1.2,
     "axes.grid": True,
-    "grid.color": LIGHT_GREY,
+    "grid.color": palette.LIGHT_GREY,
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
 }
 
 # White, which is flight's in a band of colours, is no line, and yellow next to none.
-LINE_COLOURS = {**CONTACT_COLOURS, "flight": GREY, "face_slip_forward": GREEN}
+LINE_COLOURS = {**CONTACT_COLOURS, "flight": palette.GREY, "face_slip_forward": palette.GREEN}

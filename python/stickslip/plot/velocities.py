@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip._util import palette
 from stickslip._util.handy_units import in_handy_units
 from stickslip.plot import style
-from stickslip.plot.canvas import drawn, root_figure
+from stickslip.plot.canvas import drawing, root_figure
 from stickslip.plot.scales import readable
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 _MOST_LINES = 8  # as many as there are styles that can be told apart
-# Values over more than this are shown on a logarithmic axis.
+# Values whose ratio is this or more are shown on a logarithmic axis; chosen: two decades.
 _LOG_RATIO = 100.0
 
 _STYLES = list(
@@ -87,7 +87,7 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     words = [str(d) for d in speeds.dims if str(d) not in numeric]
     along = [_axis(speeds, name) for name in numeric]
 
-    def draw(axes: Axes) -> None:
+    with drawing(ax, (5.4, 3.6)) as axes:
         if len(along) == 1:
             _draw_lines(axes, speeds, along[0], words)
         elif len(along) == 2 and not words:
@@ -99,8 +99,7 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
                 "take a part of it with .sel"
             )
         readable(axes)
-
-    return drawn(draw, ax, (5.4, 3.6))
+    return root_figure(axes)
 
 
 def _unlisted(speeds: Any) -> Any:

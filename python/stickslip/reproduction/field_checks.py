@@ -17,7 +17,7 @@ MAXIMUM_GRADIENT = 0.149
 CUBE = 25e-3
 """Side of the working volume, section IV-B, m."""
 SMALL_CUBE = 5e-3
-"""Side of a volume in which S17 holds, m."""
+"""Side of a volume in which S17 holds, m; found by computing its fringe."""
 
 INNER, OUTER = 0.120, 0.157
 """Inner and outer length of the winding, Table I, m."""

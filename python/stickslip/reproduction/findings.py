@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from stickslip.reproduction.outcome import Flags, Outcome
-from stickslip.reproduction.reference import count_of, working_pairs
+from stickslip.reproduction.criteria import Outcome
+from stickslip.reproduction.reference import MOTION, count_of
 from stickslip.reproduction.settings import FACTORS, MODES
-from stickslip.reproduction.survey import WORKING_FREQUENCIES, Survey
+from stickslip.reproduction.survey import WORKING_FREQUENCIES, Survey, pairwise
 from stickslip.reproduction.tables import table
-
-_MOTION = ("S1", "S2", "S3", "S4")
 
 _UNITS = {
     "mode": "", "edge": "", "clamp": "", "base": "T", "hold": "T", "works": "",
@@ -27,11 +25,16 @@ _UNITS = {
 
 def findings(found: Survey, outcomes: Mapping[str, Outcome]) -> list[str]:
     """Sentences on how many settings work, and on what those have in common that match best."""
-    works = working_pairs(found)
-    counts = count_of([outcome.holds for outcome in outcomes.values()], works)
-    all_four = works & (count_of([outcomes[name].holds for name in _MOTION], works) == len(_MOTION))
+    works = found.working_pairs()
+    holds = [outcome.holds for outcome in outcomes.values()]
+    counts = count_of(holds, works)
+    all_four = works & (count_of(holds[:MOTION], works) == MOTION)
     most = int(counts[works].max()) if works.any() else 0
     best = int((works & (counts == most)).sum())
+    clamps = [
+        pairwise(mode, np.array([each.clamp for each in found.settings[mode]])) for mode in MODES
+    ]
+    same_clamp = int((all_four & (clamps[0] == clamps[1])).sum())
     return [
         *(
             f"{int(found.works(mode).sum())} of {len(found.settings[mode])} settings of {mode} "
@@ -40,16 +43,10 @@ def findings(found: Survey, outcomes: Mapping[str, Outcome]) -> list[str]:
             for mode in MODES
         ),
         f"Of the {int(works.sum())} pairs of working settings, {int(all_four.sum())} have S1 to S4 "
-        f"all hold; {_same_clamp(found, all_four)} of these have the same clamp polarity in both "
-        "modes.",
+        f"all hold; {same_clamp} of these have the same clamp polarity in both modes.",
         f"No pair has more than {most} of the {len(outcomes)} statements that depend on settings; "
         f"{best} {'has' if best == 1 else 'have'} as many.",
     ]
-
-
-def _same_clamp(found: Survey, pairs: Flags) -> int:
-    ipp, opp = (np.array([each.clamp for each in found.settings[mode]]) for mode in MODES)
-    return int((pairs & (ipp[:, np.newaxis] == opp)).sum())
 
 
 def settings_table(found: Survey) -> pd.DataFrame:

@@ -9,8 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.reproduction.field_checks import FieldChecks
-from stickslip.reproduction.points import evaluate, point
-from stickslip.reproduction.scans import KINETIC_SHARE, PAINLEVE_FRICTION, PULSES, SCANS
+from stickslip.reproduction.points import (
+    KINETIC_SHARE,
+    PAINLEVE_FRICTION,
+    PULSES,
+    SCANS,
+    evaluate,
+    point,
+)
 from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
 from stickslip.reproduction.strokes import in_window, interval, tilt_rate
 from stickslip.reproduction.survey import STROKE_FREQUENCY, Survey
@@ -40,13 +46,42 @@ def flaws(
 ) -> list[Flaw]:
     """The table, with numbers from the survey, the reference runs and the field."""
     return [
-        _centripetal_sign(runs),
-        _mass(reference, threads),
-        _gradient(checks),
-        _fringe(checks),
-        _unsigned_drag(runs),
-        _open_settings(found),
-        _painleve(found),
+        Flaw(
+            "Eq. (13), second line",
+            "the centripetal term of the horizontal acceleration has the wrong sign",
+            "the sign that differentiation gives",
+            "error of the horizontal force at 30 Hz, at most, over the static friction limit at "
+            "rest: " + ", ".join(f"{mode} {_sign_error(run):.0%}" for mode, run in runs.items()),
+        ),
+        Flaw(
+            "Table II",
+            'the mass is given as 25.6 "ng"; its weight of 251 nN needs micrograms',
+            "25.6 µg; the density is not used",
+            _effect_of_mass(reference, threads),
+        ),
+        *_of_the_coils(checks),
+        Flaw(
+            "Eqs. (17), (19)",
+            "the drag torque goes with the square of the rate, without its sign: it drives a "
+            "falling body on",
+            "rate times its magnitude",
+            "; ".join(f"{mode}: {_effect_of_unsigned_drag(run)}" for mode, run in runs.items()),
+        ),
+        Flaw(
+            "Figs. 4 and 6",
+            "edge and base of the sawtooth, field of the holding coil and sign of the clamp coil's "
+            "field are not stated",
+            "all are inputs; this study tries a grid of them",
+            "; ".join(_effect_of_settings(found, mode) for mode in MODES),
+        ),
+        Flaw(
+            "Section IV-C, Fig. 8",
+            "with kinetic friction above 4/3 a sliding rectangle can have no consistent contact "
+            "force",
+            "such a contact is met with an impulse without collision, and counted",
+            "such events in this study with kinetic friction above 4/3: "
+            + ", ".join(_painleve_events(found, mode) for mode in MODES),
+        ),
         Flaw(
             "Figs. 12 to 15",
             "the measured points are drawn, but are not in the text",
@@ -56,27 +91,38 @@ def flaws(
     ]
 
 
-def _centripetal_sign(runs: Mapping[Mode, Run]) -> Flaw:
-    words = []
-    for mode, run in runs.items():
-        robot, contact = run.scenario.robot, run.scenario.contact
-        seen = in_window(run)
-        radius = 0.5 * math.hypot(robot.length, robot.height)
-        lever = radius * np.cos(np.abs(run.theta[seen]) + math.atan(robot.height / robot.length))
-        # The sign is that of the term, so the difference is twice the term.
-        wrong = 2.0 * robot.mass * run.omega[seen] ** 2 * np.abs(lever)
-        limit = contact.static_friction * resting_force(run.scenario)
-        words.append(f"{mode} {float(wrong.max()) / limit:.0%}")
-    return Flaw(
-        "Eq. (13), second line",
-        "the centripetal term of the horizontal acceleration has the wrong sign",
-        "the sign that differentiation gives",
-        "error of the horizontal force at 30 Hz, at most, over the static friction limit at rest: "
-        + ", ".join(words),
-    )
+def _of_the_coils(checks: FieldChecks) -> list[Flaw]:
+    return [
+        Flaw(
+            "Table I",
+            "6.5 mT and 149 mT/m at the centre do not go together",
+            "both follow from the geometry",
+            f"at 6.5 mT the gradient is {checks.gradient_at_centre * 1e3:.0f} mT/m at the centre; "
+            f"149 mT/m is met {checks.full_gradient_offset * 1e3:.1f} mm from it, and the force is "
+            f"{checks.force_at_centre * 1e9:.0f} nN instead of "
+            f"{checks.force_at_offset * 1e9:.0f} nN",
+        ),
+        Flaw(
+            "Section IV-B",
+            "fringe below 2.5% in a cube of 25 mm",
+            "computed from all five coils at the robot's place",
+            f"{checks.fringe:.1%} in that cube, {checks.fringe_small:.2%} in one of 5 mm",
+        ),
+    ]
 
 
-def _mass(reference: Mapping[Mode, Setting], threads: int) -> Flaw:
+def _sign_error(run: Run) -> float:
+    """Greatest error of the horizontal force, over the limit of static friction at rest."""
+    robot, contact = run.scenario.robot, run.scenario.contact
+    seen = in_window(run)
+    radius = 0.5 * math.hypot(robot.length, robot.height)
+    lever = radius * np.cos(np.abs(run.theta[seen]) + math.atan(robot.height / robot.length))
+    # The sign is that of the term, so the difference is twice the term.
+    wrong = 2.0 * robot.mass * run.omega[seen] ** 2 * np.abs(lever)
+    return float(wrong.max()) / (contact.static_friction * resting_force(run.scenario))
+
+
+def _effect_of_mass(reference: Mapping[Mode, Setting], threads: int) -> str:
     robot = Robot()
     by_density = _DENSITY * robot.length * robot.width * robot.height
     as_printed = _MASS_AS_PRINTED * Environment().gravity
@@ -88,91 +134,39 @@ def _mass(reference: Mapping[Mode, Setting], threads: int) -> Flaw:
         ]
         for setting in reference.values()
     ]
-    velocity = evaluate(np.array(points), threads)["mean_velocity"] * 1e3
+    (result,) = evaluate([np.array(points)], threads)
     change = ", ".join(
         f"{mode} {row[0]:.2f} and {row[1]:.2f} mm/s"
-        for mode, row in zip(reference, velocity, strict=True)
+        for mode, row in zip(reference, result["mean_velocity"] * 1e3, strict=True)
     )
-    return Flaw(
-        "Table II",
-        'the mass is given as 25.6 "ng"; its weight of 251 nN needs micrograms',
-        "25.6 µg; the density is not used",
+    return (
         f"as printed the weight would be {as_printed * 1e9:.3f} nN; density times "
-        f"volume is {by_density * 1e9:.2f} µg, and at 30 Hz 25.6 µg and this give {change}",
+        f"volume is {by_density * 1e9:.2f} µg, and at 30 Hz 25.6 µg and this give {change}"
     )
 
 
-def _gradient(checks: FieldChecks) -> Flaw:
-    return Flaw(
-        "Table I",
-        "6.5 mT and 149 mT/m at the centre do not go together",
-        "both follow from the geometry",
-        f"at 6.5 mT the gradient is {checks.gradient_at_centre * 1e3:.0f} mT/m at the centre; "
-        f"149 mT/m is met {checks.full_gradient_offset * 1e3:.1f} mm from it, and the force is "
-        f"{checks.force_at_centre * 1e9:.0f} nN instead of {checks.force_at_offset * 1e9:.0f} nN",
+def _effect_of_unsigned_drag(run: Run) -> str:
+    # The paper's angle is positive: where theta is not, its rate has the other sign.
+    power = run.scenario.drag.rotational * tilt_rate(run) ** 3
+    start, stop = run.scenario.window
+    step = interval(run)
+    pulses = (stop - start) * run.scenario.drive.frequency
+    signed = float(np.abs(power).sum()) * step / pulses
+    gained = float(-np.minimum(power, 0.0).sum()) * step / pulses
+    return (
+        f"with the sign it takes {signed * 1e12:.2f} pJ a pulse; without, {gained * 1e12:.2f} pJ "
+        "of these are put in instead"
     )
 
 
-def _fringe(checks: FieldChecks) -> Flaw:
-    return Flaw(
-        "Section IV-B",
-        "fringe below 2.5% in a cube of 25 mm",
-        "computed from all five coils at the robot's place",
-        f"{checks.fringe:.1%} in that cube, {checks.fringe_small:.2%} in one of 5 mm",
-    )
+def _effect_of_settings(found: Survey, mode: Mode) -> str:
+    works = found.works(mode)
+    velocity = found.at(mode, "frequency", (30.0,))[works, 0] * 1e3
+    spread = f", {velocity.min():.2f} to {velocity.max():.2f} mm/s at 30 Hz" if works.any() else ""
+    return f"{mode} walks forwards with {works.sum()} of {len(works)} settings{spread}"
 
 
-def _unsigned_drag(runs: Mapping[Mode, Run]) -> Flaw:
-    words = []
-    for mode, run in runs.items():
-        # The paper's angle is positive: where theta is not, its rate has the other sign.
-        power = run.scenario.drag.rotational * tilt_rate(run) ** 3
-        start, stop = run.scenario.window
-        step = interval(run)
-        pulses = (stop - start) * run.scenario.drive.frequency
-        signed = float(np.abs(power).sum()) * step / pulses
-        gained = float(-np.minimum(power, 0.0).sum()) * step / pulses
-        words.append(
-            f"{mode}: with the sign it takes {signed * 1e12:.2f} pJ a pulse; without, "
-            f"{gained * 1e12:.2f} pJ of these are put in instead"
-        )
-    return Flaw(
-        "Eqs. (17), (19)",
-        "the drag torque goes with the square of the rate, without its sign: it drives a falling "
-        "body on",
-        "rate times its magnitude",
-        "; ".join(words),
-    )
-
-
-def _open_settings(found: Survey) -> Flaw:
-    words = []
-    for mode in MODES:
-        works = found.works(mode)
-        velocity = found.at(mode, "frequency", (30.0,))[works, 0] * 1e3
-        spread = (
-            f", {velocity.min():.2f} to {velocity.max():.2f} mm/s at 30 Hz" if works.any() else ""
-        )
-        words.append(f"{mode} walks forwards with {works.sum()} of {len(works)} settings{spread}")
-    return Flaw(
-        "Figs. 4 and 6",
-        "edge and base of the sawtooth, field of the holding coil and sign of the clamp coil's "
-        "field are not stated",
-        "all are inputs; this study tries a grid of them",
-        "; ".join(words),
-    )
-
-
-def _painleve(found: Survey) -> Flaw:
-    values = np.array(SCANS["friction"].values)
-    beyond = KINETIC_SHARE * values > PAINLEVE_FRICTION
-    words = []
-    for mode in MODES:
-        events = found.painleve[mode, "friction"][:, beyond]
-        words.append(f"{mode} {events.sum()} in {events.size * found.count} simulations")
-    return Flaw(
-        "Section IV-C, Fig. 8",
-        "with kinetic friction above 4/3 a sliding rectangle can have no consistent contact force",
-        "such a contact is met with an impulse without collision, and counted",
-        "such events in this study with kinetic friction above 4/3: " + ", ".join(words),
-    )
+def _painleve_events(found: Survey, mode: Mode) -> str:
+    beyond = KINETIC_SHARE * np.array(SCANS["friction"].values) > PAINLEVE_FRICTION
+    events = found.painleve[mode, "friction"][:, beyond]
+    return f"{mode} {events.sum()} in {events.size * found.count} simulations"

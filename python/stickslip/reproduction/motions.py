@@ -19,9 +19,9 @@ from stickslip.simulation.run import COLUMNS, Run
 from stickslip.simulation.simulate import simulate_batch
 
 _RAMP_DOWN = 0.05  # s; as the ramp up
-_CSV_RATE = 5e3  # Hz; enough to draw the figure again
-_FILM_PULSE = 8  # of twelve: the motion repeats itself by then
-_SHOWN_PULSES = 4  # few enough to tell the strokes apart
+_CSV_RATE = 5e3  # Hz; chosen: enough to draw the figure again
+_FILM_PULSE = 8  # of twelve; chosen: the motion repeats itself by then
+_SHOWN_PULSES = 4  # chosen: few enough to tell the strokes apart
 
 _FRAMES = {
     "e": "steady angle",
@@ -31,11 +31,16 @@ _FRAMES = {
 }
 
 
+_FIELD = ("t", "bx", "bz")
+_TILT = ("t", "theta", "slip_velocity")
+
+
 class MotionFigure(NamedTuple):
-    """One figure of a run: its mode and caption."""
+    """One figure of a run."""
 
     mode: Mode
     caption: str
+    columns: tuple[str, ...] = ()  # of the run, over time; none for the outlines of Fig. 2
 
 
 MOTIONS = {
@@ -44,10 +49,14 @@ MOTIONS = {
         "Outline of the body over one pulse of OPP. The triangle is where it touches, the dashed "
         "line where it touched in the frame before; the arrow is its moment.",
     ),
-    "fig4": MotionFigure("IPP", "Field at the robot under IPP at 30 Hz."),
-    "fig5": MotionFigure("IPP", "Tilt and contact velocity over four pulses of IPP at 30 Hz."),
-    "fig6": MotionFigure("OPP", "Field at the robot under OPP at 30 Hz."),
-    "fig7": MotionFigure("OPP", "Tilt and contact velocity over four pulses of OPP at 30 Hz."),
+    "fig4": MotionFigure("IPP", "Field at the robot under IPP at 30 Hz.", _FIELD),
+    "fig5": MotionFigure(
+        "IPP", "Tilt and contact velocity over four pulses of IPP at 30 Hz.", _TILT
+    ),
+    "fig6": MotionFigure("OPP", "Field at the robot under OPP at 30 Hz.", _FIELD),
+    "fig7": MotionFigure(
+        "OPP", "Tilt and contact velocity over four pulses of OPP at 30 Hz.", _TILT
+    ),
 }
 """The figures of single runs by name."""
 
@@ -67,13 +76,13 @@ def motion_table(name: str, run: Run) -> pd.DataFrame:
     Fig. 2: a row for each frame with position, tilt, contact point, the one before, and the four
     corners. The others: time with what is drawn, at 5 kHz.
     """
-    if name == "fig2":
+    drawn = MOTIONS[name].columns
+    if not drawn:
         return _film_table(run)
     part = slice(None, None, max(1, round(1.0 / (_CSV_RATE * interval(run)))))
-    drawn = ("t", "bx", "bz") if name in ("fig4", "fig6") else ("t", "theta", "slip_velocity")
     columns: dict[str, Any] = {each: getattr(run, each)[part] for each in drawn}
     units = {each: COLUMNS[each].unit for each in drawn}
-    if "theta" in drawn:
+    if drawn == _TILT:
         columns["contact"] = [Run.contact_names[code] for code in run.contact[part]]
         units["contact"] = ""
     return table(columns, units)
@@ -81,11 +90,11 @@ def motion_table(name: str, run: Run) -> pd.DataFrame:
 
 def draw_motion(name: str, run: Run) -> Figure:
     """Draw one figure."""
-    if name == "fig2":
+    if not MOTIONS[name].columns:
         times = film_times(run)
         frames = zip(_FRAMES.items(), times, strict=True)
         return plot.filmstrip(run, times, [f"({k}) {word}, {t:.4f} s" for (k, word), t in frames])
-    if name in ("fig4", "fig6"):
+    if MOTIONS[name].columns == _FIELD:
         return plot.fields(run)
     # All twelve pulses and the ramps would be a smear, and are in the figure's data.
     start = run.scenario.window[0]
@@ -124,10 +133,7 @@ def _film_table(run: Run) -> pd.DataFrame:
     touch = lowest_corner(shown)[samples]
     columns: dict[str, Any] = {
         "frame": list(_FRAMES),
-        "t": shown.t[samples],
-        "x": shown.x[samples],
-        "z": shown.z[samples],
-        "theta": shown.theta[samples],
+        **{each: getattr(shown, each)[samples] for each in ("t", "x", "z", "theta")},
         "contact_x": touch,
         "contact_x_before": [np.nan, *touch[:-1]],
     }

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from stickslip import _core
-from stickslip.plot import style
-from stickslip.reproduction.curves import CURVES
-from stickslip.reproduction.measured import MeasuredPoint
+from stickslip._util import palette
+from stickslip.reproduction.curves import CURVES, MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
 from stickslip.reproduction.points import SPREAD
 from stickslip.reproduction.tables import headings
@@ -38,22 +37,18 @@ def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    verdicts: list[str] = [each.verdict.word for each in result.statements]
     return environment.from_string(source).render(
         result=result,
         marks=_MARKS,
-        counts=_counts(result),
-        style=style,
+        counts=[f"{verdicts.count(word)} {_PLURALS[word]}" for word in _MARKS],
+        palette=palette,
         figures=[_figure(name, result, measured) for name in result.figures],
         spread=f"{SPREAD:.0%}",
         version=_core.__version__,
         seconds=f"{result.seconds:.0f}",
         tried=len(result.settings["mode"]),
     )
-
-
-def _counts(result: Reproduction) -> list[str]:
-    words: list[str] = [each.verdict.word for each in result.statements]
-    return [f"{words.count(word)} {_PLURALS[word]}" for word in _MARKS]
 
 
 def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) -> dict[str, Any]:

@@ -7,9 +7,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.reproduction.outcome import Flags
 from stickslip.reproduction.settings import MODES
-from stickslip.reproduction.survey import WORKING_FREQUENCIES, Survey
+from stickslip.reproduction.survey import WORKING_FREQUENCIES, Flags, Survey
 
 TYPICAL_VELOCITY = 0.88e-3
 """m/s; what the paper's Reynolds number of 0.22 comes to, section VI-C."""
@@ -22,7 +21,8 @@ RULE = (
 )
 """How the reference is chosen, in words."""
 
-_MOTION = 4  # S1 to S4
+MOTION = 4
+"""Number of the statements on the motion itself, S1 to S4."""
 
 
 def reference_pair(found: Survey, holds: Sequence[Flags]) -> tuple[int, int]:
@@ -30,32 +30,25 @@ def reference_pair(found: Survey, holds: Sequence[Flags]) -> tuple[int, int]:
 
     Without a pair of working settings there is a ValueError.
     """
-    works = working_pairs(found)
+    works = found.working_pairs()
     if not works.any():
         raise ValueError("no setting of the grid walks forwards in both modes")
-    motion = count_of(holds[:_MOTION], works)
-    trends = count_of(holds[_MOTION:], works)
+    motion = count_of(holds[:MOTION], works)
+    trends = count_of(holds[MOTION:], works)
     # All four first, then the trends; where no pair has all four, the most of them.
     score = np.where(works, 100 * motion + trends, -1)
-    best = [(int(i), int(j)) for i, j in np.argwhere(score == score.max())]
-    distance = [_distance(found, pair) for pair in best]
-    return best[int(np.argmin(distance))]
 
+    def distance(pair: tuple[int, int]) -> float:
+        velocities = [
+            found.at(mode, "frequency", WORKING_FREQUENCIES)[k]
+            for mode, k in zip(MODES, pair, strict=True)
+        ]
+        return float(np.abs(np.log(np.array(velocities) / TYPICAL_VELOCITY)).mean())
 
-def working_pairs(found: Survey) -> Flags:
-    """Which pairs consist of working settings."""
-    return found.works("IPP")[:, np.newaxis] & found.works("OPP")[np.newaxis, :]
+    return min(((int(i), int(j)) for i, j in np.argwhere(score == score.max())), key=distance)
 
 
 def count_of(holds: Iterable[Flags], works: Flags) -> NDArray[np.int64]:
     """How many of the flags each pair has."""
     flags = [np.broadcast_to(each, works.shape) for each in holds]
     return np.asarray(np.sum(flags, axis=0, dtype=np.int64))
-
-
-def _distance(found: Survey, pair: tuple[int, int]) -> float:
-    velocities = [
-        found.at(mode, "frequency", WORKING_FREQUENCIES)[k]
-        for mode, k in zip(MODES, pair, strict=True)
-    ]
-    return float(np.abs(np.log(np.array(velocities) / TYPICAL_VELOCITY)).mean())

@@ -56,18 +56,11 @@ def strokes(run: Run) -> Strokes:
     rate, step = tilt_rate(run), interval(run)
     slip = np.nan_to_num(run.slip_velocity[seen])
     force = run.normal_force[seen]
-    up, down = rate > 0.0, rate < 0.0
-
-    def mean_force(stroke: NDArray[np.bool_]) -> float:
-        chosen = stroke & (slip != 0.0)
-        return float(force[chosen].mean() / resting_force(run.scenario)) if chosen.any() else np.nan
-
-    return Strokes(
-        slip_up=float(slip[up].sum() * step),
-        slip_down=float(slip[down].sum() * step),
-        path_up=float(np.abs(slip[up]).sum() * step),
-        path_down=float(np.abs(slip[down]).sum() * step),
-        normal_up=mean_force(up),
-        normal_down=mean_force(down),
-        tilt=float(np.abs(run.theta[seen]).mean()),
-    )
+    found = {"tilt": float(np.abs(run.theta[seen]).mean())}
+    for name, stroke in (("up", rate > 0.0), ("down", rate < 0.0)):
+        found[f"slip_{name}"] = float(slip[stroke].sum() * step)
+        found[f"path_{name}"] = float(np.abs(slip[stroke]).sum() * step)
+        slips = force[stroke & (slip != 0.0)]
+        mean = float(slips.mean() / resting_force(run.scenario)) if len(slips) else np.nan
+        found[f"normal_{name}"] = mean
+    return Strokes(**found)

@@ -13,15 +13,19 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from stickslip import plot
-from stickslip._util.atomic_files import text_writer, write_together
+from stickslip._util.atomic_files import check_folder, text_writer, write_together
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.reproduction.curve_drawing import draw_curves
-from stickslip.reproduction.curves import CURVES, curve_tables
+from stickslip.reproduction.curves import (
+    CURVES,
+    MeasuredPoint,
+    curve_tables,
+    draw_curves,
+    read_measured,
+)
 from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.findings import findings, settings_table
 from stickslip.reproduction.flaws import Flaw, flaws
-from stickslip.reproduction.measured import MeasuredPoint, read_measured
 from stickslip.reproduction.motions import MOTIONS, draw_motion, motion_table, reference_runs
 from stickslip.reproduction.page import page_text
 from stickslip.reproduction.reference import RULE
@@ -166,7 +170,10 @@ def reproduce(
     names = _chosen(only)
     points = [] if measured is None else read_measured(measured)
     threads = worker_count(threads, "threads")
-    folder = None if out is None else _folder(Path(out))
+    folder = None if out is None else Path(out)
+    if folder is not None:
+        check_folder(folder)
+        folder.mkdir(parents=True, exist_ok=True)
     effort = effort or Effort()
     report = progress or (lambda fraction, stage: None)
 
@@ -215,16 +222,6 @@ def _chosen(only: Iterable[str] | None) -> list[str]:
                 f"figure {shown(name)}: allowed is one or more of {', '.join(FIGURES)}"
             )
     return [name for name in FIGURES if name in wanted]
-
-
-def _folder(path: Path) -> Path:
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise NotADirectoryError(f"cannot write {path}: it is not a folder") from None
-    except OSError as error:
-        raise OSError(f"cannot write {path}: {error.strerror or error}") from error
-    return path
 
 
 def _written(

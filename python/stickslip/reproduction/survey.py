@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.reproduction.points import Array, evaluate_all, point, set_key, varied
-from stickslip.reproduction.scans import SCANS
+from stickslip.reproduction.points import COLUMN, SCANS, Array, evaluate, point, varied
 from stickslip.reproduction.settings import MODES, PEAK, Grid, Mode, Setting
 from stickslip.reproduction.strokes import Strokes, strokes
 from stickslip.scenario.scenario import Scenario
@@ -18,6 +17,9 @@ from stickslip.simulation.simulate import simulate_batch
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
+
+Flags = NDArray[np.bool_]
+_Kind = TypeVar("_Kind", bound=np.generic)
 
 SCANNED = ("frequency", "friction", "adhesion", "linear", "rotational", "field")
 
@@ -27,10 +29,18 @@ STROKE_FREQUENCY = 30.0
 WORKING_FREQUENCIES = (30.0, 100.0)
 """Those of the paper's figures, at which a setting has to walk, Hz."""
 
-_MIN_VELOCITY = 2e-5  # m/s; a hundredth of what the paper measured
-_TILT_TOLERANCE = 0.02  # rad; a degree, by which a body that lies flat may rock back
-_STROKE_PULSES = 12  # the first three are not measured
+_MIN_VELOCITY = 2e-5  # m/s; chosen: a hundredth of what the paper measured
+_TILT_TOLERANCE = 0.02  # rad; chosen: a degree, by which a body that lies flat may rock back
+_STROKE_PULSES = 12  # as `PULSES_WHEN_SLOW`
 _STROKE_RATE = 20e3  # Hz; ten samples a period of the fastest free swing and more
+
+
+def pairwise(mode: Mode, values: NDArray[_Kind]) -> NDArray[_Kind]:
+    """Values of the settings of a mode, shape (n, ...), as they broadcast to all pairs of settings.
+
+    A pair is one setting of IPP, along the first axis, and one of OPP, along the second.
+    """
+    return values[:, np.newaxis] if mode == "IPP" else values[np.newaxis]
 
 
 @dataclass(frozen=True)
@@ -52,7 +62,7 @@ class Survey:
     still_velocity: dict[Mode, Array]  # greatest speed with constant fields, m/s
     strokes: dict[Mode, list[Strokes | None]]  # None for a setting that does not work
 
-    def works(self, mode: Mode) -> NDArray[np.bool_]:
+    def works(self, mode: Mode) -> Flags:
         """Which settings walk as the paper's robot does, shape (n,).
 
         Forwards at 30 Hz and at 100 Hz, and with the tilt between flat and upright throughout.
@@ -61,6 +71,10 @@ class Survey:
         forwards = np.all(velocity > _MIN_VELOCITY, axis=1)
         low, high = self.tilt_low[mode], self.tilt_high[mode]
         return np.asarray(forwards & (low > -_TILT_TOLERANCE) & (high < 0.5 * np.pi))
+
+    def working_pairs(self) -> Flags:
+        """Which pairs consist of working settings, shape (settings of IPP, settings of OPP)."""
+        return pairwise("IPP", self.works("IPP")) & pairwise("OPP", self.works("OPP"))
 
     def at(self, mode: Mode, scan: str, values: Sequence[float]) -> Array:
         """Velocity at some of a scan's values, m/s, shape (n, len(values))."""
@@ -72,27 +86,30 @@ def survey(grid: Grid, count: int, threads: int, progress: Progress | None = Non
     """Simulate every setting of a grid, with `count` small changes for each point."""
     settings = {mode: grid.settings(mode) for mode in MODES}
     keys = [(mode, name) for mode in MODES for name in SCANNED]
-    batches = [varied(SCANS[name].points(settings[mode]), count) for mode, name in keys]
+    batches = [
+        varied(SCANS[name].points(settings[mode], SCANS[name].values), count) for mode, name in keys
+    ]
     batches += [_constant_fields(settings[mode]) for mode in MODES]
-    results = evaluate_all(batches, threads, progress)
+    results = evaluate(batches, threads, progress)
     scanned = dict(zip(keys, results, strict=False))
     still = dict(zip(MODES, results[len(keys) :], strict=True))
-
-    low, high = {}, {}
-    for mode in MODES:
-        low[mode], high[mode] = _tilt_range(settings[mode], scanned[mode, "frequency"])
+    tilts = {mode: _tilt_range(settings[mode], scanned[mode, "frequency"]) for mode in MODES}
     found = Survey(
         settings=settings,
         velocity={k: np.nanmedian(scanned[k]["mean_velocity"], axis=-1) for k in keys},
         painleve={k: scanned[k]["painleve"].sum(axis=-1) for k in keys},
         count=count,
-        tilt_low=low,
-        tilt_high=high,
+        tilt_low={mode: tilts[mode][0] for mode in MODES},
+        tilt_high={mode: tilts[mode][1] for mode in MODES},
         still_tilt={mode: np.abs(still[mode]["theta_max"][:, 0]) for mode in MODES},
         still_velocity={mode: np.abs(still[mode]["mean_velocity"]).max(axis=1) for mode in MODES},
         strokes={mode: [None] * len(settings[mode]) for mode in MODES},
     )
-    _add_strokes(found, threads)
+    for mode in MODES:
+        chosen = np.flatnonzero(found.works(mode))
+        scenarios = [stroke_scenario(settings[mode][i]) for i in chosen]
+        for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
+            found.strokes[mode][i] = strokes(run)
     return found
 
 
@@ -101,10 +118,10 @@ def _constant_fields(settings: Sequence[Setting]) -> Array:
     points = np.array([point({**s.keys(), "drive.peak": PEAK}) for s in settings])
     result = np.repeat(points[:, np.newaxis], 2, axis=1)
     # Velocity is measured from the end of the third pulse on: ten periods of 0.1 s.
-    set_key(result, "drive.frequency", 10.0)
-    set_key(result, "drive.pulses", 13)
-    set_key(result[:, 0], "drive.peak", [s.base for s in settings])
-    set_key(result[:, 1], "drive.base", PEAK)
+    result[..., COLUMN["drive.frequency"]] = 10.0
+    result[..., COLUMN["drive.pulses"]] = 13
+    result[:, 0, COLUMN["drive.peak"]] = [s.base for s in settings]
+    result[:, 1, COLUMN["drive.base"]] = PEAK
     return result
 
 
@@ -127,11 +144,3 @@ def stroke_scenario(setting: Setting) -> Scenario:
             "record.rate": _STROKE_RATE,
         }
     )
-
-
-def _add_strokes(found: Survey, threads: int) -> None:
-    for mode in MODES:
-        chosen = np.flatnonzero(found.works(mode))
-        scenarios = [stroke_scenario(found.settings[mode][i]) for i in chosen]
-        for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
-            found.strokes[mode][i] = strokes(run)

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip.reproduction.outcome import Flags
+from stickslip.reproduction.survey import Flags
 
 Word = Literal["reproduced", "not reproduced", "depends"]
 
@@ -20,7 +20,7 @@ NOT_REPRODUCED_TO = 0.1
 MIN_SHARE_DIFFERENCE = 0.25
 """Least difference of a factor's shares for the factor to be named."""
 
-_NAMED = 2  # factors in one sentence
+_NAMED = 2  # factors in one sentence; chosen: more are hard to read
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ FILE = "drive.file"
 PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
 _FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
 
-_LONGEST_SHOWN = 60  # characters of a value in an error of one line
+_LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -42,7 +42,7 @@ _forgetting: list[Callable[[], None]] = []
 
 
 def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Cache what is made of the keys until the user registers an effect, which brings new ones."""
+    """Cache what depends on the keys until the user registers an effect, which adds keys."""
     cached = functools.cache(function)
     _forgetting.append(cached.cache_clear)
     return cast("Callable[_P, _R]", cached)

@@ -25,21 +25,13 @@ SAWTOOTH = (
 
 
 def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
-    """Refuse keys of the sawtooth that are given together with a program of voltages.
-
-    Raises
-    ------
-    ScenarioError
-        Naming the first of `given` that is one.
-    """
-    if mode != "program":
-        return
-    for key in given:
-        if key in SAWTOOTH:
-            raise ScenarioError(
-                f'{key}: not allowed with drive.mode = "program", whose voltages are those of '
-                f"{FILE} alone"
-            )
+    """Refuse the first key of the sawtooth that is given together with a program of voltages."""
+    key = next((key for key in given if key in SAWTOOTH), None)
+    if mode == "program" and key is not None:
+        raise ScenarioError(
+            f'{key}: not allowed with drive.mode = "program", whose voltages are those of {FILE} '
+            "alone"
+        )
 
 
 class Section:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 
-# A scenario is a page of text; what is longer is another file, or a device that never ends.
+# Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
 _MOST_BYTES = 1 << 20
 
 
@@ -49,13 +49,8 @@ def read_parts(path: str | PathLike[str], changes: Mapping[str, Any]) -> dict[st
     """The sections of a file as `Scenario` takes them, with other values.
 
     `changes` are values that are allowed, as `Scenario.replace` takes them. What the file has in
-    their place is not judged: it is not simulated.
-
-    Raises
-    ------
-    ScenarioError
-        If the file cannot be read, is no scenario, or holds another key or value that is not
-        allowed.
+    their place is not checked: it is not simulated. Anything else there that is not allowed is a
+    ScenarioError, and so is a file that cannot be read.
     """
     path = Path(path)
     try:
@@ -76,13 +71,7 @@ def voltage_file(path: Path) -> Path | None:
 def read_document(
     path: Path, kind: str = "scenario", has: str = '"stickslip = 1" and a section [drive]'
 ) -> dict[str, Any]:
-    """The TOML of a file; `kind` and `has` are words of its errors.
-
-    Raises
-    ------
-    ScenarioError
-        With one line that does not name the file, if it cannot be read.
-    """
+    """The TOML of a file; `kind` and `has` are words of its errors, which do not name the file."""
     data = read_bytes(path, _MOST_BYTES, f"{kind} file")
     try:
         text = data.decode("utf-8-sig")
@@ -113,9 +102,7 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
     parts: dict[str, Any] = {}
     for name, section in SECTIONS.items():
         values = dict(document.get(name, {}))
-        for field, value in values.items():
-            if f"{name}.{field}" != FILE:
-                _check_field(name, field, value)
+        _check_fields(name, values)
         own = {key.partition(".")[2]: changes[key] for key in changes if key.startswith(f"{name}.")}
         if name == "drive":
             values = _drive(values, own, folder)
@@ -125,7 +112,7 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
 
 
 def _drive(values: dict[str, Any], own: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """What a file's [drive] has beside the values `own`, with its voltages as a program."""
+    """The values of a file's [drive] except those in `own`, with its voltages as a program."""
     if own.get("program") is not None:
         return {field: value for field, value in values.items() if field == "direction"}
     left = {field: value for field, value in values.items() if field not in own}
@@ -139,7 +126,7 @@ def _drive(values: dict[str, Any], own: Mapping[str, Any], folder: Path) -> dict
 
 
 def _effects(table: Any, changes: Mapping[str, Any]) -> Any:
-    """A file's effects with other values; what is no table stays, to be refused."""
+    """A file's effects with other values; what is not a table stays, and is refused later."""
     for key, value in changes.items():
         if not key.startswith(PREFIX) or not isinstance(table, dict | None):
             continue
@@ -160,14 +147,15 @@ def _check_version(document: dict[str, Any]) -> None:
         )
 
 
-def _check_field(section: str, field: str, value: object) -> None:
+def _check_fields(section: str, values: Mapping[str, object]) -> None:
     known = [key.name for key in known_keys().values() if key.section == section]
     if section == "drive":
-        known.append("drive.file")
-    key = f"{section}.{field}"
-    if key not in known:
-        hint = PROGRAM_HINT if key == PROGRAM else suggestion(key, known)
-        raise ScenarioError(f"{key} = {shown(value)}: there is no such key; {hint}")
+        known.append(FILE)
+    for field, value in values.items():
+        key = f"{section}.{field}"
+        if key not in known:
+            hint = PROGRAM_HINT if key == PROGRAM else suggestion(key, known)
+            raise ScenarioError(f"{key} = {shown(value)}: there is no such key; {hint}")
 
 
 def _program(file: object, folder: Path) -> Waveform:

@@ -1,4 +1,4 @@
-"""TOML text, refused before the parser where it would take minutes or give up without a reason."""
+"""TOML text; what the parser would need minutes for, or refuse without a reason, is refused."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ else:
     import tomli as tomllib
 
 _DEEPEST = 16
-"""Parts of a key, and tables or lists in each other; the formats need four."""
+"""Parts of a key, and tables or lists in each other; chosen: the formats need four."""
 
 _PART = r"""(?:[A-Za-z0-9_-]+|"(?:\\.|[^"\\\n])*"|'[^'\n]*')"""
 # Strings and comments are passed over as a whole, also those that never end, so that each character

@@ -171,9 +171,7 @@ def register_effect(
     0.001
     >>> unregister_effect("stream")
     """
-    for what, text in (("name", name), ("meaning", meaning), ("source", source)):
-        if not isinstance(text, str):
-            raise TypeError(f"effect {shown(name)}: {what} = {shown(text)}: allowed is a text")
+    _check_texts(f"effect {shown(name)}", name=name, meaning=meaning, source=source)
     if not isinstance(parameters, Iterable):
         raise TypeError(f"effect {name}: parameters: allowed is a list of EffectParameter")
     parameters = tuple(parameters)
@@ -222,12 +220,16 @@ def unregister_effect(name: str) -> None:
 _Row = tuple[str, str, float, float, float, str]
 
 
+def _check_texts(where: str, **texts: object) -> None:
+    for what, text in texts.items():
+        if not isinstance(text, str):
+            raise TypeError(f"{where}: {what} = {shown(text)}: allowed is a text")
+
+
 def _row(effect: str, parameter: EffectParameter) -> _Row:
     name, unit, low, high, meaning, default = astuple(parameter)
     where = f"effect {effect}, parameter {shown(name)}"
-    for what, text in (("name", name), ("unit", unit), ("meaning", meaning)):
-        if not isinstance(text, str):
-            raise TypeError(f"{where}: {what} = {shown(text)}: allowed is a text")
+    _check_texts(where, name=name, unit=unit, meaning=meaning)
     for what, number in (("low", low), ("high", high), ("default", default)):
         if isinstance(number, bool) or not isinstance(number, numbers.Real):
             raise TypeError(f"{where}: {what} = {shown(number)}: allowed is a number")

@@ -21,7 +21,8 @@ _Block = tuple[_Array, _Array, int]
 Voltages = Mapping[str, float] | Sequence[float] | _Array
 """Five voltages in the order of `COIL_NAMES`, or the ones that are not zero by coil name."""
 
-# What `*` may write out in full where it cannot count: repeats within repeats.
+# Points that `*` may write out in full where blocks cannot be nested: repeats within repeats.
+# Chosen: some MB of memory.
 _MOST_POINTS = 100_000
 
 

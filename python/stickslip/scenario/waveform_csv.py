@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 COLUMNS = ("t", *COIL_NAMES)
 
-_MOST_ROWS = 2_000_000  # a minute of voltages at 30 kHz; 100 MB in memory
+_MOST_ROWS = 2_000_000  # chosen: a minute of voltages at 30 kHz; 100 MB in memory
 # The longest number has 24 characters, so what is written can be read.
 _MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
 _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
@@ -54,7 +54,7 @@ def write_points(waveform: Waveform, path: str | PathLike[str]) -> None:
 
 
 def write_rows(waveform: Waveform, path: Path) -> None:
-    """The same, without regard to what is there."""
+    """The same; a file that is there is overwritten."""
     rows = sum(len(t) * repeats for t, _, repeats in waveform.blocks)
     if rows > _MOST_ROWS:
         raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")

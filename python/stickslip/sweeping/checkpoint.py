@@ -1,4 +1,4 @@
-"""The file of a sweep: written now and then while it runs, and read to go on with it."""
+"""The file of a sweep: written at intervals while the sweep runs, and read to resume it."""
 
 from __future__ import annotations
 
@@ -20,17 +20,18 @@ from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import NOT_RUN, Results
 
 _FIRST_AFTER = 0.5
-"""Time to the first checkpoint, s: it costs what the last one does, which there is in any case."""
+"""Time to the first checkpoint, s. Chosen: a file is there early, and it costs as much as the last
+one, which is written in any case."""
 
 _MIN_INTERVAL = 1.0
-"""Least time between two checkpoints, s."""
+"""Least time between two checkpoints, s, as `sweep` promises."""
 
 _MAX_SHARE = 0.03
-"""Share of the time that may go into writing the others."""
+"""Share of the time that may go into writing the others; as `sweep` promises."""
 
 
 class Checkpoint:
-    """Keeps a file up to date: whole at any time, and never much behind."""
+    """Writes a sweep's results to a file at intervals; the file is complete at any time."""
 
     def __init__(self, path: str | PathLike[str], points: Points, results: Results) -> None:
         self._path = path
@@ -40,7 +41,7 @@ class Checkpoint:
         self._next = time.monotonic() + _FIRST_AFTER
 
     def write(self) -> None:
-        """Write all results that there are; where that fails, the file before is still there."""
+        """Write all results so far; if that fails, the file is as it was before."""
         start = time.monotonic()
         write_netcdf(dataset(self._points, self._results), self._path)
         end = time.monotonic()
@@ -48,13 +49,13 @@ class Checkpoint:
         self._next = end + max(_MIN_INTERVAL, (end - start) / _MAX_SHARE)
 
     def write_if_due(self) -> None:
-        """Write if there is something new and the last time is long enough ago."""
+        """Write if there are new results and the last write was long enough ago."""
         if time.monotonic() >= self._next and self.has_unsaved_results:
             self.write()
 
     @property
     def has_unsaved_results(self) -> bool:
-        """Whether there are results that the file has not."""
+        """Whether there are results that the file does not hold."""
         return self._results.finished > self._written
 
 

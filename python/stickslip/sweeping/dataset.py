@@ -13,9 +13,7 @@ from stickslip import _core
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.netcdf import origin
 from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
-from stickslip.sweeping.results import EVENTS, NUMBERS, OK, STATUSES, Results
-
-EVENT_DIMENSION = "event"
+from stickslip.sweeping.results import EVENTS, NOT_RUN, NUMBERS, OK, STATUSES, Results
 
 
 def dataset(points: Points, results: Results) -> xarray.Dataset:
@@ -23,7 +21,7 @@ def dataset(points: Points, results: Results) -> xarray.Dataset:
     dimensions, shape = points.dimensions, points.shape
 
     def variable(values: NDArray[Any], **attributes: Any) -> tuple[Any, ...]:
-        extra = (EVENT_DIMENSION,) if values.ndim == 2 else ()
+        extra = ("event",) if values.ndim == 2 else ()
         shaped = values.reshape(*shape, *values.shape[1:])
         # Half of a sweep's file are counts of events, most of them small.
         encoding = {"zlib": True, "complevel": 1, "shuffle": True}
@@ -52,11 +50,21 @@ def dataset(points: Points, results: Results) -> xarray.Dataset:
             messages.reshape(shape),
             {"long_name": "what happened, of a point that failed"},
         )
-    kinds = (EVENT_DIMENSION, list(EVENTS), {"long_name": "kind of event"})
+    kinds = ("event", list(EVENTS), {"long_name": "kind of event"})
     return xarray.Dataset(
         variables,
-        coords={**_coordinates(points), EVENT_DIMENSION: kinds},
-        attrs=attributes(points, results),
+        coords={**_coordinates(points), "event": kinds},
+        attrs={
+            "title": "stick-slip motion of a magnetic micro-robot, parameter sweep",
+            "created_by": f"stickslip {_core.__version__}, sweep",
+            **origin(points.scenario),
+            "arrangement": points.arrangement,
+            "vary": points.vary(),
+            "points": points.count,
+            "finished_points": results.finished,
+            "failed_points": int(np.sum(~np.isin(results.status, (OK, NOT_RUN)))),
+            "statuses": json.dumps(results.counts()),
+        },
     )
 
 
@@ -71,19 +79,3 @@ def _coordinates(points: Points) -> dict[str, Any]:
         dimension = LIST_DIMENSION if points.arrangement == "list" else name
         coordinates[name] = (dimension, points.labels(key), about)
     return coordinates
-
-
-def attributes(points: Points, results: Results) -> dict[str, Any]:
-    """What the points have in common, and what made the results."""
-    return {
-        "title": "stick-slip motion of a magnetic micro-robot, parameter sweep",
-        "created_by": f"stickslip {_core.__version__}, sweep",
-        **origin(points.scenario),
-        "arrangement": points.arrangement,
-        "vary": points.vary(),
-        "points": points.count,
-        "finished_points": results.finished,
-        "failed_points": int(np.count_nonzero(results.status != OK))
-        - (points.count - results.finished),
-        "statuses": json.dumps(results.counts()),
-    }

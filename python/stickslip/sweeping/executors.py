@@ -1,4 +1,4 @@
-"""Who does the work: threads of this process, or an executor that the user brings."""
+"""Where chunks are simulated: in threads of this process, or by an executor of the user's."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from typing import Any, Protocol
 from stickslip.sweeping.worker import Chunk, ChunkResult, run_chunk
 
 _SIZE_IF_UNKNOWN = 16
-"""Workers of an executor that does not say; too many cost only chunks that wait."""
+"""Workers of an executor that does not say; if it has fewer, chunks wait, which costs little."""
 
 _RECOUNT_SECONDS = 5.0
-"""Time between two looks at the size of an executor that may grow, s."""
+"""Time after which the size of an executor, which may grow, is asked again, s; chosen."""
 
-# Of Dask, which is not imported for this: the worker died, or the cluster forgot the work.
+# Errors of Dask, which is not imported for this: the worker died, or the cluster lost the work.
 _WORKER_DEATHS = ("KilledWorker", "FutureCancelledError", "FuturesCancelledError")
 
 
 class ChunkExecutor(Protocol):
-    """Has chunks simulated."""
+    """Takes chunks, and has them simulated."""
 
     min_chunk_seconds: float
-    """Time below which a chunk is not worth its way to a worker, s."""
+    """Time below which sending a chunk to a worker costs too much beside its simulation, s."""
 
     def size(self) -> int:
         """How many chunks are worked on at a time."""
@@ -40,7 +40,7 @@ class ChunkExecutor(Protocol):
         """Begin with a chunk as soon as there is room."""
 
     def close(self) -> None:
-        """Stop the work that can be stopped, and wait for its end."""
+        """Stop what can be stopped, and wait until it has ended."""
 
 
 class LocalThreads:

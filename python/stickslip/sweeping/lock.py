@@ -16,8 +16,8 @@ from stickslip.errors import ScenarioError
 def file_lock(path: str | PathLike[str] | None) -> Iterator[None]:
     """Keep every other sweep from writing the file `path`, if there is one.
 
-    The lock is the kernel's, on a file ``.NAME.lock`` beside it, and ends with the process however
-    that ends: what a killed sweep leaves there is in nobody's way. On a file system without locks
+    The lock is the kernel's, on a file ``.NAME.lock`` beside it, and ends with the process, also
+    with one that is killed: the file that it leaves locks nothing. On a file system without locks
     there is none. A ScenarioError says that another sweep writes the file.
     """
     target = Path(os.path.realpath(path or ""))

@@ -125,7 +125,7 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
         raise ScenarioError("a sweep needs a point: the list is empty")
     keys = list(dict.fromkeys(key for row in rows for key in row))
     columns: dict[str, list[Value]] = {}
-    # Nothing has to change; a coordinate that labels the points there has to be.
+    # A list may change nothing, but its points need a coordinate.
     for key in keys or ["drive.frequency"]:
         _check_key(key)
         own = scenario.get(key)
@@ -199,11 +199,11 @@ def _check_key(key: object) -> None:
 
 
 def as_list(name: str, values: object, allowed: str) -> list[Any]:
-    """The values of something that is `allowed` to be a list, but no text and no mapping."""
+    """The values of an iterable that is neither text nor mapping; `allowed` names it in errors."""
     try:
         if not isinstance(values, str | bytes | Mapping):
             return list(values)  # type: ignore[call-overload, no-any-return]
-    except TypeError:  # not to be gone through, such as an array without dimensions
+    except TypeError:  # not iterable, such as an array without dimensions
         pass
     raise ScenarioError(f"{name} = {shown(values)}: allowed is {allowed}")
 

@@ -1,4 +1,4 @@
-"""The results of a sweep's points as they come in, in any order."""
+"""The results of a sweep's points, which come in any order."""
 
 from __future__ import annotations
 
@@ -38,8 +38,6 @@ NUMBERS = {
 }
 """The numbers of a summary that are no counts."""
 
-_KEPT_ON_FAILURE = "simulated_time"
-
 
 class Results:
     """What is known of each of n points so far; arrays have an entry, or a row, for each."""
@@ -63,17 +61,14 @@ class Results:
         return np.flatnonzero(self.status == NOT_RUN)
 
     def put(self, indices: NDArray[np.int64], part: ChunkResult) -> None:
-        """Take the results of the points `indices`."""
+        """Take the results of the points `indices`; of one that failed, its simulated time only."""
         columns: dict[str, NDArray[Any]] = part.columns
         self.status[indices] = columns["status"]
         failed = columns["status"] != OK
         for name, values in self.numbers.items():
-            new = columns[name].copy()
-            if name != _KEPT_ON_FAILURE:
-                new[failed] = np.nan
-            values[indices] = new
-        for place, kind in enumerate(EVENTS):
-            self.events[indices, place] = columns[kind]
+            lost = failed & (name != "simulated_time")
+            values[indices] = np.where(lost, np.nan, columns[name])
+        self.events[indices] = np.column_stack([columns[kind] for kind in EVENTS])
         self.painleve_events[indices] = columns[PAINLEVE]
         for place, text in part.messages.items():
             self.messages[int(indices[place])] = text
@@ -81,7 +76,5 @@ class Results:
 
     def counts(self) -> dict[str, int]:
         """Number of points by status, of those statuses that occur."""
-        return {
-            STATUSES[int(code)]: int(count)
-            for code, count in zip(*np.unique(self.status, return_counts=True), strict=True)
-        }
+        codes, counts = np.unique(self.status, return_counts=True)
+        return {STATUSES[code]: n for code, n in zip(codes.tolist(), counts.tolist(), strict=True)}

@@ -111,24 +111,16 @@ def sweep(
     >>> print(f"{data.mean_velocity.sel(frequency=100, drive_clamp='down').item() * 1e3:.2f} mm/s")
     1.91 mm/s
     """
-    return sweep_points(
-        _points(scenario, vary),
-        threads=threads,
-        executor=executor,
-        out=out,
-        resume=resume,
-        progress=progress,
-    )
+    return sweep_points(_points(scenario, vary), threads, executor, out, resume, progress)
 
 
 def sweep_points(
     points: Points,
-    *,
-    threads: int | None = None,
-    executor: Executor | None = None,
-    out: str | PathLike[str] | None = None,
-    resume: bool = False,
-    progress: Progress | None = None,
+    threads: int | None,
+    executor: Executor | None,
+    out: str | PathLike[str] | None,
+    resume: bool,
+    progress: Progress | None,
 ) -> xarray.Dataset:
     """`sweep` of points that are known already."""
     count = worker_count(threads, "threads")

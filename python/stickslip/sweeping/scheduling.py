@@ -1,4 +1,4 @@
-"""Keeping all workers busy with chunks of a fitting size, and losing none."""
+"""Points are divided into chunks, whose size follows their cost, and given to free workers."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from stickslip.sweeping.results import Results
 from stickslip.sweeping.worker import Chunk, ChunkResult
 
 _TICK = 0.05
-"""Longest time between two reports, s."""
+"""Longest time between two reports, s: some twenty a second, as `sweep` promises."""
 
 _MAX_CHUNK_SECONDS = 1.0
-"""Longest time that a chunk should take, s: results come and progress is seen as often."""
+"""Longest time that a chunk should take, s; chosen: results and progress come as often."""
 
 _MOST_POINTS = 20_000
-"""Points of the largest chunk, so that its way to a worker stays some MB."""
+"""Points of the largest chunk, so that what is sent to a worker stays at some MB."""
 
 _MAX_GROWTH = 8
-"""How much larger a chunk may be than the largest before: its cost is known from that one alone."""
+"""How many times larger a chunk may be than the largest before, whose cost is all that is known of
+it; chosen."""
 
 _CHUNKS_PER_WORKER = 2
-"""Chunks for each worker: the one in work, and the one that waits so that it need not."""
+"""Chunks for each worker: the one that is simulated, and the next, so that no worker waits."""
 
 _MAX_WORKER_DEATHS = 3
-"""How often the workers of a chunk may die before the sweep gives up."""
+"""How often the workers of a chunk may die before the sweep gives up, as `sweep` promises."""
 
 
 class _Job(NamedTuple):
@@ -42,7 +43,7 @@ class _Job(NamedTuple):
 
 
 class _ChunkSize:
-    """How many points make a chunk: one at first, then by what the points before have cost."""
+    """How many points make a chunk: one at first, then by the cost of the points before."""
 
     def __init__(self) -> None:
         self._cost = 0.0  # s a point
@@ -85,7 +86,9 @@ def compute(
             while left and len(running) < _CHUNKS_PER_WORKER * executor.size():
                 job = _next_job(queue, chunk_size.size(left, executor))
                 left -= len(job.indices)
-                running[executor.submit(_chunk(points, job))] = job
+                rows = points.rows(job.indices)
+                chunk = Chunk(points.scenario, points.keys, rows, _core.__version__, job.attempt)
+                running[executor.submit(chunk)] = job
             finished, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
             for future in finished:
                 again = _collect(future, running.pop(future), results, chunk_size)
@@ -104,10 +107,10 @@ def compute(
 
 
 def _shuffled(indices: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The same points in an order in which each stretch is a fair sample of all.
+    """The same points in an order in which each stretch is a representative sample of all.
 
-    Along a grid the cost of a point can change a hundredfold. Mixed, what is done tells what is
-    left, and chunks of as many points take about as long.
+    Along a grid the cost of a point can change a hundredfold. In this order the cost of the points
+    so far predicts that of the rest, and chunks of equal size take about equally long.
     """
     count = len(indices)
     # Steps of the golden section spread evenly; without a common divisor they meet every point.
@@ -127,16 +130,10 @@ def _next_job(queue: deque[_Job], size: int) -> _Job:
     return job._replace(indices=job.indices[:size])
 
 
-def _chunk(points: Points, job: _Job) -> Chunk:
-    return Chunk(
-        points.scenario, points.keys, points.rows(job.indices), _core.__version__, job.attempt
-    )
-
-
 def _collect(
     future: Future[ChunkResult], job: _Job, results: Results, chunk_size: _ChunkSize
 ) -> _Job:
-    """Take a chunk's results; what is left of it, to be done again."""
+    """Store a chunk's results; return the points of it that remain to be simulated."""
     try:
         part = future.result()
     except Exception as error:

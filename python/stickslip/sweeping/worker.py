@@ -1,4 +1,4 @@
-"""What one worker does: a chunk of points. It is sent to other processes and machines."""
+"""What one worker does: it simulates a chunk of points, perhaps on another machine."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from stickslip import _core
 from stickslip.scenario.scenario import Scenario
 
 _MAX_SECONDS = 2.0
-"""Time after which a chunk ends early, s: points can take far longer than those before them."""
+"""Time after which a chunk ends early, s: points can take far longer than those before them.
+Chosen: twice what a chunk should take."""
 
 _POINTS_PER_CALL = 64
-"""Points between two looks at the clock."""
+"""Points between two looks at the clock; chosen: a call of the core costs little beside them."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +45,8 @@ class ChunkResult(NamedTuple):
 def run_chunk(chunk: Chunk, poll: Callable[[float], object] | None = None) -> ChunkResult:
     """Simulate the points of a chunk, or as many of the first ones as two seconds allow.
 
-    `poll` is called some twenty times a second; what it raises ends the work.
-
-    Raises
-    ------
-    RuntimeError
-        If this process has another version of the package than the one that asks.
+    `poll` is called some twenty times a second; what it raises ends the work. A RuntimeError says
+    that this process has another version of the package than the one that asks.
     """
     if chunk.version != _core.__version__:
         raise RuntimeError(
