@@ -68,8 +68,14 @@ struct Stepper {
         const double duration = duration_of(seconds);
         PerCoil next = voltages;
         for (const auto& [coil, volts] : changes) {
-            const auto word = coil.cast<std::string>();
-            next[coil_of(word)] = voltage_of(word.c_str(), volts.cast<double>());
+            try {
+                const auto word = coil.cast<std::string>();
+                next[coil_of(word)] = voltage_of(word.c_str(), volts.cast<double>());
+            } catch (const py::cast_error&) {
+                throw std::invalid_argument("voltages: " + py::repr(coil).cast<std::string>() +
+                                            " = " + py::repr(volts).cast<std::string>() +
+                                            ": allowed is a number of V for the name of a coil");
+            }
         }
         simulator.step(next, duration, linear);
         voltages = next;

@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from stickslip.scenario.waveform import Waveform, volts_per_tesla
     from stickslip.simulation.coils import Coils
     from stickslip.simulation.netcdf import open_run
-    from stickslip.simulation.run import Run
     from stickslip.simulation.rollout import STATE_UNITS, Rollout, rollout
+    from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import simulate, simulate_batch
     from stickslip.simulation.simulator import Simulator, Snapshot
     from stickslip.sweeping.run_sweep import sweep

@@ -49,9 +49,9 @@ class Scenario:
     drive, coil, robot, contact, drag, environment, initial, solver, record
         Sections. Where nothing is given, `coil` and `robot` have the values of Tables I and II
         (the coils' side and distance are effective ones), `contact` and `drag` those of section VI,
-        `drive` a peak of 2.5 mT, and `initial` is rest, flat and without current. What the paper leaves open has a default of this package:
-        base, hold, edge and clamp of the drive, the numbers and durations of its pulses and ramps,
-        and everything that is zero.
+        `drive` has a peak of 2.5 mT, and `initial` is rest, flat and without current. What the
+        paper leaves open has a default of this package: base, hold, edge and clamp of the drive,
+        the numbers and durations of its pulses and ramps, and everything that is zero.
     effects : mapping
         Named extensions of the model: ``{name: {parameter: value}}``; see `stickslip.effects`.
 
@@ -203,7 +203,7 @@ class Scenario:
         return made
 
     def with_state(self, state: State) -> Scenario:
-        """A copy that begins at `state`, such as ``run.final_state``; a ScenarioError if it cannot."""
+        """A copy that begins at `state`, such as ``run.final_state``, if it can."""
         if not isinstance(state, State):
             raise ScenarioError(f"initial = {shown(state)}: allowed is a State")
         return self.replace({f"initial.{name}": value for name, value in vars(state).items()})

@@ -15,6 +15,8 @@ from stickslip.scenario.state import State, made_state
 Hold = Literal["constant", "linear"]
 HOLDS = ("constant", "linear")
 
+_TYPES = "a step takes a mapping from coils to V, and a duration in s"
+
 
 def check_hold(hold: str) -> bool:
     """Whether voltages go linearly to those of a step; a ScenarioError for another word."""
@@ -118,7 +120,8 @@ class Simulator:
                 raise
             raise SimulationError(f"the simulation has ended: {error}") from None
         except (TypeError, ValueError) as error:
-            raise ScenarioError(_one_line(error, voltages, duration)) from None
+            reason = str(error) if isinstance(error, ValueError) else _TYPES
+            raise ScenarioError(reason) from None
         if self._core.message:
             raise SimulationError(self._core.message)
         return made_state(fields)
@@ -164,11 +167,3 @@ class Simulator:
 
     def __repr__(self) -> str:
         return f"<Simulator: {self.status}, t = {self.time:.6g} s>"
-
-
-def _one_line(error: Exception, voltages: object, duration: object) -> str:
-    if isinstance(error, ValueError):
-        return str(error)
-    if not isinstance(voltages, Mapping):
-        return f"voltages = {shown(voltages)}: allowed is a mapping from coils to V"
-    return f"voltages = {shown(voltages)} for {shown(duration)} s: allowed are numbers"
