@@ -9,7 +9,7 @@ import click
 
 from stickslip._util.plain_text import printable
 from stickslip._util.strict_json import json_text
-from stickslip.cli.options import JSON, PATH, THREADS
+from stickslip.cli.common import JSON, PATH, THREADS
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
@@ -51,7 +51,7 @@ def command(
     if names == []:
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
     figures = [f"{name}{suffix}" for name in names or FIGURES for suffix in (".png", ".csv")]
-    check_folder_target("--out", out, [PAGE, SETTINGS, *figures])
+    check_folder_target(out, [PAGE, SETTINGS, *figures])
     with ProgressBar("trying settings") as bar:
         result = reproduce(out, only=names, measured=measured, threads=threads, progress=bar)
     click.echo(json_text(result.as_dict()) if as_json else _table(result))

@@ -9,13 +9,12 @@ import click
 
 from stickslip._util.number_text import highest
 from stickslip._util.strict_json import json_text
-from stickslip.cli.lines import say
-from stickslip.cli.options import JSON, PATH, SET
+from stickslip.cli.common import JSON, PATH, SET, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
 from stickslip.cli.summary_table import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.simulation.run import SUFFIXES
 
 if TYPE_CHECKING:
@@ -187,7 +186,5 @@ def _check_targets(
         check_target("--plot", plot, inputs)
         from stickslip.plot import check_format
 
-        try:
+        with prefixed("--plot", ValueError):
             check_format(plot)
-        except ValueError as error:
-            raise ScenarioError(f"--plot: {error}") from None

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,11 +74,10 @@ class _Unsound(Exception):
     """A row that is not used: its code and fields."""
 
     def __init__(self, code: Code, **fields: Any) -> None:
-        self.code, self.fields = code, fields
+        self.code, self.fields = code, tuple(fields.items())
 
 
-@dataclass(frozen=True)
-class _Trial:
+class _Trial(NamedTuple):
     """A sound row."""
 
     velocity: float
@@ -91,20 +90,10 @@ class _Trial:
 def read_velocity(
     path: Path, scenario: Scenario, relative_sd: float
 ) -> tuple[VelocityData, list[Fact]]:
-    """Read a table of velocities, and say what was left out of it.
+    """The sound rows of a table of velocities, and what was left out of it.
 
-    Parameters
-    ----------
-    path : Path
-    scenario : Scenario
-        Gives the drive settings that have no column.
-    relative_sd : float
-        Relative error of one trial, NaN if not known.
-
-    Raises
-    ------
-    ScenarioError
-        If a column is missing or unknown, or no row is sound.
+    The scenario gives the drive settings that have no column; `relative_sd` is the relative error
+    of one trial, NaN if not known.
     """
     return sound_trials(path, *read_rows(path), scenario, relative_sd)
 
@@ -117,20 +106,7 @@ def sound_trials(
     relative_sd: float,
     word: str = "line",
 ) -> tuple[VelocityData, list[Fact]]:
-    """The sound rows of a table of text cells, and what was left out; see `read_velocity`.
-
-    Parameters
-    ----------
-    path : Path
-        Of the file, or what the table is called in messages.
-    header : sequence of str
-    rows : sequence of tuple
-        Number of each row in messages, and its cells.
-    scenario, relative_sd
-        As in `read_velocity`.
-    word : str
-        What a row is called in messages.
-    """
+    """The same of a table of text cells; messages call it by its path, and a row `word`."""
     trials, left_out = _sound_rows(path, header, rows, scenario, word)
     velocity = np.array([each.velocity for each in trials])
     condition = _numbered([each.setting for each in trials])
@@ -146,9 +122,9 @@ def sound_trials(
         lines = [trials[k].line for k in np.flatnonzero(fast)]
         left_out.append(in_lines(Code.TOO_FAST, path.name, lines, word=word, limit=FASTEST))
         sound &= ~fast
-    blocks = _numbered([each.block for each in trials if each.block])
     block = np.full(len(trials), -1, dtype=np.int64)
-    block[[bool(each.block) for each in trials]] = blocks
+    named = [bool(each.block) for each in trials]
+    block[named] = _numbered([each.block for each in trials if each.block])
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
@@ -186,17 +162,17 @@ def _sound_rows(
         try:
             kept.append(_trial(line, row, header, seen, drive, scenario))
         except _Unsound as why:
-            wrong.setdefault((why.code, tuple(why.fields.items())), []).append(line)
+            wrong.setdefault((why.code, why.fields), []).append(line)
         else:
             seen.add(tuple(row))
     left_out = [
         in_lines(code, path.name, lines, word=word, **dict(fields))
         for (code, fields), lines in wrong.items()
     ]
-    lost = len(rows) - len(kept)
     _refuse_other_unit(path, left_out, len(rows))
     if not kept:
         raise NothingSound(path, left_out[0])
+    lost = len(rows) - len(kept)
     if lost > _MANY * len(rows):
         part = {"table": path.name, "count": lost, "rows": len(rows)}
         left_out.insert(0, Fact(Code.ROWS_LEFT_OUT, part))
