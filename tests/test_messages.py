@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.facts import Code, Fact
-from stickslip.facts.fact import SENTENCES
+from stickslip.facts.sentences import SENTENCES
 
 SOURCES = Path(__file__).parents[1] / "python" / "stickslip"
 FILE = {"table": "a.csv"}

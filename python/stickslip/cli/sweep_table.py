@@ -30,24 +30,22 @@ _COLUMNS = {
 
 def as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """Counts, extremes and the points in order, in the words of a single run's summary."""
-    columns = _keys(data)
-    columns["status"] = _statuses(data)
+    columns = {**_keys(data), "status": _statuses(data)}
     if "message" in data:
-        columns["message"] = data["message"].values.ravel().tolist()
+        columns["message"] = _listed(data["message"])
     for name in data.data_vars:
         if name not in ("status", "message", "events"):
-            columns[str(name)] = data[name].values.ravel().tolist()
+            columns[str(name)] = _listed(data[name])
     kinds = data["event"].values.tolist()
     counts = data["events"].values.reshape(-1, len(kinds)).tolist()
     columns["events"] = [dict(zip(kinds, row, strict=True)) for row in counts]
+    rows = zip(*columns.values(), strict=True)
     return {
         "points": data["status"].size,
         "failed": int(data.attrs["failed_points"]),
         "status": json.loads(data.attrs["statuses"]),
-        **{name: _point(data, index) for name, index in _extremes(data).items()},
-        "results": [
-            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
-        ],
+        **_extremes(data),
+        "results": [dict(zip(columns, row, strict=True)) for row in rows],
     }
 
 
@@ -59,8 +57,7 @@ def table(data: xarray.Dataset) -> str:
         ("points", f"{data['status'].size} ({sizes})"),
         ("status", ", ".join(f"{name} {count}" for name, count in statuses.items())),
     ]
-    for name, index in _extremes(data).items():
-        point = _point(data, index)
+    for name, point in _extremes(data).items():
         velocity = point.pop(_VELOCITY)
         where = ", ".join(
             f"{key} = {_text(value)} {_unit(key)}".rstrip() for key, value in point.items()
@@ -84,31 +81,35 @@ def _keys(data: xarray.Dataset) -> dict[str, list[Any]]:
     """For each swept key its value at every point."""
     status = data["status"]
     return {
-        coordinate.attrs["key"]: coordinate.broadcast_like(status)
-        .transpose(*status.dims)
-        .values.ravel()
-        .tolist()
-        for coordinate in data.coords.values()
-        if "key" in coordinate.attrs
+        each.attrs["key"]: _listed(each.broadcast_like(status).transpose(*status.dims))
+        for each in data.coords.values()
+        if "key" in each.attrs
     }
+
+
+def _listed(array: xarray.DataArray) -> list[Any]:
+    """The value at each point, in the order of the points."""
+    values: list[Any] = array.values.ravel().tolist()
+    return values
 
 
 def _statuses(data: xarray.Dataset) -> list[str]:
     about = data["status"].attrs
     names = dict(zip(about["flag_values"].tolist(), about["flag_meanings"].split(), strict=True))
-    return [names[code] for code in data["status"].values.ravel().tolist()]
+    return [names[code] for code in _listed(data["status"])]
 
 
-def _extremes(data: xarray.Dataset) -> dict[str, int]:
+def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
+    """The settings and the velocity of the slowest and of the fastest point."""
     velocity = data[_VELOCITY].values.ravel()
     if np.isnan(velocity).all():
         return {}
-    return {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
-
-
-def _point(data: xarray.Dataset, index: int) -> dict[str, Any]:
-    point = {key: values[index] for key, values in _keys(data).items()}
-    return {**point, _VELOCITY: float(data[_VELOCITY].values.ravel()[index])}
+    columns = {**_keys(data), _VELOCITY: velocity.tolist()}
+    places = {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
+    return {
+        name: {key: values[index] for key, values in columns.items()}
+        for name, index in places.items()
+    }
 
 
 def _rows(data: xarray.Dataset) -> str:

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Code(str, Enum):
-    """What a `Fact` says; the values are those of report.json."""
+    """What a `Fact` says; the values are those of report.json, and of sentences.toml."""
 
     # What of the tables is not used.
     ROWS_LEFT_OUT = "rows-left-out"  #: More than a few rows of a table are not used.
@@ -46,8 +46,9 @@ class Code(str, Enum):
     # What is known of the noise.
     NOISE_STATED = "noise-stated"  #: Too few repeats; the stated relative error is used.
     NOISE_UNKNOWN = "noise-unknown"  #: Too few repeats, and no stated error.
-    SETUPS = "setups"  #: How far set-ups scatter.
-    NO_BLOCK_COLUMN = "no-block-column"  #: Set-ups are not known.
+    SETUPS = "setups"  #: Scatter between the set-ups of the apparatus.
+    #: The table does not say which trials belong to one set-up.
+    NO_BLOCK_COLUMN = "no-block-column"
     ONE_BLOCK = "one-block"  #: There is one set-up only.
     SETUPS_NOT_CROSSED = "setups-not-crossed"  #: No condition was repeated in another set-up.
     UNEVEN_SETUP = "uneven-setup"  #: The trials of one set-up scatter more than all others.
@@ -85,7 +86,7 @@ class Code(str, Enum):
     SPEEDS = "speeds"  #: The velocities have no sign.
     REVERSED = "reversed"  #: The velocities of one direction or mode have the reverse sign.
 
-    # Why a verdict is what it is, and no bolder one.
+    # Why a verdict is what it is, and no more definite one.
     NOTHING_DETECTED = "nothing-detected"  #: Both tests pass.
     RUNNER_UP = "runner-up"  #: The best of the others, which is behind.
     OTHER_LEADS = "other-leads"  #: Another candidate leads.
@@ -119,12 +120,13 @@ class Code(str, Enum):
     #: No drive that was tried tells the leading candidates apart.
     NONE_SEPARATES = "none-separates"
     LOOK_AT_CURRENTS = "look-at-currents"  #: The coil currents would tell members of a set apart.
-    LOOK_AT_FIELD = "look-at-field"  #: The field at the robot would.
-    LOOK_AT_TILT = "look-at-tilt"  #: Tilting the stage would.
-    LOOK_AT_SCALE = "look-at-scale"  #: A scale in the film would.
-    LOOK_AT_CLOCK = "look-at-clock"  #: A clock in the film would.
-    LOOK_AT_REST = "look-at-rest"  #: The robot without a field would.
-    LOOK_AT_STATIC_TILT = "look-at-static-tilt"  #: Static tilts in held fields would.
+    LOOK_AT_FIELD = "look-at-field"  #: The field at the robot would tell members of a set apart.
+    LOOK_AT_TILT = "look-at-tilt"  #: Tilting the stage would tell members of a set apart.
+    LOOK_AT_SCALE = "look-at-scale"  #: A scale in the film would tell members of a set apart.
+    LOOK_AT_CLOCK = "look-at-clock"  #: A clock in the film would tell members of a set apart.
+    LOOK_AT_REST = "look-at-rest"  #: The robot without a field would tell members of a set apart.
+    #: Static tilts in held fields would tell members of a set apart.
+    LOOK_AT_STATIC_TILT = "look-at-static-tilt"
 
     # What the verdict rests on.
     MISFIT_EVEN = "misfit-even"  #: The misfit is about the same in all parts of the data.
@@ -145,7 +147,7 @@ class Code(str, Enum):
     NO_ANGLE_WITHOUT_FIELD = "no-angle-without-field"  #: No angle was read without a field.
     FIELD_MISFIT = "field-misfit"  #: Errors of the models' fields.
     NO_FORCE_VIEW = "no-force-view"  #: A film that shows no forces.
-    ADVANCE = "advance"  #: The way of a pulse, measured and of the models.
+    ADVANCE = "advance"  #: Distance that the robot moves in a pulse, measured and of the models.
     #: A film with too few phases of the drive for rates and forces.
     TOO_FEW_PHASES = "too-few-phases"
     TORQUE_NOT_JUDGED = "torque-not-judged"  #: The contact never sticks for long enough.
@@ -155,7 +157,8 @@ class Code(str, Enum):
     FORCE_CLEAN = "force-clean"  #: No force is missing while the contact slips.
     FORCE_RESIDUAL = "force-residual"  #: A force is missing while the contact slips.
     ONSET_SAME = "onset-same"  #: Friction over normal force at the onset of slip is the model's.
-    ONSET_DIFFERS = "onset-differs"  #: It is not the model's.
+    #: Friction over normal force at the onset of slip differs from the model's.
+    ONSET_DIFFERS = "onset-differs"
     #: Nothing drifts from period to period beyond the simulation.
     NO_DRIFT_OF_PERIODS = "no-drift-of-periods"
     DRIFT_OF_TILT = "drift-of-tilt"  #: The tilt drifts from period to period beyond the simulation.

@@ -20,9 +20,9 @@ from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Fact
 from stickslip.measurement.priors import Prior, parse_prior
-from stickslip.measurement.tables import NothingSound, read_numbers, rows_of_frame
+from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import VelocityData, read_velocity, sound_trials
+from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -117,8 +117,8 @@ class Measurement(OneLine):
             raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
         entry = {} if velocity_sd is None else {"velocity_sd": velocity_sd}
         path = Path("DataFrame")
-        header, rows = rows_of_frame(table)
-        data, left_out = sound_trials(path, header, rows, scenario, _relative_sd(entry), "row")
+        rows = rows_of_frame(table)
+        data, left_out = read_velocity(path, rows, scenario, _relative_sd(entry), "row")
         priors = _uncertain(dict(uncertain or {}), scenario)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
 
@@ -206,7 +206,7 @@ def _table(
     kind: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
 ) -> tuple[Any, list[Fact]]:
     if kind == "velocity":
-        return read_velocity(file, scenario, _relative_sd(entry))
+        return read_velocity(file, read_rows(file), scenario, _relative_sd(entry))
     if kind == "tracking":
         return read_tracking(file, entry, scenario)
     return read_numbers(file, _COLUMNS[kind])

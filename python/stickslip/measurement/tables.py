@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
-from stickslip.facts.sentences_of_data import LINES
+from stickslip.facts.sentences import LINES
 from stickslip.scenario.keys import shown, suggestion
 
 if TYPE_CHECKING:

@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
-from stickslip.facts.sentences_of_data import IN_OTHER_UNIT
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
     NothingSound,
+    Rows,
     check_columns,
     in_lines,
     number,
-    read_rows,
     refuse_unknown,
 )
 from stickslip.scenario.keys import Value, known_keys
@@ -88,33 +87,21 @@ class _Trial(NamedTuple):
 
 
 def read_velocity(
-    path: Path, scenario: Scenario, relative_sd: float
+    path: Path, table: Rows, scenario: Scenario, relative_sd: float, word: str = "line"
 ) -> tuple[VelocityData, list[Fact]]:
     """The sound rows of a table of velocities, and what was left out of it.
 
     The scenario gives the drive settings that have no column; `relative_sd` is the relative error
-    of one trial, NaN if not known.
+    of one trial, NaN if not known. Messages name the path, and call a row `word`.
     """
-    return sound_trials(path, *read_rows(path), scenario, relative_sd)
-
-
-def sound_trials(
-    path: Path,
-    header: Sequence[str],
-    rows: Sequence[tuple[int, list[str]]],
-    scenario: Scenario,
-    relative_sd: float,
-    word: str = "line",
-) -> tuple[VelocityData, list[Fact]]:
-    """The same of a table of text cells; messages call it by its path, and a row `word`."""
-    trials, left_out = _sound_rows(path, header, rows, scenario, word)
+    trials, left_out = _sound_rows(path, table, scenario, word)
     velocity = np.array([each.velocity for each in trials])
     condition = _numbered([each.setting for each in trials])
     size = float(np.median(np.abs(velocity)))
     if size > FASTEST:
         raise ScenarioError(
             f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s; "
-            f"{IN_OTHER_UNIT}"
+            "divide velocities in mm/s or um/s by 1e3 or 1e6"
         )
     sound = _without_outliers(path.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
@@ -144,13 +131,10 @@ def _numbered(values: Sequence[Any]) -> NDArray[np.int64]:
 
 
 def _sound_rows(
-    path: Path,
-    header: Sequence[str],
-    rows: Sequence[tuple[int, list[str]]],
-    scenario: Scenario,
-    word: str,
+    path: Path, table: Rows, scenario: Scenario, word: str
 ) -> tuple[list[_Trial], list[Fact]]:
     """Rows that can be used, at least one, and why the others cannot."""
+    header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
