@@ -12,7 +12,7 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, SET, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
-from stickslip.cli.summary_table import summary_table
+from stickslip.cli.tables import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.simulation.run import SUFFIXES

@@ -13,7 +13,7 @@ from stickslip.cli.cluster import cluster
 from stickslip.cli.common import JSON, PATH, SET, THREADS, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import parse_setting, parse_vary, read_with
-from stickslip.cli.sweep_table import as_dict, failure, table
+from stickslip.cli.tables import sweep_as_dict, sweep_failure, sweep_table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value
@@ -86,10 +86,10 @@ def command(
         if error.errno:  # of the system, in the midst of the work
             raise
         raise ScenarioError(f"--out: {error}") from None
-    click.echo(json_text(as_dict(data)) if as_json else table(data))
-    said = failure(data)
-    if said:
-        say(f"stickslip: {said}", err=True)
+    click.echo(json_text(sweep_as_dict(data)) if as_json else sweep_table(data))
+    failure = sweep_failure(data)
+    if failure:
+        say(f"stickslip: {failure}", err=True)
 
 
 def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) -> Points:

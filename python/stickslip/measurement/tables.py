@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 Rows = tuple[list[str], list[tuple[int, list[str]]]]
 """Header of a table, and its rows of text cells, each with the number of its line."""
 
-_NONSENSE = 1e60
-"""No quantity of a laboratory, in any unit; its fourth power is still a number."""
+_LARGEST = 1e60
+"""Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
-"""Of a table. Chosen: far beyond what a laboratory has, and what memory holds as text."""
+"""Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
 
 
 class NothingSound(ScenarioError):
@@ -150,7 +150,7 @@ def number(cell: str) -> float:
         value = float(cell)
     except ValueError:
         return math.nan
-    return value if abs(value) < _NONSENSE else math.nan
+    return value if abs(value) < _LARGEST else math.nan
 
 
 def read_numbers(

@@ -20,7 +20,7 @@ from stickslip.scenario.keys import FILE, shown
 from stickslip.scenario.scenario import Scenario
 
 FEWEST = 20
-"""Frames after the third pulse; with fewer a run says too little to be worth a simulation."""
+"""Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
 
 # Path that no robot of this size walks in one film, m: it would leave the coils. A median tilt that
 # no walking robot has, rad. Beyond these the unit is wrong.

@@ -27,16 +27,18 @@ from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0
-"""Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""
+"""Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
+paper's robots walk some mm/s."""
 
 _STRONGEST, _SLOWEST = 0.1, 0.2
-"""Far above the fields of such coils, T, and below any rocking that steps, Hz."""
+"""Fields above, T, and frequencies below, Hz, are in another unit. Chosen: the coils of the paper
+give some mT, and the robot is driven at some Hz or more."""
 
-_MANY = 0.1
-"""Part of the rows; where more are left out a reader is told first. Chosen."""
+_MANY_LOST = 0.1
+"""Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
 
-_SAME_MISTAKE = 0.5
-"""Part of the rows; where more are in another unit the table is refused. Chosen: the most."""
+_MOST = 0.5
+"""Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
 
 _OTHER = ("velocity", "trial", "block", "order")
 
@@ -157,7 +159,7 @@ def _sound_rows(
     if not kept:
         raise NothingSound(path, left_out[0])
     lost = len(rows) - len(kept)
-    if lost > _MANY * len(rows):
+    if lost > _MANY_LOST * len(rows):
         part = {"table": path.name, "count": lost, "rows": len(rows)}
         left_out.insert(0, Fact(Code.ROWS_LEFT_OUT, part))
     return kept, left_out
@@ -168,7 +170,7 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
     units = (Code.SETTING_TOO_LARGE, Code.SETTING_TOO_SMALL)
     wrong = [each for each in left_out if each.code in units]
     count = sum(each.fields["count"] for each in wrong)
-    if count > _SAME_MISTAKE * rows:
+    if count > _MOST * rows:
         first = Fact(wrong[0].code, {**wrong[0].fields, "table": str(path)})
         raise ScenarioError(f"{first} {count} rows are like this")
 
@@ -246,7 +248,7 @@ def _check_units(setting: Mapping[str, Value]) -> None:
 def _without_outliers(
     name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[Fact]
 ) -> NDArray[np.bool_]:
-    """Leave out a trial that lies absurdly far from the others of its condition."""
+    """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
     for index in np.flatnonzero(far):
         ratio = abs(velocity[index] / level[index]) if level[index] else math.inf

@@ -1,19 +1,37 @@
-"""What a sweep came to, for a reader and as JSON."""
+"""What a run and a sweep came to, for a reader and as JSON."""
 
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.cli.summary_table import shown_in
+from stickslip._util.handy_units import handy
 from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     import xarray
 
-_MOST_ROWS = 50  # a page; more are in the file
+# SI units of what is shown; "1" for a part of one.
+_UNITS = {
+    "mean_velocity": "m/s",
+    "theta_min": "rad",
+    "theta_max": "rad",
+    "slip_up": "m/s",
+    "slip_down": "m/s",
+    "slip_flat": "m/s",
+    "airborne_fraction": "1",
+    "simulated_time": "s",
+}
+_WORDS = {
+    "slip_up": ", mean slip speed while theta rises",
+    "slip_down": ", mean slip speed while theta falls",
+    "slip_flat": ", mean slip speed on a face",
+}
+
+_MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
 
 _VELOCITY = "mean_velocity"
 
@@ -28,7 +46,31 @@ _COLUMNS = {
 }
 
 
-def as_dict(data: xarray.Dataset) -> dict[str, Any]:
+def _shown_in(name: str) -> tuple[float, str]:
+    """Factor and unit in which a number of a summary is shown beside its SI unit."""
+    return (100.0, "%") if _UNITS[name] == "1" else handy(_UNITS[name])
+
+
+def summary_table(summary: dict[str, Any]) -> str:
+    """Names, SI values and handier units in columns."""
+    measured = "nothing"
+    if math.isfinite(summary["mean_velocity"]):
+        measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
+    rows = [("status", summary["status"], "")]
+    for name, unit in _UNITS.items():
+        value = summary[name] + 0.0  # no negative zero
+        factor, other = _shown_in(name)
+        handier = f"{value * factor:.5g} {other}{_WORDS.get(name, '')}" if other != unit else ""
+        rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
+    rows.append(("measured", measured, ""))
+    counts = {**summary["events"], "painleve": summary["painleve_events"]}
+    met = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
+    rows.append(("events", met or "none", ""))
+    rows += [("note", note, "") for note in summary["notes"]]
+    return "\n".join(f"{name:<19}{value:<22}{other}".rstrip() for name, value, other in rows)
+
+
+def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """Counts, extremes and the points in order, in the words of a single run's summary."""
     columns = {**_keys(data), "status": _statuses(data)}
     if "message" in data:
@@ -49,7 +91,7 @@ def as_dict(data: xarray.Dataset) -> dict[str, Any]:
     }
 
 
-def table(data: xarray.Dataset) -> str:
+def sweep_table(data: xarray.Dataset) -> str:
     """Counts and extremes; the points too if they are few."""
     sizes = " x ".join(f"{size} {name}" for name, size in data["status"].sizes.items())
     statuses = json.loads(data.attrs["statuses"])
@@ -67,7 +109,7 @@ def table(data: xarray.Dataset) -> str:
     return f"{_rows(data)}\n\n{text}" if data["status"].size <= _MOST_ROWS else text
 
 
-def failure(data: xarray.Dataset) -> str:
+def sweep_failure(data: xarray.Dataset) -> str:
     """How many points failed, and what the first of them says; empty if none did."""
     failed = int(data.attrs["failed_points"])
     if not failed:
@@ -120,7 +162,7 @@ def _rows(data: xarray.Dataset) -> str:
     ]
     columns.append(["status", "", *_statuses(data)])
     for name, heading in _COLUMNS.items():
-        factor, unit = shown_in(name)
+        factor, unit = _shown_in(name)
         values = data[name].values.ravel() * factor + 0.0  # no negative zero
         columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
     widths = [max(map(len, column)) for column in columns]
