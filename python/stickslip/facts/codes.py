@@ -14,10 +14,8 @@ class Code(str, Enum):
     NOT_A_NUMBER = "not-a-number"  #: Rows whose cell should be a number and is none.
     REPEATED_ROW = "repeated-row"  #: Rows that repeat an earlier one.
     SETTING_REFUSED = "setting-refused"  #: Rows with a setting that no scenario can have.
-    #: Rows with a setting so large that its unit must be wrong.
-    SETTING_TOO_LARGE = "setting-too-large"
-    #: Rows with a setting so small that its unit must be wrong.
-    SETTING_TOO_SMALL = "setting-too-small"
+    SETTING_TOO_LARGE = "setting-too-large"  #: Rows with a setting so large that its unit is wrong.
+    SETTING_TOO_SMALL = "setting-too-small"  #: Rows with a setting so small that its unit is wrong.
     OUTLIER = "outlier"  #: A trial absurdly far from the others of its condition.
     TOO_FAST = "too-fast"  #: Velocities so large that their unit must be wrong.
     BAD_CELLS = "bad-cells"  #: Rows with a cell that is no number, too few cells or too many.
@@ -27,8 +25,7 @@ class Code(str, Enum):
     REPEATED_TIMES = "repeated-times"  #: Frames whose time an earlier one has.
     FRAMES_AFTER_DRIVE = "frames-after-drive"  #: Frames after the last pulse.
     FRAMES_NOT_NEEDED = "frames-not-needed"  #: Frames beyond those that are enough.
-    #: The stated frame rate contradicts the times of the frames.
-    FRAME_RATE_NOT_USED = "frame-rate-not-used"
+    FRAME_RATE_NOT_USED = "frame-rate-not-used"  #: The stated rate contradicts the times of frames.
     RUN_TOO_SHORT = "run-too-short"  #: A film with too few sound frames.
     RUN_ANGLE_UNIT = "run-angle-unit"  #: A film whose angles can only be in degrees.
     RUN_LENGTH_UNIT = "run-length-unit"  #: A film whose places can only be in mm or um.
@@ -40,8 +37,7 @@ class Code(str, Enum):
     LONELY_ANGLE = "lonely-angle"  #: An angle far from both its neighbours, which agree.
     PROBES_ON_WIRE = "probes-on-wire"  #: Rows of a field table that lie on the wire of a coil.
     FAR_FIELD = "far-field"  #: A field that no gain of the coils gives.
-    #: A condition that the stated model cannot compute.
-    CONDITION_NOT_COMPUTED = "condition-not-computed"
+    CONDITION_NOT_COMPUTED = "condition-not-computed"  #: The stated model cannot compute it.
 
     # What is known of the noise.
     NOISE_STATED = "noise-stated"  #: Too few repeats; the stated relative error is used.
@@ -54,8 +50,7 @@ class Code(str, Enum):
     UNEVEN_SETUP = "uneven-setup"  #: The trials of one set-up scatter more than all others.
     MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
     STANDS_STILL = "stands-still"  #: Conditions that read zero where the stated model moves.
-    #: Noise of a reading of an angle or a field, widened as it is an estimate.
-    READING_NOISE = "reading-noise"
+    READING_NOISE = "reading-noise"  #: Noise of an angle or a field, widened as it is an estimate.
     #: The noise found is below what a reading can have, which is taken.
     READING_NOISE_SMALL = "reading-noise-small"
     #: Too few rows tell the noise; what a reading can have is taken.
@@ -64,11 +59,9 @@ class Code(str, Enum):
     FRAME_NOISE_ABOVE_STATED = "frame-noise-above-stated"  #: Frames scatter more than was stated.
     #: Nothing tells the noise of a frame; the whole misfit counts as noise.
     FRAME_NOISE_UNKNOWN = "frame-noise-unknown"
-    #: Readings of a film are rounded to steps wider than their noise.
-    ROUNDED_COLUMN = "rounded-column"
+    ROUNDED_COLUMN = "rounded-column"  #: A film is rounded to steps wider than its noise.
     PERIODS_DIFFER = "periods-differ"  #: Periods of a film differ by more than the noise of frames.
-    #: The advance of a film scatters from period to period beyond the noise of frames.
-    ADVANCE_SCATTERS = "advance-scatters"
+    ADVANCE_SCATTERS = "advance-scatters"  #: Periods of a film advance by different distances.
 
     # Why the data allow no diagnosis.
     STATED_PROBLEM = "stated-problem"  #: A problem that the caller stated.
@@ -80,8 +73,7 @@ class Code(str, Enum):
     DRIFT = "drift"  #: Velocities change with the order in which they were measured.
     NOTHING_COMPUTED = "nothing-computed"  #: The stated model can compute no condition.
     VELOCITIES_SIZE = "velocities-size"  #: The velocities are far from what the stated model gives.
-    #: The velocity of a condition is far above the stated model's fastest.
-    VELOCITY_SIZE = "velocity-size"
+    VELOCITY_SIZE = "velocity-size"  #: A velocity is far above the stated model's fastest.
     OPPOSITE_SIGN = "opposite-sign"  #: The velocities have the opposite sign of the stated model's.
     SPEEDS = "speeds"  #: The velocities have no sign.
     REVERSED = "reversed"  #: The velocities of one direction or mode have the reverse sign.
@@ -92,22 +84,18 @@ class Code(str, Enum):
     OTHER_LEADS = "other-leads"  #: Another candidate leads.
     #: Another candidate leads, but does not explain the data.
     OTHER_LEADS_UNEXPLAINED = "other-leads-unexplained"
-    #: The candidate that leaves the least misfit, where none explains the data.
-    NEAREST = "nearest"
+    NEAREST = "nearest"  #: The candidate with the least misfit, where none explains the data.
     ALIKE = "alike"  #: The effects of the candidates on these data are alike.
     NOT_SEPARATED = "not-separated"  #: The evidence does not separate the candidates.
     SEVERAL_PAIRS = "several-pairs"  #: Several pairs explain the data about as well.
     LITTLE_EVIDENCE = "little-evidence"  #: The log-evidence is hardly above that of no cause.
     STARTS_DISAGREE = "starts-disagree"  #: Fits from different starts do not agree.
-    #: Conditions that are left out are not predicted better.
-    NOT_PREDICTED_BETTER = "not-predicted-better"
+    NOT_PREDICTED_BETTER = "not-predicted-better"  #: Left-out conditions are not predicted better.
     AT_LIMIT = "at-limit"  #: An amplitude is at the end of its physical range.
     TABLE_CONTRADICTS = "table-contradicts"  #: One kind of table contradicts the candidate.
-    #: Without the held-out conditions another candidate would lead.
-    TRAINING_SUBSET = "training-subset"
+    TRAINING_SUBSET = "training-subset"  #: Without the held-out conditions another would lead.
     SMOOTH_REST = "smooth-rest"  #: The candidate leaves too much that is smooth.
-    #: Neither a cause nor a pair brings the misfit down to the noise.
-    NO_EXPLANATION = "no-explanation"
+    NO_EXPLANATION = "no-explanation"  #: No cause and no pair brings the misfit down to the noise.
     LESS_LIKELY = "less-likely"  #: What explains the data is less likely than what does not.
     #: No single cause is adequate, and a pair leads by too little.
     PAIR_LEADS_TOO_LITTLE = "pair-leads-too-little"
@@ -117,8 +105,7 @@ class Code(str, Enum):
     SEPARATES = "separates"  #: A drive tells two candidates apart.
     #: A drive is the best of those that were tried, and does not tell two candidates apart.
     SEPARATES_TOO_LITTLE = "separates-too-little"
-    #: No drive that was tried tells the leading candidates apart.
-    NONE_SEPARATES = "none-separates"
+    NONE_SEPARATES = "none-separates"  #: No drive that was tried tells the candidates apart.
     LOOK_AT_CURRENTS = "look-at-currents"  #: The coil currents would tell members of a set apart.
     LOOK_AT_FIELD = "look-at-field"  #: The field at the robot would tell members of a set apart.
     LOOK_AT_TILT = "look-at-tilt"  #: Tilting the stage would tell members of a set apart.
@@ -137,8 +124,7 @@ class Code(str, Enum):
     VELOCITIES_SHIFTED = "velocities-shifted"  #: A cause shifts all velocities one way.
     VELOCITIES_MIXED = "velocities-mixed"  #: A cause makes some velocities faster or slower.
     CONSTANT_CHANGES = "constant-changes"  #: Two parts of the data do not agree about a constant.
-    #: Constants that can change together without a change of what was measured.
-    TRADE_OFF = "trade-off"
+    TRADE_OFF = "trade-off"  #: Constants that can change together without a change of the readings.
     LITTLE_KNOWN = "little-known"  #: The data say little about a constant.
 
     # What angles, fields and films say of the models.
@@ -148,8 +134,7 @@ class Code(str, Enum):
     FIELD_MISFIT = "field-misfit"  #: Errors of the models' fields.
     NO_FORCE_VIEW = "no-force-view"  #: A film that shows no forces.
     ADVANCE = "advance"  #: Distance that the robot moves in a pulse, measured and of the models.
-    #: A film with too few phases of the drive for rates and forces.
-    TOO_FEW_PHASES = "too-few-phases"
+    TOO_FEW_PHASES = "too-few-phases"  #: A film with too few phases of the drive for forces.
     TORQUE_NOT_JUDGED = "torque-not-judged"  #: The contact never sticks for long enough.
     TORQUE_CLEAN = "torque-clean"  #: No torque is missing while the contact sticks.
     TORQUE_RESIDUAL = "torque-residual"  #: A torque is missing while the contact sticks.
@@ -157,18 +142,15 @@ class Code(str, Enum):
     FORCE_CLEAN = "force-clean"  #: No force is missing while the contact slips.
     FORCE_RESIDUAL = "force-residual"  #: A force is missing while the contact slips.
     ONSET_SAME = "onset-same"  #: Friction over normal force at the onset of slip is the model's.
-    #: Friction over normal force at the onset of slip differs from the model's.
-    ONSET_DIFFERS = "onset-differs"
+    ONSET_DIFFERS = "onset-differs"  #: At the onset of slip this ratio differs.
     #: Nothing drifts from period to period beyond the simulation.
     NO_DRIFT_OF_PERIODS = "no-drift-of-periods"
     DRIFT_OF_TILT = "drift-of-tilt"  #: The tilt drifts from period to period beyond the simulation.
     #: The advance drifts from period to period beyond the simulation.
     DRIFT_OF_ADVANCE = "drift-of-advance"
     FORCE_WITH_CAUSE = "force-with-cause"  #: How the mean missing force changes with the cause.
-    #: A film of two directions that shows no advance.
-    DIRECTIONS_TOO_SHORT = "directions-too-short"
-    #: The advances of two directions are equal and opposite.
-    DIRECTIONS_CANCEL = "directions-cancel"
+    DIRECTIONS_TOO_SHORT = "directions-too-short"  #: A film of two directions shows no advance.
+    DIRECTIONS_CANCEL = "directions-cancel"  #: Advances of two directions are equal and opposite.
     DIRECTIONS_DIFFER = "directions-differ"  #: The advances of two directions do not cancel.
     #: Missing forces that are fixed to the world, and that turn with the robot.
     FORCES_OF_DIRECTIONS = "forces-of-directions"

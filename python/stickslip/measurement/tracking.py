@@ -82,8 +82,8 @@ def read_tracking(
         rate = _positive("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = read_numbers(path, ("t", "x", "theta"), ("z", "current_x", "current_clamp"))
-    columns = _in_order(path.name, columns, left_out)
-    columns = _within(path.name, columns, own, left_out)
+    columns, facts = _usable_frames(path.name, columns, own.window[1])
+    left_out += facts
     why = _too_little(columns, own)
     if why is not None:
         return None, [*left_out, why.of(table=path.name)]
@@ -128,34 +128,30 @@ def _exposure(value: object, rate: float) -> float:
     return float(value)
 
 
-def _in_order(
-    name: str, table: dict[str, NDArray[np.float64]], left_out: list[Fact]
-) -> dict[str, NDArray[np.float64]]:
-    """Frames sorted by time, each time once."""
+def _usable_frames(
+    name: str, table: Mapping[str, NDArray[np.float64]], end: float
+) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
+    """Frames in the order of time, each time once, before the end of the last pulse, s.
+
+    What the coils do after that is not known. The facts say what was left out.
+    """
+    facts = []
     order = np.argsort(table["t"], kind="stable")
     if np.any(np.diff(order) < 0):
-        left_out.append(Fact(Code.FRAMES_SORTED, {"table": name}))
+        facts.append(Fact(Code.FRAMES_SORTED, {"table": name}))
     times, first = np.unique(table["t"][order], return_index=True)
     if len(times) < len(order):
         again = {"table": name, "count": len(order) - len(times)}
-        left_out.append(Fact(Code.REPEATED_TIMES, again))
-    return {key: column[order][first] for key, column in table.items()}
-
-
-def _within(
-    name: str, table: dict[str, NDArray[np.float64]], scenario: Scenario, left_out: list[Fact]
-) -> dict[str, NDArray[np.float64]]:
-    """Frames before the end of the last pulse: what the coils do after it is not known."""
-    end = scenario.window[1]
-    inside = table["t"] < end
+        facts.append(Fact(Code.REPEATED_TIMES, again))
+    inside = times < end
     if not inside.all():
         late = {"table": name, "count": int((~inside).sum()), "end": end}
-        left_out.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
+        facts.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
     if inside.sum() > _LIMIT:
         many = {"table": name, "count": int(inside.sum()), "used": _LIMIT}
-        left_out.append(Fact(Code.FRAMES_NOT_NEEDED, many))
-        inside &= np.cumsum(inside) <= _LIMIT
-    return {key: column[inside] for key, column in table.items()}
+        facts.append(Fact(Code.FRAMES_NOT_NEEDED, many))
+    used = order[first][inside][:_LIMIT]
+    return {key: column[used] for key, column in table.items()}, facts
 
 
 def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> Fact | None:
