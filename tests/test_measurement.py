@@ -53,7 +53,7 @@ def test_trials_are_grouped_into_conditions(tmp_path):
     assert found.uncertain["drag.linear"] == Prior("log-uniform", 1e-6, 1e-4)
 
 
-def test_what_is_not_sound_is_left_out_and_said(tmp_path):
+def test_invalid_rows_are_left_out_and_reported(tmp_path):
     lines = ROWS.splitlines()
     lines[2] = lines[2].replace("0.0006", "nan")
     lines.insert(4, lines[3])
