@@ -76,7 +76,7 @@ def _diagnosed(
         say(f"stickslip: interrupted at the stage '{bar.stage}'{kept}", err=True)
         raise
     except OSError:
-        if bar.stage == "report":  # what was found is told also where a disk was full
+        if bar.stage == "report":  # the verdict is printed even if a disk was full
             _tell(result, as_json)
         raise
     return result

@@ -60,4 +60,5 @@ def _as_text(key: Key) -> str:
 
 def indented(text: str) -> list[str]:
     """Lines of a text, those after the first further in."""
+    # Chosen: like the width of the help texts, 100, with a margin.
     return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="        ")

@@ -28,7 +28,7 @@ SENTENCES: Mapping[Code, str] = {
 """Of each code its template."""
 
 LINES = 5
-"""So many lines of a file are named; of more only the number is said."""
+"""Lines of a file that a sentence names; of more only the number is given. Chosen: one line."""
 
 _ORIGINS = {
     "repeats": "the scatter of repeated readings",
