@@ -10,7 +10,7 @@ _COMMANDS = ("diagnose", "effects", "init", "keys", "reproduce", "run", "sweep")
 
 
 class LazyGroup(click.Group):
-    """Looks a command up in its module, so that one command does not pay for the others."""
+    """Imports the module of a command when it is called, and not those of the others."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(_COMMANDS)

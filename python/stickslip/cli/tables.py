@@ -1,4 +1,4 @@
-"""What a run and a sweep came to, for a reader and as JSON."""
+"""Results of a run and of a sweep, as tables of text and as JSON."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from stickslip.facts.sentences import sentence
 
 @dataclass(frozen=True)
 class Fact:
-    """Something to tell, as data; ``str()`` gives its sentence.
+    """One message as data; ``str()`` gives its sentence.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What an experimenter knows of a parameter, in a coordinate that is standard normal."""
+"""Priors of parameters, and coordinates that are standard normal under them."""
 
 from __future__ import annotations
 

@@ -118,9 +118,9 @@ def _cell(value: Any) -> str:
 def in_lines(
     code: Code, table: str, lines: Sequence[int], *, word: str = "line", **fields: Any
 ) -> Fact:
-    """What some lines of a table have in common; the first of them are named.
+    """A fact about some lines of a table, which names the first of them.
 
-    `word` is what a line is called in the sentence; a field where it is another one.
+    `word` is the word for a line in the sentence; it is a field only if it is another than "line".
     """
     where = {"table": table, "lines": list(lines[:LINES]), "count": len(lines)}
     return Fact(code, {**where, **fields, **({} if word == "line" else {"word": word})})

@@ -72,10 +72,10 @@ class VelocityData(OneLine):
 
 
 class _Unsound(Exception):
-    """A row that is not used: its code and fields."""
+    """A row that is not used; `why` is its code and fields."""
 
     def __init__(self, code: Code, **fields: Any) -> None:
-        self.code, self.fields = code, tuple(fields.items())
+        self.why = code, tuple(fields.items())
 
 
 class _Trial(NamedTuple):
@@ -147,8 +147,8 @@ def _sound_rows(
     for line, row in rows:
         try:
             kept.append(_trial(line, row, header, seen, drive, scenario))
-        except _Unsound as why:
-            wrong.setdefault((why.code, why.fields), []).append(line)
+        except _Unsound as error:
+            wrong.setdefault(error.why, []).append(line)
         else:
             seen.add(tuple(row))
     left_out = [
