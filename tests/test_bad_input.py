@@ -252,7 +252,7 @@ def test_what_is_read_is_not_overwritten(tmp_path, option, link):
         (["init", "/proc/s.toml"], "/proc/s.toml"),
     ],
 )
-def test_a_place_that_takes_no_file_is_refused_before_the_work(tmp_path, arguments, name):
+def test_a_path_that_cannot_be_written_is_refused_before_the_work(tmp_path, arguments, name):
     (tmp_path / "s.toml").write_text(HEAD)
     (tmp_path / "velocity.csv").write_text("velocity\n1e-3\n")
     (tmp_path / "m.toml").write_text(
@@ -277,7 +277,7 @@ REPLACED = {
 
 
 @pytest.mark.parametrize("name", REPLACED)
-def test_a_value_that_is_replaced_is_not_judged(tmp_path, monkeypatch, name):
+def test_a_replaced_value_of_the_file_is_not_checked(tmp_path, monkeypatch, name):
     text, settings = REPLACED[name]
     (tmp_path / "s.toml").write_text(f"{HEAD}{text}\n")
     (tmp_path / "v.csv").write_text(CSV)
@@ -290,7 +290,7 @@ def test_a_value_that_is_replaced_is_not_judged(tmp_path, monkeypatch, name):
         read_with(tmp_path / "s.toml", ["drag.linear=1e-6"])
 
 
-def test_what_is_not_replaced_is_judged(tmp_path):
+def test_other_values_of_the_file_are_checked(tmp_path):
     (tmp_path / "s.toml").write_text(HEAD + "frequency = -3\npeak = -1\n")
     done = stickslip("run", tmp_path / "s.toml", "--set", "drive.frequency=30")
     check(done, "s.toml: drive.peak = -1")
@@ -299,7 +299,7 @@ def test_what_is_not_replaced_is_judged(tmp_path):
     check(done, "s.toml with --set: drive.peak = 0.0025 with drive.base = 0.1")
 
 
-def test_a_file_is_named_once(tmp_path):
+def test_an_error_names_its_file_once(tmp_path):
     (tmp_path / "s.toml").write_text(PROGRAM)
     (tmp_path / "v.csv").write_text(CSV + "2,0,0\n")
     done = stickslip("run", tmp_path / "s.toml")
@@ -312,7 +312,7 @@ def test_a_device_is_not_replaced(tmp_path):
     check(stickslip("run", tmp_path / "s.toml", "--out", "/dev/null"), "not an ordinary file")
 
 
-def test_one_file_for_both(tmp_path):
+def test_one_file_for_out_and_plot_is_refused(tmp_path):
     (tmp_path / "s.toml").write_text(HEAD)
     both = tmp_path / "a.png"
     check(stickslip("run", tmp_path / "s.toml", "--out", both, "--plot", both), "cannot be both")

@@ -76,7 +76,7 @@ def test_a_sweep_gives_the_bits_of_single_runs(alone, threads):
             assert counts == summary["events"]
 
 
-def test_company_and_order_are_of_no_importance(alone):
+def test_results_do_not_depend_on_other_runs_or_their_order(alone):
     order = np.random.default_rng(3).permutation(len(CHANGES))[:20]
     together = simulate_batch([BASE.replace(CHANGES[k]) for k in order], threads=2)
     for run, k in zip(together, order, strict=True):

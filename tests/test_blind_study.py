@@ -57,7 +57,7 @@ def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
 
 
 @pytest.mark.slow
-def test_the_folder_does_not_tell_the_answer(tmp_path):
+def test_files_of_a_data_set_do_not_contain_the_answer(tmp_path):
     answer = write_case(tmp_path / "a", "single", 2006)
     text = "".join(path.read_text() for path in (tmp_path / "a").iterdir())
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == [
@@ -68,7 +68,7 @@ def test_the_folder_does_not_tell_the_answer(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_control_is_left_in_peace(tmp_path):
+def test_a_data_set_without_a_cause_gives_none(tmp_path):
     _, said, _ = _said(tmp_path, "none", 2003)
     assert said["verdict"] == "none"
     assert said["bounds"]
@@ -76,7 +76,7 @@ def test_a_control_is_left_in_peace(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "group"), [(2006, "surface"), (2001, "contact"), (2012, "fluid")])
-def test_a_single_cause_is_first(tmp_path, seed, group):
+def test_a_single_cause_is_ranked_first(tmp_path, seed, group):
     answer, said, names = _said(tmp_path, "single", seed)
     assert set(answer["answer"]) <= names
     assert said["verdict"] in ("named", "ambiguous")
@@ -111,19 +111,19 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
 
 
 @pytest.mark.slow
-def test_two_causes_are_both_said(tmp_path):
+def test_two_causes_are_given_as_a_pair_or_a_set(tmp_path):
     answer, _, names = _said(tmp_path, "pair", 2011)
     assert set(answer["answer"]) <= names
 
 
 @pytest.mark.slow
-def test_what_no_cause_makes_is_not_named(tmp_path):
+def test_an_effect_outside_the_library_is_not_named(tmp_path):
     _, said, _ = _said(tmp_path, "unknown", 2003)
     assert said["verdict"] == "unexplained"
     assert said["parameters"] == {}
 
 
-def test_a_data_set_is_made_once_and_its_answer_is_its_own(tmp_path, monkeypatch):
+def test_a_data_set_is_made_once_and_has_its_own_answer(tmp_path, monkeypatch):
     made = []
 
     def write(folder, kind, seed):
@@ -144,7 +144,7 @@ def test_a_data_set_is_made_once_and_its_answer_is_its_own(tmp_path, monkeypatch
     assert not case.sealed(other).exists()
 
 
-def test_a_study_goes_on_where_it_stood(tmp_path, monkeypatch, capsys):
+def test_an_interrupted_study_is_continued(tmp_path, monkeypatch, capsys):
     record = tmp_path / "answers.jsonl"
     row = json.dumps(read(ROOT / "bench" / "blind" / "measured.jsonl")[0])
     record.write_text(row + "\n" + row[:100])
@@ -178,7 +178,7 @@ def test_shares_come_with_exact_intervals():
     assert (counted["count"], counted["total"]) == (1, 4)
 
 
-def test_what_is_thought_likely_is_counted_by_how_likely_it_is_thought():
+def test_calibration_counts_answers_by_their_probability():
     def row(kind, answer, chance):
         return {"answer": {"kind": kind, "answer": answer}, "said": {"probabilities": chance}}
 
@@ -195,7 +195,7 @@ def test_what_is_thought_likely_is_counted_by_how_likely_it_is_thought():
     assert (sure["count"], sure["total"]) == (1, 1)
 
 
-def test_the_documentation_says_what_the_record_says():
+def test_the_documentation_has_the_numbers_of_the_record():
     rows = read(ROOT / "bench" / "blind" / "measured.jsonl")
     assert table(rows) in (ROOT / "docs" / "theory" / "diagnosis.md").read_text()
     counts = {(each["kind"], each["what"]): each for each in judged(rows)}

@@ -42,7 +42,7 @@ def assert_that_the_key_is_to_blame(changes, key, how):
         ({"drag.linear": 1e-3, "effects.angle_drag.strength": 1e3}, "effects.angle_drag.strength"),
     ],
 )
-def test_a_stiff_run_names_the_key_to_blame(changes, key, method):
+def test_a_stiff_run_names_the_key_that_makes_it_stiff(changes, key, method):
     how = {"solver.max_steps": 20_000, "solver.method": method}
     assert_that_the_key_is_to_blame({**changes, **how}, key, "makes a motion of")
 
@@ -56,13 +56,13 @@ PASSING = [
 
 
 @pytest.mark.parametrize(("changes", "key"), PASSING)
-def test_a_motion_that_grows_is_to_blame_where_steps_were_that_short(changes, key):
+def test_a_growing_motion_is_named_if_it_made_the_steps_short(changes, key):
     most = {"solver.max_steps": 20_000}
     assert_that_the_key_is_to_blame({**changes, **most}, key, "makes a motion of")
 
 
 @pytest.mark.parametrize(("changes", "key"), PASSING)
-def test_a_motion_that_grows_is_not_to_blame_for_a_small_budget(changes, key):
+def test_a_growing_motion_is_not_named_for_a_small_budget(changes, key):
     # Such a motion is fast, and over at once: the run needs about as many steps without.
     slower = {key: 1e5 * changes[key], "solver.max_steps": 300}
     run = simulate(scenario(PULSES, changes, slower))
@@ -79,7 +79,7 @@ FRICTIONLESS = {
 
 @pytest.mark.parametrize("method", ["tsit5", "arkode"])
 @pytest.mark.parametrize("key", ["effects.sample_hold.period", "solver.max_step"])
-def test_a_key_that_cuts_the_time_into_too_many_steps_is_to_blame(key, method):
+def test_a_key_that_causes_too_many_steps_is_named(key, method):
     # 50 ms in all: as many parts as the budget has steps, beside which there are events.
     how = {key: 1e-5, "solver.max_steps": 5000, "solver.method": method}
     assert_that_the_key_is_to_blame({**FRICTIONLESS, **how}, key, "alone takes at least")

@@ -49,7 +49,7 @@ def test_settings_change_the_scenario(scenario):
     assert expected < 0
 
 
-def test_the_last_setting_of_a_key_holds(scenario):
+def test_the_last_setting_of_a_key_is_used(scenario):
     done = stickslip("run", scenario, "--json", "--set", "drive.pulses=4", "--set=drive.pulses=5")
     assert json.loads(done.stdout)["simulated_time"] == pytest.approx(0.05 + 5 * 0.01)
 
@@ -70,7 +70,7 @@ def test_the_table_names_status_velocity_and_events(scenario):
     assert "lift_off" in rows["events"]
 
 
-def test_out_and_plot_record_by_themselves(scenario, tmp_path):
+def test_out_and_plot_set_a_recording_rate(scenario, tmp_path):
     done = stickslip("run", scenario, "--out", tmp_path / "a.nc", "--plot", tmp_path / "a.png")
     assert (done.returncode, done.stderr) == (0, "")
     with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
@@ -267,11 +267,11 @@ def test_an_interrupt_of_the_imports_is_silent():
     assert done.stdout == "__future__ stickslip stickslip.cli\n"
 
 
-def test_a_short_run_has_no_bar(scenario):
+def test_a_short_run_shows_no_progress_bar(scenario):
     assert stickslip_process("run", scenario).stderr == ""
 
 
-def test_a_reader_that_leaves_is_no_error():
+def test_a_closed_output_pipe_is_no_error():
     reading, writing = os.pipe()
     os.close(reading)
     try:
@@ -285,7 +285,7 @@ def test_a_reader_that_leaves_is_no_error():
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
-def test_an_output_that_is_full_is_one_line(scenario):
+def test_a_full_output_device_is_reported_in_one_line(scenario):
     with open("/dev/full", "w") as full:
         done = subprocess.run(
             [*COMMAND, "run", str(scenario)], stdout=full, stderr=subprocess.PIPE, text=True

@@ -21,7 +21,7 @@ WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"
 EVERY = "".join(map(chr, [*range(1, 0x3000), 0xFEFF, 0x1F916, 0xE0001]))
 
 
-def test_nothing_that_is_printed_steers_the_terminal():
+def test_control_characters_are_escaped_in_all_output():
     assert printable(EVERY).isprintable()
     assert printable(printable(EVERY)) == printable(EVERY)
     assert printable("90° ± 0.1 µm, naïve 机器人 🤖 \\n") == "90° ± 0.1 µm, naïve 机器人 🤖 \\n"
@@ -98,7 +98,7 @@ def test_a_scenario_that_is_written_is_read_back_whatever_it_is_called(tmp_path)
         np.testing.assert_array_equal(read, written)
 
 
-def test_a_page_has_none_and_no_markup_of_a_name(tmp_path):
+def test_a_page_escapes_control_characters_and_markup(tmp_path):
     slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
     x = np.linspace(0.2, 1.0, 12)
     found = diagnose_model(lambda x, p: p * x, x, 0.3 * x, [slope], sd=0.1)
@@ -109,7 +109,7 @@ def test_a_page_has_none_and_no_markup_of_a_name(tmp_path):
     assert json.loads((tmp_path / "out" / "report.json").read_text())["name"] == f"<b>{WILD}"
 
 
-def test_files_that_belong_together_are_of_one_age(tmp_path):
+def test_files_of_a_report_are_replaced_together(tmp_path):
     names = ["report.json", "report.html", "extended.toml"]
     for name in names:
         (tmp_path / name).write_text("old")

@@ -48,7 +48,7 @@ def test_false_alarms_stay_rare_with_heavy_tails():
     assert _count(range(60), lambda found: found.detection.found, law=heavy) <= 8
 
 
-def test_scatter_of_set_ups_is_no_cause_where_blocks_say_so():
+def test_scatter_between_known_set_ups_is_not_taken_for_a_cause():
     # One set-up for each repeat; all of its velocities are off by the same share.
     alarms = 0
     for seed in range(60):
@@ -64,7 +64,7 @@ def test_scatter_of_set_ups_is_no_cause_where_blocks_say_so():
 
 
 @pytest.mark.slow
-def test_a_cause_is_named_and_never_another_in_its_place():
+def test_the_true_cause_is_named_and_no_other():
     found = [shared_diagnosis(seed, ripple=0.3) for seed in range(40)]
     named = [each.verdict.causes for each in found if each.verdict.kind == "named"]
     assert len(named) >= 36
@@ -83,7 +83,7 @@ def test_the_amplitude_is_within_its_error():
 
 
 @pytest.mark.slow
-def test_a_constant_far_off_is_named_itself():
+def test_a_wrong_constant_is_named():
     assert _count(range(30), _named("k0"), shift={0: 5.0}) >= 25
     blamed = {cause.name for cause in CAUSES}
     structure = _count(
@@ -95,14 +95,14 @@ def test_a_constant_far_off_is_named_itself():
 
 
 @pytest.mark.slow
-def test_twins_are_a_set_that_holds_the_truth():
+def test_indistinguishable_causes_are_a_set_with_the_true_one():
     for seed in range(20):
         verdict = shared_diagnosis(seed, split=0.6).verdict
         assert verdict.kind == "ambiguous"
         assert {"split", "split_twin"} <= set(verdict.causes)
 
 
-def test_twins_are_one_isolability_class():
+def test_indistinguishable_causes_are_in_one_group():
     found = shared_diagnosis(0, split=0.6)
     assert any({"split", "split_twin"} <= set(group) for group in found.indistinguishable_causes)
     assert not any({"wave", "swell"} <= set(group) for group in found.indistinguishable_causes)
@@ -150,7 +150,7 @@ def test_what_no_cause_explains_is_unexplained():
     assert all(each.fit is None for each in found if each.kind == "unexplained")
 
 
-def test_shuffled_labels_are_never_a_name():
+def test_with_shuffled_labels_nothing_is_named():
     for seed in range(30):
         random = np.random.default_rng(seed)
         values, index = trials(truth({"ripple": 0.3}), random)
@@ -185,7 +185,7 @@ def test_data_that_cannot_be_judged_is_a_problem_of_the_data(values, options, sa
     assert [each.code for each in found.verdict.reasons] == [said]
 
 
-def test_probabilities_sum_to_one_and_lean_to_the_truth():
+def test_probabilities_sum_to_one_and_favour_the_true_cause():
     for causes in ({}, {"ripple": 0.3}):
         chance = shared_diagnosis(3, **causes).verdict.probabilities
         assert math.isclose(sum(chance.values()), 1.0, rel_tol=1e-12)
@@ -194,7 +194,7 @@ def test_probabilities_sum_to_one_and_lean_to_the_truth():
         assert max(chance, key=chance.get) == ("ripple" if causes else "none")
 
 
-def test_bounds_hold_the_truth_where_nothing_was_found():
+def test_upper_limits_contain_the_true_size():
     inside, limits, strengths = 0, [], []
     for seed in range(40):
         found = diagnosis(seed, {"step": 0.05})
@@ -212,7 +212,7 @@ def test_bounds_hold_the_truth_where_nothing_was_found():
     assert abs(np.mean(limits) - (0.05 + 1.96 * sd)) < spread + 0.1 * 1.96 * sd
 
 
-def test_gain_is_measured_on_conditions_that_no_fit_saw():
+def test_the_gain_is_measured_on_conditions_left_out_of_the_fits():
     found = shared_diagnosis(2, ripple=0.3)
     gain = found.gain
     assert {0, SIZE - 1} <= set(gain.held_out.tolist())
@@ -241,7 +241,7 @@ def test_same_seed_same_result():
     assert first.verdict.probabilities == second.verdict.probabilities
 
 
-def test_a_model_that_jumps_is_trusted_less_where_it_jumps():
+def test_conditions_where_the_model_jumps_have_less_weight():
     def jumpy(_, parameters):
         level = predict(None, parameters)
         level[:, 7] += 0.5 * np.sign(np.sin(900 * parameters[:, 0]))
@@ -305,7 +305,7 @@ def _line(x, p):
         (_line, UNCERTAIN[:1], [CAUSES[0], Cause("a", CAUSES[0].parameters)], "of two causes"),
     ],
 )
-def test_a_model_that_cannot_be_one_is_refused(model, uncertain, causes, said):
+def test_an_invalid_model_is_refused(model, uncertain, causes, said):
     x = np.linspace(1.0, 3.0, 12)
     with pytest.raises(ScenarioError, match=said):
         diagnose_model(model, x, x, uncertain, causes, sd=np.full(12, 0.1))
@@ -327,12 +327,12 @@ def test_a_model_that_cannot_be_one_is_refused(model, uncertain, causes, said):
         (lambda: Cause("a", CauseParameter("a.b", "-", -2.0, 2.0, 0.5)), "needs a comma"),
     ],
 )
-def test_what_makes_no_distribution_or_cause_is_refused(make, said):
+def test_invalid_priors_and_causes_are_refused(make, said):
     with pytest.raises(ScenarioError, match=said):
         make()
 
 
-def test_a_limit_acts_from_the_top_down():
+def test_a_limit_acts_when_it_is_lowered():
     limit = CauseParameter("volts", "V", 10.0, 30.0, 5.0, downward=True)
     assert limit.value(np.array([0.0, 1.0, 9.0])).tolist() == [0.0, 25.0, 10.0]
     assert limit.limits == (0.0, 4.0)
@@ -353,7 +353,7 @@ def test_a_cause_of_one_sign_cannot_be_fitted_with_the_other():
     assert down.verdict.kind == "unexplained"
 
 
-def test_a_model_that_computes_nothing_is_a_problem_of_the_data_if_that_is_known():
+def test_a_model_without_any_prediction_is_reported_as_a_problem_of_the_data():
     x = np.linspace(1.0, 3.0, 12)
     found = diagnose_model(
         lambda x, p: p[:, :1] * x * math.nan, x, x, UNCERTAIN[:1], sd=np.full(12, 0.1),
@@ -364,7 +364,7 @@ def test_a_model_that_computes_nothing_is_a_problem_of_the_data_if_that_is_known
     assert reason.fields == {"problem": "nothing moves"}
 
 
-def test_a_name_that_the_other_conditions_do_not_give_is_none(monkeypatch):
+def test_a_cause_that_changes_on_the_training_subset_is_not_named(monkeypatch):
     def turned(*arguments):
         return replace(measure_gain(*arguments), choice="ripple")
 
@@ -374,7 +374,7 @@ def test_a_name_that_the_other_conditions_do_not_give_is_none(monkeypatch):
     assert (said.kind, said.causes) == ("ambiguous", ("wave", "ripple"))
 
 
-def test_a_leader_that_its_profile_moves_is_judged_where_it_goes(monkeypatch):
+def test_a_leader_is_judged_at_the_better_minimum_of_its_profile(monkeypatch):
     def moved(problem, fit):
         # As if there were a better place at the end of the range.
         x = fit.x.copy()

@@ -160,7 +160,7 @@ def test_nothing_is_found_where_nothing_is(tmp_path):
     assert 0.0 < said["bounds"]["surface_tilt.angle"] < 0.1
 
 
-def test_conditions_that_do_not_move_are_no_finding(tmp_path):
+def test_conditions_without_motion_are_not_a_finding(tmp_path):
     # A pulse of 0.1 mT above the base moves the model by less than a micrometre a second, which
     # would be many errors if readings of zero were taken for the noise.
     path = write(tmp_path, {})
@@ -282,7 +282,7 @@ def _scaled(folder, factor):
         (-1.0, Code.OPPOSITE_SIGN, None),
     ],
 )
-def test_a_column_in_a_wrong_unit_or_of_a_wrong_sign_is_said_to_be(tmp_path, factor, code, by_1000):
+def test_a_column_in_a_wrong_unit_or_with_a_wrong_sign_is_reported(tmp_path, factor, code, by_1000):
     done = stickslip("diagnose", _scaled(tmp_path, factor), "--json", "--out", tmp_path / "found")
     said = json.loads(done.stdout)
     assert said["verdict"] == "data-problem"
@@ -347,7 +347,7 @@ def _drifting(lines):
     ids=["out of order", "nan", "outlier", "no repeats", "one condition", "all zero", "drift",
          "in mm/s", "far too fast", "capitals"],
 )  # fmt: skip
-def test_dirty_tables_end_in_a_sound_verdict(tmp_path, change, verdict, code):
+def test_tables_with_invalid_rows_give_the_right_verdict(tmp_path, change, verdict, code):
     path = _dirty(tmp_path, change)
     done = stickslip("diagnose", path, "--out", tmp_path / "found", "--seed", 3)
     assert done.returncode == 0, done.stderr

@@ -14,7 +14,7 @@ from stickslip.diagnosis.data.noise import fit_noise
 from stickslip.facts import Code, Fact
 
 
-def test_few_velocities_are_no_trouble_beside_other_data():
+def test_few_velocities_are_accepted_beside_other_data():
     values, index = np.array([1.0, 2.0]), np.arange(2)
     noise = fit_noise(values, index)
     few = find_data_problem(values, index, noise, None)
@@ -34,7 +34,7 @@ def _uneven(trials):
     return uneven_setups(trials.ravel(), index, fit_noise(trials.ravel(), index, block), block)
 
 
-def test_readings_rounded_to_more_than_their_scatter_are_no_measure_of_it():
+def test_readings_rounded_more_than_their_scatter_are_a_problem():
     # Steps of three standard deviations leave most trials alike; of half of one a share of 0.14.
     random = np.random.default_rng(5)
     level = np.linspace(1e-4, 1e-3, 20)[:, None]
@@ -43,7 +43,7 @@ def test_readings_rounded_to_more_than_their_scatter_are_no_measure_of_it():
     assert _trouble(5e-6 * np.round(trials / 5e-6)) is None
 
 
-def test_a_set_up_that_scatters_more_than_the_others_is_told_apart_from_heavy_tails():
+def test_a_set_up_with_larger_scatter_is_distinguished_from_heavy_tails():
     # What is left of a trial beside the mean of its condition's four: of the one that scatters four
     # times as much sqrt(9 + 3 / 16) = 3, of the others sqrt(9 / 16 + 2 / 16 + 1) = 1.3. Where all
     # scatter alike, with Student's four degrees of freedom, 0.002 of tables may be blamed.
@@ -58,7 +58,7 @@ def test_a_set_up_that_scatters_more_than_the_others_is_told_apart_from_heavy_ta
     assert _uneven(trials).fields["setup"] == 3
 
 
-def test_set_ups_of_unlike_sizes_are_no_trouble():
+def test_set_ups_with_different_numbers_of_trials_are_accepted():
     # A trial that is alone in its condition or set-up lies on its mean whatever its error.
     random = np.random.default_rng(9)
     level = np.linspace(1e-4, 1e-3, 30)
@@ -75,7 +75,7 @@ def test_set_ups_of_unlike_sizes_are_no_trouble():
     assert blamed <= 1
 
 
-def test_what_stands_still_hides_no_uneven_set_up_and_is_no_drift():
+def test_zero_readings_neither_hide_an_uneven_set_up_nor_give_a_drift():
     # More conditions stand still than move: medians over all of them would be theirs.
     random = np.random.default_rng(14)
     level = np.concatenate([np.linspace(1e-4, 1e-3, 60), np.zeros(80)])[:, None]
@@ -93,7 +93,7 @@ def test_what_stands_still_hides_no_uneven_set_up_and_is_no_drift():
     assert blamed <= 6
 
 
-def test_rounding_is_no_trouble_where_the_error_was_stated():
+def test_rounding_is_accepted_if_the_error_is_stated():
     x = np.linspace(1.0, 3.0, 12)
     level = 0.1 * np.round(10.0 * np.repeat(x, 3))
     found = diagnose_model(

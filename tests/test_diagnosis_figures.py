@@ -27,13 +27,13 @@ def against(held_out, **more):
     )
 
 
-def test_readings_that_were_held_out_are_hollow():
+def test_held_out_readings_have_hollow_markers():
     frame = against([True, False, False, True]).axes[0]
     assert hollow(frame) == [[0, 3]]
     assert said(frame).count(HELD) == 1
 
 
-def test_all_components_of_a_reading_are_hollow_and_the_legend_has_one_entry():
+def test_held_out_field_readings_have_hollow_markers_and_one_legend_entry():
     frame = against([False, True, False], names=("Bx", "By", "Bz"), joined=False).axes[0]
     assert hollow(frame) == [[1]] * 3
     assert sorted(said(frame)) == sorted(
@@ -42,13 +42,13 @@ def test_all_components_of_a_reading_are_hollow_and_the_legend_has_one_entry():
     )
 
 
-def test_where_nothing_was_held_out_nothing_is_hollow():
+def test_without_held_out_readings_no_marker_is_hollow():
     frame = against([False] * 3).axes[0]
     assert hollow(frame) == []
     assert HELD not in said(frame)
 
 
-def test_held_out_conditions_of_a_users_own_model_are_hollow():
+def test_held_out_conditions_of_a_users_own_model_have_hollow_markers():
     given = shared_result(3, wave=1.0)
     (points,) = hollow(given.plot.fit(place=X).axes[0])
     assert points == sorted(X[given.gain.held_out].tolist())

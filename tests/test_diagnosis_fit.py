@@ -48,7 +48,7 @@ def test_without_a_bound_the_loss_is_least_squares():
     assert given.weights(r).tolist() == [[1.0, 1.0], [1.0, 1.0]]
 
 
-def test_errors_that_are_too_large_are_computed_with_the_draft():
+def test_stages_with_inflated_errors_use_the_low_fidelity_model():
     given = Problem(
         lambda _, p: p[:, :1] * X, None, X, np.eye(len(X)) / SD, math.inf, (SLOPE,),
         low_fidelity=lambda _, p: p[:, :1] * X + 7.0,
@@ -82,7 +82,7 @@ def test_predictions_are_kept_for_the_conditions_that_they_were_made_for():
     np.testing.assert_array_equal(remembered(one, at), [[2.0, 4.0, 6.0]])
 
 
-def test_what_was_not_asked_for_longest_is_forgotten_first():
+def test_the_least_recently_used_prediction_is_dropped_first():
     asked = []
 
     def twice(_, p):
@@ -100,7 +100,7 @@ def test_what_was_not_asked_for_longest_is_forgotten_first():
 
 
 @pytest.mark.parametrize("edge", [0.004, -0.004])
-def test_a_jump_is_no_slope(edge):
+def test_a_jump_is_not_taken_for_a_derivative(edge):
     # Beside the point, closer than any difference is wide, one condition jumps by 20 errors.
     def jumping(_, p):
         jump = np.where(np.sign(edge) * (p[:, :1] - edge) > 0.0, 20 * SD, 0.0)
@@ -112,7 +112,7 @@ def test_a_jump_is_no_slope(edge):
     assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
 
 
-def test_a_jump_where_a_range_ends_is_no_slope_either():
+def test_a_jump_at_the_end_of_a_range_is_not_taken_for_a_derivative():
     # The amplitude cannot be negative, and beyond 0.004 one condition jumps by 20 errors.
     cause = Cause("bump", (CauseParameter("bump.size", "-", 0.0, 5.0, 1.0),))
 
@@ -126,7 +126,7 @@ def test_a_jump_where_a_range_ends_is_no_slope_either():
     assert fit.slope[:, 1] == pytest.approx(np.sin(X) / math.sinh(1.0), rel=1e-2)
 
 
-def test_a_side_that_cannot_be_computed_leaves_the_other():
+def test_a_difference_uses_the_side_that_can_be_computed():
     def cut(_, p):
         return np.where(p[:, :1] > 0.001, np.nan, p[:, :1] * X)
 
@@ -155,7 +155,7 @@ def test_a_search_gets_past_the_jump_of_a_condition():
     assert found.x[0] == pytest.approx(truth - truth / (j @ j + 1.0), abs=1e-3)
 
 
-def test_a_freed_constant_is_scanned_far_beyond_its_prior():
+def test_a_suspected_constant_is_scanned_far_beyond_its_prior():
     other = Uncertain("other", Prior("normal", 0.0, 1.0))
     suspect = Cause("slope", (), "", relaxes_prior="slope")
     given = problem(lambda _, p: p[:, :1] * X, -6.0 * X, (SLOPE, other), (suspect,))
@@ -220,7 +220,7 @@ def test_a_cause_that_does_nothing_here_is_not_fitted():
     assert [fit.name for fit in search_near_leaders(given, [leader], [leader])] == ["a"]
 
 
-def test_no_rival_is_left_worse_than_the_model_that_it_contains():
+def test_no_candidate_fits_worse_than_a_model_that_it_contains():
     # A walk that was stuck at 5 begins again where the model without a cause stands.
     suspect = Cause("slope", (), "", relaxes_prior="slope")
     given = problem(lambda _, p: p[:, :1] * X, 0.5 * X, causes=[suspect])
@@ -233,7 +233,7 @@ def test_no_rival_is_left_worse_than_the_model_that_it_contains():
     assert again.chi2 < null.chi2
 
 
-def test_other_errors_take_no_certificate_away():
+def test_a_fit_stays_converged_with_other_errors():
     # Found twice, then errors 1.5 times larger: the same place, and still found twice.
     given = problem(lambda _, p: p[:, :1] * X, 0.5 * X)
     starts = [Start(np.array([place])) for place in (-1.0, 2.0)]
@@ -254,7 +254,7 @@ def test_the_spread_of_parameters_that_trade_off_has_a_factor():
     assert across @ lower @ lower.T @ across == pytest.approx(2.0, rel=1e-6)
 
 
-def test_a_twin_that_only_acts_at_the_leaders_constants_is_found_there():
+def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
     # Without a cause the best constant is 0, where the second cause does nothing at all; at the
     # leader's constant of 1 it does what the leader does.
     h, g = np.zeros(16), np.zeros(16)

@@ -61,7 +61,7 @@ ACROSS *= SD / np.linalg.norm(ACROSS)
         (1.1 / 0.4 * ACROSS, []),
     ],
 )
-def test_what_the_data_leave_open_of_the_constants_is_said(shape, said):
+def test_undetermined_combinations_of_constants_are_reported(shape, said):
     other = Uncertain("other", Prior("normal", 1.0, 0.4))
     given = replace(
         problem(X + shape, (), lambda _, p: p[:, :1] * X + p[:, 1:2] * shape),
@@ -79,7 +79,7 @@ def _examined(observed, shape):
     return SimpleNamespace(problem=given, null=fitted(given), verdict=verdict)
 
 
-def test_conditions_that_carry_a_verdict_have_their_share_of_the_fall():
+def test_carrying_conditions_have_their_share_of_the_chi_square_decrease():
     # 3 at x = 1 and -1 at x = 3 pull at no slope, so the falls of chi-square are as 9 to 1. The
     # bump's prior takes 1e-4 of it, and a walk ends when a step would gain less than 0.02 of 4000.
     bump = np.zeros(len(X))
@@ -109,7 +109,7 @@ def test_three_conditions_at_most_carry_a_verdict_and_none_where_there_is_none()
     assert carriers(broad, len(X)) == []
 
 
-def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
+def test_the_smooth_residual_bound_contains_smooth_misfit_and_no_noise():
     random = np.random.default_rng(4)
     kinds = np.zeros(len(X), dtype=np.int64)
     noise = SD * random.standard_normal(len(X))
@@ -123,7 +123,7 @@ def test_the_ceiling_takes_what_is_smooth_and_leaves_noise():
     assert smooth_residual_bound(rough, null, Settings(X[:, None], kinds)) < 0.5 * null.chi2
 
 
-def test_the_ceiling_of_pure_noise_is_zero_on_average():
+def test_the_smooth_residual_bound_of_pure_noise_is_zero_on_average():
     random = np.random.default_rng(6)
     kinds = np.zeros(len(X), dtype=np.int64)
     taken = []
@@ -135,7 +135,7 @@ def test_the_ceiling_of_pure_noise_is_zero_on_average():
 
 
 @pytest.mark.parametrize(("settings", "word"), [(None, "named"), (X, "unexplained")])
-def test_a_cause_that_leaves_much_behind_is_not_named(settings, word):
+def test_a_cause_that_leaves_a_smooth_misfit_is_not_named(settings, word):
     # Wave and its cosine have the same power; with the one, chi-square is still within its law.
     hidden = X + 0.085 * (np.sin(4 * X) + np.cos(4 * X))
     given = (
@@ -147,7 +147,7 @@ def test_a_cause_that_leaves_much_behind_is_not_named(settings, word):
     assert found.verdict.kind == word
 
 
-def test_a_bound_of_what_acts_as_it_falls_is_one_from_below():
+def test_a_parameter_that_acts_when_lowered_has_a_lower_limit():
     # Clipped by (30 - limit) / 5: a limit that clips more than the data allow is below the bound.
     limit = CauseParameter("clip.volts", "V", 5.0, 30.0, 5.0, downward=True)
 
@@ -211,7 +211,7 @@ NOT_CERTAIN = " On 5 held-out conditions the gain is not certain: its interval i
         ),
     ],
 )
-def test_a_gain_that_is_not_certain_is_said_in_the_headline(interval, said):
+def test_an_uncertain_gain_is_reported_in_the_headline(interval, said):
     gain = SimpleNamespace(
         held_out=np.arange(5), interval=interval, chi2_before=1.21, chi2_after=6.68
     )
@@ -255,7 +255,7 @@ def test_the_smallest_effect_has_the_strength_that_is_asked_for():
     assert height == pytest.approx(expected, rel=0.2)
 
 
-def test_a_search_finds_the_deepest_of_many_valleys():
+def test_a_search_finds_the_deepest_of_many_local_minima():
     def wavy(_, p):
         return p[:, :1] * X + 0.3 * np.sin(12.0 * p[:, :1] * X)
 
@@ -273,7 +273,7 @@ def test_groups_are_held_out_together():
     assert {0, 39} <= set(many.tolist())
 
 
-def test_a_condition_that_is_like_no_other_is_held_out():
+def test_a_singleton_condition_is_held_out():
     def table(**changed):
         rows = [{"drive.mode": "IPP", "drive.hold": 1e-3, "drive.frequency": f} for f in range(12)]
         rows[5] |= {f"drive.{key}": value for key, value in changed.items()}
@@ -312,7 +312,7 @@ def test_another_instrument_is_named_where_it_would_split_a_set():
         (1.0, 0.0, "1 +- 0"),
     ],
 )
-def test_values_are_said_to_the_second_digit_of_their_error(value, sd, said):
+def test_values_are_rounded_to_the_second_digit_of_their_error(value, sd, said):
     assert rounded(value, sd) == said
 
 
@@ -334,11 +334,11 @@ def reverse(setting, value):
         (lambda v: v * np.array([1.0, 1.0, -1.0, -1.0] * 4), reverse("mode", "OPP")),
     ],
 )
-def test_a_sign_that_follows_a_rule_is_no_physics(change, said):
+def test_signs_reversed_by_a_setting_are_a_problem_of_the_data(change, said):
     assert wrong_sign(WAYS, MODEL, 1.1 * change(MODEL)) == said
 
 
-def test_a_sign_that_follows_no_rule_is_left_to_the_causes():
+def test_signs_reversed_without_a_pattern_are_left_to_the_causes():
     assert wrong_sign(WAYS, MODEL, 1.1 * MODEL) is None
     # Six of sixteen, of all kinds; or a robot that slides one way at another speed.
     some = MODEL * np.where(np.arange(16) < 6, -1.0, 1.0)
@@ -348,7 +348,7 @@ def test_a_sign_that_follows_no_rule_is_left_to_the_causes():
     assert wrong_sign(WAYS, np.sign(MODEL), np.sign(MODEL) + 2.1) is None
 
 
-def test_what_stands_still_where_the_model_walks_is_said():
+def test_zero_readings_where_the_model_walks_are_reported():
     paces = [{"drive.frequency": float(f)} for f in range(20, 30)]
     model = np.full(10, 1e-3)
     model[9] = 1e-6

@@ -13,7 +13,7 @@ from toy_model import (
 )
 
 
-def test_rivals_are_compared_where_nothing_was_measured():
+def test_candidates_are_compared_at_unmeasured_drives():
     found = shared_diagnosis(0, split=0.4)
     assert found.verdict.kind == "ambiguous"
     places = np.arange(len(X))
@@ -43,7 +43,7 @@ def test_rivals_are_compared_where_nothing_was_measured():
     assert worth.chi2 == pytest.approx(gap**2 / (noise + np.sum(worth.sd**2, axis=0)))
 
 
-def test_what_is_named_is_told_from_what_comes_next():
+def test_a_named_cause_is_compared_with_the_runner_up():
     found = shared_diagnosis(3, wave=1.0)
     worth = separate(found, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
     others = [fit for fit in found.ranking.singles if fit is not found.verdict.fit]
@@ -54,7 +54,7 @@ def test_what_is_named_is_told_from_what_comes_next():
     assert np.all(worth.pair[:, 0] == 0)
 
 
-def test_a_rival_at_the_end_of_what_can_be_computed_is_compared_too():
+def test_a_candidate_at_the_limit_of_what_can_be_computed_is_compared_too():
     found = shared_diagnosis(3, wave=1.0)
     fit = found.verdict.fit
     least = found.problem.physical(fit.x[None, :])[0, 0]

@@ -76,7 +76,7 @@ def test_an_empty_cell_of_a_set_up_leaves_the_others_known():
         (np.repeat([0, 1], 6), Code.SETUPS_NOT_CROSSED),  # each condition in one set-up
     ],
 )
-def test_a_scatter_of_set_ups_that_cannot_be_separated_is_said(block, said):
+def test_a_scatter_of_set_ups_that_cannot_be_separated_is_reported(block, said):
     random = np.random.default_rng(4)
     index = np.repeat(np.arange(4), 3)
     trials = (1.0 + index) * (1.0 + 0.03 * random.standard_normal(12))
@@ -127,7 +127,7 @@ def test_few_trials_make_the_noise_too_large_and_not_too_small():
     assert 1.3 < np.median(ratio) < 1.75
 
 
-def test_trials_that_differ_by_rounding_alone_are_no_measure_of_the_noise():
+def test_trials_that_differ_only_by_rounding_do_not_give_the_noise():
     # A mean of three equal decimals is often off by its last bit.
     random = np.random.default_rng(8)
     for _ in range(20):
@@ -137,7 +137,7 @@ def test_trials_that_differ_by_rounding_alone_are_no_measure_of_the_noise():
 
 
 @pytest.mark.parametrize("setups", [False, True])
-def test_what_stands_still_tells_nothing_of_the_noise(setups):
+def test_zero_readings_are_excluded_from_the_noise_estimate(setups):
     # Readings of exactly zero, as below the resolution of a camera, have no scatter at all.
     random = np.random.default_rng(21)
     level = np.linspace(0.2e-3, 2e-3, 20)
@@ -167,7 +167,7 @@ def test_what_stands_still_tells_nothing_of_the_noise(setups):
     assert both.setups.shape == (26, 3 if setups else 0)
 
 
-def test_where_too_little_moves_the_stated_error_counts():
+def test_with_few_nonzero_readings_the_stated_error_is_used():
     # Of three degrees of freedom where something moves, and many where nothing does.
     index = np.repeat(np.arange(9), 3)
     values = np.zeros(27)

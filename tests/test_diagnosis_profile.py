@@ -49,7 +49,7 @@ def fitted_from_nothing(given):
     return fit
 
 
-def test_the_size_is_as_unsure_as_the_farther_valley_makes_it():
+def test_the_error_of_a_size_includes_a_second_local_minimum():
     given = problem(X, predict=two_valleys)
     (found,) = profile(given, fitted_from_nothing(given))
     # Half the square of 12 in the middle of the ridge.
@@ -59,7 +59,7 @@ def test_the_size_is_as_unsure_as_the_farther_valley_makes_it():
     assert found.sd == pytest.approx(1.0, abs=0.25)
 
 
-def test_a_lower_valley_that_a_profile_sees_is_where_the_fit_goes():
+def test_the_fit_moves_to_a_lower_minimum_of_its_profile():
     def tilted(_, p):
         return two_valleys(None, p) + SD * p[:, 1:2] * np.sin(4 * X)
 

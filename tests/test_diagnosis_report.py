@@ -74,7 +74,7 @@ def test_conditions_carry_what_the_table_says(full):
         assert share == pytest.approx(fall[number - 1] / total, rel=1e-9)
 
 
-def test_absorption_takes_from_the_signal(full):
+def test_projection_reduces_the_signal_to_noise(full):
     strength = full["signal_to_noise"]
     chi2 = {tuple(each["causes"]): each["chi2"] for each in full["ranking"]}
     fall = chi2[()] - min(chi2[name,] for name in full["velocity_changes"])
@@ -113,7 +113,7 @@ def test_the_given_scenario_is_there_too(full):
     assert row["given"] == pytest.approx(given, rel=1e-3)
 
 
-def test_the_isolability_map_is_one_for_each_with_itself(full):
+def test_the_cosine_of_a_cause_with_itself_is_one(full):
     cosines = np.array(full["isolability"]["cosines"])
     assert cosines.shape == (len(full["isolability"]["causes"]),) * 2
     alone = np.diag(cosines)
@@ -131,13 +131,13 @@ def test_the_extended_scenario_says_where_it_is_from(tilted):
     assert any(line.startswith("# contact.kinetic_friction: 0.145 -> ") for line in changed)
 
 
-def test_the_page_explains_its_words(tilted):
+def test_the_page_explains_its_terms(tilted):
     page = (tilted[0] / "found" / "report.html").read_text()
     for words in ("Chi-square: squared", "Starts agree", "same constants"):
         assert words in page
 
 
-def test_of_data_that_teach_nothing_the_page_says_so(tmp_path):
+def test_the_page_says_if_nothing_can_be_learnt_from_the_data(tmp_path):
     path = write(tmp_path, {})
     lines = (tmp_path / "velocity.csv").read_text().splitlines()
     (tmp_path / "velocity.csv").write_text("\n".join([lines[0], *lines[1::3]]) + "\n")
@@ -172,7 +172,7 @@ def part(conditions, recalibrated):
     return {"conditions": conditions, "recalibrated": recalibrated, "extended": None}
 
 
-def test_where_the_misfit_lives_is_a_contrast():
+def test_the_part_with_the_misfit_is_found_by_contrast():
     said = where_it_lives({"IPP": part(9, 1.1), "OPP": part(9, 7.3)})
     larger = {"part": "OPP", "misfit": 7.3, "other": "IPP", "misfit_of_other": 1.1}
     assert (said.code, said.fields["parts"]) == (Code.MISFIT_UNEVEN, [larger])
@@ -257,7 +257,7 @@ def test_what_leads_and_what_comes_next():
     assert "two causes together, swell and wave: " in headline(both)
 
 
-def test_what_no_cause_explains_has_a_nearest():
+def test_unexplained_data_have_a_nearest_candidate():
     shape = 0.3 * np.sign(np.sin(25.0 * X + 2.0 * MODE))
     found = diagnosis(2, extra=shape)
     assert found.verdict.kind == "unexplained"
@@ -299,7 +299,7 @@ def close(name, evidence):
     )
 
 
-def test_of_close_pairs_no_other_is_made():
+def test_close_pairs_are_not_combined_to_another():
     pairs = [close("a + b", 50.0), close("c + d", 48.5), close("a + c", 30.0)]
     verdict = SimpleNamespace(kind="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0])
     found = SimpleNamespace(

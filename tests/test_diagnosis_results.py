@@ -97,7 +97,7 @@ def test_predictions_at_new_conditions_have_the_error_of_the_fit(waved):
     np.testing.assert_allclose(table["extended_sd"], np.sqrt(variance), rtol=0.01)
 
 
-def test_nothing_extended_where_nothing_was_found():
+def test_without_a_finding_there_is_no_extended_model():
     given = result(5)
     assert given.verdict.kind == "none"
     assert list(given.params.index) == ["k0", "k1", "k2", "k3"]
@@ -109,7 +109,7 @@ def test_nothing_extended_where_nothing_was_found():
         given.plot.profile("wave")
 
 
-def test_of_data_that_cannot_be_judged_nothing_is_learnt():
+def test_data_that_cannot_be_judged_give_no_parameters():
     given = result(11, data_problem="nothing moves")
     assert given.verdict.kind == "data-problem"
     assert given.params.empty
@@ -250,7 +250,7 @@ def test_a_table_in_memory_is_read_like_a_file(tmp_path):
     assert one.block.tolist() == [0, 1, -1] * 4
 
 
-def test_rows_that_are_not_sound_are_left_out_and_said():
+def test_unusable_rows_are_left_out_and_reported():
     table = TABLE.astype({"velocity": object, "frequency": object})
     table.loc[1, "velocity"] = None
     table.loc[4, "velocity"] = "fast"

@@ -21,7 +21,7 @@ from stickslip.facts import Code, Fact
 
 
 @pytest.mark.parametrize(("source", "word"), [((), "named"), ("a" * 12 + "b" * 12, "ambiguous")])
-def test_a_table_that_contradicts_a_cause_is_heard(source, word):
+def test_a_cause_that_one_table_contradicts_is_not_named(source, word):
     # Twelve residuals of 1.6 errors in one half: p = 0.002 there, and 0.2 of all 24.
     off = np.where(np.arange(len(X)) < 12, 0.0, 1.6 * SD * (-1.0) ** np.arange(len(X)))
     found = diagnose_model(
@@ -44,7 +44,7 @@ def test_each_table_is_judged_by_its_own_noise():
     assert contradicting(fit, known[:1]) == []
 
 
-def test_a_name_that_the_other_conditions_turn_is_none():
+def test_a_verdict_that_changes_on_the_training_subset_is_ambiguous():
     given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
     fits = tuple(fitted(given, causes) for causes in ([WAVE], [BEND], [WAVE, BEND]))
     ranking = Ranking(fitted(given), fits[:2], fits[2:])
@@ -100,7 +100,7 @@ def standing(evidence, misfit, causes, like):
         ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", ahead(2.3)),
     ],
 )
-def test_the_reason_says_what_stands_against_more(wave, bend, both, word, said):
+def test_the_reason_says_why_the_verdict_is_not_more_definite(wave, bend, both, word, said):
     given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
     singles = [standing(*at, (each,), fitted(given, [each]))
                for at, each in ((wave, WAVE), (bend, BEND))]  # fmt: skip

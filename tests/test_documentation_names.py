@@ -42,7 +42,7 @@ def test_what_a_page_names_is_there(page):
         ("[a page](no-such-page.md#part)", "no link to no-such-page.md"),
     ],
 )
-def test_a_name_that_is_not_there_is_found(text, said):
+def test_a_name_that_does_not_exist_is_reported(text, said):
     assert missing(f"Here {text} stands.\n") == [said]
 
 
@@ -61,7 +61,7 @@ def test_a_name_that_is_not_there_is_found(text, said):
         "```sh\nstickslip run a.toml --out made\n```\n\nin `made/`",
     ],
 )
-def test_a_name_that_is_there_is_not(text):
+def test_a_name_that_exists_is_not_reported(text):
     assert missing(f"Here\n\n{text}\n\nstands.\n") == []
 
 

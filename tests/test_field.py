@@ -263,6 +263,6 @@ def test_impossible_coils_are_refused(parameter, value):
         Coils(**{parameter: value})
 
 
-def test_a_wire_without_current_is_no_obstacle():
+def test_the_field_on_a_wire_without_current_is_finite():
     on_wire_of_xp = [DISTANCE, HALF, 0.01]
     assert np.isfinite(Coils().field(on_wire_of_xp, unit_current("xm"))).all()

@@ -182,7 +182,7 @@ def test_a_damaged_file_is_read_or_refused_in_one_line(kind):
     assert check_file(f"{kind}:0:0")["failures"] == []
 
 
-def test_what_hangs_or_crashes_is_ended_and_the_rest_goes_on():
+def test_a_process_that_hangs_or_crashes_is_ended_and_the_search_continues():
     def deaf():
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         time.sleep(60)
@@ -203,7 +203,7 @@ def test_what_hangs_or_crashes_is_ended_and_the_rest_goes_on():
     assert ends["sound"].result == {"a": 1}
 
 
-def test_a_search_goes_on_where_it_was_stopped(tmp_path, capsys):
+def test_an_interrupted_search_is_continued(tmp_path, capsys):
     common = ["--check", "status", "--population", "paper,wild", "--out", str(tmp_path)]
     assert main([*common, "--count", "1", "--jobs", "2"]) == 0
     first = (tmp_path / "found.jsonl").read_text()

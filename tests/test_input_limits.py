@@ -122,7 +122,7 @@ def test_a_pipe_is_read(tmp_path):
     assert stickslip_process("run", tmp_path / "s.toml", input=CSV).returncode == 0
 
 
-def test_a_pipe_without_end_is_left(tmp_path):
+def test_an_endless_pipe_is_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe")
 
     def write_for_ever():

@@ -8,6 +8,7 @@ import pytest
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement import Prior, read_measurement
+from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import read_velocity
 from stickslip.scenario.scenario import Scenario
 
@@ -52,7 +53,7 @@ def test_trials_are_grouped_into_conditions(tmp_path):
     assert found.uncertain["drag.linear"] == Prior("log-uniform", 1e-6, 1e-4)
 
 
-def test_what_is_not_sound_is_left_out_and_said(tmp_path):
+def test_invalid_rows_are_left_out_and_reported(tmp_path):
     lines = ROWS.splitlines()
     lines[2] = lines[2].replace("0.0006", "nan")
     lines.insert(4, lines[3])
@@ -219,7 +220,7 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
         "# our robot\nmode,frequency,velocity\n\nIPP,30,1e-3\noop,30,1e-3\noop,40,1e-3\n"
         "# again\nIPP,50,lost\n"
     )
-    data, left_out = read_velocity(path, Scenario(), float("nan"))
+    data, left_out = read_velocity(path, read_rows(path), Scenario(), float("nan"))
     assert len(data.velocity) == 1
     many, refused, lost = left_out
     assert many == Fact(Code.ROWS_LEFT_OUT, {"table": "velocity.csv", "count": 3, "rows": 4})
@@ -230,7 +231,7 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
 def test_one_field_in_another_unit_is_left_out(tmp_path):
     path = tmp_path / "velocity.csv"
     path.write_text("frequency,hold,velocity\n30,6e-4,1e-3\n40,6e-4,1e-3\n50,0.6,1e-3\n")
-    data, left_out = read_velocity(path, Scenario(), float("nan"))
+    data, left_out = read_velocity(path, read_rows(path), Scenario(), float("nan"))
     assert len(data.velocity) == 2
     limit = {"unit": "T", "limit": 0.1, "other": "mT"}
     assert _fact(Code.SETTING_TOO_LARGE, 4, key="hold", value=0.6, **limit) in left_out
@@ -240,4 +241,4 @@ def test_other_separators_are_named(tmp_path):
     path = tmp_path / "velocity.csv"
     path.write_text("mode;velocity\nIPP;1e-3\n")
     with pytest.raises(ScenarioError, match="semicolons; allowed are commas"):
-        read_velocity(path, Scenario(), float("nan"))
+        read_velocity(path, read_rows(path), Scenario(), float("nan"))

@@ -64,7 +64,7 @@ def test_a_bad_entry_is_one_line(tmp_path, frames, old, new, said):
     assert "\n" not in str(error.value)
 
 
-def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
+def test_of_a_film_with_invalid_frames_the_valid_ones_are_used(tmp_path, frames):
     random = np.random.default_rng(1)
     kept = np.flatnonzero(random.random(len(frames["t"])) > 0.15)
     dirty = {key: column[np.append(kept, kept[7])].copy() for key, column in frames.items()}
@@ -90,7 +90,7 @@ def test_dirty_frames_are_used_as_far_as_they_are_sound(tmp_path, frames):
     assert np.all(np.isfinite(channel.predict(list(TRUE), np.array([[*TRUE.values()]]))))
 
 
-def test_a_run_that_says_too_little_is_left_out_and_the_others_go_on(tmp_path, frames):
+def test_a_film_with_too_few_frames_is_left_out_and_others_are_used(tmp_path, frames):
     few = {key: column[:160] for key, column in frames.items()}
     degrees = {**frames, "theta": np.degrees(frames["theta"])}
     tables = "".join(TOML.split("\n\n")[1].replace("a.csv", f"{name}.csv") for name in "bcd")
@@ -130,7 +130,7 @@ def used(folder, frames, toml=TOML):
         ("current_clamp", "size", "A"),
     ],
 )
-def test_a_column_in_a_unit_that_is_wrong_by_1000_is_said_so(
+def test_a_column_in_a_unit_that_is_wrong_by_1000_is_reported(
     tmp_path, full_frames, factor, column, what, unit
 ):
     columns, said = used(tmp_path, {**full_frames, column: factor * full_frames[column]})
@@ -162,7 +162,7 @@ def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):
     assert used(tmp_path, frames, toml) == (set(ALL), ())
 
 
-def test_frames_that_were_lost_are_no_wrong_unit(tmp_path, full_frames):
+def test_lost_frames_are_not_taken_for_a_wrong_unit(tmp_path, full_frames):
     # A camera that has lost the robot writes zeros, a logger that is late writes -9999.
     frames = {name: column.copy() for name, column in full_frames.items()}
     frames["z"] += 0.02
@@ -174,7 +174,7 @@ def test_frames_that_were_lost_are_no_wrong_unit(tmp_path, full_frames):
     assert wild == [(Code.WILD_FRAMES, "z"), (Code.WILD_FRAMES, "current_x")]
 
 
-def test_a_film_in_the_trough_of_its_drive_is_used(tmp_path, full_frames):
+def test_a_film_at_the_weakest_currents_of_its_drive_is_used(tmp_path, full_frames):
     # 25 ms of a period of 33 ms, and those after each pulse, when little current flows.
     late = full_frames["t"] > 0.2
     few = {name: column[late][:25] for name, column in full_frames.items()}
@@ -190,7 +190,7 @@ def test_where_nothing_sound_is_left_there_is_one_line(tmp_path, frames):
     assert not (tmp_path / "found").exists()
 
 
-def test_a_number_beyond_all_sense_is_no_reading(tmp_path, frames):
+def test_an_absurdly_large_number_is_not_a_reading(tmp_path, frames):
     # Squared it overflows: one such tilt ended a diagnosis in a traceback.
     columns = {name: np.array(column, copy=True) for name, column in frames.items()}
     columns["theta"][60] = 1e308

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.facts import Code, Fact
-from stickslip.facts.fact import SENTENCES
+from stickslip.facts.sentences import SENTENCES
 
 SOURCES = Path(__file__).parents[1] / "python" / "stickslip"
 FILE = {"table": "a.csv"}
@@ -225,7 +225,7 @@ def test_it_is_one_full_sentence_with_the_numbers_in_it(code):
 
 
 @pytest.mark.parametrize("code", Code, ids=lambda code: code.value)
-def test_every_code_is_told_somewhere(code):
+def test_every_code_is_used_somewhere(code):
     users = [
         path for path in SOURCES.rglob("*.py")
         if path.parent.name != "facts" and re.search(rf"Code\.{code.name}\b", path.read_text())

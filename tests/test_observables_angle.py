@@ -93,7 +93,7 @@ def test_nothing_is_found_where_nothing_is(tmp_path):
     assert words.count("none") >= 10
 
 
-def test_the_set_has_what_the_data_cannot_tell_apart(tmp_path):
+def test_an_ambiguous_set_has_the_indistinguishable_causes(tmp_path):
     # Without a reading in no field, a turned camera is much like a misaligned magnet.
     random = np.random.default_rng(1)
     fields = FIELDS[4:]
@@ -166,7 +166,7 @@ def test_repeats_are_one_condition_and_their_scatter_the_noise(tmp_path):
     assert found.group.tolist() == list(range(len(FIELDS)))
 
 
-def test_a_smooth_curve_tells_its_noise():
+def test_the_noise_of_a_smooth_curve_is_estimated():
     random = np.random.default_rng(4)
     x = np.stack([np.zeros(40), np.linspace(0.0, 1.0, 40)], axis=1)
     curve = np.sin(2 * x[:, 1])
@@ -177,7 +177,7 @@ def test_a_smooth_curve_tells_its_noise():
     assert np.std(sd) == pytest.approx(0.02 / math.sqrt(2 * np.mean(dof)), rel=0.25)
 
 
-def test_a_jump_of_a_curve_is_no_noise():
+def test_a_jump_of_a_curve_does_not_count_as_noise():
     random = np.random.default_rng(5)
     x = np.stack([np.zeros(40), np.linspace(0.0, 1.0, 40)], axis=1)
     curve = np.where(x[:, 1] > 0.5, -1.5, 0.0)
@@ -185,7 +185,7 @@ def test_a_jump_of_a_curve_is_no_noise():
     assert sd < 0.03
 
 
-def test_without_scatter_a_reading_has_its_floor(tmp_path):
+def test_without_scatter_a_reading_has_the_least_error(tmp_path):
     found = channel(laboratory(tmp_path, {}, 0, repeats=1, noise=0.0))
     assert np.all(found.sd >= READING)
     exact = channel(laboratory(tmp_path, {}, 0, repeats=3, noise=0.0))
@@ -209,7 +209,7 @@ def test_rows_are_put_in_the_order_of_the_field():
     assert np.array_equal(shuffled[order_along(shuffled)], grid)
 
 
-def test_merging_rows():
+def test_pooling_rows():
     merged = merge(np.array([[1.0, 0.0], [0.0, 0.0], [1.0, 0.0]]), np.array([[3.0], [5.0], [4.0]]))
     assert merged.settings.tolist() == [[0.0, 0.0], [1.0, 0.0]]
     assert merged.mean.tolist() == [[5.0], [3.5]]
@@ -223,7 +223,7 @@ def good_rows():
     return [list(row) for row in zip(*FIELDS.T.tolist(), theta.tolist(), strict=True)]
 
 
-def test_a_dirty_table_gives_the_same_verdict(tmp_path):
+def test_a_table_with_invalid_rows_gives_the_same_verdict(tmp_path):
     rows = good_rows()
     rows[3][2] = "nan"
     rows[9] = [rows[9][0], "", rows[9][2]]
@@ -282,7 +282,7 @@ def refused(done, *words):
         ([[1e-3, z * 1e-3, 0.0] for z in range(8)], "nothing moved"),
     ],
 )
-def test_a_table_that_tells_nothing_is_a_problem_of_the_data(tmp_path, rows, said):
+def test_a_table_without_information_is_a_problem_of_the_data(tmp_path, rows, said):
     path = write(tmp_path, rows)
     done = stickslip("diagnose", path, "--out", tmp_path / "found", "--json")
     assert done.returncode == 0, done.stderr

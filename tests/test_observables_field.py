@@ -175,7 +175,7 @@ def test_the_noise_is_found_from_repeats_or_from_a_free_fit(tmp_path):
     assert 0.8 * NOISE < single.sd.max() < 1.5 * NOISE
 
 
-def test_a_perfect_table_has_a_floor(tmp_path):
+def test_a_table_without_scatter_has_the_least_error(tmp_path):
     found = channel(write(tmp_path, probed(noise=0.0)))
     size = np.sqrt(np.mean(found.observed**2))
     assert found.notes[0].code is Code.READING_NOISE_SMALL
@@ -187,7 +187,7 @@ def test_components_of_a_row_are_held_out_together(tmp_path):
     assert np.array_equal(found.group, np.repeat(np.arange(len(found.fields)), 3))
 
 
-def test_a_dirty_table_gives_the_same_verdict(tmp_path):
+def test_a_table_with_invalid_rows_gives_the_same_verdict(tmp_path):
     rows = probed(seed=4, repeats=2).astype(object)
     rows[3, 8] = "nan"
     rows[10, 2] = ""

@@ -68,7 +68,7 @@ def test_unstated_noise_is_found_and_rather_too_large():
     assert np.mean(scores) == pytest.approx(expected**-2, abs=0.05)
 
 
-def test_the_camera_is_a_nuisance_and_not_a_suspect():
+def test_camera_parameters_are_nuisance_parameters_and_not_causes():
     channel = FilmObservable(tracking_run({}, 500.0, 0), 2)
     assert channel.name == "tracking.2"
     assert [each.name for each in channel.nuisance] == [
@@ -278,7 +278,7 @@ def test_the_camera_of_another_model_moves_no_drawn_curve():
         np.testing.assert_allclose(trace.extended, trace.recalibrated, atol=1e-12)
 
 
-def test_too_few_phases_are_said_and_not_drawn():
+def test_too_few_phases_are_reported_and_not_drawn():
     view = view_of({}, rate=200.0)
     assert view.distinct == 20
     assert view.sticking is None
@@ -315,7 +315,7 @@ def test_a_tilt_is_found_in_films_of_both_directions(tmp_path):
     assert "http" not in page
 
 
-def test_aliased_films_of_the_plain_robot_name_nothing(tmp_path):
+def test_aliased_films_without_a_cause_name_nothing(tmp_path):
     measurement = read_measurement(write_films(tmp_path, {}, 200.0, seed=1, exposure=1e-3))
     found = diagnose(measurement).findings
     assert found.verdict.kind == "none"
@@ -323,7 +323,7 @@ def test_aliased_films_of_the_plain_robot_name_nothing(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_film_of_one_way_and_velocities_of_the_other_are_one_diagnosis(tmp_path, monkeypatch):
+def test_a_film_and_velocities_of_opposite_directions_are_diagnosed_together(tmp_path, monkeypatch):
     # What helps the robot one way hinders it the other; of either alone the constants can make up
     # for most. Three causes are enough to choose from.
     some = ("surface_tilt", "friction_anisotropy", "field_gain")

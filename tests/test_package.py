@@ -23,7 +23,7 @@ def test_import_is_light():
     assert result.stdout.strip() == "[]"
 
 
-def test_no_module_takes_the_place_of_a_public_name():
+def test_no_module_has_the_name_of_a_public_function():
     # Importing a submodule binds its name in the package, over a function that has the same.
     code = (
         "import importlib, pkgutil, stickslip\n"

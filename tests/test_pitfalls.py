@@ -55,7 +55,7 @@ def test_grazing_lift_off_makes_no_jump_over_the_adhesion(base, edge, clamp):
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.5, 0.8])
-def test_phases_that_die_within_their_first_step_are_not_leapt_over(restitution):
+def test_phases_shorter_than_their_first_step_are_not_skipped(restitution):
     # Trains of ever shorter hops: a step carried over from a longer phase would lose impacts.
     drive = {"mode": "OPP", "hold": 2.5e-3, "pulses": 5}
     counts = [
@@ -264,7 +264,7 @@ def test_coils_without_delay(inductance, method):
 
 
 @pytest.mark.parametrize("frequency", np.linspace(1.5, 2.5, 21))
-def test_a_body_that_glides_far_comes_to_an_end(frequency):
+def test_a_body_that_slides_far_ends_the_run(frequency):
     # The same, met in one of ten such runs.
     drive = {"mode": "OPP", "frequency": float(frequency), "peak": 5e-3, "base": 0.0, "hold": 2e-3}
     drive |= {"clamp": "up", "pulses": 10}

@@ -56,7 +56,7 @@ def test_the_text_names_statements_reference_and_page(small, tmp_path):
         (["--nonsense"], ["--nonsense"]),
     ],
 )
-def test_bad_input_is_one_line_and_two(tmp_path, arguments, words):
+def test_bad_input_is_one_line_and_exit_code_two(tmp_path, arguments, words):
     (tmp_path / "bad.csv").write_text("figure,mode,x,y\nfig1,IPP,1,1\n")
     done = stickslip("reproduce", *arguments, cwd=tmp_path)
     assert done.returncode == 2
@@ -67,7 +67,7 @@ def test_bad_input_is_one_line_and_two(tmp_path, arguments, words):
     assert [each.name for each in tmp_path.iterdir()] == ["bad.csv"]
 
 
-def test_a_folder_that_cannot_be_is_said_before_the_work(tmp_path):
+def test_an_impossible_output_folder_is_reported_before_the_work(tmp_path):
     (tmp_path / "file").write_text("")
     done = stickslip("reproduce", "--out", tmp_path / "file")
     assert done.returncode == 2

@@ -171,7 +171,7 @@ def test_a_verdict_goes_by_the_share_of_working_pairs(holds, word, text):
     assert found.at_reference == bool(np.broadcast_to(holds, ALL.shape)[0, 0])
 
 
-def test_what_does_not_work_has_no_say():
+def test_settings_that_do_not_walk_are_not_counted():
     works = np.array([[True, False], [False, False]])
     holds = np.array([[True, False], [False, False]])
     assert verdict(holds, works, FACTORS, (0, 0)).share == 1.0
@@ -179,7 +179,7 @@ def test_what_does_not_work_has_no_say():
     assert (nothing.word, nothing.share) == ("not reproduced", 0.0)
 
 
-def test_the_most_telling_factors_come_first_and_no_more_than_two():
+def test_the_most_informative_factors_come_first_and_at_most_two():
     levels = ["a", "a", "b", "b"]
     factors = {"IPP x": levels, "OPP y": levels, "OPP z": ["c", "d", "c", "d"]}
     holds = np.zeros((4, 4), dtype=bool)

@@ -95,7 +95,7 @@ def test_mean_velocity_is_that_of_the_arrays(run):
     assert run.summary()["theta_max"] >= run.theta[inside].max() - 1e-12
 
 
-def test_summary_has_the_words_of_the_format(run):
+def test_the_summary_has_the_documented_keys(run):
     summary = run.summary()
     names = ["mean_velocity", "theta_min", "theta_max", "slip_up", "slip_down"]
     names += ["airborne_fraction", "events", "painleve_events", "status", "message"]
@@ -191,7 +191,7 @@ def test_what_is_no_netcdf_file_is_refused_in_one_line(tmp_path, data):
     assert str(refusal.value) == f"{path}: is no netCDF file; {allowed}"
 
 
-def test_a_record_of_events_as_csv_has_their_words(tmp_path):
+def test_a_record_of_events_as_csv_has_the_names_of_events(tmp_path):
     run = simulate(SCENARIO.replace({"record.rate": "events"}))
     run.save(tmp_path / "run.csv")
     rows = [line.split(",") for line in (tmp_path / "run.csv").read_text().splitlines()]
@@ -217,7 +217,7 @@ def test_a_record_of_events_as_csv_has_their_words(tmp_path):
         ({"solver.rtol": 1e-5}, []),
     ],
 )
-def test_notes_are_facts_that_stand_out(changes, notes):
+def test_notes_report_unusual_results_of_a_run(changes, notes):
     scenario = SCENARIO.replace({"record.rate": "none", "drive.pulses": 20, **changes})
     found = simulate(scenario).notes
     if not notes:

@@ -158,7 +158,7 @@ def test_a_replaced_scenario_simulates_as_one_that_is_made_anew(key):
         assert simulate(anew).recorded == simulate(changed).recorded
 
 
-def test_a_program_comes_and_goes():
+def test_a_program_can_be_set_and_removed():
     waveform = Waveform.hold(0.1, {"xp": 5.0})
     played = Scenario().replace({"drive.mode": "program", "drive.program": waveform})
     assert (played.duration, played.window) == (0.1, (0.0, 0.1))

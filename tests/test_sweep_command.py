@@ -84,7 +84,7 @@ def test_ranges_are_decimal(scenario):
     assert [point["drive.pulses"] for point in json.loads(done.stdout)["results"]] == [9, 4]
 
 
-def test_a_failed_point_is_counted_and_no_failure(scenario):
+def test_a_failed_point_is_counted_and_the_command_succeeds(scenario):
     done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1,0.2", "--json")
     assert done.returncode == 0
     assert done.stderr == (
@@ -211,7 +211,7 @@ def test_values_that_are_refused(scenario, tmp_path, name):
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
 
 
-def test_a_value_that_is_varied_is_not_judged(tmp_path):
+def test_a_varied_value_of_the_file_is_not_checked(tmp_path):
     (tmp_path / "s.toml").write_text(TEXT + "frequency = -3\n")
     done = stickslip("sweep", "s.toml", "--vary=drive.frequency=30,40", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

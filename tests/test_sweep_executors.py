@@ -52,7 +52,7 @@ def test_any_chunks(expected, monkeypatch):
     xarray.testing.assert_identical(sweep(SLOW, VARY, threads=2), expected)
 
 
-def test_processes_that_know_nothing_of_this_one(expected):
+def test_spawned_processes_give_the_same_results(expected):
     with spawning() as executor:
         xarray.testing.assert_identical(sweep(SLOW, VARY, executor=executor), expected)
         assert executor.submit(int, 3).result() == 3  # it stays open

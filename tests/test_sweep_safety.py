@@ -155,9 +155,7 @@ def test_checkpoints_come_early_and_cost_little(monkeypatch, cost):
     assert np.diff(writes).max() <= cost + max(1.0, cost / 0.03) + 0.05 + 1e-9
 
 
-def test_an_interrupt_promises_to_go_on_only_with_a_file_that_is_there(
-    tmp_path, monkeypatch, capsys
-):
+def test_an_interrupt_offers_resume_only_if_the_file_exists(tmp_path, monkeypatch, capsys):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 

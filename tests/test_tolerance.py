@@ -72,7 +72,7 @@ def test_the_default_tolerance_holds_where_drag_is_low(fine):
     np.testing.assert_allclose(velocities(), fine, rtol=CLOSE)
 
 
-def test_steps_that_are_not_tightened_miss_it(fine):
+def test_without_a_tighter_tolerance_the_error_is_too_large(fine):
     # Without drag the tolerance is a thousandth of rtol, so that these give steps of 1e-8 and 1e-7:
     # else the test above would show nothing.
     undamped = np.array([drag == 0.0 for *_, drag in CASES])

@@ -133,7 +133,7 @@ def test_a_sweep_is_bit_identical_on_any_number_of_threads(function, tmp_path):
         assert [each.mean_velocity for each in runs] == list(one.mean_velocity.values[:, 0])
 
 
-def test_its_names_in_a_dataset_take_no_others_place(tmp_path):
+def test_its_names_in_a_dataset_replace_no_other_names(tmp_path):
     names = {key: short_name(key) for key in known_keys()}
     register(nothing, parameter("velocity"), parameter("frequency"), name="mean")
     register(nothing, parameter("frequency"), name="drive")

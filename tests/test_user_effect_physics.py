@@ -140,7 +140,7 @@ def test_rest_without_field_stays_rest():
 
 @by_method
 @pytest.mark.parametrize("direction", ["+x", "-x"])
-def test_the_function_is_told_what_a_recording_says(method, direction):
+def test_the_function_gets_the_values_of_a_recording(method, direction):
     told = {}
 
     def listen(state, parameters):

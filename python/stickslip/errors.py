@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+
 from stickslip._util.plain_text import printable
 
 
@@ -14,6 +17,15 @@ class ScenarioError(ValueError):
 
     def __init__(self, message: object) -> None:
         super().__init__(printable(message))
+
+
+@contextlib.contextmanager
+def prefixed(where: object, kind: type[Exception] = ScenarioError) -> Iterator[None]:
+    """Raise errors of one kind as a ScenarioError whose message begins with `where` and a colon."""
+    try:
+        yield
+    except kind as error:
+        raise ScenarioError(f"{where}: {error}" if where else error) from None
 
 
 class SimulationError(RuntimeError):

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and read only as far as they can be meant."""
+"""Files that are written completely or not at all, and read up to a limit of their size."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from stickslip.errors import ScenarioError
 
 _MARK = b"\nstickslip sha256 "
 _LENGTH = len(_MARK) + 2 * hashlib.sha256().digest_size + 1
-_PIECE = 1 << 20  # bytes read at a time
+_PIECE = 1 << 20  # bytes read at a time; chosen: files of any size need little memory
 
 
 def append_checksum(image: io.BytesIO) -> None:

@@ -1,4 +1,4 @@
-"""Units that a reader of small things would rather see than SI's, and the words of an axis."""
+"""Units of display that suit small quantities better than SI units, and labels of axes."""
 
 from __future__ import annotations
 
@@ -27,6 +27,6 @@ def handy(unit: str) -> tuple[float, str]:
 
 
 def in_handy_units(words: str, unit: str) -> tuple[float, str]:
-    """Factor from an SI unit to what is shown, and the words of an axis with the unit."""
+    """Factor from an SI unit to the unit of display, and the label of an axis with that unit."""
     factor, shown = handy(unit)
     return factor, f"{words} ({shown})" if shown else words

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-_LONGEST = 60
-_FEW = 3
+# Chosen: a field of so many characters, and so few entries, still fit on a line beside others.
+_LONGEST, _FEW = 60, 3
 
 
 class OneLine:

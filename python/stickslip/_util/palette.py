@@ -9,7 +9,7 @@ BLUE = "#0072B2"
 VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
 
-# For what is beside the matter; not theirs.
+# For lines and areas in the background; not of their palette.
 GREY = "#999999"
 DARK_GREY = "#777777"
 LIGHT_GREY = "#DDDDDD"

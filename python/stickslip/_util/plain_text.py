@@ -1,6 +1,6 @@
-"""Text from a user's files, as a terminal, a page and a TOML file can take it.
+"""Text from a user's files, made safe for a terminal, an HTML page and a TOML file.
 
-Names of keys, columns and files can hold what steers a terminal, or ends the line of a comment.
+Names of keys, columns and files can hold characters that control a terminal, or end a comment.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How many things to do at a time."""
+"""Number of simulations that run at a time."""
 
 from __future__ import annotations
 

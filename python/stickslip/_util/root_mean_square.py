@@ -1,4 +1,4 @@
-"""The size of many numbers in one."""
+"""Root mean square."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ from numpy.typing import ArrayLike
 
 
 def root_mean_square(values: ArrayLike) -> float:
-    """Of all numbers of an array, in their unit."""
+    """Root mean square of all numbers of an array, in their unit."""
     return float(np.sqrt(np.mean(np.square(values))))

@@ -1,4 +1,4 @@
-"""JSON, which knows no infinity and no NaN."""
+"""JSON text. JSON has no infinity and no NaN."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ _UNUSUAL = re.compile(r"[^\n -~]")
 def json_text(value: Any) -> str:
     """One JSON text; a number that is not finite is null.
 
-    Whatever is not shown is escaped: JSON itself lets DEL and the other half of the control
-    characters pass, which a terminal obeys.
+    All characters that cannot be printed are escaped. JSON itself requires that of only half of the
+    control characters, and the others, such as DEL, act on a terminal.
     """
     text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
     return _UNUSUAL.sub(lambda each: _shown(each[0]), text)

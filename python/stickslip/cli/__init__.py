@@ -52,11 +52,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         print(error.format_message(), file=sys.stderr)
         return BAD_INPUT
-    except click.ClickException as error:
-        print(f"stickslip: {_one_line(error.format_message())}", file=sys.stderr)
-        return BAD_INPUT
-    except ScenarioError as error:
-        print(f"stickslip: {_one_line(error)}", file=sys.stderr)
+    except (click.ClickException, ScenarioError) as error:
+        message = error if isinstance(error, ScenarioError) else error.format_message()
+        print(f"stickslip: {_one_line(message)}", file=sys.stderr)
         return BAD_INPUT
     except click.Abort:
         raise KeyboardInterrupt from None

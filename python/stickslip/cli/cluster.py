@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
 _PATIENCE = 4.0
-"""Time to reach the scheduler, and then to see a worker, s: what a person waits for an answer."""
+"""Time to reach the scheduler, and then to see a worker, s. Chosen: as long as a user waits."""
 
 
 @contextlib.contextmanager
@@ -34,7 +34,7 @@ def cluster(address: str | None) -> Iterator[Executor | None]:
         raise ScenarioError(
             '--dask: the package distributed is missing: pip install "stickslip[dask]"'
         ) from None
-    # What it logs about an address that does not answer would stand beside the one line.
+    # Else it logs about an address that does not answer, beside the one line of the error.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     try:
         asyncio.run(_check_scheduler(distributed, address))
@@ -61,7 +61,7 @@ def cluster(address: str | None) -> Iterator[Executor | None]:
 
 
 async def _check_scheduler(distributed: Any, address: str) -> None:
-    """Raise an error if no scheduler answers; a client that finds none cannot be tidied up."""
+    """Raise an error if no scheduler answers; a client that finds none could not be closed."""
 
     async def ask() -> Any:
         async with distributed.rpc(address) as scheduler:

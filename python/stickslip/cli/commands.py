@@ -10,7 +10,7 @@ _COMMANDS = ("diagnose", "effects", "init", "keys", "reproduce", "run", "sweep")
 
 
 class LazyGroup(click.Group):
-    """Looks a command up in its module, so that one command does not pay for the others."""
+    """Imports the module of a command when it is called, and not those of the others."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(_COMMANDS)
@@ -23,14 +23,6 @@ class LazyGroup(click.Group):
         return command
 
 
-def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:
-    if wanted:
-        from stickslip import _core
-
-        click.echo(f"stickslip {_core.__version__}")
-        ctx.exit()
-
-
 @click.group(
     cls=LazyGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
@@ -38,13 +30,8 @@ def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool)
     "  stickslip init scenario.toml\n"
     "  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",
 )
-@click.option(
-    "--version",
-    is_flag=True,
-    expose_value=False,
-    is_eager=True,
-    callback=_print_version,
-    help="Show the version and exit.",
+@click.version_option(
+    package_name="stickslip", prog_name="stickslip", message="%(prog)s %(version)s"
 )
 def stickslip() -> None:
     """Simulate magnetic micro-robots that walk by stick-slip in the field of five coils."""

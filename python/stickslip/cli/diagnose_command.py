@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stickslip._util.strict_json import json_text
-from stickslip.cli.lines import say
-from stickslip.cli.options import JSON, PATH, THREADS
+from stickslip.cli.common import JSON, PATH, THREADS, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.scenario.toml_file import voltages_beside
@@ -45,7 +44,7 @@ def command(
     if out is None and not as_json:
         out = Path("diagnosis")
     if out is not None:
-        check_folder_target("--out", out, [*FILES, voltages_beside(Path(EXTENDED)).name])
+        check_folder_target(out, [*FILES, voltages_beside(Path(EXTENDED)).name])
     result = _diagnosed(data, out, seed, threads, as_json)
     _tell(result, as_json)
     if out is not None and not as_json:
@@ -77,7 +76,7 @@ def _diagnosed(
         say(f"stickslip: interrupted at the stage '{bar.stage}'{kept}", err=True)
         raise
     except OSError:
-        if bar.stage == "report":  # what was found is told also where a disk was full
+        if bar.stage == "report":  # the verdict is printed even if a disk was full
             _tell(result, as_json)
         raise
     return result

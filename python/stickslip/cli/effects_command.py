@@ -5,8 +5,8 @@ from __future__ import annotations
 import click
 
 from stickslip._util.strict_json import json_text
+from stickslip.cli.common import JSON
 from stickslip.cli.keys_command import as_dict, indented
-from stickslip.cli.options import JSON
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import suggestion
 from stickslip.scenario.named_effects import PREFIX, Effect, effects

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.atomic_files import check_writable, replacing
+from stickslip._util.atomic_files import replacing
 from stickslip._util.strict_json import json_text
-from stickslip.cli.lines import say
-from stickslip.cli.options import PATH
+from stickslip.cli.common import PATH, say
+from stickslip.cli.targets import check_target
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import PROGRAM, Key, known_keys
 from stickslip.scenario.section_table import SECTIONS
@@ -46,17 +46,13 @@ def command(file: Path) -> None:
     """
     if file.is_file() or file.is_symlink():
         raise ScenarioError(f"{file} is already there: choose another name, or remove it")
-    try:
-        check_writable(file)
-    except OSError as error:
-        raise ScenarioError(str(error)) from None
-    text = commented_defaults()
+    check_target("FILE", file, {})
     with replacing(file) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(_commented_defaults(), encoding="utf-8")
     say(f"wrote {file}")
 
 
-def commented_defaults() -> str:
+def _commented_defaults() -> str:
     """The text of a scenario file with every key at its default."""
     blocks = [_HEAD]
     for section in SECTIONS:

@@ -7,7 +7,7 @@ import textwrap
 import click
 
 from stickslip._util.strict_json import json_text
-from stickslip.cli.options import JSON
+from stickslip.cli.common import JSON
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import FILE, Key, known_keys, section_hint, shown
 
@@ -26,7 +26,11 @@ def command(section: str | None, as_json: bool) -> None:
     Each with its unit, its default, its range and what it means. A key is set by its section in a
     scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
     """
-    keys = [key for key in known_keys().values() if _belongs(key, section)]
+    keys = [
+        key
+        for key in known_keys().values()
+        if section in (None, key.section) or key.section.startswith(f"{section}.")
+    ]
     if not keys:
         raise ScenarioError(f"{section}: there is no such section; {section_hint(str(section))}")
     if as_json:
@@ -37,10 +41,6 @@ def command(section: str | None, as_json: bool) -> None:
         for name in dict.fromkeys(key.section for key in keys)
     ]
     click.echo("\n\n".join(blocks))
-
-
-def _belongs(key: Key, section: str | None) -> bool:
-    return section is None or key.section == section or key.section.startswith(f"{section}.")
 
 
 def as_dict(key: Key) -> dict[str, object]:
@@ -60,4 +60,5 @@ def _as_text(key: Key) -> str:
 
 def indented(text: str) -> list[str]:
     """Lines of a text, those after the first further in."""
+    # Chosen: like the width of the help texts, 100, with a margin.
     return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="        ")

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 PATIENCE = 2.0
-"""Time that passes without a bar, s."""
+"""Time that passes without a bar, s. Chosen: a shorter wait needs no explanation."""
 
 _OF_A_FRACTION = "{desc}: {percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
 _OF_POINTS = (
@@ -16,17 +16,11 @@ _OF_POINTS = (
 
 
 class ProgressBar:
-    """A context, and the function that is told in it what is done, 0 to 1, and at which stage.
+    """A context, and the function that is called in it with the part that is done and the stage.
 
-    With a number of `points` it shows their count, its rate and the time left. What the first call
-    then finds done was done before, and is no part of the rate.
-
-    Attributes
-    ----------
-    fraction : float
-        The part that is done, 0 to 1.
-    stage : str
-        What is being done.
+    `fraction` is the part that is done, 0 to 1, and `stage` what is being done. With a number of
+    `points` the bar shows their count, its rate and the time left. Points that are done at the
+    first call were done by an earlier sweep, and do not count in the rate.
     """
 
     def __init__(self, stage: str, points: int = 0) -> None:
@@ -48,11 +42,11 @@ class ProgressBar:
             delay=PATIENCE,
             file=sys.stderr,
             leave=False,
-            # A bar that nobody watches fills a log.
+            # In a log each update is a line.
             mininterval=0.1 if sys.stderr.isatty() else PATIENCE,
             bar_format=_OF_POINTS if self._points else _OF_A_FRACTION,
             unit=" points",
-            smoothing=0.1,  # chunks of points come unevenly
+            smoothing=0.1,  # chosen: the rate is an average, as points come in groups
         )
         return self
 

@@ -9,7 +9,7 @@ import click
 
 from stickslip._util.plain_text import printable
 from stickslip._util.strict_json import json_text
-from stickslip.cli.options import JSON, PATH, THREADS
+from stickslip.cli.common import JSON, PATH, THREADS
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 @JSON
 def command(
     out: Path, only: str | None, measured: Path | None, threads: int | None, as_json: bool
-) -> int:
+) -> None:
     """Redo the paper's simulations and test its statements.
 
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
@@ -51,11 +51,10 @@ def command(
     if names == []:
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
     figures = [f"{name}{suffix}" for name in names or FIGURES for suffix in (".png", ".csv")]
-    check_folder_target("--out", out, [PAGE, SETTINGS, *figures])
+    check_folder_target(out, [PAGE, SETTINGS, *figures])
     with ProgressBar("trying settings") as bar:
         result = reproduce(out, only=names, measured=measured, threads=threads, progress=bar)
     click.echo(json_text(result.as_dict()) if as_json else _table(result))
-    return 0
 
 
 def _table(result: Reproduction) -> str:
@@ -67,8 +66,5 @@ def _table(result: Reproduction) -> str:
         lines.append(f"{each.name:<4} {each.text}")
         lines.append(f"     {'; '.join(filter(None, [each.verdict.text, holds]))}")
         lines.append(f"     {each.numbers}")
-    lines += [
-        "",
-        f"{len(result.figures)} figures in {result.seconds:.0f} s: {printable(result.page)}",
-    ]
-    return "\n".join(lines)
+    made = f"{len(result.figures)} figures in {result.seconds:.0f} s: {printable(result.page)}"
+    return "\n".join([*lines, "", made])

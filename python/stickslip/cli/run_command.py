@@ -9,13 +9,12 @@ import click
 
 from stickslip._util.number_text import highest
 from stickslip._util.strict_json import json_text
-from stickslip.cli.lines import say
-from stickslip.cli.options import JSON, PATH, SET
+from stickslip.cli.common import JSON, PATH, SET, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
-from stickslip.cli.summary_table import summary_table
+from stickslip.cli.tables import summary_table
 from stickslip.cli.targets import check_target, input_files, same_file
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.simulation.run import SUFFIXES
 
 if TYPE_CHECKING:
@@ -24,14 +23,12 @@ if TYPE_CHECKING:
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
 _RATE = 2e4
-# At high frequencies, so that a sawtooth's edge is a fiftieth of a pulse wide at most.
+# Chosen: at high frequencies a sawtooth's edge is then at most a fiftieth of a pulse wide.
 _SAMPLES_PER_PULSE = 50
-# Fewer draw a sawtooth's edge in a wrong place and miss whole slips.
+# Chosen: with fewer a sawtooth's edge is drawn in a wrong place, and whole slips are missed.
 _FEWEST_PER_PULSE = 20
-# Of a run longer than this allows, some 145 MB of arrays, the picture and the file are coarser.
+# Chosen: some 145 MB of arrays; of a longer run the picture and the file are coarser.
 _MOST_SAMPLES = 1_000_000
-
-_STRETCH = ("--start", "--stop")
 
 
 @click.command(
@@ -96,7 +93,7 @@ def command(
             run.save(out)
         if plot is not None:
             _draw(run, plot, start, stop)
-    finally:  # what was simulated is told also where a disk was full
+    finally:  # the summary is printed even if a disk was full
         click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
         if not run.ok:
             say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
@@ -120,7 +117,7 @@ def _draw(run: Run, path: Path, start: float | None, stop: float | None) -> None
 
     try:
         figure = drawing.run(run, start, stop)
-    except ValueError as error:  # a run that failed before `start`, say
+    except ValueError as error:  # for instance a run that failed before `start`
         say(f"stickslip: --plot: nothing drawn: {error}", err=True)
         return
     drawing.save(figure, path)
@@ -160,7 +157,7 @@ def _note(text: str) -> None:
 def _check_stretch(
     scenario: Scenario, plot: Path | None, start: float | None, stop: float | None
 ) -> None:
-    for option, time in zip(_STRETCH, (start, stop), strict=True):
+    for option, time in (("--start", start), ("--stop", stop)):
         if time is None:
             continue
         if plot is None:
@@ -187,7 +184,5 @@ def _check_targets(
         check_target("--plot", plot, inputs)
         from stickslip.plot import check_format
 
-        try:
+        with prefixed("--plot", ValueError):
             check_format(plot)
-        except ValueError as error:
-            raise ScenarioError(f"--plot: {error}") from None

@@ -1,81 +1,68 @@
-"""The option ``--set key=value``."""
+"""The options ``--set key=value`` and ``--vary key=start:stop:count`` or ``key=a,b,c``."""
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value, checked
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.scenario.toml_file import read_parts
+from stickslip.scenario.waveform import Waveform
+from stickslip.sweeping.points import MOST_POINTS
 
-QUOTES = ("'", '"')
+_QUOTES = ("'", '"')
 
 _WITH_UNIT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*[A-Za-zµμΩ%°][\w µμΩ%°/*^·-]*")
 
+_VARY = "allowed is key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40"
+
 
 def split_setting(text: str) -> tuple[str, str]:
-    """Key and text of ``key=value``.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no ``=`` or no key.
-    """
-    key, equals, value = text.partition("=")
-    key, value = key.strip(), value.strip()
+    """Key and text of ``key=value``; a ScenarioError if there is no ``=`` or no key."""
+    key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key:
         raise ScenarioError(f'--set "{text}": allowed is key=value, such as drive.frequency=30')
-    return key, unquoted(value) if key == FILE else value
+    return key, _unquoted(value) if key == FILE else value
 
 
 def parse_setting(text: str) -> tuple[str, Any]:
-    """Key and value of ``key=value``; a value that reads as a number is one.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no ``=`` or no key, or the value is a number with a unit or an open quote.
-    """
+    """Key and value of ``key=value``; a value that reads as a number is one."""
     key, value = split_setting(text)
-    if key == FILE:
-        return PROGRAM, _waveform(value)
     if key == PROGRAM:
         raise ScenarioError(f"--set {key}: there is no such key; {PROGRAM_HINT}")
-    try:
+    with prefixed(f"--set {key}"):
+        if key == FILE:
+            return PROGRAM, Waveform.from_csv(Path(value))
         return key, parse_value(value)
-    except ScenarioError as error:
-        raise ScenarioError(f"--set {key}: {error}") from None
 
 
 def parse_value(text: str) -> Value:
     """A number if it reads as one, else a word, whose quotes can be left out.
 
-    Raises
-    ------
-    ScenarioError
-        If it is a number with a unit, or has a quote at one end only.
+    A ScenarioError says that it is a number with a unit, or has a quote at one end only.
     """
     for number in (int, float):
         try:
             return number(text)
         except ValueError:
             continue
-    with_unit = _WITH_UNIT.fullmatch(text)
-    if with_unit is not None:
+    if _WITH_UNIT.fullmatch(text):
         raise ScenarioError(
             f"{text}: allowed is a number without its unit, in SI units: 2.5 mT is 2.5e-3"
         )
-    return unquoted(text)
+    return _unquoted(text)
 
 
-def unquoted(text: str) -> str:
+def _unquoted(text: str) -> str:
     """A word without the quotes around it, which have to be a pair."""
-    if text[:1] in QUOTES or text[-1:] in QUOTES:
+    if text[:1] in _QUOTES or text[-1:] in _QUOTES:
         if len(text) < 2 or text[0] != text[-1]:
             raise ScenarioError(f"{text}: a quote has no partner")
         return text[1:-1]
@@ -87,40 +74,76 @@ def read_with(
 ) -> Scenario:
     """The scenario of a file with all ``--set`` options, the last of each key.
 
-    `vary` has allowed values of ``--vary``, which come too. Voltages that are set take the place of
-    the whole drive, but its direction. What the file has in place of a new value may be wrong.
-
-    Raises
-    ------
-    ScenarioError
-        If the file is no scenario, a key is unknown or a value not allowed.
+    `vary` has allowed values of ``--vary``, which are applied too. Voltages that are set replace
+    the whole drive, but its direction. A value of the file that is replaced is not checked.
     """
     changes = dict(parse_setting(text) for text in settings)
     if PROGRAM in changes:
         changes.setdefault("drive.mode", "program")
     elif changes.get("drive.mode", "program") != "program":
         changes[PROGRAM] = None
-    try:
+    with prefixed("--set"):
         for key, value in changes.items():
             if key != PROGRAM:
                 checked(key, value)
-    except ScenarioError as error:
-        raise ScenarioError(f"--set: {error}") from None
     changes |= vary or {}
     parts = read_parts(path, changes)
     options = [name for name, given in (("--set", settings), ("--vary", vary)) if given]
-    try:
+    with prefixed(f"{path} with {' and '.join(options)}" if options else path):
         refuse_sawtooth(parts["drive"].mode, changes)
         return Scenario(**parts)
-    except ScenarioError as error:
-        where = f"{path} with {' and '.join(options)}" if options else path
-        raise ScenarioError(f"{where}: {error}") from None
 
 
-def _waveform(path: str) -> Any:
-    from stickslip.scenario.waveform import Waveform
+def parse_vary(texts: Sequence[str]) -> dict[str, list[Value]]:
+    """Values of all ``--vary`` options by key, in the order given; each key once."""
+    vary: dict[str, list[Value]] = {}
+    for text in texts:
+        key, equals, values = (part.strip() for part in text.partition("="))
+        with prefixed(f'--vary "{text}"'):
+            if not equals or not key:
+                raise ScenarioError(_VARY)
+            if key in vary:
+                raise ScenarioError(f"{key} is there twice")
+            vary[key] = _range(values) if ":" in values else _list(values)
+    return vary
 
+
+def _range(values: str) -> list[Value]:
+    """Evenly spaced values with both ends."""
+    parts = [part.strip() for part in values.split(":")]
+    if len(parts) != 3:
+        raise ScenarioError(_VARY)
+    start, stop, count = _number(parts[0]), _number(parts[1]), _count(parts[2])
+    if count == 1 and start != stop:
+        raise ScenarioError("one value cannot be both start and stop")
+    if count > 1 and start == stop:
+        raise ScenarioError("the range is empty, as start and stop are the same")
+    # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
+    step = (stop - start) / max(count - 1, 1)
+    return [float(start + place * step) for place in range(count)]
+
+
+def _number(text: str) -> Decimal:
     try:
-        return Waveform.from_csv(Path(path))
-    except ScenarioError as error:
-        raise ScenarioError(f"--set {FILE}: {error}") from None
+        number = Decimal(text)
+        if math.isfinite(float(number)):
+            return number
+    except (InvalidOperation, ValueError):
+        pass
+    raise ScenarioError("allowed as start and stop are finite numbers")
+
+
+def _count(text: str) -> int:
+    # The length is compared first: int() of very long texts is slow.
+    if text.isdecimal() and len(text) < 12 and 1 <= int(text) <= MOST_POINTS:
+        return int(text)
+    raise ScenarioError(f"allowed as count is a whole number from 1 to {MOST_POINTS}")
+
+
+def _list(values: str) -> list[Value]:
+    parts = [part.strip() for part in values.split(",")]
+    if parts == [""]:
+        raise ScenarioError("there is no value")
+    if "" in parts:
+        raise ScenarioError("a value beside a comma is missing")
+    return [parse_value(part) for part in parts]

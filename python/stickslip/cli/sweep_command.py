@@ -10,14 +10,12 @@ import click
 from stickslip._util.atomic_files import NETCDF_SUFFIXES
 from stickslip._util.strict_json import json_text
 from stickslip.cli.cluster import cluster
-from stickslip.cli.lines import say
-from stickslip.cli.options import JSON, PATH, SET, THREADS
+from stickslip.cli.common import JSON, PATH, SET, THREADS, say
 from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import parse_setting, read_with
-from stickslip.cli.sweep_table import as_dict, failure, table
+from stickslip.cli.settings import parse_setting, parse_vary, read_with
+from stickslip.cli.tables import sweep_as_dict, sweep_failure, sweep_table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
-from stickslip.cli.vary import parse_vary
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
@@ -88,10 +86,10 @@ def command(
         if error.errno:  # of the system, in the midst of the work
             raise
         raise ScenarioError(f"--out: {error}") from None
-    click.echo(json_text(as_dict(data)) if as_json else table(data))
-    said = failure(data)
-    if said:
-        say(f"stickslip: {said}", err=True)
+    click.echo(json_text(sweep_as_dict(data)) if as_json else sweep_table(data))
+    failure = sweep_failure(data)
+    if failure:
+        say(f"stickslip: {failure}", err=True)
 
 
 def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) -> Points:
@@ -100,12 +98,10 @@ def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) ->
         if key in values:
             raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
     base = _base(scenario, settings, values)
-    try:
+    with prefixed("--vary"):
         if "drive.mode" not in values:
             refuse_sawtooth(base.drive.mode, values)
         return grid(base, values)
-    except ScenarioError as error:
-        raise ScenarioError(f"--vary: {error}") from None
 
 
 def _base(
@@ -117,10 +113,8 @@ def _base(
     except ScenarioError:
         if not scenario.is_file():  # a pipe can be read once
             raise
-        try:
+        with prefixed("--vary"):
             grid(Scenario(), values)
-        except ScenarioError as error:
-            raise ScenarioError(f"--vary: {error}") from None
         return read_with(scenario, settings, {key: each[0] for key, each in values.items()})
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
 from stickslip.cli.settings import split_setting
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.toml_file import voltage_file
 
@@ -30,39 +30,21 @@ def input_files(scenario: Path, settings: Sequence[str]) -> Inputs:
 def check_target(
     option: str, path: Path, inputs: Inputs, suffixes: tuple[str, ...] | None = None
 ) -> None:
-    """Refuse a path that cannot be written, has another suffix, or is a file that is read.
-
-    Raises
-    ------
-    ScenarioError
-        Naming the option and the path.
-    """
+    """Refuse a path that cannot be written, has another suffix, or is a file that is read."""
     for what, read in inputs.items():
         if same_file(path, read):
             raise ScenarioError(f"{option}: {path} is {what}, which it would overwrite")
-    try:
+    with prefixed("", OSError):  # whose message names the path
         check_writable(path)
-    except OSError as error:
-        raise ScenarioError(str(error)) from None
     if suffixes is not None:
-        try:
+        with prefixed(option, ValueError):
             check_suffix(path, suffixes)
-        except ValueError as error:
-            raise ScenarioError(f"{option}: {error}") from None
 
 
-def check_folder_target(option: str, path: Path, files: Iterable[str] = ()) -> None:
-    """Refuse a folder that cannot be made or written to, or in which one of `files` cannot.
-
-    Raises
-    ------
-    ScenarioError
-        Naming the option and the path.
-    """
-    try:
+def check_folder_target(path: Path, files: Iterable[str]) -> None:
+    """Refuse a folder ``--out`` that cannot be made, or in which one of `files` cannot."""
+    with prefixed("--out", OSError):
         check_folder(path, files)
-    except OSError as error:
-        raise ScenarioError(f"{option}: {error}") from None
 
 
 def same_file(one: Path, other: Path) -> bool:

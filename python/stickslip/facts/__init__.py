@@ -1,4 +1,4 @@
-"""What a measurement and its diagnosis have to tell, as data, and the sentences for it."""
+"""Messages of a measurement and its diagnosis: codes with fields, and their sentences."""
 
 from __future__ import annotations
 

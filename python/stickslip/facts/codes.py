@@ -6,262 +6,151 @@ from enum import Enum
 
 
 class Code(str, Enum):
-    """What a `Fact` says; the values are those of report.json."""
+    """What a `Fact` says; the values are those of report.json, and of sentences.toml."""
 
     # What of the tables is not used.
-    ROWS_LEFT_OUT = "rows-left-out"
-    """More than a few rows of a table are not used."""
-    CELL_COUNT = "cell-count"
-    """Rows with fewer or more cells than the table has columns."""
-    NOT_A_NUMBER = "not-a-number"
-    """Rows whose cell should be a number and is none."""
-    REPEATED_ROW = "repeated-row"
-    """Rows that repeat an earlier one."""
-    SETTING_REFUSED = "setting-refused"
-    """Rows with a setting that no scenario can have."""
-    SETTING_TOO_LARGE = "setting-too-large"
-    """Rows with a setting so large that its unit must be wrong."""
-    SETTING_TOO_SMALL = "setting-too-small"
-    """Rows with a setting so small that its unit must be wrong."""
-    OUTLIER = "outlier"
-    """A trial absurdly far from the others of its condition."""
-    TOO_FAST = "too-fast"
-    """Velocities so large that their unit must be wrong."""
-    BAD_CELLS = "bad-cells"
-    """Rows with a cell that is no number, too few cells or too many."""
-    GAPS = "gaps"
-    """An optional column has cells that are no number."""
-    NO_SOUND_ROW = "no-sound-row"
-    """A table without a row that can be used."""
-    FRAMES_SORTED = "frames-sorted"
-    """Frames were put in the order of time."""
-    REPEATED_TIMES = "repeated-times"
-    """Frames whose time an earlier one has."""
-    FRAMES_AFTER_DRIVE = "frames-after-drive"
-    """Frames after the last pulse."""
-    FRAMES_NOT_NEEDED = "frames-not-needed"
-    """Frames beyond those that are enough."""
-    FRAME_RATE_NOT_USED = "frame-rate-not-used"
-    """The stated frame rate contradicts the times of the frames."""
-    RUN_TOO_SHORT = "run-too-short"
-    """A film with too few sound frames."""
-    RUN_ANGLE_UNIT = "run-angle-unit"
-    """A film whose angles can only be in degrees."""
-    RUN_LENGTH_UNIT = "run-length-unit"
-    """A film whose places can only be in mm or um."""
-    RUN_STANDS_STILL = "run-stands-still"
-    """A film in which nothing changes."""
-    COLUMN_TOO_SHORT = "column-too-short"
-    """An optional column of a film with too few numbers."""
-    COLUMN_SIZE = "column-size"
-    """A column of a film that is far from the stated model's."""
-    WILD_FRAMES = "wild-frames"
-    """Frames far from all others of their phase."""
-    ANGLE_BEYOND_TURN = "angle-beyond-turn"
-    """An angle of more than half a turn."""
-    LONELY_ANGLE = "lonely-angle"
-    """An angle far from both its neighbours, which agree."""
-    PROBES_ON_WIRE = "probes-on-wire"
-    """Rows of a field table that lie on the wire of a coil."""
-    FAR_FIELD = "far-field"
-    """A field that no gain of the coils gives."""
-    CONDITION_NOT_COMPUTED = "condition-not-computed"
-    """A condition that the stated model cannot compute."""
+    ROWS_LEFT_OUT = "rows-left-out"  #: More than a few rows of a table are not used.
+    CELL_COUNT = "cell-count"  #: Rows with fewer or more cells than the table has columns.
+    NOT_A_NUMBER = "not-a-number"  #: Rows whose cell should be a number and is none.
+    REPEATED_ROW = "repeated-row"  #: Rows that repeat an earlier one.
+    SETTING_REFUSED = "setting-refused"  #: Rows with a setting that no scenario can have.
+    SETTING_TOO_LARGE = "setting-too-large"  #: Rows with a setting so large that its unit is wrong.
+    SETTING_TOO_SMALL = "setting-too-small"  #: Rows with a setting so small that its unit is wrong.
+    OUTLIER = "outlier"  #: A trial absurdly far from the others of its condition.
+    TOO_FAST = "too-fast"  #: Velocities so large that their unit must be wrong.
+    BAD_CELLS = "bad-cells"  #: Rows with a cell that is no number, too few cells or too many.
+    GAPS = "gaps"  #: An optional column has cells that are no number.
+    NO_SOUND_ROW = "no-sound-row"  #: A table without a row that can be used.
+    FRAMES_SORTED = "frames-sorted"  #: Frames were put in the order of time.
+    REPEATED_TIMES = "repeated-times"  #: Frames whose time an earlier one has.
+    FRAMES_AFTER_DRIVE = "frames-after-drive"  #: Frames after the last pulse.
+    FRAMES_NOT_NEEDED = "frames-not-needed"  #: Frames beyond those that are enough.
+    FRAME_RATE_NOT_USED = "frame-rate-not-used"  #: The stated rate contradicts the times of frames.
+    RUN_TOO_SHORT = "run-too-short"  #: A film with too few sound frames.
+    RUN_ANGLE_UNIT = "run-angle-unit"  #: A film whose angles can only be in degrees.
+    RUN_LENGTH_UNIT = "run-length-unit"  #: A film whose places can only be in mm or um.
+    RUN_STANDS_STILL = "run-stands-still"  #: A film in which nothing changes.
+    COLUMN_TOO_SHORT = "column-too-short"  #: An optional column of a film with too few numbers.
+    COLUMN_SIZE = "column-size"  #: A column of a film that is far from the stated model's.
+    WILD_FRAMES = "wild-frames"  #: Frames far from all others of their phase.
+    ANGLE_BEYOND_TURN = "angle-beyond-turn"  #: An angle of more than half a turn.
+    LONELY_ANGLE = "lonely-angle"  #: An angle far from both its neighbours, which agree.
+    PROBES_ON_WIRE = "probes-on-wire"  #: Rows of a field table that lie on the wire of a coil.
+    FAR_FIELD = "far-field"  #: A field that no gain of the coils gives.
+    CONDITION_NOT_COMPUTED = "condition-not-computed"  #: The stated model cannot compute it.
 
     # What is known of the noise.
-    NOISE_STATED = "noise-stated"
-    """Too few repeats; the stated relative error is used."""
-    NOISE_UNKNOWN = "noise-unknown"
-    """Too few repeats, and no stated error."""
-    SETUPS = "setups"
-    """How far set-ups scatter."""
+    NOISE_STATED = "noise-stated"  #: Too few repeats; the stated relative error is used.
+    NOISE_UNKNOWN = "noise-unknown"  #: Too few repeats, and no stated error.
+    SETUPS = "setups"  #: Scatter between the set-ups of the apparatus.
+    #: The table does not say which trials belong to one set-up.
     NO_BLOCK_COLUMN = "no-block-column"
-    """Set-ups are not known."""
-    ONE_BLOCK = "one-block"
-    """There is one set-up only."""
-    SETUPS_NOT_CROSSED = "setups-not-crossed"
-    """No condition was repeated in another set-up."""
-    UNEVEN_SETUP = "uneven-setup"
-    """The trials of one set-up scatter more than all others."""
-    MODEL_JUMPS = "model-jumps"
-    """The model itself jumps by more than the noise."""
-    STANDS_STILL = "stands-still"
-    """Conditions that read zero where the stated model moves."""
-    READING_NOISE = "reading-noise"
-    """Noise of a reading of an angle or a field, widened as it is an estimate."""
+    ONE_BLOCK = "one-block"  #: There is one set-up only.
+    SETUPS_NOT_CROSSED = "setups-not-crossed"  #: No condition was repeated in another set-up.
+    UNEVEN_SETUP = "uneven-setup"  #: The trials of one set-up scatter more than all others.
+    MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
+    STANDS_STILL = "stands-still"  #: Conditions that read zero where the stated model moves.
+    READING_NOISE = "reading-noise"  #: Noise of an angle or a field, widened as it is an estimate.
+    #: The noise found is below what a reading can have, which is taken.
     READING_NOISE_SMALL = "reading-noise-small"
-    """The noise found is below what a reading can have, which is taken."""
+    #: Too few rows tell the noise; what a reading can have is taken.
     READING_NOISE_UNKNOWN = "reading-noise-unknown"
-    """Too few rows tell the noise; what a reading can have is taken."""
-    FRAME_NOISE = "frame-noise"
-    """Noise of a frame from repeats of a phase."""
-    FRAME_NOISE_ABOVE_STATED = "frame-noise-above-stated"
-    """Frames scatter more than was stated."""
+    FRAME_NOISE = "frame-noise"  #: Noise of a frame from repeats of a phase.
+    FRAME_NOISE_ABOVE_STATED = "frame-noise-above-stated"  #: Frames scatter more than was stated.
+    #: Nothing tells the noise of a frame; the whole misfit counts as noise.
     FRAME_NOISE_UNKNOWN = "frame-noise-unknown"
-    """Nothing tells the noise of a frame; the whole misfit counts as noise."""
-    ROUNDED_COLUMN = "rounded-column"
-    """Readings of a film are rounded to steps wider than their noise."""
-    PERIODS_DIFFER = "periods-differ"
-    """Periods of a film differ by more than the noise of frames."""
-    ADVANCE_SCATTERS = "advance-scatters"
-    """The advance of a film scatters from period to period beyond the noise of frames."""
+    ROUNDED_COLUMN = "rounded-column"  #: A film is rounded to steps wider than its noise.
+    PERIODS_DIFFER = "periods-differ"  #: Periods of a film differ by more than the noise of frames.
+    ADVANCE_SCATTERS = "advance-scatters"  #: Periods of a film advance by different distances.
 
     # Why the data allow no diagnosis.
-    STATED_PROBLEM = "stated-problem"
-    """A problem that the caller stated."""
-    ALL_ZERO = "all-zero"
-    """Every reading is zero."""
-    TOO_FEW_CONDITIONS = "too-few-conditions"
-    """Too few conditions to tell causes apart."""
-    NO_NOISE = "no-noise"
-    """No error is known by which a misfit could be judged."""
-    CONDITIONS_ALIKE = "conditions-alike"
-    """The conditions differ by no more than their trials do."""
-    ROUNDED = "rounded"
-    """Repeated trials read alike too often."""
-    DRIFT = "drift"
-    """Velocities change with the order in which they were measured."""
-    NOTHING_COMPUTED = "nothing-computed"
-    """The stated model can compute no condition."""
-    VELOCITIES_SIZE = "velocities-size"
-    """The velocities are far from what the stated model gives."""
-    VELOCITY_SIZE = "velocity-size"
-    """The velocity of a condition is far above the stated model's fastest."""
-    OPPOSITE_SIGN = "opposite-sign"
-    """The velocities have the opposite sign of the stated model's."""
-    SPEEDS = "speeds"
-    """The velocities have no sign."""
-    REVERSED = "reversed"
-    """The velocities of one direction or mode have the reverse sign."""
+    STATED_PROBLEM = "stated-problem"  #: A problem that the caller stated.
+    ALL_ZERO = "all-zero"  #: Every reading is zero.
+    TOO_FEW_CONDITIONS = "too-few-conditions"  #: Too few conditions to tell causes apart.
+    NO_NOISE = "no-noise"  #: No error is known by which a misfit could be judged.
+    CONDITIONS_ALIKE = "conditions-alike"  #: The conditions differ by no more than their trials do.
+    ROUNDED = "rounded"  #: Repeated trials read alike too often.
+    DRIFT = "drift"  #: Velocities change with the order in which they were measured.
+    NOTHING_COMPUTED = "nothing-computed"  #: The stated model can compute no condition.
+    VELOCITIES_SIZE = "velocities-size"  #: The velocities are far from what the stated model gives.
+    VELOCITY_SIZE = "velocity-size"  #: A velocity is far above the stated model's fastest.
+    OPPOSITE_SIGN = "opposite-sign"  #: The velocities have the opposite sign of the stated model's.
+    SPEEDS = "speeds"  #: The velocities have no sign.
+    REVERSED = "reversed"  #: The velocities of one direction or mode have the reverse sign.
 
-    # Why a verdict is what it is, and no bolder one.
-    NOTHING_DETECTED = "nothing-detected"
-    """Both tests pass."""
-    RUNNER_UP = "runner-up"
-    """The best of the others, which is behind."""
-    OTHER_LEADS = "other-leads"
-    """Another candidate leads."""
+    # Why a verdict is what it is, and no more definite one.
+    NOTHING_DETECTED = "nothing-detected"  #: Both tests pass.
+    RUNNER_UP = "runner-up"  #: The best of the others, which is behind.
+    OTHER_LEADS = "other-leads"  #: Another candidate leads.
+    #: Another candidate leads, but does not explain the data.
     OTHER_LEADS_UNEXPLAINED = "other-leads-unexplained"
-    """Another candidate leads, but does not explain the data."""
-    NEAREST = "nearest"
-    """The candidate that leaves the least misfit, where none explains the data."""
-    ALIKE = "alike"
-    """The effects of the candidates on these data are alike."""
-    NOT_SEPARATED = "not-separated"
-    """The evidence does not separate the candidates."""
-    SEVERAL_PAIRS = "several-pairs"
-    """Several pairs explain the data about as well."""
-    LITTLE_EVIDENCE = "little-evidence"
-    """The log-evidence is hardly above that of no cause."""
-    STARTS_DISAGREE = "starts-disagree"
-    """Fits from different starts do not agree."""
-    NOT_PREDICTED_BETTER = "not-predicted-better"
-    """Conditions that are left out are not predicted better."""
-    AT_LIMIT = "at-limit"
-    """An amplitude is at the end of its physical range."""
-    TABLE_CONTRADICTS = "table-contradicts"
-    """One kind of table contradicts the candidate."""
-    TRAINING_SUBSET = "training-subset"
-    """Without the held-out conditions another candidate would lead."""
-    SMOOTH_REST = "smooth-rest"
-    """The candidate leaves too much that is smooth."""
-    NO_EXPLANATION = "no-explanation"
-    """Neither a cause nor a pair brings the misfit down to the noise."""
-    LESS_LIKELY = "less-likely"
-    """What explains the data is less likely than what does not."""
+    NEAREST = "nearest"  #: The candidate with the least misfit, where none explains the data.
+    ALIKE = "alike"  #: The effects of the candidates on these data are alike.
+    NOT_SEPARATED = "not-separated"  #: The evidence does not separate the candidates.
+    SEVERAL_PAIRS = "several-pairs"  #: Several pairs explain the data about as well.
+    LITTLE_EVIDENCE = "little-evidence"  #: The log-evidence is hardly above that of no cause.
+    STARTS_DISAGREE = "starts-disagree"  #: Fits from different starts do not agree.
+    NOT_PREDICTED_BETTER = "not-predicted-better"  #: Left-out conditions are not predicted better.
+    AT_LIMIT = "at-limit"  #: An amplitude is at the end of its physical range.
+    TABLE_CONTRADICTS = "table-contradicts"  #: One kind of table contradicts the candidate.
+    TRAINING_SUBSET = "training-subset"  #: Without the held-out conditions another would lead.
+    SMOOTH_REST = "smooth-rest"  #: The candidate leaves too much that is smooth.
+    NO_EXPLANATION = "no-explanation"  #: No cause and no pair brings the misfit down to the noise.
+    LESS_LIKELY = "less-likely"  #: What explains the data is less likely than what does not.
+    #: No single cause is adequate, and a pair leads by too little.
     PAIR_LEADS_TOO_LITTLE = "pair-leads-too-little"
-    """No single cause is adequate, and a pair leads by too little."""
-    PAIR_NEEDED = "pair-needed"
-    """No single cause explains the data as well as the pair."""
+    PAIR_NEEDED = "pair-needed"  #: No single cause explains the data as well as the pair.
 
     # What to measure next.
-    SEPARATES = "separates"
-    """A drive tells two candidates apart."""
+    SEPARATES = "separates"  #: A drive tells two candidates apart.
+    #: A drive is the best of those that were tried, and does not tell two candidates apart.
     SEPARATES_TOO_LITTLE = "separates-too-little"
-    """A drive is the best of those that were tried, and does not tell two candidates apart."""
-    NONE_SEPARATES = "none-separates"
-    """No drive that was tried tells the leading candidates apart."""
-    LOOK_AT_CURRENTS = "look-at-currents"
-    """The coil currents would tell members of a set apart."""
-    LOOK_AT_FIELD = "look-at-field"
-    """The field at the robot would."""
-    LOOK_AT_TILT = "look-at-tilt"
-    """Tilting the stage would."""
-    LOOK_AT_SCALE = "look-at-scale"
-    """A scale in the film would."""
-    LOOK_AT_CLOCK = "look-at-clock"
-    """A clock in the film would."""
-    LOOK_AT_REST = "look-at-rest"
-    """The robot without a field would."""
+    NONE_SEPARATES = "none-separates"  #: No drive that was tried tells the candidates apart.
+    LOOK_AT_CURRENTS = "look-at-currents"  #: The coil currents would tell members of a set apart.
+    LOOK_AT_FIELD = "look-at-field"  #: The field at the robot would tell members of a set apart.
+    LOOK_AT_TILT = "look-at-tilt"  #: Tilting the stage would tell members of a set apart.
+    LOOK_AT_SCALE = "look-at-scale"  #: A scale in the film would tell members of a set apart.
+    LOOK_AT_CLOCK = "look-at-clock"  #: A clock in the film would tell members of a set apart.
+    LOOK_AT_REST = "look-at-rest"  #: The robot without a field would tell members of a set apart.
+    #: Static tilts in held fields would tell members of a set apart.
     LOOK_AT_STATIC_TILT = "look-at-static-tilt"
-    """Static tilts in held fields would."""
 
     # What the verdict rests on.
-    MISFIT_EVEN = "misfit-even"
-    """The misfit is about the same in all parts of the data."""
-    MISFIT_UNEVEN = "misfit-uneven"
-    """The misfit is larger in some parts of the data."""
-    VELOCITIES_UNCHANGED = "velocities-unchanged"
-    """A cause hardly changes the velocities."""
-    VELOCITIES_FASTER = "velocities-faster"
-    """A cause makes all velocities faster."""
-    VELOCITIES_SLOWER = "velocities-slower"
-    """A cause makes all velocities slower."""
-    VELOCITIES_SHIFTED = "velocities-shifted"
-    """A cause shifts all velocities one way."""
-    VELOCITIES_MIXED = "velocities-mixed"
-    """A cause makes some velocities faster or slower."""
-    CONSTANT_CHANGES = "constant-changes"
-    """Two parts of the data do not agree about a constant."""
-    TRADE_OFF = "trade-off"
-    """Constants that can change together without a change of what was measured."""
-    LITTLE_KNOWN = "little-known"
-    """The data say little about a constant."""
+    MISFIT_EVEN = "misfit-even"  #: The misfit is about the same in all parts of the data.
+    MISFIT_UNEVEN = "misfit-uneven"  #: The misfit is larger in some parts of the data.
+    VELOCITIES_UNCHANGED = "velocities-unchanged"  #: A cause hardly changes the velocities.
+    VELOCITIES_FASTER = "velocities-faster"  #: A cause makes all velocities faster.
+    VELOCITIES_SLOWER = "velocities-slower"  #: A cause makes all velocities slower.
+    VELOCITIES_SHIFTED = "velocities-shifted"  #: A cause shifts all velocities one way.
+    VELOCITIES_MIXED = "velocities-mixed"  #: A cause makes some velocities faster or slower.
+    CONSTANT_CHANGES = "constant-changes"  #: Two parts of the data do not agree about a constant.
+    TRADE_OFF = "trade-off"  #: Constants that can change together without a change of the readings.
+    LITTLE_KNOWN = "little-known"  #: The data say little about a constant.
 
     # What angles, fields and films say of the models.
-    ANGLE_MISFIT = "angle-misfit"
-    """Errors of the models' angles."""
-    ANGLE_MODEL = "angle-model"
-    """What an angle of the model is."""
-    NO_ANGLE_WITHOUT_FIELD = "no-angle-without-field"
-    """No angle was read without a field."""
-    FIELD_MISFIT = "field-misfit"
-    """Errors of the models' fields."""
-    NO_FORCE_VIEW = "no-force-view"
-    """A film that shows no forces."""
-    ADVANCE = "advance"
-    """The way of a pulse, measured and of the models."""
-    TOO_FEW_PHASES = "too-few-phases"
-    """A film with too few phases of the drive for rates and forces."""
-    TORQUE_NOT_JUDGED = "torque-not-judged"
-    """The contact never sticks for long enough."""
-    TORQUE_CLEAN = "torque-clean"
-    """No torque is missing while the contact sticks."""
-    TORQUE_RESIDUAL = "torque-residual"
-    """A torque is missing while the contact sticks."""
-    FORCE_NOT_JUDGED = "force-not-judged"
-    """The contact never slips for long enough."""
-    FORCE_CLEAN = "force-clean"
-    """No force is missing while the contact slips."""
-    FORCE_RESIDUAL = "force-residual"
-    """A force is missing while the contact slips."""
-    ONSET_SAME = "onset-same"
-    """Friction over normal force at the onset of slip is the model's."""
-    ONSET_DIFFERS = "onset-differs"
-    """It is not the model's."""
+    ANGLE_MISFIT = "angle-misfit"  #: Errors of the models' angles.
+    ANGLE_MODEL = "angle-model"  #: What an angle of the model is.
+    NO_ANGLE_WITHOUT_FIELD = "no-angle-without-field"  #: No angle was read without a field.
+    FIELD_MISFIT = "field-misfit"  #: Errors of the models' fields.
+    NO_FORCE_VIEW = "no-force-view"  #: A film that shows no forces.
+    ADVANCE = "advance"  #: Distance that the robot moves in a pulse, measured and of the models.
+    TOO_FEW_PHASES = "too-few-phases"  #: A film with too few phases of the drive for forces.
+    TORQUE_NOT_JUDGED = "torque-not-judged"  #: The contact never sticks for long enough.
+    TORQUE_CLEAN = "torque-clean"  #: No torque is missing while the contact sticks.
+    TORQUE_RESIDUAL = "torque-residual"  #: A torque is missing while the contact sticks.
+    FORCE_NOT_JUDGED = "force-not-judged"  #: The contact never slips for long enough.
+    FORCE_CLEAN = "force-clean"  #: No force is missing while the contact slips.
+    FORCE_RESIDUAL = "force-residual"  #: A force is missing while the contact slips.
+    ONSET_SAME = "onset-same"  #: Friction over normal force at the onset of slip is the model's.
+    ONSET_DIFFERS = "onset-differs"  #: At the onset of slip this ratio differs.
+    #: Nothing drifts from period to period beyond the simulation.
     NO_DRIFT_OF_PERIODS = "no-drift-of-periods"
-    """Nothing drifts from period to period beyond the simulation."""
-    DRIFT_OF_TILT = "drift-of-tilt"
-    """The tilt drifts from period to period beyond the simulation."""
+    DRIFT_OF_TILT = "drift-of-tilt"  #: The tilt drifts from period to period beyond the simulation.
+    #: The advance drifts from period to period beyond the simulation.
     DRIFT_OF_ADVANCE = "drift-of-advance"
-    """The advance drifts from period to period beyond the simulation."""
-    FORCE_WITH_CAUSE = "force-with-cause"
-    """How the mean missing force changes with the cause."""
-    DIRECTIONS_TOO_SHORT = "directions-too-short"
-    """A film of two directions that shows no advance."""
-    DIRECTIONS_CANCEL = "directions-cancel"
-    """The advances of two directions are equal and opposite."""
-    DIRECTIONS_DIFFER = "directions-differ"
-    """The advances of two directions do not cancel."""
+    FORCE_WITH_CAUSE = "force-with-cause"  #: How the mean missing force changes with the cause.
+    DIRECTIONS_TOO_SHORT = "directions-too-short"  #: A film of two directions shows no advance.
+    DIRECTIONS_CANCEL = "directions-cancel"  #: Advances of two directions are equal and opposite.
+    DIRECTIONS_DIFFER = "directions-differ"  #: The advances of two directions do not cancel.
+    #: Missing forces that are fixed to the world, and that turn with the robot.
     FORCES_OF_DIRECTIONS = "forces-of-directions"
-    """Missing forces that are fixed to the world, and that turn with the robot."""

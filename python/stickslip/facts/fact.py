@@ -8,16 +8,12 @@ from typing import Any
 
 from stickslip._util.plain_text import printable
 from stickslip.facts.codes import Code
-from stickslip.facts.sentences_of_data import SENTENCES as OF_DATA
-from stickslip.facts.sentences_of_verdicts import SENTENCES as OF_VERDICTS
-
-SENTENCES = {**OF_DATA, **OF_VERDICTS}
-"""Of each code its sentence: a template of the fields, or a function of them."""
+from stickslip.facts.sentences import sentence
 
 
 @dataclass(frozen=True)
 class Fact:
-    """Something to tell, as data; ``str()`` gives its sentence.
+    """One message as data; ``str()`` gives its sentence.
 
     Attributes
     ----------
@@ -31,10 +27,7 @@ class Fact:
     fields: Mapping[str, Any]
 
     def __str__(self) -> str:
-        sentence = SENTENCES[self.code]
-        return printable(
-            sentence.format(**self.fields) if isinstance(sentence, str) else sentence(self.fields)
-        )
+        return printable(sentence(self.code, self.fields))
 
     def of(self, **fields: Any) -> Fact:
         """The same with further fields, such as the table that it is about."""

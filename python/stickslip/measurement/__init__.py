@@ -1,4 +1,4 @@
-"""Measured data: its file, its tables, and what was left out of them and why."""
+"""Measured data: the measurement file, its tables, and which rows were left out, with reasons."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Readings that are no readings of what was measured: one rule, and what each kind is held against.
+"""Outliers: readings that are left out, as they are no readings of what was measured.
 
-A reading is left out if it lies farther than `FAR` robust standard deviations from what the other
-readings let expect. What they let expect is another thing for each kind of table, and so are the
-errors, which is why four methods stand here:
+A reading is left out if it lies farther than `FAR` robust standard deviations from the value that
+is expected from the other readings. The expected value and its error are different for each kind of
+table, so there are four methods:
 
 ============================  ========================================  ===========================
 method                        expected                                  scale
@@ -52,7 +52,7 @@ _FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wro
 
 
 def robust_sd(deviation: Array, axis: int | None = None) -> Array:
-    """Standard deviation of most of the numbers, whatever a few of them do."""
+    """Standard deviation from the median of absolute values, which a few outliers do not change."""
     return np.asarray(ROBUST * np.median(np.abs(deviation), axis=axis))
 
 
@@ -98,14 +98,8 @@ def _scale(deviation: Array, level: Array) -> Callable[[Array], Array]:
 def far_from_their_neighbours(distance: Array, slope: Array, least: float) -> Mask:
     """Which rows are far from the line through their two neighbours, which agree with each other.
 
-    Parameters
-    ----------
-    distance : ndarray, shape (n,)
-        From that line.
-    slope : ndarray, shape (n,)
-        Difference of the two neighbours: where they differ by half the distance the curve is steep.
-    least : float
-        A distance that is never far.
+    `distance`, shape (n,), is that from the line, and `slope` the difference of the neighbours:
+    where that is half the distance the curve is steep. A distance below `least` is never far.
     """
     limit = max(FAR * float(robust_sd(distance)), least)
     return np.asarray((np.abs(distance) > limit) & (np.abs(distance) > 2.0 * np.abs(slope)))
@@ -124,17 +118,11 @@ def free_of_bends(distance: Array) -> Mask:
 def far_from_a_fit(fit: Callable[[Mask], Array | None], count: int, floor: float) -> Mask:
     """Which of `count` rows are far from a fit to the others, if they are few; else none.
 
-    Parameters
-    ----------
-    fit : callable
-        ``fit(rows)`` gives what a fit to these rows leaves over, shape (rows, components), or None
-        where they are too few to tell.
-    count : int
-    floor : float
-        Standard deviation below which none is believed.
+    ``fit(rows)`` gives the residuals of a fit to these rows, shape (rows, components), or None
+    where they are too few. No standard deviation below `floor` is used as the scale.
     """
     near = np.ones(count, dtype=bool)
-    # One by one, as the worst drags the fit of all others along.
+    # One by one, as the worst row shifts the fit of all others.
     for _ in range(int(_FEW * count) + 1):
         left = fit(near)
         if left is None:
@@ -149,12 +137,8 @@ def far_from_a_fit(fit: Callable[[Mask], Array | None], count: int, floor: float
 def far_from_their_phase(level: Array, quantum: float) -> Mask:
     """Which frames are far from those of nearly the same phase.
 
-    Parameters
-    ----------
-    level : ndarray, shape (n,)
-        Frames in the order of their phase, which goes round, less what else is known of them.
-    quantum : float
-        Step to which they are rounded, 0 for none.
+    `level`, shape (n,), is in the order of the phase, which is periodic, without what else is
+    known of the frames; `quantum` is the step to which it is rounded, 0 for none.
     """
     if len(level) < 2 * NEIGHBOURS:
         return np.zeros(len(level), dtype=bool)

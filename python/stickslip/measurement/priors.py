@@ -1,4 +1,4 @@
-"""What an experimenter knows of a parameter, in a coordinate that is standard normal."""
+"""Priors of parameters, and coordinates that are standard normal under them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
+from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 
@@ -52,8 +53,7 @@ class Prior:
             raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
         one, two = _NUMBERS[self.kind]
         for name, value in ((one, self.first), (two, self.second)):
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            if not number or not math.isfinite(value):
+            if not is_number(value) or not math.isfinite(value):
                 raise ScenarioError(f"{name} = {shown(value)}: allowed is a number")
         said = f"{one} = {self.first}, {two} = {self.second}"
         if self.kind == "normal" and self.second <= 0.0:
@@ -92,20 +92,12 @@ class Prior:
 
 
 def parse_prior(key: str, table: object) -> Prior:
-    """The prior of one entry of ``[uncertain]``.
-
-    Raises
-    ------
-    ScenarioError
-        If the table has none of the three forms, or a number that makes no distribution.
-    """
-    names = set(table) if isinstance(table, Mapping) else None
-    kind = next((kind for kind, numbers in _NUMBERS.items() if set(numbers) == names), None)
-    if not isinstance(table, Mapping) or kind is None:
-        given = shown(dict(table) if isinstance(table, Mapping) else table)
-        raise ScenarioError(f'[uncertain] "{key}" = {given}: allowed is {_FORMS}')
-    try:
-        prior = Prior(kind, *(table[name] for name in _NUMBERS[kind]))
-    except ScenarioError as error:
-        raise ScenarioError(f'[uncertain] "{key}" {error}') from None
-    return Prior(kind, float(prior.first), float(prior.second))
+    """The prior of one entry of ``[uncertain]``; a ScenarioError if it is none of the forms."""
+    for kind, numbers in _NUMBERS.items():
+        if isinstance(table, Mapping) and set(numbers) == set(table):
+            try:
+                prior = Prior(kind, *(table[name] for name in numbers))
+            except ScenarioError as error:
+                raise ScenarioError(f'[uncertain] "{key}" {error}') from None
+            return Prior(kind, float(prior.first), float(prior.second))
+    raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')

@@ -14,14 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.atomic_files import check_name
+from stickslip._util.number_text import is_number
 from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Fact
 from stickslip.measurement.priors import Prior, parse_prior
-from stickslip.measurement.tables import NothingSound, read_numbers, rows_of_frame
+from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import VelocityData, read_velocity, sound_trials
+from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -32,19 +33,16 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 
-_KNOWN = (
-    "stickslip_measurement", "name", "scenario", "uncertain", "velocity", "tracking", "angle",
-    "field",
-)  # fmt: skip
 _ENTRIES = {
     "velocity": ("file", "velocity_sd"),
     "tracking": ("file", "frame_rate", "exposure", "noise_x", "noise_theta", "drive"),
     "angle": ("file",),
     "field": ("file",),
 }
-_COLUMNS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "angle": (("Bx", "Bz", "theta"), ()),
-    "field": ((*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"), ()),
+_KNOWN = ("stickslip_measurement", "name", "scenario", "uncertain", *_ENTRIES)
+_COLUMNS = {
+    "angle": ("Bx", "Bz", "theta"),
+    "field": (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"),
 }
 
 Table = Mapping[str, NDArray[np.float64]]
@@ -119,8 +117,8 @@ class Measurement(OneLine):
             raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
         entry = {} if velocity_sd is None else {"velocity_sd": velocity_sd}
         path = Path("DataFrame")
-        header, rows = rows_of_frame(table)
-        data, left_out = sound_trials(path, header, rows, scenario, _relative_sd(entry), "row")
+        rows = rows_of_frame(table)
+        data, left_out = read_velocity(path, rows, scenario, _relative_sd(entry), "row")
         priors = _uncertain(dict(uncertain or {}), scenario)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
 
@@ -192,15 +190,15 @@ def _tables(
         for entry in _entries(document, kind):
             file = path.parent / entry["file"]
             if os.path.realpath(file) in files:
-                said_twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
-                raise ScenarioError(f"{said_twice}: allowed is once, or its rows would count twice")
+                twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
+                raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
             try:
-                found, said = _table(kind, file, entry, scenario)
-                tables[kind] += [] if found is None else [found]
+                found, facts = _table(kind, file, entry, scenario)
             except NothingSound as error:
-                said = [error.fact]
-            left_out += said
+                found, facts = None, [error.fact]
+            tables[kind] += [] if found is None else [found]
+            left_out += facts
     return tables, left_out
 
 
@@ -208,10 +206,10 @@ def _table(
     kind: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
 ) -> tuple[Any, list[Fact]]:
     if kind == "velocity":
-        return read_velocity(file, scenario, _relative_sd(entry))
+        return read_velocity(file, read_rows(file), scenario, _relative_sd(entry))
     if kind == "tracking":
         return read_tracking(file, entry, scenario)
-    return read_numbers(file, *_COLUMNS[kind])
+    return read_numbers(file, _COLUMNS[kind])
 
 
 def _path_of(table: Mapping[str, Any], key: str, section: str, kind: str) -> str:
@@ -245,15 +243,15 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                 "and not in [drive], [solver] or [record]"
             )
         prior = entry if isinstance(entry, Prior) else parse_prior(name, entry)
-        middle = float(prior.value(0.0))
-        scenario.replace({name: middle}) if name != "contact.kinetic_friction" else None
+        if name != "contact.kinetic_friction":  # whose middle may be above the static one's
+            scenario.replace({name: float(prior.value(0.0))})
         priors[name] = prior
     return priors
 
 
 def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
-    entries = document.get(kind, [])
-    if not isinstance(entries, list) or not all(isinstance(each, dict) for each in entries):
+    entries: list[dict[str, Any]] = document.get(kind, [])
+    if not _are_tables(entries):
         raise ScenarioError(f"{kind}: allowed are sections [[{kind}]]")
     for entry in entries:
         for key, value in entry.items():
@@ -263,17 +261,14 @@ def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
                     f"{suggestion(key, _ENTRIES[kind])}"
                 )
         file = _path_of(entry, "file", f"[[{kind}]] ", "a CSV file")
-        try:
+        with prefixed(f"[[{kind}]] file = {shown(file)}", OSError):
             check_name(file)
-        except OSError as error:
-            raise ScenarioError(f"[[{kind}]] file = {shown(file)}: {error}") from None
     return entries
 
 
 def _relative_sd(entry: Mapping[str, Any]) -> float:
     value = entry.get("velocity_sd", math.nan)
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if "velocity_sd" in entry and not (number and 0.0 < value < 1.0):
+    if "velocity_sd" in entry and not (is_number(value) and 0.0 < value < 1.0):
         raise ScenarioError(
             f"[[velocity]] velocity_sd = {shown(value)}: allowed is a number above 0 and below 1"
         )

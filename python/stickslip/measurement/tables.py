@@ -14,106 +14,97 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.atomic_files import read_bytes
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
-from stickslip.facts.sentences_of_data import LINES
+from stickslip.facts.sentences import LINES
 from stickslip.scenario.keys import shown, suggestion
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_NONSENSE = 1e60
-"""No quantity of a laboratory, in any unit; its fourth power is still a number."""
+Rows = tuple[list[str], list[tuple[int, list[str]]]]
+"""Header of a table, and its rows of text cells, each with the number of its line."""
+
+_LARGEST = 1e60
+"""Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
-"""Of a table. Chosen: far beyond what a laboratory has, and what memory holds as text."""
+"""Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
 
 
 class NothingSound(ScenarioError):
-    """A table without a sound row; `fact` says why.
-
-    Parameters
-    ----------
-    path : Path
-    why : Fact
-        What is wrong with the first rows.
-    """
+    """A table without a sound row; `why` is what is wrong with the first rows."""
 
     def __init__(self, path: Path, why: Fact) -> None:
         self.fact = Fact(Code.NO_SOUND_ROW, {"table": str(path), "why": why})
         super().__init__(self.fact)
 
 
-def read_rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+def read_rows(path: Path) -> Rows:
     """Header, and rows of text cells with the number of their line in the file.
 
-    Empty lines and lines that begin with # are skipped.
-
-    Raises
-    ------
-    ScenarioError
-        If the file cannot be read, is empty, has a column twice or other separators than commas.
+    Empty lines and lines that begin with # are skipped. A ScenarioError says that the file cannot
+    be read, is empty, has a column twice or other separators than commas.
     """
-    try:
-        data = read_bytes(path, _MOST_BYTES, "table")
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
+    with prefixed(path):
+        return _rows(read_bytes(path, _MOST_BYTES, "table"))
+
+
+def _rows(data: bytes) -> Rows:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ScenarioError(f"{path}: is no text: byte {error.start + 1} is not UTF-8") from None
+        raise ScenarioError(f"is no text: byte {error.start + 1} is not UTF-8") from None
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if len(lines) > _MOST_ROWS:
-        raise ScenarioError(f"{path}: {len(lines)} rows; allowed are {_MOST_ROWS}")
+        raise ScenarioError(f"{len(lines)} rows; allowed are {_MOST_ROWS}")
     try:
         cells = list(csv.reader(line for _, line in lines))
     except csv.Error as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from None
+        raise ScenarioError(f"cannot be read: {error}") from None
     if len(cells) != len(lines):
-        raise ScenarioError(f"{path}: a quoted cell goes over several lines; allowed is one line")
+        raise ScenarioError("a quoted cell goes over several lines; allowed is one line")
     rows = [
         (number, [cell.strip() for cell in row])
         for (number, _), row in zip(lines, cells, strict=True)
     ]
     if len(rows) < 2:
-        raise ScenarioError(f"{path}: has no row of data below a line of column names")
+        raise ScenarioError("has no row of data below a line of column names")
     header = rows[0][1]
     for separator, name in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and separator in header[0]:
-            raise ScenarioError(f"{path}: columns are separated by {name}; allowed are commas")
+            raise ScenarioError(f"columns are separated by {name}; allowed are commas")
     if len(header) > _MOST_COLUMNS:
-        raise ScenarioError(f"{path}: {len(header)} columns; allowed are {_MOST_COLUMNS}")
-    twice = sorted({name for name in header if header.count(name) > 1})
-    if twice:
-        raise ScenarioError(f"{path}: column {shown(twice[0])} is there twice")
+        raise ScenarioError(f"{len(header)} columns; allowed are {_MOST_COLUMNS}")
+    _refuse_twice(header)
     return header, rows[1:]
 
 
-def rows_of_frame(table: DataFrame) -> tuple[list[str], list[tuple[int, list[str]]]]:
+def _refuse_twice(header: Sequence[str]) -> None:
+    twice = sorted({name for name in header if header.count(name) > 1})
+    if twice:
+        raise ScenarioError(f"column {shown(twice[0])} is there twice")
+
+
+def rows_of_frame(table: DataFrame) -> Rows:
     """Header, and rows of text cells with their number, from 0; as `read_rows` has them of a file.
 
     Numbers are written so that reading them again gives the same ones; a cell without a value is
     empty.
-
-    Raises
-    ------
-    ScenarioError
-        If that is no table with a row of data, or it has a column twice.
     """
     import pandas as pd
 
     if not isinstance(table, pd.DataFrame):
         raise ScenarioError(f"table = {shown(table)}: allowed is a DataFrame")
     header = [str(name) for name in table.columns]
-    twice = sorted({name for name in header if header.count(name) > 1})
-    if twice:
-        raise ScenarioError(f"DataFrame: column {shown(twice[0])} is there twice")
-    if table.empty:
-        raise ScenarioError("DataFrame: has no row of data")
+    with prefixed("DataFrame"):
+        _refuse_twice(header)
+        if table.empty:
+            raise ScenarioError("has no row of data")
     columns = [[_cell(value) for value in table.iloc[:, k]] for k in range(len(header))]
     return header, [(k, list(row)) for k, row in enumerate(zip(*columns, strict=True))]
 
@@ -127,22 +118,16 @@ def _cell(value: Any) -> str:
 def in_lines(
     code: Code, table: str, lines: Sequence[int], *, word: str = "line", **fields: Any
 ) -> Fact:
-    """What some lines of a table have in common; the first of them are named.
+    """A fact about some lines of a table, which names the first of them.
 
-    `word` is what a line is called in the sentence; a field where it is another one.
+    `word` is the word for a line in the sentence; it is a field only if it is another than "line".
     """
     where = {"table": table, "lines": list(lines[:LINES]), "count": len(lines)}
     return Fact(code, {**where, **fields, **({} if word == "line" else {"word": word})})
 
 
 def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) -> None:
-    """Refuse a table without a column that it needs.
-
-    Raises
-    ------
-    ScenarioError
-        Naming the column.
-    """
+    """Refuse a table without a column that it needs."""
     for name in required:
         if name not in header:
             near = difflib.get_close_matches(name, header, n=1, cutoff=0.6)
@@ -152,13 +137,7 @@ def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) ->
 
 
 def refuse_unknown(path: Path, header: Sequence[str], known: Sequence[str]) -> None:
-    """Refuse a column that nobody knows, with the nearest known one.
-
-    Raises
-    ------
-    ScenarioError
-        Naming the column.
-    """
+    """Refuse a column that is not known; the error suggests the nearest known one."""
     for name in header:
         if name not in known:
             hint = suggestion(name, known)
@@ -171,32 +150,16 @@ def number(cell: str) -> float:
         value = float(cell)
     except ValueError:
         return math.nan
-    return value if abs(value) < _NONSENSE else math.nan
+    return value if abs(value) < _LARGEST else math.nan
 
 
 def read_numbers(
     path: Path, required: Sequence[str], optional: Sequence[str] = ()
 ) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
-    """Columns of numbers, without the rows that are not sound, and what was left out.
+    """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
-    Parameters
-    ----------
-    path : Path
-    required, optional : sequence of str
-        Names of columns. A row is sound if its required cells are; a gap in an optional column is
-        NaN.
-
-    Returns
-    -------
-    columns : dict of ndarray, shape (n,)
-    left_out : list of Fact
-
-    Raises
-    ------
-    ScenarioError
-        If a column is missing or unknown.
-    NothingSound
-        If no row is sound.
+    A row is sound if all its required cells are numbers; a gap in an optional column is NaN. A
+    NothingSound says that no row is sound.
     """
     header, rows = read_rows(path)
     check_columns(path, header, required)

@@ -11,31 +11,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.number_text import highest
+from stickslip._util.number_text import highest, is_number
 from stickslip._util.one_line import OneLine
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import read_numbers
 from stickslip.scenario.keys import FILE, shown
 from stickslip.scenario.scenario import Scenario
 
-REQUIRED = ("t", "x", "theta")
-OPTIONAL = ("z", "current_x", "current_clamp")
-
 FEWEST = 20
-"""Frames after the third pulse; with fewer a run says too little to be worth a simulation."""
+"""Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
 
-_LONGEST = 0.1
-"""Way that no walking magnet of this size goes while it is filmed, m: it is past a coil's plane."""
-
-_TURNS = 2.0 * math.pi
-"""Usual tilt that a robot that walks never has, rad; beyond it a unit is wrong."""
+# Path that no robot of this size walks in one film, m: it would leave the coils. A median tilt that
+# no walking robot has, rad. Beyond these the unit is wrong.
+_LONGEST, _TURNS = 0.1, 2.0 * math.pi
 
 _OTHER_RATE = 0.02
-"""Difference of the stated rate from that of the times, relative. Chosen: rounding has less."""
+"""Relative difference of the stated rate from that of the times. Chosen: rounding causes less."""
 
 _LIMIT = 20_000
-"""Frames that are used. Chosen: each is a column of a map of a few hundred rows, in memory."""
+"""Frames that are used. Chosen: each is a column of a matrix of a few hundred rows, in memory."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,122 +65,93 @@ class TrackingRun(OneLine):
 def read_tracking(
     path: Path, entry: Mapping[str, Any], scenario: Scenario
 ) -> tuple[TrackingRun | None, list[Fact]]:
-    """Read one ``[[tracking]]`` entry, and say what was left out of it.
+    """Read one ``[[tracking]]`` entry, whose drive changes the measurement's scenario.
 
-    Parameters
-    ----------
-    path : Path
-        Of its table.
-    entry : mapping
-        Keys of the entry.
-    scenario : Scenario
-        The measurement's, which the entry's drive changes.
-
-    Returns
-    -------
-    run : TrackingRun or None
-        None where too little is sound; the last line left out says why.
-    left_out : list of Fact
-
-    Raises
-    ------
-    ScenarioError
-        If a key has a value that is not allowed, or the table lacks a column.
-    NothingSound
-        If no row is sound.
+    Returns the run, or None where too little is sound, and what was left out; of a run that is
+    None the last of these says why.
     """
-    own = _own_scenario(path.name, entry.get("drive", {}), scenario)
-    noise = {
-        name: _positive(path.name, f"noise_{name}", entry[f"noise_{name}"])
-        for name in ("x", "theta")
-        if f"noise_{name}" in entry
-    }
-    rate = math.nan
-    if "frame_rate" in entry:
-        rate = _positive(path.name, "frame_rate", entry["frame_rate"])
-    exposure = _exposure(path.name, entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, REQUIRED, OPTIONAL)
-    columns = _in_order(path.name, columns, left_out)
-    columns = _within(path.name, columns, own, left_out)
+    where = f"[[tracking]] {path.name}"
+    with prefixed(where):
+        own = _own_scenario(entry.get("drive", {}), scenario)
+        noise = {
+            name: _positive(f"noise_{name}", entry[f"noise_{name}"])
+            for name in ("x", "theta")
+            if f"noise_{name}" in entry
+        }
+        stated = "frame_rate" in entry
+        rate = _positive("frame_rate", entry["frame_rate"]) if stated else math.nan
+        exposure = _exposure(entry.get("exposure", 0.0), rate)
+    columns, left_out = read_numbers(path, ("t", "x", "theta"), ("z", "current_x", "current_clamp"))
+    columns, facts = _usable_frames(path.name, columns, own.window[1])
+    left_out += facts
     why = _too_little(columns, own)
     if why is not None:
         return None, [*left_out, why.of(table=path.name)]
     spacing = float(np.median(np.diff(columns["t"])))
     if not math.isfinite(rate):
         rate = 1.0 / spacing
-        _exposure(path.name, exposure, rate * (1 - 1e-6))
+        with prefixed(where):
+            _exposure(exposure, rate * (1 - 1e-6))
     elif abs(rate * spacing - 1.0) > _OTHER_RATE:
         rates = {"table": path.name, "stated": rate, "spacing": spacing}
         left_out.append(Fact(Code.FRAME_RATE_NOT_USED, rates))
     return TrackingRun(path.name, columns, own, rate, exposure, noise), left_out
 
 
-def _own_scenario(name: str, drive: object, scenario: Scenario) -> Scenario:
+def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
     if not isinstance(drive, dict):
-        raise ScenarioError(
-            f"[[tracking]] {name}: drive = {shown(drive)}: allowed is a table of keys of [drive]"
-        )
+        raise ScenarioError(f"drive = {shown(drive)}: allowed is a table of keys of [drive]")
     changes = {f"drive.{key}": value for key, value in drive.items()}
     if FILE in changes:
         raise ScenarioError(
-            f"[[tracking]] {name}: {FILE} = {shown(changes[FILE])}: the voltages of a program stand"
-            " in the scenario file, not in an override"
+            f"{FILE} = {shown(changes[FILE])}: the voltages of a program stand in the scenario "
+            "file, not in an override"
         )
-    try:
-        return scenario.replace(changes)
-    except ScenarioError as error:
-        raise ScenarioError(f"[[tracking]] {name}: {error}") from None
+    return scenario.replace(changes)
 
 
-def _positive(name: str, key: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
+def _positive(key: str, value: object) -> float:
+    if not is_number(value) or not 0 < value < math.inf:
+        raise ScenarioError(f"{key} = {shown(value)}: allowed is a number above 0")
+    return float(value)
+
+
+def _exposure(value: object, rate: float) -> float:
+    if is_number(value) and value == 0:
+        return 0.0
+    top = 1.0 / rate if math.isfinite(rate) else math.inf
+    if not is_number(value) or not 0.0 <= float(value) <= top * (1 + 1e-9):
         raise ScenarioError(
-            f"[[tracking]] {name}: {key} = {shown(value)}: allowed is a number above 0"
+            f"exposure = {shown(value)}: allowed is from 0 to the time between two frames"
+            f"{f', {highest(top)} s' if math.isfinite(top) else ''}"
         )
     return float(value)
 
 
-def _exposure(name: str, value: object, rate: float) -> float:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if number and value == 0:
-        return 0.0
-    top = 1.0 / rate if math.isfinite(rate) else math.inf
-    if not number or not 0.0 <= float(value) <= top * (1 + 1e-9):  # type: ignore[arg-type]
-        raise ScenarioError(
-            f"[[tracking]] {name}: exposure = {shown(value)}: allowed is from 0 to the time between"
-            f" two frames{f', {highest(top)} s' if math.isfinite(top) else ''}"
-        )
-    return float(value)  # type: ignore[arg-type]
+def _usable_frames(
+    name: str, table: Mapping[str, NDArray[np.float64]], end: float
+) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
+    """Frames in the order of time, each time once, before the end of the last pulse, s.
 
-
-def _in_order(
-    name: str, table: dict[str, NDArray[np.float64]], left_out: list[Fact]
-) -> dict[str, NDArray[np.float64]]:
-    """Frames sorted by time, each time once."""
+    What the coils do after that is not known. The facts say what was left out.
+    """
+    facts = []
     order = np.argsort(table["t"], kind="stable")
     if np.any(np.diff(order) < 0):
-        left_out.append(Fact(Code.FRAMES_SORTED, {"table": name}))
+        facts.append(Fact(Code.FRAMES_SORTED, {"table": name}))
     times, first = np.unique(table["t"][order], return_index=True)
     if len(times) < len(order):
         again = {"table": name, "count": len(order) - len(times)}
-        left_out.append(Fact(Code.REPEATED_TIMES, again))
-    return {key: column[order][first] for key, column in table.items()}
-
-
-def _within(
-    name: str, table: dict[str, NDArray[np.float64]], scenario: Scenario, left_out: list[Fact]
-) -> dict[str, NDArray[np.float64]]:
-    """Frames before the end of the last pulse: what the coils do after it is not known."""
-    end = scenario.window[1]
-    inside = table["t"] < end
+        facts.append(Fact(Code.REPEATED_TIMES, again))
+    inside = times < end
     if not inside.all():
         late = {"table": name, "count": int((~inside).sum()), "end": end}
-        left_out.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
+        facts.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
     if inside.sum() > _LIMIT:
         many = {"table": name, "count": int(inside.sum()), "used": _LIMIT}
-        left_out.append(Fact(Code.FRAMES_NOT_NEEDED, many))
-        inside &= np.cumsum(inside) <= _LIMIT
-    return {key: column[inside] for key, column in table.items()}
+        facts.append(Fact(Code.FRAMES_NOT_NEEDED, many))
+    used = order[first][inside][:_LIMIT]
+    return {key: column[used] for key, column in table.items()}, facts
 
 
 def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> Fact | None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,30 +14,31 @@ from numpy.typing import NDArray
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
-from stickslip.facts.sentences_of_data import IN_OTHER_UNIT
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
     NothingSound,
+    Rows,
     check_columns,
     in_lines,
     number,
-    read_rows,
     refuse_unknown,
 )
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0
-"""Mean velocity that no walking magnet of this size has, m/s; beyond it a unit is wrong."""
+"""Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
+paper's robots walk some mm/s."""
 
 _STRONGEST, _SLOWEST = 0.1, 0.2
-"""Far above the fields of such coils, T, and below any rocking that steps, Hz."""
+"""Fields above, T, and frequencies below, Hz, are in another unit. Chosen: the coils of the paper
+give some mT, and the robot is driven at some Hz or more."""
 
-_MANY = 0.1
-"""Part of the rows; where more are left out a reader is told first. Chosen."""
+_MANY_LOST = 0.1
+"""Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
 
-_SAME_MISTAKE = 0.5
-"""Part of the rows; where more are in another unit the table is refused. Chosen: the most."""
+_MOST = 0.5
+"""Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
 
 _OTHER = ("velocity", "trial", "block", "order")
 
@@ -71,14 +72,13 @@ class VelocityData(OneLine):
 
 
 class _Unsound(Exception):
-    """A row that is not used: its code and fields."""
+    """A row that is not used; `why` is its code and fields."""
 
     def __init__(self, code: Code, **fields: Any) -> None:
-        self.code, self.fields = code, fields
+        self.why = code, tuple(fields.items())
 
 
-@dataclass(frozen=True)
-class _Trial:
+class _Trial(NamedTuple):
     """A sound row."""
 
     velocity: float
@@ -89,56 +89,21 @@ class _Trial:
 
 
 def read_velocity(
-    path: Path, scenario: Scenario, relative_sd: float
+    path: Path, table: Rows, scenario: Scenario, relative_sd: float, word: str = "line"
 ) -> tuple[VelocityData, list[Fact]]:
-    """Read a table of velocities, and say what was left out of it.
+    """The sound rows of a table of velocities, and what was left out of it.
 
-    Parameters
-    ----------
-    path : Path
-    scenario : Scenario
-        Gives the drive settings that have no column.
-    relative_sd : float
-        Relative error of one trial, NaN if not known.
-
-    Raises
-    ------
-    ScenarioError
-        If a column is missing or unknown, or no row is sound.
+    The scenario gives the drive settings that have no column; `relative_sd` is the relative error
+    of one trial, NaN if not known. Messages name the path, and call a row `word`.
     """
-    return sound_trials(path, *read_rows(path), scenario, relative_sd)
-
-
-def sound_trials(
-    path: Path,
-    header: Sequence[str],
-    rows: Sequence[tuple[int, list[str]]],
-    scenario: Scenario,
-    relative_sd: float,
-    word: str = "line",
-) -> tuple[VelocityData, list[Fact]]:
-    """The sound rows of a table of text cells, and what was left out; see `read_velocity`.
-
-    Parameters
-    ----------
-    path : Path
-        Of the file, or what the table is called in messages.
-    header : sequence of str
-    rows : sequence of tuple
-        Number of each row in messages, and its cells.
-    scenario, relative_sd
-        As in `read_velocity`.
-    word : str
-        What a row is called in messages.
-    """
-    trials, left_out = _sound_rows(path, header, rows, scenario, word)
+    trials, left_out = _sound_rows(path, table, scenario, word)
     velocity = np.array([each.velocity for each in trials])
     condition = _numbered([each.setting for each in trials])
     size = float(np.median(np.abs(velocity)))
     if size > FASTEST:
         raise ScenarioError(
             f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s; "
-            f"{IN_OTHER_UNIT}"
+            "divide velocities in mm/s or um/s by 1e3 or 1e6"
         )
     sound = _without_outliers(path.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
@@ -146,9 +111,9 @@ def sound_trials(
         lines = [trials[k].line for k in np.flatnonzero(fast)]
         left_out.append(in_lines(Code.TOO_FAST, path.name, lines, word=word, limit=FASTEST))
         sound &= ~fast
-    blocks = _numbered([each.block for each in trials if each.block])
     block = np.full(len(trials), -1, dtype=np.int64)
-    block[[bool(each.block) for each in trials]] = blocks
+    named = [bool(each.block) for each in trials]
+    block[named] = _numbered([each.block for each in trials if each.block])
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
@@ -168,13 +133,10 @@ def _numbered(values: Sequence[Any]) -> NDArray[np.int64]:
 
 
 def _sound_rows(
-    path: Path,
-    header: Sequence[str],
-    rows: Sequence[tuple[int, list[str]]],
-    scenario: Scenario,
-    word: str,
+    path: Path, table: Rows, scenario: Scenario, word: str
 ) -> tuple[list[_Trial], list[Fact]]:
     """Rows that can be used, at least one, and why the others cannot."""
+    header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
@@ -185,19 +147,19 @@ def _sound_rows(
     for line, row in rows:
         try:
             kept.append(_trial(line, row, header, seen, drive, scenario))
-        except _Unsound as why:
-            wrong.setdefault((why.code, tuple(why.fields.items())), []).append(line)
+        except _Unsound as error:
+            wrong.setdefault(error.why, []).append(line)
         else:
             seen.add(tuple(row))
     left_out = [
         in_lines(code, path.name, lines, word=word, **dict(fields))
         for (code, fields), lines in wrong.items()
     ]
-    lost = len(rows) - len(kept)
     _refuse_other_unit(path, left_out, len(rows))
     if not kept:
         raise NothingSound(path, left_out[0])
-    if lost > _MANY * len(rows):
+    lost = len(rows) - len(kept)
+    if lost > _MANY_LOST * len(rows):
         part = {"table": path.name, "count": lost, "rows": len(rows)}
         left_out.insert(0, Fact(Code.ROWS_LEFT_OUT, part))
     return kept, left_out
@@ -208,7 +170,7 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
     units = (Code.SETTING_TOO_LARGE, Code.SETTING_TOO_SMALL)
     wrong = [each for each in left_out if each.code in units]
     count = sum(each.fields["count"] for each in wrong)
-    if count > _SAME_MISTAKE * rows:
+    if count > _MOST * rows:
         first = Fact(wrong[0].code, {**wrong[0].fields, "table": str(path)})
         raise ScenarioError(f"{first} {count} rows are like this")
 
@@ -286,7 +248,7 @@ def _check_units(setting: Mapping[str, Value]) -> None:
 def _without_outliers(
     name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[Fact]
 ) -> NDArray[np.bool_]:
-    """Leave out a trial that lies absurdly far from the others of its condition."""
+    """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
     for index in np.flatnonzero(far):
         ratio = abs(velocity[index] / level[index]) if level[index] else math.inf

@@ -15,7 +15,7 @@ from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.repeats import merge
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
-from stickslip.facts.sentences_of_data import mismatch
+from stickslip.facts.sentences import mismatch
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 

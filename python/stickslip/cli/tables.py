@@ -1,19 +1,37 @@
-"""What a sweep came to, for a reader and as JSON."""
+"""Results of a run and of a sweep, as tables of text and as JSON."""
 
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.cli.summary_table import shown_in
+from stickslip._util.handy_units import handy
 from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     import xarray
 
-_MOST_ROWS = 50  # a page; more are in the file
+# SI units of what is shown; "1" for a part of one.
+_UNITS = {
+    "mean_velocity": "m/s",
+    "theta_min": "rad",
+    "theta_max": "rad",
+    "slip_up": "m/s",
+    "slip_down": "m/s",
+    "slip_flat": "m/s",
+    "airborne_fraction": "1",
+    "simulated_time": "s",
+}
+_WORDS = {
+    "slip_up": ", mean slip speed while theta rises",
+    "slip_down": ", mean slip speed while theta falls",
+    "slip_flat": ", mean slip speed on a face",
+}
+
+_MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
 
 _VELOCITY = "mean_velocity"
 
@@ -28,30 +46,52 @@ _COLUMNS = {
 }
 
 
-def as_dict(data: xarray.Dataset) -> dict[str, Any]:
+def _shown_in(name: str) -> tuple[float, str]:
+    """Factor and unit in which a number of a summary is shown beside its SI unit."""
+    return (100.0, "%") if _UNITS[name] == "1" else handy(_UNITS[name])
+
+
+def summary_table(summary: dict[str, Any]) -> str:
+    """Names, SI values and handier units in columns."""
+    measured = "nothing"
+    if math.isfinite(summary["mean_velocity"]):
+        measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
+    rows = [("status", summary["status"], "")]
+    for name, unit in _UNITS.items():
+        value = summary[name] + 0.0  # no negative zero
+        factor, other = _shown_in(name)
+        handier = f"{value * factor:.5g} {other}{_WORDS.get(name, '')}" if other != unit else ""
+        rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
+    rows.append(("measured", measured, ""))
+    counts = {**summary["events"], "painleve": summary["painleve_events"]}
+    met = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
+    rows.append(("events", met or "none", ""))
+    rows += [("note", note, "") for note in summary["notes"]]
+    return "\n".join(f"{name:<19}{value:<22}{other}".rstrip() for name, value, other in rows)
+
+
+def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """Counts, extremes and the points in order, in the words of a single run's summary."""
-    columns = _keys(data)
-    columns["status"] = _statuses(data)
+    columns = {**_keys(data), "status": _statuses(data)}
     if "message" in data:
-        columns["message"] = data["message"].values.ravel().tolist()
+        columns["message"] = _listed(data["message"])
     for name in data.data_vars:
         if name not in ("status", "message", "events"):
-            columns[str(name)] = data[name].values.ravel().tolist()
+            columns[str(name)] = _listed(data[name])
     kinds = data["event"].values.tolist()
     counts = data["events"].values.reshape(-1, len(kinds)).tolist()
     columns["events"] = [dict(zip(kinds, row, strict=True)) for row in counts]
+    rows = zip(*columns.values(), strict=True)
     return {
         "points": data["status"].size,
         "failed": int(data.attrs["failed_points"]),
         "status": json.loads(data.attrs["statuses"]),
-        **{name: _point(data, index) for name, index in _extremes(data).items()},
-        "results": [
-            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
-        ],
+        **_extremes(data),
+        "results": [dict(zip(columns, row, strict=True)) for row in rows],
     }
 
 
-def table(data: xarray.Dataset) -> str:
+def sweep_table(data: xarray.Dataset) -> str:
     """Counts and extremes; the points too if they are few."""
     sizes = " x ".join(f"{size} {name}" for name, size in data["status"].sizes.items())
     statuses = json.loads(data.attrs["statuses"])
@@ -59,8 +99,7 @@ def table(data: xarray.Dataset) -> str:
         ("points", f"{data['status'].size} ({sizes})"),
         ("status", ", ".join(f"{name} {count}" for name, count in statuses.items())),
     ]
-    for name, index in _extremes(data).items():
-        point = _point(data, index)
+    for name, point in _extremes(data).items():
         velocity = point.pop(_VELOCITY)
         where = ", ".join(
             f"{key} = {_text(value)} {_unit(key)}".rstrip() for key, value in point.items()
@@ -70,7 +109,7 @@ def table(data: xarray.Dataset) -> str:
     return f"{_rows(data)}\n\n{text}" if data["status"].size <= _MOST_ROWS else text
 
 
-def failure(data: xarray.Dataset) -> str:
+def sweep_failure(data: xarray.Dataset) -> str:
     """How many points failed, and what the first of them says; empty if none did."""
     failed = int(data.attrs["failed_points"])
     if not failed:
@@ -84,31 +123,35 @@ def _keys(data: xarray.Dataset) -> dict[str, list[Any]]:
     """For each swept key its value at every point."""
     status = data["status"]
     return {
-        coordinate.attrs["key"]: coordinate.broadcast_like(status)
-        .transpose(*status.dims)
-        .values.ravel()
-        .tolist()
-        for coordinate in data.coords.values()
-        if "key" in coordinate.attrs
+        each.attrs["key"]: _listed(each.broadcast_like(status).transpose(*status.dims))
+        for each in data.coords.values()
+        if "key" in each.attrs
     }
+
+
+def _listed(array: xarray.DataArray) -> list[Any]:
+    """The value at each point, in the order of the points."""
+    values: list[Any] = array.values.ravel().tolist()
+    return values
 
 
 def _statuses(data: xarray.Dataset) -> list[str]:
     about = data["status"].attrs
     names = dict(zip(about["flag_values"].tolist(), about["flag_meanings"].split(), strict=True))
-    return [names[code] for code in data["status"].values.ravel().tolist()]
+    return [names[code] for code in _listed(data["status"])]
 
 
-def _extremes(data: xarray.Dataset) -> dict[str, int]:
+def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
+    """The settings and the velocity of the slowest and of the fastest point."""
     velocity = data[_VELOCITY].values.ravel()
     if np.isnan(velocity).all():
         return {}
-    return {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
-
-
-def _point(data: xarray.Dataset, index: int) -> dict[str, Any]:
-    point = {key: values[index] for key, values in _keys(data).items()}
-    return {**point, _VELOCITY: float(data[_VELOCITY].values.ravel()[index])}
+    columns = {**_keys(data), _VELOCITY: velocity.tolist()}
+    places = {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
+    return {
+        name: {key: values[index] for key, values in columns.items()}
+        for name, index in places.items()
+    }
 
 
 def _rows(data: xarray.Dataset) -> str:
@@ -119,7 +162,7 @@ def _rows(data: xarray.Dataset) -> str:
     ]
     columns.append(["status", "", *_statuses(data)])
     for name, heading in _COLUMNS.items():
-        factor, unit = shown_in(name)
+        factor, unit = _shown_in(name)
         values = data[name].values.ravel() * factor + 0.0  # no negative zero
         columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
     widths = [max(map(len, column)) for column in columns]

@@ -1,0 +1,176 @@
+"""Sentences of facts: the templates of sentences.toml, and the functions that these name."""
+
+from __future__ import annotations
+
+import math
+import string
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip.facts.codes import Code
+from stickslip.scenario.keys import shown
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+Fields = Mapping[str, Any]
+
+SENTENCES: Mapping[Code, str] = {
+    Code(code): template
+    for code, template in tomllib.loads(
+        Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8")
+    ).items()
+}
+"""Of each code its template."""
+
+LINES = 5
+"""Lines of a file that a sentence names; of more only the number is given. Chosen: one line."""
+
+_ORIGINS = {
+    "repeats": "the scatter of repeated readings",
+    "smoothness": "how smoothly the readings follow the field",
+    "free-fit": "what a free gain of each coil and a free uniform field leave over",
+}
+_TORQUES = {
+    "constant": "It is constant, as from the gain of a coil, an ambient field or a turned moment.",
+    "theta": "It goes with the tilt, as from the strength or direction of moment and field.",
+    "rate": "It goes with the rate of the tilt, as from drag on turning or a field that lags.",
+}
+_FORCES = {
+    "constant": "It is constant, as from a tilted surface, an ambient gradient or other friction.",
+    "theta": "It goes with the tilt, as from adhesion or drag that depends on the angle.",
+    "rate": "It goes with the rate of the tilt, as from another normal force.",
+    "contact velocity": "It goes with the contact's velocity, as from drag or viscous friction.",
+}
+
+
+def mismatch(f: Fields, whose: str = "what the stated model gives") -> str:
+    """A size that is far from the usual one, for what `magnitude_mismatch` found."""
+    low, high = f["allowed"]
+    text = (
+        f"about {f['ratio']:.3g} times {whose} ({f['measured']:.3g} against {f['usual']:.3g} "
+        f"{f['unit']}; allowed is {low:g} to {high:g} times)"
+    )
+    return f"{text}, so a column may be in a unit that is wrong by 1000" if f["by_1000"] else text
+
+
+def _listed(names: Sequence[str], most: int = 4) -> str:
+    """Names in a row, the first of them if they are many."""
+    more = len(names) - most
+    shown = list(names) if more <= 0 else [*names[:most], f"{more} more"]
+    return " and ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)
+
+
+def _named_lines(f: Fields) -> str:
+    """``line 3``; of a table in memory ``row 3``."""
+    word = f.get("word", "line") + ("" if f["count"] == 1 else "s")
+    more = ", ..." if f["count"] > LINES else ""
+    return f"{word} " + ", ".join(map(str, f["lines"][:LINES])) + more
+
+
+def _wrong_unit(f: Fields) -> str:
+    factor = {1000.0: "1000", 0.001: "1/1000"}.get(f["unit_factor"])
+    return "" if factor is None else f"; the factor of {factor} is that of a wrong unit"
+
+
+def _first_conditions(f: Fields) -> str:
+    more = f["count"] - len(f["conditions"])
+    return "; ".join(f["conditions"]) + (f" and {more} more" if more > 0 else "")
+
+
+def _reading(key: str) -> Callable[[Fields], str]:
+    """A field that is an angle or a magnetic field, with its unit."""
+
+    def text(f: Fields) -> str:
+        angle = f["unit"] == "rad"
+        return f"{math.degrees(f[key]):.2f} degrees" if angle else f"{f[key]:.2g} {f['unit']}"
+
+    return text
+
+
+def _uneven_parts(f: Fields) -> str:
+    return " and ".join(
+        f"in {each['part']} ({each['misfit']:.1f}, against {each['misfit_of_other']:.1f} in "
+        f"{each['other']})"
+        for each in f["parts"]
+    )
+
+
+def _extended(template: str) -> Callable[[Fields], str]:
+    """What is said of the extended model, if there is one."""
+    return lambda f: "" if f["extended"] is None else _FORMATTER.vformat(template, (), f)
+
+
+def _residual(f: Fields) -> str:
+    what = "in the mean"
+    if f["variable"] != "constant":
+        what = f"for one standard deviation of the {f['variable']}"
+    return f"{f['value']:+.2g} {f['unit']} {what} (t = {f['t']:.1f})."
+
+
+_COMPUTED: Mapping[str, Callable[[Fields], str]] = {
+    "at": lambda f: f"{f['table']} {_named_lines(f)}",
+    "named_lines": _named_lines,
+    "mismatch": mismatch,
+    "mismatch_of_fastest": lambda f: mismatch(f, "the stated model's fastest"),
+    "wrong_unit": _wrong_unit,
+    "stated_problem": lambda f: str(f["problem"].rstrip(".")),
+    "conditions_are": lambda f: "condition is" if f["count"] == 1 else "conditions are",
+    "first_conditions": _first_conditions,
+    "sd_of_reading": _reading("sd"),
+    "taken_of_reading": _reading("taken"),
+    "origin_in_words": lambda f: _ORIGINS[f["origin"]],
+    "uneven_parts": _uneven_parts,
+    "faster_and_slower": lambda f: " and ".join(
+        f"{how} in {_listed(f[how])}" for how in ("faster", "slower") if f[how]
+    ),
+    "extended_angle": _extended(", and the extended model by {extended!d:.2f} degrees"),
+    "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
+    "extended_advance": _extended("; with the cause {extended!u:.5g} um"),
+    "residual": _residual,
+    "torque_meaning": lambda f: _TORQUES[f["variable"]],
+    "force_meaning": lambda f: _FORCES[f["variable"]],
+}
+"""What a template can name beside the fields."""
+
+
+class _Counted(int):
+    """A number before a thing: ``{count!n:frame}`` gives ``1 frame`` or ``3 frames``."""
+
+    def __format__(self, thing: str) -> str:
+        return f"{int(self)} {thing}{'' if self == 1 else 's'}"
+
+
+_CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {
+    "c": lambda name: "no cause at all" if name == "none" else name,  # of a candidate
+    "d": lambda angle: angle * math.degrees(1.0),
+    "l": _listed,
+    "m": lambda value: value * 1e3,  # to milli
+    "n": _Counted,
+    "t": lambda values: "(" + ", ".join(f"{value:.3g}" for value in values) + ")",
+    "u": lambda value: value * 1e6,  # to micro
+    "v": shown,  # as a file has it
+}
+"""What stands after the exclamation mark of a name in a template."""
+
+
+class _Formatter(string.Formatter):
+    """`str.format` with the computed names and the conversions above."""
+
+    def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
+        return _COMPUTED[str(key)](kwargs) if key not in kwargs else kwargs[str(key)]
+
+    def convert_field(self, value: Any, conversion: str | None) -> Any:
+        return value if conversion is None else _CONVERSIONS[conversion](value)
+
+
+_FORMATTER = _Formatter()
+
+
+def sentence(code: Code, fields: Fields) -> str:
+    """The sentence of a fact; fields that it does not name are ignored."""
+    return _FORMATTER.vformat(SENTENCES[code], (), fields)
