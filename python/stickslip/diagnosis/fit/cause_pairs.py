@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
 from stickslip.diagnosis.fit.least_squares import SMALLER_INFLATION, fit_candidates
@@ -14,9 +13,7 @@ from stickslip.diagnosis.fit.sensitivity import (
     UNSEEN,
     Sensitivities,
     find_sensitivities,
-    largest_multiple,
     linear_step,
-    prior_cost,
     screen,
     starts,
     starts_at,
@@ -32,12 +29,18 @@ from stickslip.diagnosis.fit.single_cause import (
 )
 from stickslip.diagnosis.model.problem import Problem
 
-Array = NDArray[np.float64]
-
-_PAIRS = 16
+# All of these are chosen, by trial on the simulator.
+# Pairs that are fitted of those that the screen ranks, and survivors that are refitted with care.
+_PAIRS, _SURVIVORS = 16, 10
+# Leading single causes beside which second ones are looked at.
 _CENTRES = 3
+# A constant that is pulled by more standard deviations of its prior is released.
 _PULLED = 1.5
-_SURVIVORS = 10
+# Least multiple of a response with which a start has the cause.
+_LEAST_MULTIPLE = 0.2
+
+Pairs = dict[tuple[str, str], tuple[float, Start]]
+"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
 
 
 def fit_pairs(
@@ -89,21 +92,18 @@ def singles_beside(
     problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]
 ) -> tuple[Fit, ...]:
     """Single causes again from where the leading pairs have led them, without their companion."""
-    place = {fit.name: k for k, fit in enumerate(singles)}
-    candidates, begins = [], []
-    for fit in pairs[:_CENTRES]:
-        for cause in fit.candidate.causes:
-            alone = without_cause(problem, fit, cause)
-            candidates.append(alone.candidate)
-            begins.append([Start.of(alone), Start(alone.x)])
-    result = list(singles)
-    for fit in fit_candidates(problem, candidates, begins, CAREFUL):
-        at = place.get(fit.name)
-        if at is not None and fit.chi2 < result[at].chi2 - 1.0:
+    alone = [
+        without_cause(problem, fit, cause)
+        for fit in pairs[:_CENTRES]
+        for cause in fit.candidate.causes
+    ]
+    begins = [[Start.of(fit), Start(fit.x)] for fit in alone]
+    found = {fit.name: fit for fit in singles}
+    for fit in fit_candidates(problem, [fit.candidate for fit in alone], begins, CAREFUL):
+        if fit.name in found and fit.chi2 < found[fit.name].chi2 - 1.0:
             # Its starts began at one point, so that they agree says nothing.
-            result[at] = replace(fit, converged=False)
-    search_until_converged(problem, result, 0)
-    return ranked(result)
+            found[fit.name] = replace(fit, converged=False)
+    return ranked(search_until_converged(problem, list(found.values())))
 
 
 def beside_a_released_constant(
@@ -111,19 +111,8 @@ def beside_a_released_constant(
 ) -> list[tuple[tuple[str, str], Start]]:
     """Starts with a second cause in the place of the constant that is pulled most from its prior.
 
-    While the constant makes up for the cause, the cause does nothing good beside it.
-
-    Parameters
-    ----------
-    problem : Problem
-    single : Fit
-        Of one cause.
-
-    Returns
-    -------
-    list of tuple
-        Names of a pair, in the order of the alphabet, and where to begin with it; empty if no
-        constant is pulled.
+    While the constant makes up for the cause, the cause improves nothing beside it. Each start
+    comes with the names of its pair in the order of the alphabet; none, if no constant is pulled.
     """
     known = np.array([each.prior.has_middle for each in problem.uncertain])
     p = problem.base_count
@@ -144,21 +133,17 @@ def beside_a_released_constant(
     return result
 
 
-Pairs = dict[tuple[str, str], tuple[float, Start]]
-"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
-
-
 def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
     """What the sum of two causes' responses would leave, each at its best multiple."""
     rows = np.flatnonzero(sensitivities.size > UNSEEN)
     projected, cause = sensitivities.projected[rows], sensitivities.cause[rows]
     gram = projected @ projected.T
     along = projected @ null.residual
-    power = np.diag(gram) + prior_cost(sensitivities)[rows]
+    power = np.diag(gram) + sensitivities.prior_cost[rows]
     # Two multiples by least squares; those below zero or far above one are not trusted.
     determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
     first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
-    most = largest_multiple(sensitivities)[rows]
+    most = sensitivities.largest_multiple[rows]
     first = np.clip(first, 0.0, most[:, None])
     second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, most[None, :])
     fall = (
@@ -171,44 +156,32 @@ def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
     left = null.chi2 - moved @ moved - fall
     left[cause[:, None] >= cause[None, :]] = np.inf
     result: Pairs = {}
-    number = len(problem.causes)
-    code = cause[:, None] * number + cause[None, :]
-    order = np.argsort(left, axis=None, kind="stable")
-    seen: set[int] = set()
-    for flat in order:
-        i, j = np.unravel_index(flat, left.shape)
+    seen: set[tuple[int, int]] = set()
+    for flat in np.argsort(left, axis=None, kind="stable"):
+        i, j = (int(each) for each in np.unravel_index(flat, left.shape))
         if not np.isfinite(left[i, j]) or len(seen) >= 2 * _PAIRS:
             break
-        if int(code[i, j]) in seen:
+        if (cause[i], cause[j]) in seen:
             continue
-        seen.add(int(code[i, j]))
-        key, start = _joined(
-            problem,
-            null,
-            sensitivities,
-            (int(rows[i]), int(rows[j])),
-            (float(first[i, j]), float(second[i, j])),
-        )
-        result[key] = (float(left[i, j]), start)
+        seen.add((cause[i], cause[j]))
+        multiples = {int(rows[i]): float(first[i, j]), int(rows[j]): float(second[i, j])}
+        names = sorted(problem.causes[each].name for each in (cause[i], cause[j]))
+        start = _joined(problem, null, sensitivities, multiples)
+        result[names[0], names[1]] = (float(left[i, j]), start)
     return result
 
 
 def _joined(
-    problem: Problem,
-    null: Fit,
-    sensitivities: Sensitivities,
-    rows: tuple[int, int],
-    scales: tuple[float, float],
-) -> tuple[tuple[str, str], Start]:
-    """Start of a pair from two rows of the sensitivities."""
+    problem: Problem, null: Fit, sensitivities: Sensitivities, multiples: dict[int, float]
+) -> Start:
+    """Start of a pair from multiples of two rows of the sensitivities."""
     p, m = problem.base_count, len(problem.observed)
-    causes = [problem.causes[sensitivities.cause[row]] for row in rows]
-    columns = problem.columns(causes)
+    columns = problem.columns([problem.causes[sensitivities.cause[row]] for row in multiples])
     x, slope = null.x.copy(), np.zeros((m, len(columns)))
     x[:p] += linear_step(null)
-    for row, scale in zip(rows, scales, strict=True):
+    for row, multiple in multiples.items():
         at = int(sensitivities.at[row])
-        amount = max(float(scale), 0.2)
+        amount = max(multiple, _LEAST_MULTIPLE)
         x[:p] += amount * (sensitivities.point[row, :p] - null.x[:p])
         if at < 0:
             continue
@@ -216,8 +189,7 @@ def _joined(
         x[extra] = sensitivities.point[row, extra]
         x[at] = amount * sensitivities.amplitude[row]
         slope[:, columns.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
-    names = sorted(cause.name for cause in causes)
-    return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
+    return Start(x, np.hstack([null.slope, slope]))
 
 
 def _beside(problem: Problem, single: Fit) -> Pairs:
