@@ -183,7 +183,7 @@ def fit_baseline(state: State) -> None:
         level = np.where(np.isfinite(predicted), predicted, noise.mean)
         state.covariance[:m, :m] = noise.covariance_at(level)
         state.problem = replace(state.problem, whiten=whitener(state.covariance))
-        (null,) = refit_keeping_starts(state.problem, [null], 6)
+        (null,) = refit_keeping_starts(state.problem, [null])
         state.recalibration = replace(state.recalibration, null=null)
 
 
@@ -285,6 +285,7 @@ def measure_improvement(state: State) -> None:
     held_out = cross_validation.split(
         len(state.noise.mean), options.seed, options.group, options.singleton_condition
     )
+    # Chosen: without a few conditions, farther candidates would hardly lead.
     others = [*state.ranking.singles[:4], *state.ranking.pairs[:2]]
     state.gain = measure_gain(
         base.problem, base.covariance, held_out, base.null, fit, others, options.seed

@@ -1,8 +1,8 @@
 """The fit of the model without any cause, and how far the model itself can be trusted there.
 
-Chi-square has many minima: a walk that begins near the wrong one ends hundreds of units too high
-and would be taken for a hidden cause. So many starts are led down with errors that are taken as too
-large at first, and before a misfit is believed, the search is widened.
+Chi-square has many minima: a search that begins near the wrong one ends hundreds of units too
+high, and its misfit would be taken for a hidden cause. So there are many starts, errors are taken
+as too large at first, and before a misfit counts, the scan is widened.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from stickslip.diagnosis.model.problem import Array, Problem
 _SCAN, _SMALL_SCAN = 128, 32
 # Starts from the first scan and how far apart they are, and starts from the wider one.
 _STARTS, _APART, _STRATA = 6, 0.7, 12
-# Most walks of each stage, and the steps of each.
+# Most searches of each stage, and the steps of each.
 _MOST, _STEPS = (18, 4, 3, 2), 10
 # p-value of the lack of fit below which the search is widened.
 _WIDER_SEARCH_P = 0.2
 # Chi-square per observable up to which a stage's fit passes for one that explains.
-_FORGIVEN = 3.0
+_EXPLAINS = 3.0
 # Ends that are closer are one minimum, and the most minima that are handed on.
 _SAME, _MOST_MINIMA = 0.05, 12
 # Changes of the constants that show the model's roughness: the widest, the share of the posterior's
@@ -52,8 +52,8 @@ class Recalibration(OneLine):
     null : Fit
         The recalibrated model.
     centre : Fit, optional
-        Where the fit stood when the errors were large enough to forgive what is not explained; only
-        if the model does not fit at the end.
+        The fit with errors large enough that it was adequate; only if the model does not fit at the
+        end.
     local_minima : tuple of Fit
         Other ends, better ones first.
     """
@@ -93,10 +93,10 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     null = replace(stages[-1][0], starts=ends, converged=converged)
     distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_MOST_MINIMA])
     local_minima = with_stated_errors(problem, distinct)
-    if null.chi2 < _FORGIVEN * m:
+    if null.chi2 < _EXPLAINS * m:
         return Recalibration(null, None, local_minima)
     firsts = [stage[0] for stage in reversed(stages)]
-    centre = next((fit for fit in firsts if fit.chi2 < _FORGIVEN * m), firsts[-1])
+    centre = next((fit for fit in firsts if fit.chi2 < _EXPLAINS * m), firsts[-1])
     return Recalibration(null, with_stated_errors(problem, [centre])[0], local_minima)
 
 
@@ -106,7 +106,7 @@ def with_stated_errors(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]
 
 
 def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
-    """Ends of the walks at every size of the errors, best first."""
+    """Ends of the searches at every size of the errors, best first."""
     candidate = make_candidate(problem)
     begins = [Start(point) for point in points]
     stages = []
@@ -115,7 +115,7 @@ def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
         fits = fit_candidates(
             problem.with_inflated_errors(*stage), [candidate] * len(alone), alone, _STEPS
         )
-        # By the loss of the stage, which forgives a condition on the wrong side of its jump.
+        # By the loss of the stage, to which a condition on the wrong side of its jump adds little.
         fits.sort(key=lambda fit: fit.starts[0])
         begins = [Start.of(fit) for fit in _distinct(fits)]
         stages.append(fits)

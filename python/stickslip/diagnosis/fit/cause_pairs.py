@@ -8,25 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
-from stickslip.diagnosis.fit.least_squares import SMALLER_INFLATION, fit_candidates
-from stickslip.diagnosis.fit.sensitivity import (
-    UNSEEN,
-    Sensitivities,
-    find_sensitivities,
-    linear_step,
-    screen,
-    starts,
-    starts_at,
-    transferred_to,
-)
+from stickslip.diagnosis.fit.least_squares import AGREE, SMALLER_INFLATION, fit_candidates
+from stickslip.diagnosis.fit.sensitivity import UNSEEN
 from stickslip.diagnosis.fit.single_cause import (
     CAREFUL,
-    Views,
     quick_fits,
     refine,
     search_until_converged,
     without_cause,
 )
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Problem
 
 # All of these are chosen, by trial on the simulator.
@@ -45,7 +36,7 @@ Pairs = dict[tuple[str, str], tuple[float, Start]]
 
 def fit_pairs(
     problem: Problem,
-    views: Views,
+    views: Sequence[View],
     singles: Sequence[Fit],
     local_minima: Sequence[Fit] = (),
     random_restarts: int = 0,
@@ -53,14 +44,13 @@ def fit_pairs(
     """Screen all pairs with finite amplitudes, and fit the most promising.
 
     Two screens: the sum of two responses of the recalibrated model, for every pair and pair of
-    amplitudes; and, about the leading single fits, responses simulated anew, as causes bend each
-    other's effect.
+    amplitudes; and, about the leading single fits, responses simulated again, because causes
+    change each other's effect.
     """
     found: Pairs = {}
-    for base in (*(fit for fit, _ in views), *local_minima):
-        for _, sensitivities in views:
-            softer, seen_there = transferred_to(problem, sensitivities, base, SMALLER_INFLATION)
-            for key, (left, start) in _added(problem, softer, seen_there).items():
+    for base in (*(view.fit for view in views), *local_minima):
+        for view in views:
+            for key, (left, start) in _added(view.moved_to(base, SMALLER_INFLATION)).items():
                 if key not in found or left < found[key][0]:
                     found[key] = (left, start)
     added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
@@ -71,14 +61,14 @@ def fit_pairs(
     ]
     by_name = {cause.name: cause for cause in problem.causes}
 
-    def walk(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
+    def tried(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
         candidates = [make_candidate(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
         return quick_fits(problem, candidates, [[start] for _, start in plan], first)
 
     # Those that begin at a fit of one of them are near enough to begin with smaller errors.
-    fits = [*walk([(key, found[key][1]) for key in added], 0), *walk(near, 2)]
+    fits = [*tried([(key, found[key][1]) for key in added], 0), *tried(near, 2)]
     for single in singles[:_CENTRES]:
-        fits += walk(beside_a_released_constant(problem, single), 1)
+        fits += tried(beside_a_released_constant(problem, single), 1)
     fits.sort(key=lambda fit: fit.chi2)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
@@ -91,7 +81,7 @@ def fit_pairs(
 def singles_beside(
     problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]
 ) -> tuple[Fit, ...]:
-    """Single causes again from where the leading pairs have led them, without their companion."""
+    """Single causes fitted again from where the leading pairs have ended, without the other one."""
     alone = [
         without_cause(problem, fit, cause)
         for fit in pairs[:_CENTRES]
@@ -100,7 +90,7 @@ def singles_beside(
     begins = [[Start.of(fit), Start(fit.x)] for fit in alone]
     found = {fit.name: fit for fit in singles}
     for fit in fit_candidates(problem, [fit.candidate for fit in alone], begins, CAREFUL):
-        if fit.name in found and fit.chi2 < found[fit.name].chi2 - 1.0:
+        if fit.name in found and fit.chi2 < found[fit.name].chi2 - AGREE:
             # Its starts began at one point, so that they agree says nothing.
             found[fit.name] = replace(fit, converged=False)
     return ranked(search_until_converged(problem, list(found.values())))
@@ -121,20 +111,21 @@ def beside_a_released_constant(
         return []
     x = single.x.copy()
     x[np.argmax(pulls)] = 0.0
-    base = fit_candidates(problem, [single.candidate], [[Start(x)]], 0, exact=False)[0]
-    sensitivities = find_sensitivities(problem, base)
+    (base,) = fit_candidates(problem, [single.candidate], [[Start(x)]], 0, exact=False)
+    view = View.of(problem, base)
     result = []
     for index, cause in enumerate(problem.causes):
         if cause.relaxes_prior is not None or cause in single.candidate.causes:
             continue
         names = sorted([single.name, cause.name])
-        for start in starts_at(problem, base, sensitivities, index):
+        for start in view.starts_at(index):
             result.append(((names[0], names[1]), start))
     return result
 
 
-def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
+def _added(view: View) -> Pairs:
     """What the sum of two causes' responses would leave, each at its best multiple."""
+    problem, null, sensitivities = view.problem, view.fit, view.sensitivities
     rows = np.flatnonzero(sensitivities.size > UNSEEN)
     projected, cause = sensitivities.projected[rows], sensitivities.cause[rows]
     gram = projected @ projected.T
@@ -166,19 +157,18 @@ def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
         seen.add((cause[i], cause[j]))
         multiples = {int(rows[i]): float(first[i, j]), int(rows[j]): float(second[i, j])}
         names = sorted(problem.causes[each].name for each in (cause[i], cause[j]))
-        start = _joined(problem, null, sensitivities, multiples)
+        start = _joined(view, multiples)
         result[names[0], names[1]] = (float(left[i, j]), start)
     return result
 
 
-def _joined(
-    problem: Problem, null: Fit, sensitivities: Sensitivities, multiples: dict[int, float]
-) -> Start:
+def _joined(view: View, multiples: dict[int, float]) -> Start:
     """Start of a pair from multiples of two rows of the sensitivities."""
+    problem, null, sensitivities = view.problem, view.fit, view.sensitivities
     p, m = problem.base_count, len(problem.observed)
     columns = problem.columns([problem.causes[sensitivities.cause[row]] for row in multiples])
     x, slope = null.x.copy(), np.zeros((m, len(columns)))
-    x[:p] += linear_step(null)
+    x[:p] += view.linear_step
     for row, multiple in multiples.items():
         at = int(sensitivities.at[row])
         amount = max(multiple, _LEAST_MULTIPLE)
@@ -193,16 +183,12 @@ def _joined(
 
 
 def _beside(problem: Problem, single: Fit) -> Pairs:
-    """What a second cause would leave beside a single one, its responses simulated anew there."""
-    softer, sensitivities = transferred_to(
-        problem, find_sensitivities(problem, single), single, SMALLER_INFLATION
-    )
-    screened = screen(sensitivities, softer.residual)
+    """What a second cause would leave beside a single one, with responses simulated there."""
+    view = View.of(problem, single).moved_to(single, SMALLER_INFLATION)
     result: Pairs = {}
     for index, cause in enumerate(problem.causes):
-        if cause in single.candidate.causes:
-            continue
-        names = sorted([single.candidate.causes[0].name, cause.name])
-        for left, start in starts(problem, softer, sensitivities, screened, index, 1):
-            result[names[0], names[1]] = (left, start)
+        if cause not in single.candidate.causes:
+            names = sorted([single.candidate.causes[0].name, cause.name])
+            for found in view.starts(index, 1):
+                result[names[0], names[1]] = found
     return result

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.diagnosis.fit.derivatives import Walk, broyden_update, derive
+from stickslip.diagnosis.fit.derivatives import Search, broyden_update, derive
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Start
 from stickslip.diagnosis.model.problem import Array, Indices, Problem
 
@@ -19,11 +19,11 @@ AGREE = 1.0
 """Starts agree whose chi-squares differ by less: one standard deviation of one parameter."""
 
 SMALLER_INFLATION, LARGEST_INFLATION = 3.0, 10.0
-"""Factors by which errors are taken as too large, so that no walk is lost in a narrow minimum.
+"""Factors by which errors are taken as too large, so that no search is lost in a narrow minimum.
 Chosen: half decades."""
 
 STAGES = ((LARGEST_INFLATION, np.inf), (SMALLER_INFLATION, np.inf), (1.0, 1.5), (1.0, np.inf))
-"""Errors' factor and outliers' bound of a search from afar.
+"""Errors' factor and outliers' bound of a global search.
 
 In the last but one, a condition whose motion is still of another kind, and whose velocity jumps
 when it changes, does not hold the others back. The bound of 1.5 is chosen: a residual of two errors
@@ -32,16 +32,18 @@ already counts for less than half of its square.
 
 # All of these are chosen, by trial on the simulator; lengths are in coordinates, of which 1 is a
 # standard deviation of the prior, and falls are of chi-square.
-# Random points about the end of a walk in one restart.
+# Random points about the end of a search in one restart.
 _RESTART_POINTS = 16
 # Largest trust radius.
 _FAR = 4.0
 # A start that is so far behind the best of its candidate after four steps is given up.
 _BEHIND = 40.0
-# A step that lowers chi-square by less is quiet; two of them in a row end a walk.
+# A step that lowers chi-square by less is quiet; two of them in a row end a search.
 _SETTLED = 0.02
 # Share of the promised fall that a step has to reach for the trust radius to grow.
 _GOOD = 0.3
+# Most steps of a fit that begins where one of nearly the same problem has ended.
+_AGAIN = 6
 
 
 def fit_candidates(
@@ -61,41 +63,41 @@ def fit_candidates(
     end, which get over jumps that stop a derivative. With `exact`, the derivatives at the end are
     taken anew; otherwise they are those of the last steps.
     """
-    groups = _walks(problem, candidates, starts)
-    walks = [walk for group in groups for walk in group]
-    if not walks:
+    groups = _searches(problem, candidates, starts)
+    searches = [search for group in groups for search in group]
+    if not searches:
         return []
-    active = walks
+    active = searches
     for count in range(iterations):
-        derive(problem, [walk for walk in active if walk.slope is None])
+        derive(problem, [search for search in active if search.slope is None])
         _advance(problem, active)
-        active = [walk for walk in active if walk.quiet < 2]
+        active = [search for search in active if search.quiet < 2]
         if count >= 1:
-            best = min(walk.chi2 for walk in walks) + hopeless
-            active = [walk for walk in active if walk.chi2 < best]
+            best = min(search.chi2 for search in searches) + hopeless
+            active = [search for search in active if search.chi2 < best]
         if count >= 3:
             leads = {
-                id(walk): min(each.chi2 for each in group) for group in groups for walk in group
+                id(search): min(each.chi2 for each in group) for group in groups for search in group
             }
-            active = [walk for walk in active if walk.chi2 < leads[id(walk)] + _BEHIND]
+            active = [search for search in active if search.chi2 < leads[id(search)] + _BEHIND]
         if not active:
             break
     if random_restarts:
-        derive(problem, [walk for walk in walks if walk.slope is None])
+        derive(problem, [search for search in searches if search.slope is None])
     for number in range(random_restarts):
-        _scatter(problem, walks, number)
-    winners = [min(group, key=lambda walk: walk.chi2) for group in groups]
-    derive(problem, [walk for walk in winners if walk.slope is None])
+        _scatter(problem, searches, number)
+    winners = [min(group, key=lambda search: search.chi2) for group in groups]
+    derive(problem, [search for search in winners if search.slope is None])
     if exact:
-        limit = min(walk.chi2 for walk in walks) + hopeless
-        derive(problem, [walk for walk in winners if walk.chi2 < limit], central=True)
+        limit = min(search.chi2 for search in searches) + hopeless
+        derive(problem, [search for search in winners if search.chi2 < limit], central=True)
     return [_fit(problem, winner, group) for winner, group in zip(winners, groups, strict=True)]
 
 
 def refit(
     problem: Problem,
     fits: Sequence[Fit],
-    iterations: int,
+    iterations: int = _AGAIN,
     random_restarts: int = 0,
     exact: bool = False,
     rows: Indices | slice = slice(None),
@@ -112,25 +114,24 @@ def refit(
 
 
 def refit_keeping_starts(
-    problem: Problem,
-    fits: Sequence[Fit],
-    iterations: int,
-    random_restarts: int = 0,
-    exact: bool = True,
+    problem: Problem, fits: Sequence[Fit], iterations: int = _AGAIN, random_restarts: int = 0
 ) -> list[Fit]:
-    """As `refit`, under slightly other errors, so that what the starts have shown still holds."""
-    again = refit(problem, fits, iterations, random_restarts, exact)
+    """As `refit`, under slightly other errors, so that what the starts have shown still holds.
+
+    Only with several steps are the derivatives at the end taken anew.
+    """
+    again = refit(problem, fits, iterations, random_restarts, exact=iterations > 1)
     return [
         replace(new, converged=old.converged, starts=old.starts)
         for new, old in zip(again, fits, strict=True)
     ]
 
 
-def _walks(
+def _searches(
     problem: Problem, candidates: Sequence[Candidate], starts: Sequence[Sequence[Start]]
-) -> list[list[Walk]]:
-    """A walk at each start, by one batch of predictions."""
-    groups: list[list[Walk]] = [[] for _ in candidates]
+) -> list[list[Search]]:
+    """A search at each start, by one batch of predictions."""
+    groups: list[list[Search]] = [[] for _ in candidates]
     plan = [(k, start) for k, points in enumerate(starts) for start in points]
     if not plan:
         return groups
@@ -139,7 +140,7 @@ def _walks(
     for (k, start), at, row in zip(plan, x, data, strict=True):
         residual = _residual(problem, candidates[k], at, row)
         chi2 = _cost(problem, residual)
-        groups[k].append(Walk(candidates[k], at, row, residual, chi2, start.slope))
+        groups[k].append(Search(candidates[k], at, row, residual, chi2, start.slope))
     return groups
 
 
@@ -155,26 +156,26 @@ def _cost(problem: Problem, residual: Array) -> float:
     return float(problem.misfit(residual[:m]) + residual[m:] @ residual[m:])
 
 
-def _scatter(problem: Problem, walks: Sequence[Walk], number: int) -> None:
-    """Move each walk to the best of some points about it, wide and narrow in turn."""
+def _scatter(problem: Problem, searches: Sequence[Search], number: int) -> None:
+    """Move each search to the best of some points about it, wide and narrow in turn."""
     low, high = problem.limits()
     random = np.random.default_rng([number, 3])
     rows = []
-    for walk in walks:
-        free = walk.candidate.free
+    for search in searches:
+        free = search.candidate.free
         scale = (1.0, 0.4, 0.15)[number % 3]
-        lower = spread_factor(walk.jacobian(problem))
+        lower = spread_factor(search.jacobian(problem))
         draws = random.standard_normal((_RESTART_POINTS, len(free)))
         width = np.clip(np.sqrt(np.sum(lower**2, axis=1)), 0.03, 0.5)
         step = np.where(
             np.arange(_RESTART_POINTS)[:, None] % 2 == 0, draws @ lower.T, draws * width
         )
-        points = np.tile(walk.x, (_RESTART_POINTS, 1))
+        points = np.tile(search.x, (_RESTART_POINTS, 1))
         points[:, free] += scale * step
         rows.append(np.clip(points, low, high))
-    data = problem.predicted(np.vstack(rows)).reshape(len(walks), _RESTART_POINTS, -1)
-    for walk, points, predicted in zip(walks, rows, data, strict=True):
-        _move(problem, walk, points, predicted)
+    data = problem.predicted(np.vstack(rows)).reshape(len(searches), _RESTART_POINTS, -1)
+    for search, points, predicted in zip(searches, rows, data, strict=True):
+        _move(problem, search, points, predicted)
 
 
 def spread_factor(jacobian: Array) -> Array:
@@ -182,53 +183,54 @@ def spread_factor(jacobian: Array) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.qr(jacobian)[1]))
 
 
-def _move(problem: Problem, walk: Walk, points: Array, predicted: Array) -> float:
+def _move(problem: Problem, search: Search, points: Array, predicted: Array) -> float:
     """Go to the best of some points if it is better; the fall of chi-square, or less than 0."""
     residuals = [
-        _residual(problem, walk.candidate, x, row) for x, row in zip(points, predicted, strict=True)
+        _residual(problem, search.candidate, x, row)
+        for x, row in zip(points, predicted, strict=True)
     ]
     costs = [_cost(problem, each) for each in residuals]
     best = int(np.argmin(costs))
-    fall = walk.chi2 - costs[best]
+    fall = search.chi2 - costs[best]
     if fall > 0.0:
-        walk.x, walk.predicted, walk.residual = points[best], predicted[best], residuals[best]
-        walk.chi2, walk.fresh = costs[best], False
+        search.x, search.predicted, search.residual = points[best], predicted[best], residuals[best]
+        search.chi2, search.fresh = costs[best], False
     return fall
 
 
-def _advance(problem: Problem, walks: Sequence[Walk]) -> None:
-    """One step of each walk inside its trust radius."""
+def _advance(problem: Problem, searches: Sequence[Search]) -> None:
+    """One step of each search inside its trust radius."""
     m, sd = len(problem.observed), problem.sd
     low, high = problem.limits()
     points, hoped = [], []
-    for walk in walks:
-        root = np.ones(len(walk.residual))
-        root[:m] = np.sqrt(problem.weights(walk.residual[:m]))
-        jacobian = walk.jacobian(problem) * root[:, None]
+    for search in searches:
+        root = np.ones(len(search.residual))
+        root[:m] = np.sqrt(problem.weights(search.residual[:m]))
+        jacobian = search.jacobian(problem) * root[:, None]
         normal = jacobian.T @ jacobian
-        slope = jacobian.T @ (walk.residual * root)
-        point = walk.x.copy()
-        point[walk.candidate.free] += _within(normal, slope, walk.radius)
+        slope = jacobian.T @ (search.residual * root)
+        point = search.x.copy()
+        point[search.candidate.free] += _within(normal, slope, search.radius)
         points.append(np.clip(point, low, high))
-        taken = (points[-1] - walk.x)[walk.candidate.free]
+        taken = (points[-1] - search.x)[search.candidate.free]
         hoped.append(float(2.0 * slope @ taken - taken @ normal @ taken))
     predicted = problem.predicted(np.stack(points))
-    for walk, point, row, promised in zip(walks, points, predicted, hoped, strict=True):
-        exact, length = walk.fresh, float(np.linalg.norm(point - walk.x))
-        slope_now = broyden_update(walk, point, row, sd)
-        fall = _move(problem, walk, point[None, :], row[None, :])
-        walk.slope = slope_now
+    for search, point, row, promised in zip(searches, points, predicted, hoped, strict=True):
+        exact, length = search.fresh, float(np.linalg.norm(point - search.x))
+        slope_now = broyden_update(search, point, row, sd)
+        fall = _move(problem, search, point[None, :], row[None, :])
+        search.slope = slope_now
         if fall <= 0.0:
-            # Updates that went astray are replaced before the radius is blamed.
-            walk.radius *= 0.2 if exact else 1.0
-            walk.slope = walk.slope if exact else None
+            # Derivatives of wrong updates are taken anew before the radius is made smaller.
+            search.radius *= 0.2 if exact else 1.0
+            search.slope = search.slope if exact else None
         elif fall <= _GOOD * promised:
-            walk.radius = max(0.5 * length, 1e-3)
-            walk.slope = walk.slope if exact else None
+            search.radius = max(0.5 * length, 1e-3)
+            search.slope = search.slope if exact else None
         else:
-            walk.radius = min(2.0 * walk.radius, _FAR)
+            search.radius = min(2.0 * search.radius, _FAR)
         small = fall < _SETTLED and (exact or promised < _SETTLED)
-        walk.quiet = walk.quiet + 1 if small else 0
+        search.quiet = search.quiet + 1 if small else 0
 
 
 def _within(normal: Array, slope: Array, radius: float) -> Array:
@@ -249,9 +251,9 @@ def _within(normal: Array, slope: Array, radius: float) -> Array:
     return np.asarray(vectors @ (along / (values + damping)))
 
 
-def _fit(problem: Problem, best: Walk, walks: Sequence[Walk]) -> Fit:
-    """The fit of a candidate whose walks have ended, with Laplace's log-evidence."""
-    ends = sorted(walk.chi2 for walk in walks)
+def _fit(problem: Problem, best: Search, searches: Sequence[Search]) -> Fit:
+    """The fit of a candidate whose searches have ended, with Laplace's log-evidence."""
+    ends = sorted(search.chi2 for search in searches)
     assert best.slope is not None
     jacobian = best.jacobian(problem)
     scaled = jacobian * best.candidate.width

@@ -22,7 +22,7 @@ FAR = 9.0
 
 # All of these are chosen. Values of the parameter in standard deviations by the curvature: so far
 # out that another minimum beyond a barrier is seen.
-_PLACES = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
+_OFFSETS = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
 # Where chi-square has not risen enough at an end, factor to the next value, and the farthest.
 _FURTHER, _WIDEST = 1.5, 30.0
 # Steps of a fit, and chi-square above the best value after two of them at which it is given up.
@@ -138,28 +138,28 @@ def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:
     spread = float(np.sqrt(fit.covariance[each.position, each.position]))
     low, high = (float(end[each.column]) for end in problem.limits())
     middle = float(fit.x[each.column])
-    places = np.array(_PLACES)
+    offsets = np.array(_OFFSETS)
     done: dict[float, Fit] = {}
     while True:
-        u = np.unique(np.clip(middle + places * spread, low, high))
+        u = np.unique(np.clip(middle + offsets * spread, low, high))
         line = _fixed(problem, fit, each.column, u, done)
         chi2 = line.chi2 - line.chi2.min()
         more = []
-        if chi2[0] < FAR and u[0] > low and -places[0] < _WIDEST:
-            more.append(_FURTHER * places[0])
-        if chi2[-1] < FAR and u[-1] < high and places[-1] < _WIDEST:
-            more.append(_FURTHER * places[-1])
+        if chi2[0] < FAR and u[0] > low and -offsets[0] < _WIDEST:
+            more.append(_FURTHER * offsets[0])
+        if chi2[-1] < FAR and u[-1] < high and offsets[-1] < _WIDEST:
+            more.append(_FURTHER * offsets[-1])
         if not more:
             return line
-        places = np.unique([*places, *more])
+        offsets = np.unique([*offsets, *more])
         done = dict(zip(u.tolist(), line.fits, strict=True))
 
 
 def _fixed(problem: Problem, fit: Fit, column: int, u: Array, done: Mapping[float, Fit]) -> _Line:
     """Fits with one coordinate held at each of some values, some of which are done already.
 
-    Every one begins where the covariance leads it, and at a random place about that; then where its
-    neighbours have ended, since a step of chi-square stops many a walk.
+    Every one begins where the covariance leads it, and at a random point about that; then where its
+    neighbours have ended, since a jump of chi-square stops many a search.
     """
     candidate = fit.candidate
     keep = candidate.free != column

@@ -8,13 +8,13 @@ is projected out.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.fit.fit_result import Fit, Start
+from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Array, Indices, Problem
 
 AMPLITUDES = (0.15, 0.6, 2.0)
@@ -25,9 +25,9 @@ UNSEEN = 1e-3
 
 # Coordinates of a shape at which responses are taken. Chosen: 1.5 standard deviations of its prior.
 _SHAPES = (-1.5, 0.0, 1.5)
-# Largest moves by linear estimate, in standard deviations of the priors: of the constants that make
-# up for a response, and of a start toward the minimum. Chosen: a linear estimate is worth no more.
-_FAR, _NEAR = 6.0, 2.0
+# Largest move of a constant that makes up for a response, in standard deviations of its prior.
+# Chosen: a linear estimate is worth no more.
+_FAR = 6.0
 # Multiple of a response up to which it is trusted: of a relaxed constant, nearly linear, and of an
 # amplitude. Chosen: the next amplitude of the table is reached.
 _CONSTANT_MULTIPLE, _LARGEST_MULTIPLE = 8.0, 1.8
@@ -130,7 +130,7 @@ def find_sensitivities(problem: Problem, base: Fit) -> Sensitivities:
     raw = np.hstack([gap @ problem.whiten.T, np.zeros((len(gap), len(free)))])
     for row, (_, column, sign) in enumerate(relaxed, start=len(plan)):
         raw[row, m + column] = -sign
-    projected, basis, move = _projected(raw, base.jacobian)
+    projected, basis, move = projected_responses(raw, base.jacobian)
     # The point of each row: the baseline moves to undo what it can of the response.
     full = np.vstack([points, np.tile(base.x, (len(relaxed), 1))])
     full[:, free] -= move
@@ -165,31 +165,12 @@ def _amplitudes(problem: Problem, base: Fit) -> Iterator[tuple[int, int, float, 
                     yield index, at, u, shapes, shape
 
 
-def _projected(raw: Array, jacobian: Array) -> tuple[Array, Array, Array]:
+def projected_responses(raw: Array, jacobian: Array) -> tuple[Array, Array, Array]:
     """Responses after recalibration, the basis of what that can do, and the moves that do it."""
     basis = np.linalg.qr(jacobian)[0]
     projected = raw - (raw @ basis) @ basis.T
     move = np.linalg.lstsq(jacobian, raw.T, rcond=None)[0].T
     return projected, basis, np.clip(move, -_FAR, _FAR)
-
-
-def transferred_to(
-    problem: Problem, sensitivities: Sensitivities, fit: Fit, factor: float
-) -> tuple[Fit, Sensitivities]:
-    """The same responses about another fit, and that fit, with errors larger by a factor.
-
-    The responses are not simulated anew, but what the constants can make up for, and what is left
-    to be explained, are those of the other fit.
-    """
-    m, free = len(problem.observed), fit.candidate.free
-    weight = np.concatenate([np.full(m, 1.0 / factor), np.ones(len(free))])
-    residual, jacobian = fit.residual * weight, fit.jacobian * weight[:, None]
-    softer = replace(fit, residual=residual, jacobian=jacobian, chi2=float(residual @ residual))
-    raw = sensitivities.raw * weight
-    projected, basis, move = _projected(raw, jacobian)
-    point = sensitivities.point.copy()
-    point[:, free] = fit.x[free] - move
-    return softer, replace(sensitivities, point=point, raw=raw, projected=projected, basis=basis)
 
 
 @dataclass(frozen=True, repr=False)
@@ -224,81 +205,3 @@ def linear_evidence(
         name = problem.causes[sensitivities.cause[row]].name
         result[name] = max(result.get(name, -np.inf), float(above[row]))
     return result
-
-
-def starts(
-    problem: Problem,
-    base: Fit,
-    sensitivities: Sensitivities,
-    screened: Screened,
-    cause: int,
-    count: int,
-) -> list[tuple[float, Start]]:
-    """Starts of a cause at its most promising amplitudes, of both signs first.
-
-    Each with what is left of chi-square there by linear estimate. Causes that the base has are
-    there too.
-    """
-    rows = sensitivities.seen_rows(cause)
-    rows = rows[np.argsort(screened.left[rows], kind="stable")]
-    first: dict[tuple[int, float], int] = {}
-    for row in rows.tolist():
-        kind = (int(sensitivities.at[row]), float(np.sign(sensitivities.amplitude[row])))
-        first.setdefault(kind, row)
-    chosen = [*first.values(), *(row for row in rows.tolist() if row not in first.values())]
-    # What the constants would gain by themselves is common to all rows.
-    own = float(np.sum((sensitivities.basis.T @ base.residual) ** 2))
-    free = base.candidate.free
-    result = []
-    for row in chosen[:count]:
-        # Chosen: a start with less of the cause would hardly have it.
-        scale = max(float(screened.scale[row]), 0.3)
-        x = sensitivities.point[row].copy()
-        x[free] = base.x[free] + scale * (x[free] - base.x[free]) + linear_step(base)
-        start = with_cause(problem, base, sensitivities, row, x, scale)
-        result.append((float(screened.left[row]) - own, start))
-    return result
-
-
-def linear_step(base: Fit) -> Array:
-    """Gauss-Newton step of the free coordinates of a fit; zero at the best one, shape (free,)."""
-    return np.clip(np.linalg.lstsq(base.jacobian, base.residual, rcond=None)[0], -_NEAR, _NEAR)
-
-
-def starts_at(problem: Problem, base: Fit, sensitivities: Sensitivities, cause: int) -> list[Start]:
-    """Starts at which a cause is added to a fit and nothing else moves, of either sign."""
-    if problem.causes[cause].relaxes_prior is not None:
-        return [Start(base.x, base.slope)]
-    result = []
-    raw, seen = sensitivities.raw, sensitivities.seen_rows(cause)
-    for sign in (1.0, -1.0):
-        rows = seen[np.sign(sensitivities.amplitude[seen]) == sign]
-        if not len(rows):
-            continue
-        power = np.sum(raw[rows] ** 2, axis=1) + sensitivities.amplitude[rows] ** 2
-        along = raw[rows] @ base.residual
-        scale = np.clip(along / power, 0.5, 1.5)
-        k = int(np.argmax(2.0 * scale * along - scale**2 * power))
-        x = base.x.copy()
-        x[problem.base_count :] = sensitivities.point[rows[k], problem.base_count :]
-        # The causes that the base has stay where they are too.
-        own = base.candidate.free[base.candidate.free >= problem.base_count]
-        x[own] = base.x[own]
-        result.append(with_cause(problem, base, sensitivities, int(rows[k]), x, float(scale[k])))
-    return result
-
-
-def with_cause(
-    problem: Problem, base: Fit, sensitivities: Sensitivities, row: int, x: Array, scale: float
-) -> Start:
-    """A start with a multiple of a row's amplitude, and the derivatives that are known of it."""
-    at = int(sensitivities.at[row])
-    if at < 0:
-        return Start(x, base.slope)
-    x[at] *= scale
-    added = problem.columns([problem.causes[sensitivities.cause[row]]])
-    every = sorted([*base.candidate.free, *added])
-    slope = np.zeros((len(problem.observed), len(every)))
-    slope[:, [every.index(k) for k in base.candidate.free]] = base.slope
-    slope[:, every.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
-    return Start(x, slope)

@@ -15,19 +15,11 @@ from stickslip.diagnosis.fit.least_squares import (
     spread_factor,
 )
 from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
-from stickslip.diagnosis.fit.sensitivity import (
-    Sensitivities,
-    find_sensitivities,
-    screen,
-    starts,
-    starts_at,
-    transferred_to,
-    with_cause,
-)
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Cause, Problem
 
 CAREFUL = 10
-"""Steps of a careful fit. Chosen: most walks are quiet before."""
+"""Most steps of a careful fit. Chosen: most searches end before."""
 
 # All of these are chosen, by trial on the simulator; distances are in coordinates, and leads of
 # chi-square or of log-evidence.
@@ -35,7 +27,7 @@ CAREFUL = 10
 _QUICK, _HOPELESS = 5, (np.inf, 8.0, 40.0, 30.0)
 # Starts of a cause from each view and minimum, those kept of all, and how far apart they are.
 _STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
-# Walks of one candidate that end closer together go on as one.
+# Searches of one candidate that end closer together go on as one.
 _MET = 0.2
 # Candidates that are refitted with care, and how far behind the best in log-evidence they may be:
 # a million to one.
@@ -48,32 +40,30 @@ _LEADING, _ROUNDS = 2, (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
 _SCAN, _RELAXED_STARTS, _APART = 128, 3, 1.0
 
 
-Views = Sequence[tuple[Fit, Sensitivities]]
-"""Points at which the responses of all causes are known, the recalibrated model first."""
-
-
 def fit_singles(
-    problem: Problem, views: Views, local_minima: Sequence[Fit] = (), random_restarts: int = 0
+    problem: Problem,
+    views: Sequence[View],
+    local_minima: Sequence[Fit] = (),
+    random_restarts: int = 0,
 ) -> tuple[Fit, ...]:
-    """Fit every cause quickly from its sensitivities, and those that survive with care.
+    """Fit every cause quickly from its responses, and those that survive with care.
 
-    The rows of the views' sensitivities are the starts; `local_minima` of the model without a cause
-    are begun from too. `random_restarts` are those of `fit_candidates`, for the careful fits.
+    The rows of the views, the recalibrated model's first, are the starts, about their own fits and
+    other `local_minima` of the model without a cause. `random_restarts` are those of
+    `fit_candidates`, for the careful fits.
     """
-    bases = [*(fit for fit, _ in views), *local_minima]
     found: dict[int, list[tuple[float, Start]]] = {k: [] for k in range(len(problem.causes))}
-    for base in bases:
-        for _, sensitivities in views:
-            softer, seen_there = transferred_to(problem, sensitivities, base, LARGEST_INFLATION)
-            screened = screen(seen_there, softer.residual)
+    for base in (*(view.fit for view in views), *local_minima):
+        for view in views:
+            moved = view.moved_to(base, LARGEST_INFLATION)
             for index, points in found.items():
-                points += starts(problem, softer, seen_there, screened, index, _STARTS)
+                points += moved.starts(index, _STARTS)
     begins = {index: _promising(points) for index, points in found.items()}
     seen = [index for index in begins if begins[index]]
     candidates = [make_candidate(problem, [problem.causes[index]]) for index in seen]
     ordered = starts_by_misfit(problem, candidates, [begins[index] for index in seen])
-    # Near the null a walk may settle for a little of the cause; one comes from its far side.
-    large = _large_amplitude_starts(problem, *views[-1])
+    # A search near the null may end with a little of the cause; one more begins with a lot of it.
+    large = _large_amplitude_starts(views[-1])
     plan = [
         (candidate, start)
         for index, candidate, points in zip(seen, candidates, ordered, strict=True)
@@ -89,24 +79,18 @@ def fit_singles(
     return refine(problem, best, others, random_restarts)
 
 
-def _large_amplitude_starts(
-    problem: Problem, base: Fit, sensitivities: Sensitivities
-) -> dict[int, tuple[Start, ...]]:
+def _large_amplitude_starts(view: View) -> dict[int, tuple[Start, ...]]:
     """For each cause an amplitude of one standard deviation, of the sign that promises more."""
-    softer, seen_there = transferred_to(problem, sensitivities, base, LARGEST_INFLATION)
-    left = screen(seen_there, softer.residual).left
-    chosen: dict[int, int] = {}
-    far = (sensitivities.at >= 0) & (np.abs(sensitivities.amplitude) > 1.0)
-    for row in np.flatnonzero(far).tolist():
-        index = int(sensitivities.cause[row])
-        if index not in chosen or left[row] < left[chosen[index]]:
-            chosen[index] = row
+    left = view.moved_to(view.fit, LARGEST_INFLATION).screened.left
+    found, base = view.sensitivities, view.problem.base_count
+    far = np.flatnonzero((found.at >= 0) & (np.abs(found.amplitude) > 1.0))
     result: dict[int, tuple[Start, ...]] = {}
-    for index, row in chosen.items():
-        x = base.x.copy()
-        x[problem.base_count :] = sensitivities.point[row, problem.base_count :]
-        x[sensitivities.at[row]] = np.sign(sensitivities.amplitude[row])
-        result[index] = (with_cause(problem, base, sensitivities, row, x, 1.0),)
+    for row in far[np.argsort(left[far], kind="stable")].tolist():
+        if int(found.cause[row]) not in result:
+            x = view.fit.x.copy()
+            x[base:] = found.point[row, base:]
+            x[found.at[row]] = np.sign(found.amplitude[row])
+            result[int(found.cause[row])] = (view.start_with(row, x, 1.0),)
     return result
 
 
@@ -116,9 +100,9 @@ def quick_fits(
     begins: Sequence[Sequence[Start]],
     first: int = 0,
 ) -> list[Fit]:
-    """A few steps at every stage of a search from afar, from the `first` one on.
+    """A few steps at every stage of a global search, from the `first` one on.
 
-    Walks of one candidate that have met go on as one, so there may be fewer ends than starts.
+    Searches of one candidate that have met go on as one, so there may be fewer ends than starts.
     """
     fits: list[Fit] = []
     for stage, limit in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
@@ -198,8 +182,8 @@ def search_near_leaders(
 ) -> tuple[Fit, ...]:
     """Other causes in the place of one of a leader's, at its constants.
 
-    Their responses are simulated anew there: a near twin does as well with constants that are near
-    to the leader's, which may be far from the recalibrated ones.
+    Their responses are simulated anew there: a nearly equivalent cause does as well
+    with constants near the leader's, which may be far from the recalibrated ones.
     """
     known = {fit.name: fit for fit in fits}
     candidates: dict[str, Candidate] = {}
@@ -213,7 +197,7 @@ def search_near_leaders(
     found = quick_fits(problem, every, [points[:1] for points in ordered], 2)
     better = [
         fit for fit in found
-        if fit.name not in known or fit.chi2 < known[fit.name].chi2 - 1.0
+        if fit.name not in known or fit.chi2 < known[fit.name].chi2 - AGREE
     ]  # fmt: skip
     best = max((fit.log_evidence for fit in (*better, *fits)), default=0.0)
     near = [fit for fit in better if fit.log_evidence > best - _WITHIN]
@@ -225,12 +209,11 @@ def search_near_leaders(
 def _exchanged(problem: Problem, leader: Fit) -> Iterator[tuple[Candidate, list[Start]]]:
     """Candidates with another cause in the place of one of a leader's, and where they begin."""
     for dropped in leader.candidate.causes:
-        base = without_cause(problem, leader, dropped)
-        sensitivities = find_sensitivities(problem, base)
+        view = View.of(problem, without_cause(problem, leader, dropped))
         for index, cause in enumerate(problem.causes):
-            points = starts_at(problem, base, sensitivities, index)
+            points = view.starts_at(index)
             if points and cause not in leader.candidate.causes:
-                both = sorted([*base.candidate.causes, cause], key=lambda each: each.name)
+                both = sorted([*view.fit.candidate.causes, cause], key=lambda each: each.name)
                 yield make_candidate(problem, both), points
 
 
@@ -252,7 +235,7 @@ def starts_by_misfit(
     if not flat:
         return []
     x = np.clip(np.stack([start.x for _, start in flat]), *problem.limits())
-    # Of narrow valleys a start is seldom at the bottom.
+    # With the stated errors, few starts would lie inside a narrow minimum.
     chi2 = np.sum(problem.with_inflated_errors(LARGEST_INFLATION).residuals(x) ** 2, axis=1)
     for row, (k, _) in enumerate(flat):
         chi2[row] += np.sum((x[row, candidates[k].free] / candidates[k].width) ** 2)
@@ -285,7 +268,7 @@ def refine(
 
 
 def _nearby(problem: Problem, fit: Fit) -> Start:
-    """A start a posterior's width away, with derivatives to be taken there."""
+    """A start one standard deviation of the posterior away, 0.5 at most, in alternating signs."""
     low, high = problem.limits()
     free = fit.candidate.free
     x = fit.x.copy()

@@ -14,9 +14,9 @@ from stickslip.diagnosis.inference.cross_validation import restricted
 from stickslip.diagnosis.model.problem import Array, Indices, Problem
 from stickslip.facts import Code, Fact
 
-# All of these are chosen: steps of a fit from the common one; fewest conditions of a part; and
-# standard deviations between two parts that make a constant change, one in eighty by chance.
-_STEPS, _FEWEST, _STRAINED = 6, 4, 2.5
+# Chosen: fewest conditions of a part, and standard deviations between two parts from which a
+# constant changes; one in eighty does so by chance.
+_FEWEST, _STRAINED = 4, 2.5
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,7 +61,7 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, Indices]) -> li
             continue
         for name in pair:
             rows = parts[name]
-            (fit,) = refit(restricted(problem, rows, covariance), [null], _STEPS, rows=rows)
+            (fit,) = refit(restricted(problem, rows, covariance), [null], rows=rows)
             sd = np.sqrt(np.diag(fit.covariance))
             found.append(Part(name, len(rows), fit.x[null.candidate.free], sd))
     return found

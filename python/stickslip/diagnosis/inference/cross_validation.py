@@ -28,8 +28,6 @@ _RESAMPLES = 2000
 # Parts that are left out in turn, and fewest conditions, or groups, for either kind of holding out.
 # Chosen: the usual five; with fewer than eight too few are left to fit.
 _FOLDS, _FEWEST = 5, 8
-# Steps of a fit without the held-out conditions, which begins at that of all.
-_STEPS = 6
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,7 +138,7 @@ def _without(
 ) -> tuple[Indices, list[Fit]]:
     """The conditions that are not held out, and the fits again of these alone."""
     keep = np.setdiff1d(np.arange(len(problem.observed)), held_out)
-    return keep, refit(restricted(problem, keep, covariance), fits, _STEPS, rows=keep)
+    return keep, refit(restricted(problem, keep, covariance), fits, rows=keep)
 
 
 def restricted(problem: Problem, keep: Indices, covariance: Array) -> Problem:

@@ -26,6 +26,7 @@ from stickslip.diagnosis.fit.single_cause import (
     refit_worse_than_null,
     search_near_leaders,
 )
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.detection import Detection, detect
 from stickslip.diagnosis.model.problem import Array, Problem
 
@@ -37,8 +38,6 @@ Progress = Callable[[float, str], object]
 _RANDOM_RESTARTS, _SMOOTH = 3, 1.0
 # Leaders whose causes are exchanged for others.
 _LEADERS = 2
-# Steps of a fit under slightly other errors, which begins at its end under those of before.
-_STEPS = 6
 # The leader's roughness counts where it is larger than the null's by this factor: less is chance.
 _ROUGHER = 1.2
 
@@ -72,6 +71,11 @@ class AssessedBaseline(OneLine):
         """Rounds of random points that its fits need."""
         return _random_restarts(self.roughness, self.covariance)
 
+    @property
+    def view(self) -> View:
+        """The recalibrated model with the responses of all causes."""
+        return View(self.problem, self.null, self.sensitivities)
+
 
 def _random_restarts(roughness: Array, covariance: Array) -> int:
     share = float(np.sum(roughness**2 / np.diag(covariance)))
@@ -100,7 +104,7 @@ def assess_baseline(
     covariance = data_covariance + np.diag(roughness**2)
     problem = replace(problem, whiten=whitener(covariance))
     restarts = _random_restarts(roughness, covariance)
-    (null,) = refit_keeping_starts(problem, [null], _STEPS, restarts)
+    (null,) = refit_keeping_starts(problem, [null], random_restarts=restarts)
     sensitivities = find_sensitivities(problem, null)
     detection = detect(problem, null, sensitivities, seed)
     return AssessedBaseline(problem, covariance, roughness, null, sensitivities, detection)
@@ -133,11 +137,11 @@ def compare_candidates(
     local_minima = with_stated_errors(problem, found.local_minima)
     # Far from all priors the recalibrated model is no point to look at causes from.
     centres = with_stated_errors(problem, [] if found.centre is None else [found.centre])
-    views = [(base.null, base.sensitivities), *_views(problem, centres)]
+    views = [base.view, *(View.of(problem, fit) for fit in centres)]
     singles = fit_singles(problem, views, local_minima, restarts)
     singles = search_near_leaders(problem, singles, singles[:_LEADERS], restarts)
     base, singles = _settled(base, data_covariance, singles, seed)
-    # A near twin whose searches did not agree may be found from where the leader is now.
+    # A nearly equivalent cause whose starts did not agree may be found from the leader's new end.
     if any(not fit.converged for fit in singles[1:_LEADERS]):
         singles = search_near_leaders(base.problem, singles, singles[:1], base.random_restarts)
     if not base.detection.found:
@@ -156,9 +160,9 @@ def compare_candidates(
         return base, Ranking(base.null, singles, ())
     say(0.6, "fitting pairs of causes")
     if base.problem is not problem:
-        views[1:] = _views(base.problem, with_stated_errors(base.problem, centres))
+        centres = with_stated_errors(base.problem, centres)
+        views = [base.view, *(View.of(base.problem, fit) for fit in centres)]
         local_minima = with_stated_errors(base.problem, local_minima)
-    views[0] = (base.null, base.sensitivities)
     pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
     pairs = search_near_leaders(base.problem, pairs, pairs[:1], base.random_restarts)
     singles = singles_beside(base.problem, singles, pairs)
@@ -169,14 +173,10 @@ def compare_candidates(
     return base, Ranking(base.null, singles, pairs)
 
 
-def _views(problem: Problem, fits: Sequence[Fit]) -> list[tuple[Fit, Sensitivities]]:
-    return [(fit, find_sensitivities(problem, fit)) for fit in fits]
-
-
 def _settled(
     base: AssessedBaseline, data_covariance: Array, fits: Sequence[Fit], seed: int
 ) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
-    """The null again from the candidates' constants, assessed anew if better, and they from its."""
+    """The null from the candidates' constants, assessed again if better, and they from its."""
     singles = [fit for fit in fits if len(fit.candidate.causes) == 1]
     null = refit_null(base.problem, base.null, singles)
     ordered = ranked(fits)
@@ -200,4 +200,4 @@ def _rougher(
 
 def reweighed(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
     """Fits under other errors, best first; what their starts have shown still holds."""
-    return ranked(refit_keeping_starts(problem, fits, 1, exact=False))
+    return ranked(refit_keeping_starts(problem, fits, 1))

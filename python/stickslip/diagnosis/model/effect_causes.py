@@ -50,8 +50,8 @@ _NEGLIGIBLE = {"sample_hold.period": 1e-4}
 # Shares of the largest voltage, for the amplifier's limit: the scale of its prior, and the lowest
 # value that is searched. Chosen as rough orders too.
 _CLIP_SCALE, _CLIP_LOWEST = 0.15, 0.3
-# Where only the range of a parameter is known, its scale is the range over this. Chosen: a fifth of
-# what is possible does not surprise.
+# Where only the range of a parameter is known, its scale is the distance from where it does nothing
+# to the farther end over this. Chosen: a fifth of what is possible does not surprise.
 _SCALES_IN_RANGE = 5.0
 
 
