@@ -29,7 +29,7 @@ from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run_notes import peak_voltages
 
-# Pulses of a low-fidelity simulation. Chosen: after five the mean velocity is roughly settled.
+# Most pulses of a low-fidelity simulation. Chosen: enough for the first stages of a search.
 _LOW_FIDELITY_PULSES = 5.0
 # Fewest conditions of which a smooth function is asked for. Chosen: as for holding some out.
 _FEWEST_FOR_SMOOTH = 8

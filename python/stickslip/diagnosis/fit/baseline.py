@@ -25,7 +25,7 @@ from stickslip.diagnosis.fit.least_squares import (
 from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
 from stickslip.diagnosis.model.problem import Array, Problem
 
-# All of these are chosen, by trial on the simulator; distances are in coordinates.
+# All of these are chosen; distances are in coordinates.
 # Points of a scan, of a model with more than one constant and of others.
 _SCAN, _SMALL_SCAN = 128, 32
 # Starts from the first scan and how far apart they are, and starts from the wider one.

@@ -20,7 +20,7 @@ from stickslip.diagnosis.fit.single_cause import (
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Problem
 
-# All of these are chosen, by trial on the simulator.
+# All of these are chosen.
 # Pairs that are fitted of those that the screen ranks, and survivors that are refitted with care.
 _PAIRS, _SURVIVORS = 16, 10
 # Leading single causes beside which second ones are looked at.

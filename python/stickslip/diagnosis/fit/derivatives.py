@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.diagnosis.fit.fit_result import Candidate
 from stickslip.diagnosis.model.problem import Array, Problem
 
-# All of these are chosen, by trial on the simulator; lengths are in coordinates, of which 1 is a
+# All of these are chosen; lengths are in coordinates, of which 1 is a
 # standard deviation of the prior.
 # Widest and narrowest difference.
 _WIDE, _NARROW = 0.03, 1e-3

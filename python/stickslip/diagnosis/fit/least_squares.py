@@ -30,7 +30,7 @@ when it changes, does not hold the others back. The bound of 1.5 is chosen: a re
 already counts for less than half of its square.
 """
 
-# All of these are chosen, by trial on the simulator; lengths are in coordinates, of which 1 is a
+# All of these are chosen; lengths are in coordinates, of which 1 is a
 # standard deviation of the prior, and falls are of chi-square.
 # Random points about the end of a search in one restart.
 _RESTART_POINTS = 16

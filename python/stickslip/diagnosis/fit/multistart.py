@@ -15,8 +15,7 @@ from stickslip.diagnosis.model.problem import Array, Problem
 Item = TypeVar("Item")
 
 # Largest coordinates of a scan: of a relaxed constant, in standard deviations of its own prior, and
-# of an amplitude, whose prior is standard normal. Chosen: an error of a constant that is named may
-# be that large, and 99 % of the amplitudes are not larger.
+# of an amplitude, whose prior is standard normal. Chosen: 99 % of the amplitudes are not larger.
 _FARTHEST, _LARGEST = 7.0, 2.5
 
 

@@ -21,15 +21,16 @@ AMPLITUDES = (0.15, 0.6, 2.0)
 """Of the response, in units of the parameter's scale. Chosen: a factor of about four apart."""
 
 UNSEEN = 1e-3
-"""Signal to noise after projection below which a response counts as none: rounding, mostly."""
+"""Signal to noise after projection below which a response counts as none. Chosen: no test could
+show it."""
 
 # Coordinates of a shape at which responses are taken. Chosen: 1.5 standard deviations of its prior.
 _SHAPES = (-1.5, 0.0, 1.5)
 # Largest move of a constant that makes up for a response, in standard deviations of its prior.
-# Chosen: a linear estimate is worth no more.
+# Chosen: a bound for what is only a linear estimate.
 _FAR = 6.0
-# Multiple of a response up to which it is trusted: of a relaxed constant, nearly linear, and of an
-# amplitude. Chosen: the next amplitude of the table is reached.
+# Multiple of a response up to which it is trusted: of a relaxed constant, and of an amplitude.
+# Chosen: a response says little of amplitudes far beyond its own.
 _CONSTANT_MULTIPLE, _LARGEST_MULTIPLE = 8.0, 1.8
 
 

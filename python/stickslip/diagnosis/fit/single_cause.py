@@ -21,7 +21,7 @@ from stickslip.diagnosis.model.problem import Cause, Problem
 CAREFUL = 10
 """Most steps of a careful fit. Chosen: most searches end before."""
 
-# All of these are chosen, by trial on the simulator; distances are in coordinates, and leads of
+# All of these are chosen; distances are in coordinates, and leads of
 # chi-square or of log-evidence.
 # Steps of a quick fit in each stage, and how far behind the best a candidate is then given up.
 _QUICK, _HOPELESS = 5, (np.inf, 8.0, 40.0, 30.0)

@@ -26,7 +26,7 @@ INTERVAL, _ENDS = 0.95, (0.025, 0.975)
 # Draws of the bootstrap. Chosen: they tell a normal law's quantiles at the ends to 0.06 of its sd.
 _RESAMPLES = 2000
 # Parts that are left out in turn, and fewest conditions, or groups, for either kind of holding out.
-# Chosen: the usual five; with fewer than eight too few are left to fit.
+# Chosen.
 _FOLDS, _FEWEST = 5, 8
 
 

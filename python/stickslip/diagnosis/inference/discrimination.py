@@ -16,7 +16,7 @@ from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.problem import Array, Indices, Predict
 
 TRIALS = 3
-"""Trials of a new condition. Chosen: as in the usual table."""
+"""Trials of a new condition. Chosen."""
 
 # How many of the leading candidates are compared. Chosen.
 _CANDIDATES = 3

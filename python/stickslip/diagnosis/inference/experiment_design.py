@@ -22,7 +22,7 @@ DECISIVE = 4.0
 """Expected chi-square that tells two candidates apart: two standard deviations."""
 
 # Values of the drive's settings that are proposed: words as they are, numbers as multiples of the
-# middle of what was measured. Chosen: within what such a set-up can reach.
+# middle of what was measured. Chosen.
 _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.mode": ("IPP", "OPP"),
     "drive.direction": ("+x", "-x"),

@@ -38,7 +38,7 @@ Progress = Callable[[float, str], object]
 _RANDOM_RESTARTS, _SMOOTH = 3, 1.0
 # Leaders whose causes are exchanged for others.
 _LEADERS = 2
-# The leader's roughness counts where it is larger than the null's by this factor: less is chance.
+# The leader's roughness counts where it is larger than the null's by this factor. Chosen.
 _ROUGHER = 1.2
 
 

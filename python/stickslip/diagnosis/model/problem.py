@@ -21,8 +21,7 @@ Predict = Callable[[Any, Array], Array]
 
 PRIOR_INFLATION = 10.0
 """By how much a constant's prior is widened when the constant itself is the suspect. Chosen: an
-error of several stated standard deviations, such as a wrong unit of the error, is then not
-surprising."""
+error of several stated standard deviations then does not surprise."""
 
 LOST = 1e3
 """Whitened residual of a condition that the model cannot compute. Chosen: far beyond any residual

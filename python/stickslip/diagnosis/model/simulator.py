@@ -18,7 +18,7 @@ TOLERANCES = (1e-4, 1e-5, 1e-6)
 """Relative tolerances of the simulator that are tried, the loosest first. Chosen: decades."""
 
 # Draws of the constants at which tolerances are judged, and the quantile of the errors over them
-# that counts. Chosen: one draw of four may lie at a jump of the motion, where no tolerance helps.
+# that counts. Chosen: at one draw of four the motion may jump, where no tolerance helps.
 _DRAWS, _QUANTILE = 8, 0.75
 
 
