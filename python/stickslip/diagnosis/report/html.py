@@ -21,9 +21,10 @@ from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.experiment_design import Experiment, undecided
 from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.probabilities import PRIOR_NONE, PRIOR_UNKNOWN
 from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.inference.upper_bounds import BOUND, POWER
-from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN, PRIOR_NONE, PRIOR_UNKNOWN
+from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.json_keys import Source, details, facts, further, gain_unit, summary
 from stickslip.diagnosis.report.observable_sections import report_sections
