@@ -22,7 +22,7 @@ def varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
 
 
 def find_singleton_condition(conditions: Sequence[Mapping[str, Value]]) -> int | None:
-    """The first condition that alone has its mode, direction or other word, or alone changes a
+    """The first condition that alone has a mode, direction or other word, or alone differs in a
     setting that is the same in all others."""
     for key in varied(conditions):
         values = [each.get(key) for each in conditions]

@@ -67,15 +67,9 @@ def compare_film(
 class Directions:
     """What two runs that differ in their direction alone share, and what changes its sign.
 
-    Attributes
-    ----------
-    forward, reverse : float
-        Ways of a pulse in the world, m.
-    sd : float
-        Error of their sum, m.
-    world, robot, force_sd : float, optional
-        Force residuals while slipping, N: that along the world's +x, that which turns with the
-        robot, and the error of either; None where one of the runs shows none.
+    `forward` and `reverse` are the ways of a pulse in the world and `sd` the error of their sum, m.
+    `world` and `robot` are force residuals while slipping, N, along the world's +x and turning with
+    the robot, and `force_sd` the error of either; None where one of the runs shows none.
     """
 
     forward: float

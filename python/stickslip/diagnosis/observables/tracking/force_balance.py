@@ -18,12 +18,7 @@ Array = NDArray[np.float64]
 class Kinematics:
     """Motion over a grid of phases, shape (..., g), in the robot's own frame, SI units.
 
-    Attributes
-    ----------
-    theta, omega, alpha : ndarray
-        Tilt, nose-down positive, and its derivatives.
-    x, vx, ax : ndarray
-        Of the centre of mass.
+    The tilt, nose-down positive, with its derivatives, and the centre of mass with its own.
     """
 
     theta: Array
@@ -36,20 +31,12 @@ class Kinematics:
 
 @dataclass(frozen=True)
 class Balances:
-    """What the forces of a scenario leave over of a motion, Eqs. (8)-(14), (18), (19), (..., g).
+    """Inertia of a motion less all forces of a scenario, Eqs. (8)-(14), (18), (19), shape (..., g).
 
-    Attributes
-    ----------
-    torque : ndarray
-        About a pinned corner: inertia less all that acts, N m.
-    force : ndarray
-        Along the surface, while the corner slips: inertia less all that acts, N.
-    friction_ratio : ndarray
-        Friction over normal force while the corner is pinned.
-    contact_velocity : ndarray
-        Of the corner along the surface, m/s.
-    torque_scale, weight : float
-        Largest torque of the field, N m, and weight with adhesion, N, to judge sizes.
+    `torque` is about a pinned corner, N m; `force` along the surface while the corner slips, N;
+    `friction_ratio` friction over normal force while it is pinned; `contact_velocity` that of the
+    corner along the surface, m/s. The largest torque of the field, `torque_scale`, N m, and the
+    `weight` with adhesion, N, are for judging sizes.
     """
 
     torque: Array
@@ -61,17 +48,10 @@ class Balances:
 
 
 class Balance:
-    """The forces of a simulated run at given times, with every effect of its scenario.
+    """The forces of a simulated run at given `times`, shape (g,), s, with all its effects.
 
-    Parameters
-    ----------
-    scenario : Scenario
-    motion : mapping of ndarray
-        Its recording: where the robot is, and which of its corners touches.
-    times : ndarray, shape (g,)
-        s.
-    direction : ndarray, shape (g,)
-        The way in which the corner slips, +1 or -1 in the robot's own frame.
+    The recording `motion` says where the robot is and which of its corners touches; `direction`,
+    shape (g,), is the way in which the corner slips, +1 or -1 in the robot's own frame.
     """
 
     def __init__(

@@ -17,22 +17,16 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _MOST_ORDERS = 40
-"""Harmonics. Chosen: at 17 Hz the 40th is past the rocking, at 421 Hz."""
+"""Harmonics. Chosen: at 17 Hz the 40th is above the rocking, at 421 Hz."""
 
 _GRID = 240
 """Phases at which the motion is evaluated. Chosen: six for a period of the highest harmonic."""
 
 
 class Folds:
-    """Steady frames of both quantities, and the Fourier series through them.
+    """Steady frames of theta and x, and the Fourier series through them.
 
-    Parameters
-    ----------
-    observable : FilmObservable
-    motion : mapping of ndarray
-        Recording of the simulation that is compared.
-    camera : Camera
-        Of the run, as fitted.
+    `motion` is the recording of the simulation that is compared, `camera` the fitted one.
     """
 
     def __init__(self, observable: FilmObservable, motion: Recording, camera: Camera) -> None:
