@@ -22,8 +22,9 @@ def against(held_out, **more):
     m = len(held_out)
     rows = np.zeros((m, len(more.get("names", ("",)))))
     held_out = np.array(held_out)
+    models = {"recalibrated": rows, "extended": rows}
     return figures.against_model(
-        np.arange(m), rows, rows + 1.0, rows, rows, held_out, ("place", "value"), **more
+        np.arange(m), rows, rows + 1.0, models, held_out, ("place", "value"), **more
     )
 
 

@@ -17,7 +17,7 @@ from stickslip.diagnosis.observables.reading_noise import (
     order_along,
     widening,
 )
-from stickslip.diagnosis.report.observable_sections import report_sections
+from stickslip.diagnosis.report.html import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.facts import Code
 from stickslip.measurement import read_measurement

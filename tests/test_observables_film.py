@@ -20,9 +20,9 @@ from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.observables.tracking.folding import fold
 from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
 from stickslip.diagnosis.observables.tracking.force_residuals import CLEAR, force_view
-from stickslip.diagnosis.report.film_messages import view_lines
-from stickslip.diagnosis.report.film_section import traces
-from stickslip.diagnosis.report.observable_sections import report_sections
+from stickslip.diagnosis.report.film_figure import traces
+from stickslip.diagnosis.report.film_section import view_lines
+from stickslip.diagnosis.report.html import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.facts import Code
 from stickslip.measurement import read_measurement

@@ -20,8 +20,8 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
 from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.messages import table_lines, verdict_lines
 from stickslip.diagnosis.report.plots import Plots, abscissa
-from stickslip.diagnosis.report.text import table_lines, verdict_lines
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
@@ -230,8 +230,7 @@ class Diagnosis:
 
     def as_dict(self) -> dict[str, Any]:
         """What ``stickslip diagnose --json`` prints: the keys are those of the reference."""
-        from stickslip.diagnosis.report.json_keys import summary
-        from stickslip.diagnosis.report.model_report import OwnData
+        from stickslip.diagnosis.report.json_keys import OwnData, summary
 
         source = self.measurement or OwnData("")
         return summary(self.findings, self.posed, source, self._experiments)
@@ -267,8 +266,7 @@ class Diagnosis:
         OSError
             If a file cannot be written.
         """
-        from stickslip.diagnosis.report.html import write_report
-        from stickslip.diagnosis.report.model_report import write_model_report
+        from stickslip.diagnosis.report.html import write_model_report, write_report
 
         if self.measurement is not None:
             write_report(folder, self.findings, self.posed, self.measurement, self._experiments)
