@@ -250,8 +250,8 @@ def ranking(found: Findings) -> Figure | None:
 def distinguishability(found: Findings) -> Figure:
     """Map of the cosines between projected sensitivities."""
     names = [cause.name for cause in found.problem.causes]
-    size = 3.2 + 0.18 * len(names)
-    figure, ((frame,),) = new_figure(size + 0.5, size)
+    size = 1.8 + 0.18 * len(names)
+    figure, ((frame,),) = new_figure(size + 1.0, size)
     image = frame.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")
     frame.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
     frame.set_yticks(range(len(names)), names, fontsize=7)
