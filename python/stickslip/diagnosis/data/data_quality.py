@@ -9,7 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.noise import NoiseModel, completed, moving, setup_columns
+from stickslip.diagnosis.data.noise import (
+    NoiseModel,
+    column_basis,
+    completed,
+    moving,
+    setup_columns,
+)
 from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
@@ -121,7 +127,7 @@ def uneven_setups(
         return None
     used = moving(values, index)
     values, index, block = values[used], index[used], block[used]
-    basis = _basis(_design(index, block, noise))
+    basis = column_basis(_design(index, block, noise))
     free = 1.0 - np.sum(basis**2, axis=1)
     shown = free > _ALONE
     scatter = (values - noise.mean[index]) / noise.sd[index]
@@ -147,11 +153,6 @@ def _design(index: NDArray[np.int64], block: NDArray[np.int64] | None, noise: No
     return np.hstack([design, setup_columns(index, block, noise.mean)])
 
 
-def _basis(design: Array) -> Array:
-    left, singular, _ = np.linalg.svd(design, full_matrices=False)
-    return np.asarray(left[:, singular > 1e-9 * singular[0]])
-
-
 def _projected(values: Array, basis: Array) -> Array:
     """Values without what the columns of an orthonormal basis explain."""
     return np.asarray(values - basis @ (basis.T @ values))
@@ -169,7 +170,7 @@ def _drifting(
     usable = np.isfinite(place) & moving(values, index)
     if usable.sum() < _FEWEST_PAIRS:
         return None
-    basis = _basis(_design(index, block, noise)[usable])
+    basis = column_basis(_design(index, block, noise)[usable])
     free = int(usable.sum()) - basis.shape[1] - 1
     centred = _projected(place[usable], basis)
     if free < 1 or float(centred @ centred) <= 1e-9 * float(place[usable] @ place[usable]):

@@ -241,11 +241,16 @@ def _without_setups(
     size = np.abs(mean) + 0.1 * usual + 1e-300
     design = np.hstack([levels / size[condition, None], setup_columns(condition, setup, mean)])
     target = value / size[condition]
+    basis = column_basis(design)
+    residual = (target - basis @ (basis.T @ target)) * size[condition]
+    leverage = np.maximum(1.0 - np.sum(basis**2, axis=1), 1e-6)
+    return residual, len(value) - basis.shape[1], leverage
+
+
+def column_basis(design: Array) -> Array:
+    """Orthonormal basis of the columns of a design, as many as its rank."""
     left, singular, _ = np.linalg.svd(design, full_matrices=False)
-    left = left[:, singular > 1e-9 * singular[0]]
-    residual = (target - left @ (left.T @ target)) * size[condition]
-    leverage = np.maximum(1.0 - np.sum(left**2, axis=1), 1e-6)
-    return residual, len(value) - left.shape[1], leverage
+    return np.asarray(left[:, singular > 1e-9 * singular[0]])
 
 
 def _curve(squares: Array, freedom: Array, level: Array, size: float) -> tuple[float, float]:

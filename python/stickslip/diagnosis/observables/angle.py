@@ -47,22 +47,10 @@ slips of a reader."""
 class AngleObservable(TableObservable):
     """A table of static tilts, with the core's balance of torques as its model.
 
-    Fields are those of the coils at the robot, in the world's frame; they are taken as held long
-    enough, and as reached from lying flat without a swing (`_core.static_tilts`).
-
-    Parameters
-    ----------
-    table : mapping of ndarray, shape (n,)
-        Columns Bx, Bz (T) and theta (rad).
-    scenario : Scenario
-        What no parameter sets.
-    title : str
-        Of the table, in messages and in the report.
-
-    Raises
-    ------
-    ScenarioError
-        If angles or fields are in another unit.
+    The columns are Bx, Bz (T) and theta (rad). Fields are those of the coils at the robot, in the
+    world's frame; they are taken as held long enough, and as reached from lying flat without a
+    swing (`_core.static_tilts`). `scenario` has what no parameter sets. Angles or fields in another
+    unit are refused.
     """
 
     name = "angle"

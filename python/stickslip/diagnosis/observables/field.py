@@ -40,19 +40,8 @@ _FIELD = ("Bx", "By", "Bz")
 class FieldObservable(TableObservable):
     """A table of fields, with the five coils' Biot-Savart field as its model.
 
-    Parameters
-    ----------
-    table : mapping of ndarray, shape (n,)
-        Columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T).
-    scenario : Scenario
-        What no parameter sets.
-    title : str
-        Of the table, in messages and in the report.
-
-    Raises
-    ------
-    ScenarioError
-        If a column is in another unit, or no probe is off the wires.
+    The columns are xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T). `scenario` has what no
+    parameter sets. Columns in another unit, and probes that all lie on wires, are refused.
     """
 
     name = "field"

@@ -3,20 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, force_view
+from stickslip.diagnosis.observables.tracking.force_residuals import ForceView
 from stickslip.scenario.scenario import Scenario
-
-if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.film import FilmObservable
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -42,25 +32,6 @@ class FilmComparison:
     view: ForceView | None
     after: ForceView | None
     held_out: bool
-
-
-def compare_film(
-    film: FilmObservable,
-    names: Sequence[str],
-    recalibrated: Array,
-    extended: Array | None,
-    held_out: bool,
-) -> FilmComparison:
-    """Compare a film with both models, for values of shape (names,)."""
-    view = force_view(film, names, recalibrated)
-    after = None if view is None or extended is None else force_view(film, names, extended)
-    advance = None
-    if view is not None and film.advance is not None:
-        advance = dict(zip(("measured", "sd"), film.advance, strict=True))
-        advance["recalibrated"] = film.advance_of(names, recalibrated)
-        if after is not None and extended is not None:
-            advance["extended"] = film.advance_of(names, extended)
-    return FilmComparison(film.run.file, film.run.scenario, advance, view, after, held_out)
 
 
 @dataclass(frozen=True)

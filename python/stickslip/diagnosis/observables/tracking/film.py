@@ -16,7 +16,7 @@ from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison, compare_film
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
@@ -27,6 +27,7 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
+from stickslip.diagnosis.observables.tracking.force_residuals import force_view
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.priors import Prior
@@ -158,7 +159,16 @@ class FilmObservable:
         held_out: NDArray[np.bool_],
     ) -> FilmComparison:
         """Advance and forces of this run beside both models."""
-        return compare_film(self, names, recalibrated, extended, bool(held_out.all()))
+        view = force_view(self, names, recalibrated)
+        after = None if view is None or extended is None else force_view(self, names, extended)
+        advance = None
+        if view is not None and self.advance is not None:
+            advance = dict(zip(("measured", "sd"), self.advance, strict=True))
+            advance["recalibrated"] = self._predicted_advance(names, recalibrated)
+            if after is not None and extended is not None:
+                advance["extended"] = self._predicted_advance(names, extended)
+        held = bool(held_out.all())
+        return FilmComparison(self.run.file, self.run.scenario, advance, view, after, held)
 
     @property
     def advance(self) -> tuple[float, float] | None:
@@ -168,7 +178,7 @@ class FilmObservable:
             return None
         return float(x.observed[0]), float(np.sqrt(x.reduction.covariance[0, 0]))
 
-    def advance_of(self, names: Sequence[str], values: Array) -> float:
+    def _predicted_advance(self, names: Sequence[str], values: Array) -> float:
         """The same of the model at values of shape (names,), m."""
         before = itertools.takewhile(lambda each: each.name != "x", self.quantities)
         at = sum(len(each.observed) for each in before)
