@@ -8,8 +8,8 @@ import pytest
 from films import NOISE, ROBOT, TRUE, tracking_run
 from stickslip.diagnosis.observables.tracking.camera import record
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
-from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
 from stickslip.diagnosis.observables.tracking.force_residuals import CLEAR, force_view
+from stickslip.diagnosis.observables.tracking.smoothed_motion import Balance, Kinematics
 from stickslip.diagnosis.report.film_figure import traces
 from stickslip.diagnosis.report.film_section import view_lines
 from stickslip.facts import Code

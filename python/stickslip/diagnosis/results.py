@@ -266,14 +266,18 @@ class Diagnosis:
         OSError
             If a file cannot be written.
         """
-        from stickslip.diagnosis.report.html import write_model_report, write_report
+        from stickslip.diagnosis.report.html import report_sections, write_report
+        from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
+        from stickslip.diagnosis.report.section import model_section
 
+        source: Measurement | OwnData
         if self.measurement is not None:
-            write_report(folder, self.findings, self.posed, self.measurement, self._experiments)
-            return
-        at = abscissa(self.findings, place)
-        name = "Diagnosis" if title is None else title
-        write_model_report(folder, self.findings, self.posed, name, at, labels, unit)
+            source, unit = self.measurement, gain_unit(self.posed)
+            sections = report_sections(self.posed.comparisons(self.findings))
+        else:
+            source = OwnData("Diagnosis" if title is None else title)
+            sections = [model_section(self.findings, abscissa(self.findings, place), labels)]
+        write_report(folder, self.findings, self.posed, source, self._experiments, sections, unit)
 
     def _conditions(self, given: Any) -> tuple[Any, list[dict[str, Value]] | None]:
         """What the model takes, and the settings in a table where they have names."""

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
-from stickslip.diagnosis.observables.tracking.comparison import (
-    Directions,
-    FilmComparison,
-    compare_directions,
-    opposite,
-)
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.force_residuals import (
     CLEAR,
     FEWEST_ORDERS,
@@ -40,9 +36,8 @@ def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> li
     numbers = {"held_out": film.held_out, "advance": film.advance, **_numbers(view, after)}
     sections = [ReportSection(title, png(film_figure(view, after)), tuple(told), numbers)]
     for other in earlier:
-        if other.view is not None and opposite(film, other):
-            title = f"{other.file} and {film.file}: forward and reversed"
-            sections.append(_direction_section(title, compare_directions(other, film)))
+        if other.view is not None and _opposite(film, other):
+            sections.append(_direction_section(other, film))
     return sections
 
 
@@ -122,17 +117,39 @@ def _clearest(found: Residual) -> Slope | None:
     return constant if abs(constant.t) > max(CLEAR, _NEARLY * abs(best.t)) else best
 
 
-def _direction_section(title: str, found: Directions | None) -> ReportSection:
-    """Two runs that differ in their direction alone."""
-    if found is None:
+def _opposite(one: FilmComparison, other: FilmComparison) -> bool:
+    """Whether two runs differ in their direction alone."""
+    turned = "+x" if one.scenario.drive.direction == "-x" else "-x"
+    return one.scenario.replace({"drive.direction": turned}) == other.scenario
+
+
+def _direction_section(one: FilmComparison, other: FilmComparison) -> ReportSection:
+    """What two opposite runs share, in the world, and what changes its sign with the robot.
+
+    The ways of a pulse, m, cancel if nothing is fixed to the world. The mean force residuals while
+    slipping, N, are told apart in the same way.
+    """
+    title = f"{one.file} and {other.file}: forward and reversed"
+    if one.advance is None or other.advance is None:
         return ReportSection(title, "", (Fact(Code.DIRECTIONS_TOO_SHORT, {}),), {})
-    t = found.total / found.sd
+    forward, reverse = one.advance["measured"], other.advance["measured"]
+    total, sd = forward + reverse, math.hypot(one.advance["sd"], other.advance["sd"])
+    t = total / sd
     code = Code.DIRECTIONS_CANCEL if abs(t) < CLEAR else Code.DIRECTIONS_DIFFER
-    ways = {"forward": found.forward, "reverse": found.reverse, "total": found.total, "t": t}
-    lines = [Fact(code, ways)]
-    numbers: dict[str, object] = {"advance_sum": found.total, "advance_sum_sd": found.sd}
-    if found.world is not None:
-        forces = {"world": found.world, "robot": found.robot, "sd": found.force_sd}
+    lines = [Fact(code, {"forward": forward, "reverse": reverse, "total": total, "t": t})]
+    numbers: dict[str, object] = {"advance_sum": total, "advance_sum_sd": sd}
+    means = [
+        each.view.slipping.slopes[0]
+        for each in (one, other)
+        if each.view is not None and each.view.slipping is not None
+    ]
+    if len(means) == 2:
+        signs = [-1.0 if each.scenario.drive.direction == "-x" else 1.0 for each in (one, other)]
+        forces = {
+            "world": 0.5 * sum(sign * each.value for sign, each in zip(signs, means, strict=True)),
+            "robot": 0.5 * sum(each.value for each in means),
+            "sd": 0.5 * math.hypot(means[0].sd, means[1].sd),
+        }
         lines.append(Fact(Code.FORCES_OF_DIRECTIONS, forces))
         numbers |= {f"force_{name}": value for name, value in forces.items()}
     return ReportSection(title, "", tuple(lines), numbers)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.plain_text import printable_lines
@@ -30,9 +29,9 @@ from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.film_section import film_sections
-from stickslip.diagnosis.report.json_keys import OwnData, gain_unit, report_numbers
+from stickslip.diagnosis.report.json_keys import OwnData, report_numbers
 from stickslip.diagnosis.report.parameters import short
-from stickslip.diagnosis.report.section import ReportSection, model_section, table_section
+from stickslip.diagnosis.report.section import ReportSection, table_section
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -68,34 +67,21 @@ def write_report(
     out: str | PathLike[str],
     found: Findings,
     posed: PosedProblem,
-    measurement: Measurement,
+    source: Measurement | OwnData,
     experiments: Sequence[Experiment],
-) -> None:
-    """Write report.html, report.json and extended.toml into the folder `out`, which is made."""
-    sections = report_sections(posed.comparisons(found))
-    # All three are made before the first is written.
-    texts = _texts(found, posed, measurement, experiments, sections, gain_unit(posed))
-    extended = extended_scenario(found, measurement.scenario)
-    origin = _origin(found, measurement, extended)
-    write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
-
-
-def write_model_report(
-    out: str | PathLike[str],
-    found: Findings,
-    posed: PosedProblem,
-    title: str,
-    place: NDArray[np.float64],
-    labels: tuple[str, str],
+    sections: Sequence[ReportSection],
     unit: str,
 ) -> None:
-    """The same without extended.toml for a model of the user's own, whose observable has `unit`.
-
-    `place`, shape (m,), is the abscissa of each condition in the figure, and `labels` are those of
-    its axes, with units.
-    """
-    section = model_section(found, place, labels)
-    write_files(out, _texts(found, posed, OwnData(title), [], [section], unit))
+    """Write all files into the folder `out`, which is made; `unit` is that of what is held out."""
+    # All are made before the first is written.
+    numbers = report_numbers(found, posed, source, experiments, sections, unit)
+    page = _page(found, posed, numbers, sections, experiments)
+    others = {}
+    if isinstance(source, Measurement):
+        extended = extended_scenario(found, source.scenario)
+        origin = _origin(found, source, extended)
+        others = scenario_writers(extended, Path(out) / EXTENDED, origin)[1]
+    write_files(out, {JSON: json_text(numbers) + "\n", PAGE: page}, others)
 
 
 def write_files(
@@ -121,20 +107,6 @@ def report_sections(comparisons: Sequence[Comparison | FilmComparison]) -> list[
         else:
             sections.append(table_section(each))
     return sections
-
-
-def _texts(
-    found: Findings,
-    posed: PosedProblem,
-    source: Measurement | OwnData,
-    experiments: Sequence[Experiment],
-    sections: Sequence[ReportSection],
-    unit: str,
-) -> dict[str, str]:
-    """Contents of report.json and report.html; `unit` is that of the held-out observables."""
-    numbers = report_numbers(found, posed, source, experiments, sections, unit)
-    page = _page(found, posed, numbers, sections, experiments)
-    return {JSON: json_text(numbers) + "\n", PAGE: page}
 
 
 def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> list[str]:

@@ -20,7 +20,6 @@ from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
-    Reduction,
     cycle_scatter,
     fold,
     frame_noise,
@@ -66,7 +65,8 @@ class Quantity:
     """One tracked quantity, reduced.
 
     `frames`, shape (n,), says which frames of the run are used for it; `values` and `folded` are of
-    these frames alone, and `sd` is the noise of one.
+    these frames alone, and `sd` is the noise of one. The observables are ``matrix @ values``, with
+    `covariance`.
     """
 
     name: str
@@ -74,12 +74,13 @@ class Quantity:
     values: Array
     folded: Fold
     sd: float
-    reduction: Reduction
+    matrix: Array
+    covariance: Array
 
     @property
     def observed(self) -> Array:
         """Its observables."""
-        return self.reduction.matrix @ self.values
+        return self.matrix @ self.values
 
 
 class FilmObservable:
@@ -111,7 +112,7 @@ class FilmObservable:
         )
         self.observed = np.concatenate([each.observed for each in self.quantities])
         self.covariance = np.asarray(
-            block_diag(*(each.reduction.covariance for each in self.quantities)), dtype=float
+            block_diag(*(each.covariance for each in self.quantities)), dtype=float
         )
         self.group = np.zeros(len(self.observed), dtype=np.int64)
         self.notes = tuple(each.of(table=run.file) for each in said)
@@ -138,8 +139,7 @@ class FilmObservable:
         which = which.reshape(-1)
         result = np.full((len(parameters), len(self.observed)), np.nan)
         keys, times = [names[k] for k in at], self.run.columns["t"]
-        reduced = self.quantities
-        shown = [each.name for each in reduced]
+        shown = [each.name for each in self.quantities]
         recorded = record(self.run.scenario, keys, motions, self.rate, self.threads)
         for number, motion in enumerate(recorded):
             if motion is None:
@@ -147,7 +147,7 @@ class FilmObservable:
             for vector in np.flatnonzero(which == number):
                 frames = self.camera(names, parameters[vector]).frames(motion, times, shown)
                 result[vector] = np.concatenate(
-                    [each.reduction.matrix @ frames[each.name][each.frames] for each in reduced]
+                    [each.matrix @ frames[each.name][each.frames] for each in self.quantities]
                 )
         return result
 
@@ -176,7 +176,7 @@ class FilmObservable:
         x = next(each for each in self.quantities if each.name == "x")
         if not x.folded.steady.any() or len(x.observed) <= int(x.folded.bin.max()):
             return None
-        return float(x.observed[0]), float(np.sqrt(x.reduction.covariance[0, 0]))
+        return float(x.observed[0]), float(np.sqrt(x.covariance[0, 0]))
 
     def _predicted_advance(self, names: Sequence[str], values: Array) -> float:
         """The same of the model at values of shape (names,), m."""
@@ -255,7 +255,7 @@ def _quantity(
     if shared > 0.0:
         code = Code.ADVANCE_SCATTERS if kind == "drift" else Code.PERIODS_DIFFER
         said.append(Fact(code, {**_column(name), "scatter": shared}))
-    return Quantity(name, used, values[used], folded, sd, reduce(folded, kind, sd, shared))
+    return Quantity(name, used, values[used], folded, sd, *reduce(folded, kind, sd, shared))
 
 
 def _column(name: str) -> dict[str, str]:

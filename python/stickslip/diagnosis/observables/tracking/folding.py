@@ -109,16 +109,10 @@ def _numbered(label: NDArray[Any]) -> Index:
     return np.unique(label, return_inverse=True)[1].astype(np.int64)
 
 
-@dataclass(frozen=True)
-class Reduction:
-    """Observables of one quantity, ``matrix @ frames``, shape (k,), and their covariance."""
+def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> tuple[Array, Array]:
+    """Matrix that maps frames to observables, shape (k, n), and the observables' covariance.
 
-    matrix: Array
-    covariance: Array
-
-
-def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> Reduction:
-    """Map of one quantity, by generalised least squares with the correlation of the errors.
+    By generalised least squares with the correlation of the errors.
 
     Of a ``"level"`` the observables are means in every bin. The origin of a ``"place"`` is not
     known, so its bins count from the mean of the steady ones (of all, if there are none). A
@@ -137,7 +131,7 @@ def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> Reduct
     coefficients = np.linalg.solve(normal, weighted.T)
     covariance = sd**2 * np.linalg.inv(normal)
     wanted = _contrasts(folded, kind)
-    return Reduction(wanted @ coefficients, wanted @ covariance @ wanted.T)
+    return wanted @ coefficients, wanted @ covariance @ wanted.T
 
 
 def _design(folded: Fold, kind: Kind) -> Array:

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.diagnosis.observables.tracking.camera import record
-from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
-from stickslip.diagnosis.observables.tracking.periodic_motion import Folds
+from stickslip.diagnosis.observables.tracking.smoothed_motion import Balance, Folds, Kinematics
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
