@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["Diagnosis", "Plots"]
 
 _MOST_ROWS = 12
+"""Rows of a table in the summary. Chosen: two tables and the verdict fit on one screen."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)

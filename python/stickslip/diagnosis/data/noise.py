@@ -143,6 +143,7 @@ def fit_noise(
         floor, relative = _curve(squares, freedom, mean, size)
         free = float(dof)
     elif math.isfinite(stated):
+        # Chosen: a tenth of the usual error is left where the velocity is near zero.
         floor, relative, free = 0.1 * stated * size, stated, math.inf
         known_by = {"dof": dof, "needed": FEWEST_DOF, "stated": stated}
         notes.append(Fact(Code.NOISE_STATED, known_by))
@@ -237,6 +238,7 @@ def _without_setups(
     """
     m = len(mean)
     levels = np.eye(m)[condition]
+    # Weights are those of relative errors; chosen: slow conditions keep a tenth of the usual error.
     usual = np.median(np.abs(mean[np.unique(condition)]))
     size = np.abs(mean) + 0.1 * usual + 1e-300
     design = np.hstack([levels / size[condition, None], setup_columns(condition, setup, mean)])
