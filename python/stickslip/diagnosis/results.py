@@ -76,7 +76,7 @@ class Diagnosis:
         return "\n".join(lines)
 
     def verdict_lines(self) -> list[str]:
-        """The verdict in one sentence, and below it why it is no bolder one."""
+        """The verdict in one sentence, and below it the reasons, notes and what was left out."""
         measured = () if self.measurement is None else self.measurement.left_out
         return verdict_lines(self.findings, [*measured, *self.posed.left_out])
 

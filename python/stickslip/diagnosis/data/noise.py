@@ -21,7 +21,7 @@ Index = NDArray[np.int64]
 
 FEWEST_DOF = 4
 """Degrees of freedom from which on the noise is taken from the trials and not from a statement.
-Chosen: four tell a standard deviation to 35 %."""
+Chosen: four determine a standard deviation to 35 %."""
 
 _WIDEST, _POINTS = (-4.0, 2.0), 31
 """Range of the logarithms of s0 and rho about the pooled scatter, and points of each. Chosen: from
@@ -195,7 +195,7 @@ def stated_noise(values: Array, condition: Index, sd: ArrayLike) -> tuple[NoiseM
 
 
 def _are_crossed(condition: Index, setup: Index) -> bool:
-    """Whether conditions and set-ups are mixed enough to tell their effects apart."""
+    """Whether conditions and set-ups are mixed enough to separate their effects."""
     pairs = np.unique(np.stack([condition, setup]), axis=1).shape[1]
     return bool(pairs > max(len(np.unique(condition)), len(np.unique(setup)) + 1))
 

@@ -22,7 +22,7 @@ _OPPOSITE = -0.8
 near the -1 of reversed signs, with room for a model that is wrong otherwise."""
 
 _REVERSED = 3
-"""Conditions with reversed and with equal sign, at the least, to tell a rule. Chosen: with
+"""Conditions with reversed and with equal sign, at the least, to recognise a rule. Chosen: with
 fewer a rule is met by chance too easily."""
 
 _SIMILAR = 1.5

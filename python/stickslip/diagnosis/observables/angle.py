@@ -37,7 +37,8 @@ _ALONE_LEAST = math.radians(5.0)
 """Distance from the neighbours' line that is never far, rad. Chosen: ten errors of a reading."""
 
 _FEWEST = 8
-"""Rows; of fewer none is taken for a slip. Chosen: six distances tell their scale to 50 %."""
+"""Rows; of fewer none is left out as an outlier. Chosen: six distances determine their scale to
+50 %."""
 
 _FEW = 0.2
 """Part of the rows; where more are beyond half a turn the unit is wrong. Chosen: so many are no

@@ -18,12 +18,12 @@ from stickslip.measurement.outliers import free_of_bends
 Array = NDArray[np.float64]
 
 FEWEST = 4
-"""Degrees of freedom from which on a scatter is taken as the noise. Chosen: four tell it to 35 %,
-and fewer would be widened by more than a factor of two."""
+"""Degrees of freedom from which on a scatter is taken as the noise. Chosen: four determine it to
+35 %, and fewer would be widened by more than a factor of two."""
 
 ENOUGH = 12
 """Degrees of freedom from which on repeats need no comparison with another estimate. Chosen:
-twelve tell it to 20 %."""
+twelve determine it to 20 %."""
 
 _LEVEL = 0.975
 """At which the two tests of `widening` agree. Chosen: nearer to the verdict's levels than the

@@ -144,15 +144,15 @@ def against_model(
     sd: Array | None,
     models: Mapping[str, Array],
     held_out: NDArray[np.bool_],
-    words: tuple[str, str],
+    labels: tuple[str, str],
     names: Sequence[str] = ("",),
     joined: bool = True,
 ) -> Figure:
     """Data with 2 sd against `place`, shape (m,), and models and residuals where there are any.
 
-    `observed`, `sd` and the models have shape (m,) or (m, series), in the units that `words`, below
-    and beside the axes, say; `names` are those of the series. Readings that were held out are
-    hollow; `joined` says whether the rows are points of one curve.
+    `observed`, `sd` and the models have shape (m,) or (m, series), in the units of `labels`, below
+    and beside the axes; `names` are those of the series. Readings that were held out are hollow;
+    `joined` says whether the rows are points of one curve.
     """
     order, width = np.argsort(place, kind="stable"), len(names)
     figure, frames = new_figure(9.0, 5.2 if models else 4.0, 2 if models else 1)
@@ -175,13 +175,13 @@ def against_model(
     if models:
         below.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
         below.set_ylabel("residual / sd")
-    above.set_ylabel(words[1])
-    below.set_xlabel(words[0])
+    above.set_ylabel(labels[1])
+    below.set_xlabel(labels[0])
     above.legend(**_legend([above]), fontsize=8, frameon=False)
     return figure
 
 
-def own_model(found: Findings, place: Array, words: tuple[str, str]) -> Figure:
+def own_model(found: Findings, place: Array, labels: tuple[str, str]) -> Figure:
     """Data and models against `place`, shape (m,), for a model of the user's own.
 
     No model where nothing was learnt, and no error where none is known.
@@ -189,10 +189,10 @@ def own_model(found: Findings, place: Array, words: tuple[str, str]) -> Figure:
     m, known = len(place), found.noise.dof > 0.0
     observed, sd = found.problem.observed[:m], found.problem.sd[:m] if known else None
     models = fitted_models(found, m) if known else {}
-    return against_model(place, observed, sd, models, found.held_out[:m], words, joined=False)
+    return against_model(place, observed, sd, models, found.held_out[:m], labels, joined=False)
 
 
-def residuals(found: Findings, place: Array, word: str) -> Figure:
+def residuals(found: Findings, place: Array, label: str) -> Figure:
     """Whitened residuals of both fitted models against an abscissa, shape (m,).
 
     Each is independent of the others and of variance one, if the model is right: errors that
@@ -205,7 +205,7 @@ def residuals(found: Findings, place: Array, word: str) -> Figure:
             frame.plot(place, fit.residual[: len(place)], marker, color=COLOURS[name], ms=4,
                        label=name)  # fmt: skip
     frame.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
-    frame.set_xlabel(word)
+    frame.set_xlabel(label)
     frame.set_ylabel("residual / sd")
     frame.legend(fontsize=8, frameon=False)
     return figure

@@ -20,7 +20,7 @@ from stickslip.facts import Code, Fact
 
 _NEARLY = 0.7
 """Of the clearest t: a constant that has as much is named instead, as it is simpler. Chosen: two t
-values so near are hardly told apart by their own errors of 1."""
+values so near differ by less than their own errors of 1."""
 
 
 def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> list[ReportSection]:

@@ -45,7 +45,7 @@ _CURRENTS = ("current_x", "current_clamp")
 
 _UNLIKELY = 1e-3
 """p-value below which the stated noise is not believed. Chosen: of ten films that state it rightly
-one in 100 is told so."""
+one in 100 is rejected by chance."""
 
 _ANGLE_OFFSET = math.radians(1.0)
 _ANGLE_SCALE = _CURRENT_SCALE = 0.01
@@ -104,11 +104,10 @@ class FilmObservable:
         unused: list[Fact] = []
         nominal = self._nominal_frames()
         self.quantities = tuple(
-            found
+            quantity
             for name in _KINDS
             if name in run.columns
-            for found in [_quantity(run, name, nominal, said, unused)]
-            if found is not None
+            if (quantity := _quantity(run, name, nominal, said, unused)) is not None
         )
         self.observed = np.concatenate([each.observed for each in self.quantities])
         self.covariance = np.asarray(

@@ -36,14 +36,14 @@ CLEAR = 3.5
 """A residual differs from zero beyond this t. Chosen: of ten true zeros one in 200 films does."""
 
 _DRAWS = 400
-"""Simulated films with noise from which errors are estimated. Chosen: they tell an error to 4 %."""
+"""Simulated films with noise from which errors are estimated. Chosen: they determine it to 4 %."""
 
 _PURE = 0.97
 """Part of the smoothing's width in which the contact has to be in one mode. Chosen: of 30 samples
 one may differ by rounding of its phase."""
 
 _RIDGE = 1e-3
-"""Floor of a covariance, over its mean variance. Chosen: far below what noise tells of it, 5 %."""
+"""Floor of a covariance, over its mean variance. Chosen: far below its own error, 5 %."""
 
 _STICK, _FORWARD, _BACKWARD = map(
     _core.contact_names.index, ("corner_stick", "corner_slip_forward", "corner_slip_backward")
