@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
-from stickslip.diagnosis.data.noise import NoiseModel, fit_noise, whitener
-from stickslip.diagnosis.data.stated_noise import stated_noise
+from stickslip.diagnosis.data.noise import NoiseModel, fit_noise, stated_noise, whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, recalibrate
 from stickslip.diagnosis.fit.distinguishability import distinguishability, indistinguishable_causes
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking

@@ -82,8 +82,7 @@ class PosedProblem(OneLine):
         result: list[Comparison | FilmComparison] = []
         for number, observable in enumerate(self.model.observables):
             start, end = end, end + len(observable.observed)
-            names, before = self.model.report_arguments(number, null)
-            at = extended
-            after = None if at is None else self.model.report_arguments(number, at)[1]
+            names, before = self.model.arguments(number, null)
+            after = None if extended is None else self.model.arguments(number, extended)[1]
             result.append(observable.comparison(names, before, after, found.held_out[start:end]))
         return result
