@@ -1,7 +1,9 @@
 """Figures of the diagnosis: which readings are hollow, and what the legend says of them."""
 
 import numpy as np
+import pytest
 
+from pictures import assert_legible
 from stickslip.diagnosis.report import figures
 from toy_model import X, shared_result
 
@@ -22,8 +24,9 @@ def against(held_out, **more):
     m = len(held_out)
     rows = np.zeros((m, len(more.get("names", ("",)))))
     held_out = np.array(held_out)
+    models = {"recalibrated": rows, "extended": rows}
     return figures.against_model(
-        np.arange(m), rows, rows + 1.0, rows, rows, held_out, ("place", "value"), **more
+        np.arange(m), rows, rows + 1.0, models, held_out, ("place", "value"), **more
     )
 
 
@@ -52,3 +55,12 @@ def test_held_out_conditions_of_a_users_own_model_have_hollow_markers():
     given = shared_result(3, wave=1.0)
     (points,) = hollow(given.plot.fit(place=X).axes[0])
     assert points == sorted(X[given.gain.held_out].tolist())
+
+
+@pytest.mark.parametrize("kind", ["fit", "residuals", "ranking", "profile"])
+def test_a_saved_figure_shows_all_its_text_and_fills_the_page(kind):
+    plot = shared_result(3, wave=1.0).plot
+    figure = plot.profile("wave.size") if kind == "profile" else getattr(plot, kind)()
+    assert_legible(figure)
+    frame = figure.axes[0].get_tightbbox()
+    assert frame.width > 0.95 * figure.bbox.width

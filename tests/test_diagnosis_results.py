@@ -292,9 +292,9 @@ def test_what_is_public_has_public_types():
     rooms = (stickslip, stickslip.diagnosis, stickslip.facts, stickslip.measurement)
     known = {name for room in rooms for name in room.__all__}
     pattern = re.compile(r"\b[A-Z]\w+\b")
-    outside = {"Any", "None", "Array", "NDArray", "Mapping", "Sequence", "Callable", "ArrayLike",
-               "PathLike", "Path", "DataFrame", "Figure", "Value", "Table", "Index", "VerdictKind",
-               "Literal", "Predict", "Progress"}  # fmt: skip
+    outside = {"Any", "None", "Array", "Indices", "NDArray", "Mapping", "Sequence", "Callable",
+               "ArrayLike", "PathLike", "Path", "DataFrame", "Figure", "Value", "Table", "Index",
+               "VerdictKind", "Literal", "Predict", "Progress"}  # fmt: skip
     inner = {"Combined", "Simulator", "Comparison", "FilmComparison"}  # of PosedProblem
     missing = set()
     for name in stickslip.diagnosis.__all__:

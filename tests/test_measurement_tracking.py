@@ -8,7 +8,7 @@ import pytest
 from command_line import stickslip
 from films import NOISE, TRUE, film, write_table
 from stickslip.diagnosis.observables.tracking.camera import Camera
-from stickslip.diagnosis.observables.tracking.film import find_films
+from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code
 from stickslip.measurement import read_measurement
@@ -84,7 +84,7 @@ def test_of_a_film_with_invalid_frames_the_valid_ones_are_used(tmp_path, frames)
         (Code.FRAMES_SORTED, None),
         (Code.REPEATED_TIMES, None),
     ]
-    (channel,) = find_films(found.tracking, 1)
+    channel = FilmObservable(found.tracking[0])
     unused = channel.left_out[-1]
     assert (unused.code, unused.fields["column"]) == (Code.COLUMN_TOO_SHORT, "current_x")
     assert np.all(np.isfinite(channel.predict(list(TRUE), np.array([[*TRUE.values()]]))))
@@ -117,7 +117,7 @@ def full_frames():
 
 def used(folder, frames, toml=TOML):
     """Columns of the one film that the diagnosis uses, and what it leaves out."""
-    (channel,) = find_films(read_measurement(write(folder, toml, a=frames)).tracking, 1)
+    channel = FilmObservable(read_measurement(write(folder, toml, a=frames)).tracking[0])
     return {each.name for each in channel.quantities}, channel.left_out
 
 

@@ -10,10 +10,14 @@ from command_line import stickslip
 from stickslip import Scenario, _core, simulate_batch
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.observables import find_observables
-from stickslip.diagnosis.observables.angle_noise import READING
-from stickslip.diagnosis.observables.curve_noise import noise_of_curve, order_along
-from stickslip.diagnosis.observables.repeats import merge, widening
-from stickslip.diagnosis.report.observable_sections import report_sections
+from stickslip.diagnosis.observables.angle import READING
+from stickslip.diagnosis.observables.reading_noise import (
+    merge,
+    noise_of_curve,
+    order_along,
+    widening,
+)
+from stickslip.diagnosis.report.html import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.facts import Code
 from stickslip.measurement import read_measurement

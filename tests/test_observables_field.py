@@ -9,7 +9,7 @@ from command_line import stickslip
 from stickslip import COIL_NAMES, Coils, Scenario, Waveform, simulate, volts_per_tesla
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.observables import find_observables
-from stickslip.diagnosis.report.observable_sections import report_sections
+from stickslip.diagnosis.report.html import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code

@@ -83,7 +83,7 @@ def _diagnosed(
 
 
 def _tell(result: Diagnosis, as_json: bool) -> None:
-    from stickslip.diagnosis.report.text import experiment_lines
+    from stickslip.diagnosis.report.messages import experiment_lines
 
     if as_json:
         click.echo(json_text(result.as_dict()))

@@ -6,33 +6,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Indices, Uncertain
 from stickslip.diagnosis.options import Options
 from stickslip.errors import ScenarioError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Trials(OneLine):
-    """Checked trials.
+    """Checked trials, each of shape (n,).
 
-    Attributes
-    ----------
-    value : ndarray, shape (n,)
-        In the observable's unit.
-    condition : ndarray of int, shape (n,)
-        Index of each trial's condition, 0 to m - 1, none missing.
-    block : ndarray of int, shape (n,), optional
-        Index of its set-up; -1 where it is not known.
+    Values are in the observable's unit; conditions are indices 0 to m - 1, none missing; blocks are
+    indices of set-ups, -1 where one is not known.
     """
 
     value: Array
-    condition: NDArray[np.int64]
-    block: NDArray[np.int64] | None
+    condition: Indices
+    block: Indices | None
 
 
 def check_inputs(
@@ -45,13 +37,6 @@ def check_inputs(
     ScenarioError
         If shapes do not fit, a name comes twice or nothing finite was observed.
     """
-    trials = _check_trials(observed, options)
-    _check_lengths(trials, options)
-    _check_names(uncertain, causes)
-    return trials
-
-
-def _check_trials(observed: ArrayLike, options: Options) -> Trials:
     try:
         values = np.asarray(observed, dtype=float)
     except (TypeError, ValueError):
@@ -65,7 +50,10 @@ def _check_trials(observed: ArrayLike, options: Options) -> Trials:
     block = None if options.block is None else np.asarray(options.block, dtype=np.int64)
     if block is not None and block.shape != values.shape:
         raise ScenarioError("block: allowed is an index for each trial")
-    return Trials(values, index, block)
+    trials = Trials(values, index, block)
+    _check_lengths(trials, options)
+    _check_names(uncertain, causes)
+    return trials
 
 
 def _check_lengths(trials: Trials, options: Options) -> None:

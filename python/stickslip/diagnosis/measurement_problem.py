@@ -7,21 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.data.conditions import (
-    Conditions,
-    find_singleton_condition,
-    named,
-    varied,
-)
+from stickslip.diagnosis.data.conditions import Conditions, find_singleton_condition, named, varied
 from stickslip.diagnosis.data.noise import fit_noise
 from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign, wrong_size
 from stickslip.diagnosis.data.pooling import pooled_velocities
 from stickslip.diagnosis.inference.smooth_residual import Settings
-from stickslip.diagnosis.model.effect_causes import library, parameter_unit
-from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.model.problem import Array, Cause, Indices, Uncertain
 from stickslip.diagnosis.model.simulator import TOLERANCES, Simulator, loosest_tolerances
 from stickslip.diagnosis.observables import Combined, find_observables
 from stickslip.diagnosis.observables.combined import pooled_observables
@@ -31,32 +25,23 @@ from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value
+from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run_notes import peak_voltages
 
-Array = NDArray[np.float64]
-
+# Most pulses of a low-fidelity simulation. Chosen: enough for the first stages of a search.
 _LOW_FIDELITY_PULSES = 5.0
+# Fewest conditions of which a smooth function is asked for. Chosen: as for holding some out.
 _FEWEST_FOR_SMOOTH = 8
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class MeasurementProblem(OneLine):
-    """What `diagnose_model` takes, made of a measurement.
+    """What `diagnose_model` takes, made of a measurement, in SI units.
 
-    Attributes
-    ----------
-    posed : PosedProblem
-    conditions : list of dict
-        Drive settings by dotted key and the tolerance of their simulation.
-    observed : ndarray, shape (n,)
-        Trials; of a measurement without velocities, the observables of all channels. SI units.
-    uncertain : list of Uncertain
-    causes : tuple of Cause
-    options : Options
-    first_notes, last_notes : tuple of Fact
-        What a reader has to know of the conditions, and of the channels.
+    The conditions are drive settings by dotted key, each with the tolerance of its simulation. Of a
+    measurement without velocities, the observables of all channels are what was observed. The first
+    notes are on the conditions, the last ones on the channels.
     """
 
     posed: PosedProblem
@@ -75,34 +60,14 @@ class _Velocities(OneLine):
 
     conditions: list[dict[str, Value]]
     value: Array
-    condition: NDArray[np.int64]
-    block: NDArray[np.int64]
+    condition: Indices
+    block: Indices
     order: Array
     nominal: Array
-    relative_sd: float
-
-
-@dataclass(frozen=True)
-class _Parameters:
-    """What is uncertain, by the scenario and by the channels alone, and the causes."""
-
-    shared: list[Uncertain]
-    nuisance: list[Uncertain]
-    causes: tuple[Cause, ...]
 
     @property
-    def amplitudes(self) -> list[str]:
-        return [parameter.name for cause in self.causes for parameter in cause.parameters]
-
-    @property
-    def keys(self) -> list[str]:
-        """Columns that are scenario keys."""
-        return [*(each.name for each in self.shared), *self.amplitudes]
-
-    @property
-    def names(self) -> list[str]:
-        """All columns."""
-        return [*(each.name for each in (*self.shared, *self.nuisance)), *self.amplitudes]
+    def mean(self) -> Array:
+        return np.bincount(self.condition, self.value) / np.bincount(self.condition)
 
 
 def pose_measurement(measurement: Measurement, seed: int, threads: int) -> MeasurementProblem:
@@ -115,24 +80,38 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
     """
     scenario = measurement.scenario
     observables = find_observables(measurement, threads)
-    parameters = _parameters(measurement, observables)
-    simulator = Simulator(scenario, parameters.keys, threads)
-    velocities, lost = _computable(_velocities(measurement, simulator, parameters))
-    left_out = [*(fact for each in observables for fact in each.left_out), *lost]
+    keys = known_keys()
+    shared = [Uncertain(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()]
+    nuisance = [each for observable in observables for each in observable.nuisance]
+    causes = library(scenario, dict(measurement.uncertain), _top_voltage(measurement))
+    amplitudes = [parameter.name for cause in causes for parameter in cause.parameters]
+    # Columns that are scenario keys, and all columns.
+    columns = [*(each.name for each in shared), *amplitudes]
+    names = [*(each.name for each in (*shared, *nuisance)), *amplitudes]
+    simulator = Simulator(scenario, columns, threads)
+    velocities, lost = _computable(_velocities(measurement, simulator, shared, causes))
+    # One error for all tables: of those that state one, the largest.
+    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
+    relative_sd = max(stated, default=math.nan)
     conditions: list[dict[str, Value]] = []
     given = np.zeros(0)
     if velocities.conditions:
-        rtol = _tolerances(velocities, simulator, parameters, seed)
+        noise = fit_noise(velocities.value, velocities.condition, velocities.block, relative_sd)
+        rtol = loosest_tolerances(simulator, velocities.conditions, shared, causes, noise, seed)
         finest = {"solver.rtol": float(np.min(rtol))}
-        simulator = Simulator(scenario.replace(finest), parameters.keys, threads)
+        simulator = Simulator(scenario.replace(finest), columns, threads)
         conditions = [
             {**each, "solver.rtol": float(r)}
             for each, r in zip(velocities.conditions, rtol, strict=True)
         ]
-        believed = [float(scenario.get(name)) for name in parameters.keys]
+        believed = [float(scenario.get(name)) for name in columns]
         given = simulator(conditions, np.array([believed]))[0]
-    model = Combined(simulator, parameters.names, parameters.keys, observables)
-    observed, options = _data(measurement, velocities, observables)
+    model = Combined(simulator, names, columns, observables)
+    observed, options = _data(measurement, velocities, observables, relative_sd)
+    still = None
+    if conditions:
+        still = standing_still(velocities.conditions, velocities.nominal, velocities.mean)
+    left_out = [*(fact for each in observables for fact in each.left_out), *lost]
     source = ["velocity"] * len(conditions)
     source += [each.name for each in observables for _ in each.observed]
 
@@ -143,43 +122,28 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
         PosedProblem(model, velocities.conditions, simulator, given, tuple(left_out)),
         conditions,
         observed,
-        [*parameters.shared, *parameters.nuisance],
-        parameters.causes,
+        [*shared, *nuisance],
+        causes,
         replace(options, seed=seed, source=source, low_fidelity=low_fidelity),
-        tuple(_still(velocities)),
+        () if still is None else (still,),
         tuple(fact for each in observables for fact in each.notes),
     )
 
 
-def _parameters(measurement: Measurement, observables: Sequence[Observable]) -> _Parameters:
-    uncertain = dict(measurement.uncertain)
-    return _Parameters(
-        [Uncertain(name, prior, parameter_unit(name)) for name, prior in uncertain.items()],
-        [each for observable in observables for each in observable.nuisance],
-        library(measurement.scenario, uncertain, _top_voltage(measurement)),
-    )
-
-
 def _velocities(
-    measurement: Measurement, simulator: Simulator, parameters: _Parameters
+    measurement: Measurement,
+    simulator: Simulator,
+    constants: Sequence[Uncertain],
+    causes: Sequence[Cause],
 ) -> _Velocities:
+    """All tables, and the velocities at the middle of all priors without any cause, NaN if none."""
     conditions, value, condition, block, order = pooled_velocities(measurement)
-    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
-    # One error for all tables: of those that state one, the largest.
-    relative_sd = max(stated, default=math.nan)
-    nominal = _nominal(simulator, conditions, parameters)
-    return _Velocities(conditions, value, condition, block, order, nominal, relative_sd)
-
-
-def _nominal(simulator: Simulator, conditions: Conditions, parameters: _Parameters) -> Array:
-    """Velocities at the middle of all priors, without any cause; NaN where there is none."""
-    if not conditions:
-        return np.zeros(0)
-    absent = [
-        each.value(np.zeros(1))[0] for cause in parameters.causes for each in cause.parameters
-    ]
-    middle = [float(each.prior.value(0.0)) for each in parameters.shared]
-    return np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
+    nominal = np.zeros(0)
+    if conditions:
+        absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
+        middle = [float(each.prior.value(0.0)) for each in constants]
+        nominal = np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
+    return _Velocities(conditions, value, condition, block, order, nominal)
 
 
 def _computable(given: _Velocities) -> tuple[_Velocities, list[Fact]]:
@@ -198,42 +162,34 @@ def _computable(given: _Velocities) -> tuple[_Velocities, list[Fact]]:
     kept = sound[given.condition]
     number = np.cumsum(sound) - 1
     found = _Velocities(
-        [each for each, good in zip(given.conditions, sound.tolist(), strict=True) if good],
+        [given.conditions[k] for k in np.flatnonzero(sound).tolist()],
         given.value[kept],
         number[given.condition[kept]],
         given.block[kept],
         given.order[kept],
         given.nominal[sound],
-        given.relative_sd,
     )
     return found, said
 
 
-def _tolerances(
-    given: _Velocities, simulator: Simulator, parameters: _Parameters, seed: int
-) -> Array:
-    """Of the simulator, for each condition."""
-    noise = fit_noise(given.value, given.condition, given.block, given.relative_sd)
-    return loosest_tolerances(
-        simulator, given.conditions, parameters.shared, parameters.causes, noise, seed
-    )
-
-
 def _data(
-    measurement: Measurement, given: _Velocities, observables: Sequence[Observable]
+    measurement: Measurement,
+    given: _Velocities,
+    observables: Sequence[Observable],
+    relative_sd: float,
 ) -> tuple[Array, Options]:
     """What was observed, and what is known of it; the channels stand alone without velocities."""
     known = pooled_observables(observables)
     if given.conditions:
-        seen = (given.conditions, given.nominal, _means(given))
+        seen = (given.conditions, given.nominal, given.mean)
         return given.value, Options(
             condition=given.condition,
             block=given.block,
             order=given.order,
             auxiliary=known,
-            relative_sd=given.relative_sd,
+            relative_sd=relative_sd,
             singleton_condition=find_singleton_condition(given.conditions),
-            settings=smooth_settings(given.conditions),
+            settings=_smooth_settings(given.conditions),
             data_problem=wrong_size(*seen) or wrong_sign(*seen),
         )
     if known is None:
@@ -241,24 +197,11 @@ def _data(
     return known.observed, Options(sd=known.covariance, group=known.group)
 
 
-def _means(given: _Velocities) -> Array:
-    return np.bincount(given.condition, given.value) / np.bincount(given.condition)
-
-
-def _still(given: _Velocities) -> list[Fact]:
-    """A note on conditions that read zero where the model walks."""
-    if not given.conditions:
-        return []
-    said = standing_still(given.conditions, given.nominal, _means(given))
-    return [] if said is None else [said]
-
-
 def _low_fidelity(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Value]:
     """A condition that is computed sooner and less exactly."""
     pulses = float(condition.get("drive.pulses", scenario.get("drive.pulses")))
-    return {
-        **condition, "solver.rtol": TOLERANCES[0], "drive.pulses": min(pulses, _LOW_FIDELITY_PULSES)
-    }  # fmt: skip
+    fewer = min(pulses, _LOW_FIDELITY_PULSES)
+    return {**condition, "solver.rtol": TOLERANCES[0], "drive.pulses": fewer}
 
 
 def _top_voltage(measurement: Measurement) -> float:
@@ -273,7 +216,7 @@ def _top_voltage(measurement: Measurement) -> float:
     return max(volts for each in drives or [stated] for volts in peak_voltages(each).values())
 
 
-def smooth_settings(conditions: Conditions) -> Settings | None:
+def _smooth_settings(conditions: Conditions) -> Settings | None:
     """Where the conditions lie, if they are enough for a smooth function."""
     if len(conditions) < _FEWEST_FOR_SMOOTH:
         return None

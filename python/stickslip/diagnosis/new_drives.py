@@ -13,14 +13,10 @@ from stickslip.scenario.scenario import Scenario
 def drive_settings(
     given: Any, scenario: Scenario
 ) -> tuple[list[dict[str, Value]], list[dict[str, Value]]]:
-    """Drive settings by dotted key and by bare name, one of each for every row.
+    """Drive settings by dotted key and by bare name, one of each for every row, in SI units.
 
-    Parameters
-    ----------
-    given : DataFrame or sequence of dict
-        Names may be dotted keys or bare, such as ``frequency``; values in SI units.
-    scenario : Scenario
-        With the rest, against which every row is checked.
+    Names may be dotted keys or bare, such as ``frequency``. Every row is checked as a change of
+    `scenario`.
 
     Raises
     ------

@@ -76,7 +76,7 @@ def changed(options: Options | None, changes: Mapping[str, Any]) -> Options:
     Raises
     ------
     TypeError
-        If `options` are none, or there is no option of a name; the nearest one is named.
+        If `options` is not an Options, or there is no option of a name; the nearest one is named.
     """
     options = Options() if options is None else options
     if not isinstance(options, Options):

@@ -12,27 +12,24 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
-from stickslip.diagnosis.data.noise import fit_noise, whitener
-from stickslip.diagnosis.data.stated_noise import stated_noise
-from stickslip.diagnosis.fit.baseline import recalibrate
+from stickslip.diagnosis.data.noise import NoiseModel, fit_noise, stated_noise, whitener
+from stickslip.diagnosis.fit.baseline import Recalibration, recalibrate
 from stickslip.diagnosis.fit.distinguishability import distinguishability, indistinguishable_causes
-from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start
-from stickslip.diagnosis.fit.least_squares import fit_candidates
-from stickslip.diagnosis.fit.profile_likelihood import moved_to_profile_minimum, profile
+from stickslip.diagnosis.fit.fit_result import Fit, Ranking
+from stickslip.diagnosis.fit.least_squares import refit_keeping_starts
+from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import linear_evidence
 from stickslip.diagnosis.fit.single_cause import refit_null
-from stickslip.diagnosis.inference.cross_validation import (
-    folds,
-    measure_gain,
-    predictive_gain,
-    split,
-)
+from stickslip.diagnosis.inference import cross_validation
+from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import (
+    AssessedBaseline,
     Progress,
     assess_baseline,
     compare_candidates,
 )
+from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.smooth_residual import smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import upper_bounds
 from stickslip.diagnosis.inference.verdict import (
@@ -40,15 +37,52 @@ from stickslip.diagnosis.inference.verdict import (
     Verdict,
     checked_on_training_subset,
     decide,
-    prior_probabilities,
 )
-from stickslip.diagnosis.input_checks import check_inputs
+from stickslip.diagnosis.input_checks import Trials, check_inputs
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
-from stickslip.diagnosis.model.problem import Cause, Predict, Problem, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.options import Options
-from stickslip.diagnosis.state import State
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
+
+
+class State:
+    """What one diagnosis knows so far. Each step reads what those before it have set."""
+
+    noise: NoiseModel
+    # Of the data alone, shape (m, m).
+    covariance: Array
+    # With the errors of `covariance`; `base` has the model's own scatter besides.
+    problem: Problem
+    recalibration: Recalibration
+    # The candidates and the profiles may lead to a better one.
+    base: AssessedBaseline
+    data_problem: Fact | None
+    ranking: Ranking
+    # How alike the causes' effects are, shape (causes, causes).
+    cosines: Array
+    # Log-evidence of each cause by linear screening.
+    screened: dict[str, float]
+    # Chi-square that a smooth function would take.
+    smooth_bound: float | None = None
+    verdict: Verdict
+    profiles: Sequence[Profile] = ()
+    gain: Gain | None = None
+
+    def __init__(self, options: Options, trials: Trials) -> None:
+        self.options = options
+        self.trials = trials
+        self.notes: list[Fact] = []
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom of the trials' noise; infinity where it is stated or not known."""
+        return self.noise.dof if self.noise.dof > 0 else math.inf
+
+    @property
+    def compared(self) -> bool:
+        """Whether there is reason to look for a cause."""
+        return self.data_problem is None and self.base.detection.found
 
 
 def run_steps(
@@ -106,21 +140,20 @@ def pose(
     ScenarioError
         If the model computes nothing with the stated constants.
     """
-    noise, auxiliary = state.noise, state.options.auxiliary
+    options, level, dof = state.options, state.noise.mean, state.dof
     suspects = tuple(
         Cause(each.name, (), f"{each.name} is other than stated", relaxes_prior=each.name)
         for each in uncertain
         if each.suspect and each.prior.has_middle
     )
-    level, dof = noise.mean, state.dof
-    if auxiliary is not None:
-        blocks = block_diag(state.covariance, auxiliary.covariance)
+    if options.auxiliary is not None:
+        blocks = block_diag(state.covariance, options.auxiliary.covariance)
         state.covariance = np.asarray(blocks, dtype=float)
-        level = np.concatenate([level, auxiliary.observed])
+        level = np.concatenate([level, options.auxiliary.observed])
         # Only the trials' share of the misfit is judged by an estimated noise.
-        dof *= (len(level) / len(noise.mean)) ** 2
-    cheaper = state.options.low_fidelity
-    problem = Problem(
+        dof *= (len(level) / len(state.noise.mean)) ** 2
+    cheaper = options.low_fidelity
+    problem = state.problem = Problem(
         PredictionCache(predict, len(level)),
         conditions,
         level,
@@ -130,11 +163,10 @@ def pose(
         (*causes, *suspects),
         low_fidelity=None if cheaper is None else PredictionCache(cheaper, len(level)),
     )
-    if state.options.data_problem is None and not np.any(
+    if options.data_problem is None and not np.any(
         np.isfinite(problem.predicted(np.zeros((1, problem.size))))
     ):
         raise ScenarioError("predict: with the stated parameters it computes no observable")
-    state.problem = problem
 
 
 def fit_baseline(state: State) -> None:
@@ -150,8 +182,7 @@ def fit_baseline(state: State) -> None:
         level = np.where(np.isfinite(predicted), predicted, noise.mean)
         state.covariance[:m, :m] = noise.covariance_at(level)
         state.problem = replace(state.problem, whiten=whitener(state.covariance))
-        again = fit_candidates(state.problem, [null.candidate], [[Start.of(null)]], 6)[0]
-        null = replace(again, converged=null.converged, starts=null.starts)
+        (null,) = refit_keeping_starts(state.problem, [null])
         state.recalibration = replace(state.recalibration, null=null)
 
 
@@ -162,10 +193,10 @@ def detect_departure(state: State) -> None:
     state.base = assess_baseline(state.problem, state.covariance, null, options.seed)
     uneven = uneven_setups(trials.value, trials.condition, noise, trials.block)
     state.notes += [] if uneven is None else [uneven]
-    alone = options.auxiliary is None
     stated = options.data_problem
     if isinstance(stated, str):
         stated = Fact(Code.STATED_PROBLEM, {"problem": stated}) if stated else None
+    alone = options.auxiliary is None
     state.data_problem = stated or find_data_problem(
         trials.value, trials.condition, noise, options.order, trials.block, alone
     )
@@ -192,19 +223,20 @@ def compare_effects(state: State) -> None:
 
 def decide_verdict(state: State) -> None:
     """The verdict by the rules, for the fits as they are now."""
-    base, count = state.base, len(state.noise.mean)
+    base, options, count = state.base, state.options, len(state.noise.mean)
     if state.data_problem is not None:
-        reasons = (state.data_problem,)
         chance = prior_probabilities(base.problem)
-        state.verdict = Verdict("data-problem", (), None, reasons, chance)
+        state.verdict = Verdict("data-problem", (), None, (state.data_problem,), chance)
         return
-    parts = folds(count, state.options.group)
+    parts = cross_validation.folds(count, options.group)
 
     def improves_prediction(fit: Fit) -> bool:
-        if not parts:
-            return True
-        return predictive_gain(base.problem, base.covariance, base.null, fit, parts) > 0.0
+        gain = cross_validation.predictive_gain
+        return not parts or gain(base.problem, base.covariance, base.null, fit, parts) > 0.0
 
+    # Only the noise of the trials, the first rows, was estimated.
+    kinds = np.array(list(options.source))
+    tables = [np.flatnonzero(kinds == kind) for kind in dict.fromkeys(options.source)]
     state.verdict = decide(
         base.problem,
         base.detection,
@@ -213,7 +245,10 @@ def decide_verdict(state: State) -> None:
         state.screened,
         improves_prediction,
         state.smooth_bound,
-        _tables(state.options.source, count, state.dof),
+        [
+            Table(str(kinds[rows[0]]), rows, state.dof if rows[0] < count else math.inf)
+            for rows in tables
+        ],
     )
 
 
@@ -229,28 +264,27 @@ def find_profiles(state: State) -> None:
     leader, state.profiles = moved_to_profile_minimum(problem, fit)
     if leader is fit:
         return
-    # What leads elsewhere has to meet the rules there.
+    # A fit that has moved has to meet the rules there.
     null = refit_null(problem, state.base.null, [leader])
     state.base = replace(state.base, null=null)
     state.ranking = replace(state.ranking.replaced(fit, leader), null=null)
     decide_verdict(state)
-    if state.verdict.fit is None:
-        state.profiles = []
-    elif state.verdict.fit is not leader:
-        state.profiles = profile(problem, state.verdict.fit)
+    if state.verdict.fit is not leader:
+        state.profiles = [] if state.verdict.fit is None else profile(problem, state.verdict.fit)
 
 
 def measure_improvement(state: State) -> None:
     """How much better the extended model predicts conditions that its fit has not seen.
 
-    What the other conditions alone would not say is not claimed.
+    A cause that changes on the training subset is not named.
     """
     base, options, fit = state.base, state.options, state.verdict.fit
     if fit is None:
         return
-    held_out = split(
+    held_out = cross_validation.split(
         len(state.noise.mean), options.seed, options.group, options.singleton_condition
     )
+    # Chosen: without a few conditions, farther candidates would hardly lead.
     others = [*state.ranking.singles[:4], *state.ranking.pairs[:2]]
     state.gain = measure_gain(
         base.problem, base.covariance, held_out, base.null, fit, others, options.seed
@@ -267,16 +301,6 @@ def note_roughness(state: State) -> None:
     rough = int(np.sum(roughness > measured))
     if rough:
         state.notes.append(Fact(Code.MODEL_JUMPS, {"count": rough}))
-
-
-def _tables(source: Sequence[str], measured: int, dof: float) -> list[Table]:
-    """Rows of each kind; only the noise of the trials, the first rows, was estimated."""
-    kind = np.array(list(source))
-    tables = []
-    for name in dict.fromkeys(source):
-        rows = np.flatnonzero(kind == name)
-        tables.append(Table(name, rows, dof if rows[0] < measured else math.inf))
-    return tables
 
 
 def _findings(state: State) -> Findings:

@@ -7,18 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.model.problem import Predict, Problem
+from stickslip.diagnosis.model.problem import Array, Indices, Predict, Problem
 from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.diagnosis.observables import Combined, Comparison
 from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.facts import Fact
 from stickslip.scenario.keys import Value
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -59,9 +56,9 @@ class PosedProblem(OneLine):
         """
         return self.model.velocities(drives, self.model.shared(parameters))
 
-    def parts(self) -> dict[str, NDArray[np.int64]]:
+    def parts(self) -> dict[str, Indices]:
         """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
-        result: dict[str, NDArray[np.int64]] = {}
+        result: dict[str, Indices] = {}
         for key in ("drive.mode", "drive.direction"):
             words = np.array([str(each[key]) for each in self.conditions])
             found = sorted(set(words.tolist()))
@@ -85,9 +82,7 @@ class PosedProblem(OneLine):
         result: list[Comparison | FilmComparison] = []
         for number, observable in enumerate(self.model.observables):
             start, end = end, end + len(observable.observed)
-            names, before = self.model.report_arguments(number, null)
-            after = None
-            if extended is not None:
-                after = self.model.report_arguments(number, extended)[1]
+            names, before = self.model.arguments(number, null)
+            after = None if extended is None else self.model.arguments(number, extended)[1]
             result.append(observable.comparison(names, before, after, found.held_out[start:end]))
         return result

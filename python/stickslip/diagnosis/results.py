@@ -20,8 +20,8 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
 from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.messages import table_lines, verdict_lines
 from stickslip.diagnosis.report.plots import Plots, abscissa
-from stickslip.diagnosis.report.text import table_lines, verdict_lines
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["Diagnosis", "Plots"]
 
 _MOST_ROWS = 12
+"""Rows of a table in the summary. Chosen: two tables and the verdict fit on one screen."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -75,7 +76,7 @@ class Diagnosis:
         return "\n".join(lines)
 
     def verdict_lines(self) -> list[str]:
-        """The verdict in one sentence, and below it why it is no bolder one."""
+        """The verdict in one sentence, and below it the reasons, notes and what was left out."""
         measured = () if self.measurement is None else self.measurement.left_out
         return verdict_lines(self.findings, [*measured, *self.posed.left_out])
 
@@ -230,8 +231,7 @@ class Diagnosis:
 
     def as_dict(self) -> dict[str, Any]:
         """What ``stickslip diagnose --json`` prints: the keys are those of the reference."""
-        from stickslip.diagnosis.report.json_keys import summary
-        from stickslip.diagnosis.report.model_report import OwnData
+        from stickslip.diagnosis.report.json_keys import OwnData, summary
 
         source = self.measurement or OwnData("")
         return summary(self.findings, self.posed, source, self._experiments)
@@ -267,15 +267,18 @@ class Diagnosis:
         OSError
             If a file cannot be written.
         """
-        from stickslip.diagnosis.report.html import write_report
-        from stickslip.diagnosis.report.model_report import write_model_report
+        from stickslip.diagnosis.report.html import report_sections, write_report
+        from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
+        from stickslip.diagnosis.report.section import model_section
 
+        source: Measurement | OwnData
         if self.measurement is not None:
-            write_report(folder, self.findings, self.posed, self.measurement, self._experiments)
-            return
-        at = abscissa(self.findings, place)
-        name = "Diagnosis" if title is None else title
-        write_model_report(folder, self.findings, self.posed, name, at, labels, unit)
+            source, unit = self.measurement, gain_unit(self.posed)
+            sections = report_sections(self.posed.comparisons(self.findings))
+        else:
+            source = OwnData("Diagnosis" if title is None else title)
+            sections = [model_section(self.findings, abscissa(self.findings, place), labels)]
+        write_report(folder, self.findings, self.posed, source, self._experiments, sections, unit)
 
     def _conditions(self, given: Any) -> tuple[Any, list[dict[str, Value]] | None]:
         """What the model takes, and the settings in a table where they have names."""

@@ -3,42 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_law
 
 from stickslip.diagnosis.fit.fit_result import Fit, Fitted, free_parameters, ranked
 from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.fit.profile_likelihood import FAR
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.report.parameters import estimates, with_profiles
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-Array = NDArray[np.float64]
-
 
 def parameter_table(found: Findings) -> DataFrame:
     """See `Diagnosis.params`."""
     fit, parameters = _fitted(found)
-    spread = np.sqrt(np.diag(fit.covariance))
-    profiles = {each.name: each.sd for each in found.profiles}
-    rows = []
+    entries = with_profiles(found, estimates(fit, parameters))
     for each in parameters:
-        sd = abs(each.slope(fit)) * float(spread[each.position])
-        rows.append(
-            {
-                "value": _value(each, fit.x[each.column]),
-                "sd": max(sd, profiles.get(each.name, 0.0)),
-                "unit": each.unit,
-                "prior": _prior(found, each),
-                "pull": float(fit.x[each.column]),
-            }
-        )
-    return _frame(rows, parameters, ["value", "sd", "unit", "prior", "pull"])
+        entries[each.name] |= {"prior": _prior(found, each), "pull": float(fit.x[each.column])}
+    return _frame(entries, ["value", "sd", "unit", "prior", "pull"])
 
 
 def interval_table(found: Findings, level: float) -> DataFrame:
@@ -51,7 +38,7 @@ def interval_table(found: Findings, level: float) -> DataFrame:
     spread = np.sqrt(np.diag(fit.covariance))
     low, high = found.problem.limits()
     profiles = {each.name: each for each in found.profiles}
-    rows = []
+    entries: dict[str, dict[str, float | str]] = {}
     for each in parameters:
         if each.name in profiles:
             ends = profiles[each.name].interval(rise)
@@ -59,10 +46,10 @@ def interval_table(found: Findings, level: float) -> DataFrame:
             reach = math.sqrt(rise) * float(spread[each.position])
             at = fit.x[each.column] + np.array([-reach, reach])
             at = np.clip(at, low[each.column], high[each.column])
-            first, last = (float(value) for value in np.asarray(each.continuous(at)))
+            first, last = np.asarray(each.continuous(at)).tolist()
             ends = (min(first, last), max(first, last))
-        rows.append({"low": ends[0], "high": ends[1], "unit": each.unit})
-    return _frame(rows, parameters, ["low", "high", "unit"])
+        entries[each.name] = {"low": ends[0], "high": ends[1], "unit": each.unit}
+    return _frame(entries, ["low", "high", "unit"])
 
 
 def covariance_table(found: Findings) -> DataFrame:
@@ -97,14 +84,10 @@ def candidate_table(found: Findings) -> DataFrame:
 
 
 def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
-    """The extended model, or the recalibrated one, and what it has free."""
+    """The extended model, or the recalibrated one, and its free parameters."""
     fit = found.verdict.fit or found.null
     learnt = found.verdict.kind != "data-problem"
     return fit, free_parameters(found.problem, fit) if learnt else []
-
-
-def _value(each: Fitted, u: float) -> float:
-    return float(np.asarray(each.value(np.array([u])))[0])
 
 
 def _prior(found: Findings, each: Fitted) -> str:
@@ -115,8 +98,9 @@ def _prior(found: Findings, each: Fitted) -> str:
     return found.problem.parameters[each.column - base].prior_in_words
 
 
-def _frame(rows: list[dict[str, Any]], parameters: list[Fitted], columns: list[str]) -> DataFrame:
+def _frame(entries: dict[str, dict[str, float | str]], columns: list[str]) -> DataFrame:
+    """A table with a row for each parameter."""
     import pandas as pd
 
-    names = pd.Index([each.name for each in parameters], name="parameter", dtype=object)
-    return pd.DataFrame(rows, index=names, columns=columns)
+    names = pd.Index(list(entries), name="parameter", dtype=object)
+    return pd.DataFrame(list(entries.values()), index=names, columns=columns)

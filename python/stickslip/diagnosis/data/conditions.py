@@ -11,9 +11,10 @@ Conditions = Sequence[Mapping[str, Value]]
 """Drive settings by dotted key, of each condition."""
 
 _SHOWN = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
+"""Units that a laboratory uses in place of SI units, and the factor to them."""
 
 
-def varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
+def varied(conditions: Conditions) -> list[str]:
     """Dotted keys of the settings that are not the same in all conditions."""
     if not conditions:
         return []
@@ -21,8 +22,8 @@ def varied(conditions: Sequence[Mapping[str, Value]]) -> list[str]:
     return [key for key in present if len({each.get(key) for each in conditions}) > 1]
 
 
-def find_singleton_condition(conditions: Sequence[Mapping[str, Value]]) -> int | None:
-    """The first condition that alone has its mode, direction or other word, or alone changes a
+def find_singleton_condition(conditions: Conditions) -> int | None:
+    """The first condition that alone has a mode, direction or other word, or alone differs in a
     setting that is the same in all others."""
     for key in varied(conditions):
         values = [each.get(key) for each in conditions]
@@ -98,7 +99,7 @@ def _with_unit(key: str, text: str, form: str) -> str:
     return text if unit in ("", "-") else form.format(text, unit)
 
 
-def changes(drive: Mapping[str, Value], conditions: Sequence[Mapping[str, Value]]) -> str:
+def changes(drive: Mapping[str, Value], conditions: Conditions) -> str:
     """The settings of a proposed experiment, bare names, that not all conditions have."""
     settings = {f"drive.{key}": value for key, value in drive.items()}
     among, first = varied(conditions), conditions[0]

@@ -9,21 +9,42 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.noise import NoiseModel, completed, moving, setup_columns
+from stickslip.diagnosis.data.noise import (
+    NoiseModel,
+    column_basis,
+    completed,
+    moving,
+    setup_columns,
+)
 from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
 FEWEST_CONDITIONS = 4
-"""Conditions without which no cause is told from another, if there are no other data."""
+"""Conditions without which no cause is told from another, if there are no other data. Chosen: two
+constants and a cause leave one degree of freedom."""
 
 _RARE = 0.002
+"""p-value below which a drift or an uneven set-up is said. Chosen: one in 500 sound data sets."""
+
 _SPREAD = 3.0
 """Variance of the conditions, in units of that of their means' errors, below which they are alike.
-"""
+Chosen: means of nothing but noise have 1."""
 
-_FEWEST_PAIRS, _ALIKE = 12, 0.4
-_UNEVEN, _ALONE = 1.5, 0.05
+_FEWEST_PAIRS = 12
+"""Pairs or trials, and ordered trials, to judge by. Chosen: a share or a rank test of fewer says
+little."""
+
+_ALIKE = 0.4
+"""Share of pairs of trials that read exactly alike; see `_rounded`."""
+
+_UNEVEN = 1.5
+"""Ratio of median deviations from which on a set-up is called uneven. Chosen: its trials then weigh
+more than twice too much."""
+
+_ALONE = 0.05
+"""Part of a trial's variance that fits of levels and set-ups leave, below which it shows no
+scatter. Chosen: such a trial stands nearly alone in its condition or set-up."""
 
 
 def find_data_problem(
@@ -75,7 +96,7 @@ def find_data_problem(
 
 
 def _rounded(values: Array, index: NDArray[np.int64]) -> Fact | None:
-    """Whether readings are in steps so wide that the scatter of trials says nothing of the error.
+    """A fact if readings are in steps so wide that the scatter of trials is not their error.
 
     Of two trials with normal errors that are rounded to steps of q, a share q / (2 sqrt(pi) sd)
     reads alike: 0.4 of them at 1.4 sd, where rounding adds half to the variance of a mean of three.
@@ -94,23 +115,23 @@ def _rounded(values: Array, index: NDArray[np.int64]) -> Fact | None:
 def uneven_setups(
     values: Array, index: NDArray[np.int64], noise: NoiseModel, block: NDArray[np.int64] | None
 ) -> Fact | None:
-    """What to know if the trials of one set-up scatter more than all others.
+    """A note if the trials of one set-up scatter more than all others.
 
-    Such a set-up weighs too much, but it is no reason to say nothing. By ranks, as heavy tails are
-    no matter of a set-up. Trials that stand about alone in their condition or set-up show no
-    scatter; of others what is left is made as large as it was. The true ratio is larger than that
-    of what is left, as every set-up is a part of the means.
+    Such a set-up has too much weight, but a diagnosis remains possible. Tested by ranks, so that
+    heavy tails of all set-ups do not count. Residuals are scaled up by the variance that the fitted
+    levels have taken. The true ratio is larger than that of the residuals, as every set-up is a
+    part of the means.
     """
     block = completed(block)
     if block is None or not noise.setups.shape[1]:
         return None
     used = moving(values, index)
     values, index, block = values[used], index[used], block[used]
-    basis = _basis(_design(index, block, noise))
+    basis = column_basis(_design(index, block, noise))
     free = 1.0 - np.sum(basis**2, axis=1)
     shown = free > _ALONE
     scatter = (values - noise.mean[index]) / noise.sd[index]
-    size = np.abs(_beyond(scatter, basis)) / np.sqrt(np.maximum(free, _ALONE))
+    size = np.abs(_projected(scatter, basis)) / np.sqrt(np.maximum(free, _ALONE))
     counts = np.bincount(block[shown], minlength=int(block.max()) + 1)
     looked = np.flatnonzero((counts >= _FEWEST_PAIRS) & (shown.sum() - counts >= _FEWEST_PAIRS))
     for each in looked.tolist():
@@ -132,12 +153,8 @@ def _design(index: NDArray[np.int64], block: NDArray[np.int64] | None, noise: No
     return np.hstack([design, setup_columns(index, block, noise.mean)])
 
 
-def _basis(design: Array) -> Array:
-    left, singular, _ = np.linalg.svd(design, full_matrices=False)
-    return np.asarray(left[:, singular > 1e-9 * singular[0]])
-
-
-def _beyond(values: Array, basis: Array) -> Array:
+def _projected(values: Array, basis: Array) -> Array:
+    """Values without what the columns of an orthonormal basis explain."""
     return np.asarray(values - basis @ (basis.T @ values))
 
 
@@ -148,20 +165,20 @@ def _drifting(
     order: ArrayLike | None,
     block: NDArray[np.int64] | None,
 ) -> Fact | None:
-    """Whether velocities change with time; what differs between set-ups is not drift."""
+    """A fact if velocities change with time; what differs between set-ups is not drift."""
     place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)
     usable = np.isfinite(place) & moving(values, index)
-    if usable.sum() < 12:
+    if usable.sum() < _FEWEST_PAIRS:
         return None
-    basis = _basis(_design(index, block, noise)[usable])
+    basis = column_basis(_design(index, block, noise)[usable])
     free = int(usable.sum()) - basis.shape[1] - 1
-    centred = _beyond(place[usable], basis)
+    centred = _projected(place[usable], basis)
     if free < 1 or float(centred @ centred) <= 1e-9 * float(place[usable] @ place[usable]):
         return None
     # A drift shifts all velocities alike, or all in proportion, whatever their sign.
     scatter = (values - noise.mean[index]) / noise.sd[index]
     chances = [
-        _drift(_beyond((scatter * toward)[usable], basis), centred, free)
+        _drift(_projected((scatter * toward)[usable], basis), centred, free)
         for toward in (1.0, np.sign(noise.mean[index]))
     ]
     p_value = 2.0 * min(chances)
@@ -169,7 +186,7 @@ def _drifting(
 
 
 def _drift(residual: Array, centred: Array, free: int) -> float:
-    """p-value of a slope of the residuals against the time, both without conditions and set-ups."""
+    """p-value of a slope of residuals against time, with conditions and set-ups projected out."""
     power = float(centred @ centred)
     slope = float(centred @ residual) / power
     left = residual - slope * centred

@@ -1,4 +1,4 @@
-"""Noise of a trial and of a set-up, pooled over all conditions.
+"""Noise of a trial and of a set-up, pooled over all conditions, or stated by the user.
 
 Three trials have two degrees of freedom, so no condition has a variance of its own: all share one
 curve sd^2 = s0^2 + (rho v)^2.
@@ -10,21 +10,38 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip._util.one_line import OneLine
+from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 FEWEST_DOF = 4
-"""Degrees of freedom from which on the noise is taken from the trials and not from a statement."""
+"""Degrees of freedom from which on the noise is taken from the trials and not from a statement.
+Chosen: four determine a standard deviation to 35 %."""
 
 _WIDEST, _POINTS = (-4.0, 2.0), 31
-_NEGLIGIBLE, _CLOSE = 1e-5, 0.5
+"""Range of the logarithms of s0 and rho about the pooled scatter, and points of each. Chosen: from
+2 % of it, which adds nothing to the other, to seven times."""
+
+_NEGLIGIBLE = 1e-5
+"""Posterior density over its maximum that does not count. Chosen: all that is left out is less than
+1 % of the sum."""
+
+_CLOSE = 0.5
+"""Shrinkage of the range beyond which it is sampled again. Chosen: a posterior that fills half of
+the points is resolved."""
+
 _ALIKE = 1e-9
-"""Part of the usual velocity by which trials differ that differ by rounding alone."""
+"""Part of the usual velocity by which trials differ that differ by rounding alone. Chosen: between
+the rounding of a double, 1e-16, and that of any table."""
+
+_SCATTERS = [0.0, *np.geomspace(0.05, 8.0, 40).tolist()]
+"""Scatters of set-ups in units of a trial's sd that are tried. Chosen: 14 % apart, from what no
+measurement resolves to far above what a mean of trials is good for."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,8 +102,8 @@ def fit_noise(
 ) -> NoiseModel:
     """Noise from the scatter of trials, or from a stated relative error.
 
-    What stands still has no scatter; taken for noise it would draw s0 to nothing. So conditions
-    whose trials all read zero tell nothing, and theirs is the noise of a level of zero.
+    A robot that does not move has no scatter, which would draw s0 to zero. So conditions whose
+    trials all read zero are excluded, and have the noise of a level of zero.
 
     Parameters
     ----------
@@ -106,55 +123,81 @@ def fit_noise(
     used = moving(value, condition)
     trial, where = value[used], condition[used]
     setup = None if block is None else block[used]
+    if setup is not None and len(np.unique(setup)) == 1:
+        setup = None
+    crossed = setup if setup is not None and _are_crossed(where, setup) else None
     moved = np.unique(where)
-    known = setup is not None and len(np.unique(setup)) > 1
-    crossed = False
-    if known:
-        assert setup is not None
-        pairs = np.unique(np.stack([where, setup]), axis=1).shape[1]
-        crossed = pairs > max(len(moved), len(np.unique(setup)) + 1)
-    notes = []
     deviation, dof = trial - mean[where], len(trial) - len(moved)
     leverage = 1.0 - 1.0 / count[where]
-    if known and crossed and dof > 0:
-        assert setup is not None
-        deviation, dof, leverage = _without_blocks(trial, where, setup, mean)
+    if crossed is not None and dof > 0:
+        deviation, dof, leverage = _without_setups(trial, where, crossed, mean)
     # Where nothing moved, any size will do: there is no relative error of zero.
     size = float(np.sqrt(np.mean(mean[moved] ** 2))) or 1.0
     if not np.any(np.abs(deviation) > _ALIKE * size):
-        dof = 0  # readings that are all alike tell nothing
+        dof = 0  # readings that are all alike carry no information on the noise
+    notes = []
     if dof >= FEWEST_DOF:
         squares, freedom = np.zeros(m), np.zeros(m)
         np.add.at(squares, where, deviation**2)
         np.add.at(freedom, where, leverage)
         floor, relative = _curve(squares, freedom, mean, size)
-        sd = np.sqrt(floor**2 + (relative * mean) ** 2)
         free = float(dof)
     elif math.isfinite(stated):
+        # Chosen: a tenth of the usual error is left where the velocity is near zero.
         floor, relative, free = 0.1 * stated * size, stated, math.inf
-        sd = np.sqrt(floor**2 + (relative * mean) ** 2)
         known_by = {"dof": dof, "needed": FEWEST_DOF, "stated": stated}
         notes.append(Fact(Code.NOISE_STATED, known_by))
     else:
-        floor, relative, free, sd = size, 0.0, 0.0, np.full(m, size)
+        floor, relative, free = size, 0.0, 0.0
         notes.append(Fact(Code.NOISE_UNKNOWN, {"dof": dof, "needed": FEWEST_DOF}))
-    between, gain, setups = 0.0, 0.0, np.zeros((m, 0))
-    if known and crossed:
-        assert block is not None
-        assert setup is not None
-        between, gain = _between(trial, where, setup, mean, sd)
-        scatter = {"count": len(np.unique(setup)), "shift": between, "gain": gain}
-        notes.append(Fact(Code.SETUPS, scatter))
-        setups = np.zeros((m, int(block.max()) + 1))
-        np.add.at(setups, (condition, block), 1.0)
-        setups /= count[:, None]
-    elif not known:
+    sd = np.sqrt(floor**2 + (relative * mean) ** 2)
+    between, gain, shares = 0.0, 0.0, np.zeros((m, 0))
+    if block is None or setup is None:
         notes.append(Fact(Code.NO_BLOCK_COLUMN if block is None else Code.ONE_BLOCK, {}))
-    else:
+    elif crossed is None:
         notes.append(Fact(Code.SETUPS_NOT_CROSSED, {}))
+    else:
+        between, gain = _between(trial, where, crossed, mean, sd)
+        scatter = {"count": len(np.unique(crossed)), "shift": between, "gain": gain}
+        notes.append(Fact(Code.SETUPS, scatter))
+        shares = np.zeros((m, int(block.max()) + 1))
+        np.add.at(shares, (condition, block), 1.0)
+        shares /= count[:, None]
     return NoiseModel(
-        mean, sd, count, floor, relative, between, gain, free, setups, tuple(notes)
+        mean, sd, count, floor, relative, between, gain, free, shares, tuple(notes)
     )  # fmt: skip
+
+
+def stated_noise(values: Array, condition: Index, sd: ArrayLike) -> tuple[NoiseModel, Array]:
+    """Noise that the user states, and the covariance of the means of each condition's trials.
+
+    `sd` is the standard deviation of each mean, shape () or (m,), or their covariance, (m, m).
+    """
+    count = np.bincount(condition)
+    stated = np.asarray(sd, dtype=float)
+    if stated.ndim == 2:
+        if stated.shape != (len(count), len(count)) or not np.all(np.isfinite(stated)):
+            raise ScenarioError("sd: allowed is a covariance of one row a condition")
+        covariance = stated
+    else:
+        if stated.shape not in ((), count.shape):
+            raise ScenarioError("sd: allowed is a standard deviation for each condition")
+        covariance = np.diag(np.broadcast_to(stated, count.shape) ** 2)
+    variance = np.diag(covariance)
+    sound = np.all(stated > 0.0) if stated.ndim < 2 else np.all(variance > 0.0)
+    if not (sound and np.all(np.isfinite(variance))):
+        raise ScenarioError("sd: allowed are finite numbers above 0")
+    known = np.sqrt(variance)
+    mean = np.bincount(condition, values) / count
+    none = np.zeros((len(count), 0))
+    noise = NoiseModel(mean, known * np.sqrt(count), count, 0.0, 0.0, 0.0, 0.0, math.inf, none, ())
+    return noise, covariance
+
+
+def _are_crossed(condition: Index, setup: Index) -> bool:
+    """Whether conditions and set-ups are mixed enough to separate their effects."""
+    pairs = np.unique(np.stack([condition, setup]), axis=1).shape[1]
+    return bool(pairs > max(len(np.unique(condition)), len(np.unique(setup)) + 1))
 
 
 def moving(value: Array, condition: Index) -> NDArray[np.bool_]:
@@ -186,35 +229,39 @@ def whitener(covariance: Array) -> Array:
     return np.linalg.inv(lower)
 
 
-def _without_blocks(
-    value: Array, condition: Index, block: Index, mean: Array
+def _without_setups(
+    value: Array, condition: Index, setup: Index, mean: Array
 ) -> tuple[Array, int, Array]:
-    """Residuals of a fit of one level a condition, and one shift and one gain a block."""
+    """Residuals of a fit of one level a condition and one shift and gain a set-up.
+
+    And their degrees of freedom in all, and of each trial.
+    """
     m = len(mean)
     levels = np.eye(m)[condition]
+    # Weights are those of relative errors; chosen: slow conditions keep a tenth of the usual error.
     usual = np.median(np.abs(mean[np.unique(condition)]))
     size = np.abs(mean) + 0.1 * usual + 1e-300
-    design = np.hstack([levels / size[condition, None], setup_columns(condition, block, mean)])
+    design = np.hstack([levels / size[condition, None], setup_columns(condition, setup, mean)])
     target = value / size[condition]
+    basis = column_basis(design)
+    residual = (target - basis @ (basis.T @ target)) * size[condition]
+    leverage = np.maximum(1.0 - np.sum(basis**2, axis=1), 1e-6)
+    return residual, len(value) - basis.shape[1], leverage
+
+
+def column_basis(design: Array) -> Array:
+    """Orthonormal basis of the columns of a design, as many as its rank."""
     left, singular, _ = np.linalg.svd(design, full_matrices=False)
-    left = left[:, singular > 1e-9 * singular[0]]
-    residual = (target - left @ (left.T @ target)) * size[condition]
-    leverage = np.maximum(1.0 - np.sum(left**2, axis=1), 1e-6)
-    return residual, len(value) - left.shape[1], leverage
+    return np.asarray(left[:, singular > 1e-9 * singular[0]])
 
 
 def _curve(squares: Array, freedom: Array, level: Array, size: float) -> tuple[float, float]:
-    """s0 and rho, each the root of its square's mean over their posterior.
+    """s0 and rho, each the root of its square's posterior mean, under priors flat in the logarithm.
 
-    A best point would often have one of them near zero, and conditions of which that one is the
-    noise would be trusted far too much. Both are drawn flat in their logarithm.
-
-    Parameters
-    ----------
-    squares, freedom, level : ndarray, shape (m,)
-        Of each condition: sum of its trials' squared residuals, their degrees of freedom, and mean.
-    size : float
-        Usual level.
+    The maximum would often have one of them near zero, and conditions of which that one is the
+    noise would be trusted far too much. `squares`, `freedom` and `level`, shape (m,), are the sum
+    of each condition's squared residuals, their degrees of freedom and the mean; `size` is the
+    usual level.
     """
     spread = float(np.sum(squares) / np.sum(freedom))
     low, high = np.full(2, _WIDEST[0]), np.full(2, _WIDEST[1])
@@ -227,7 +274,7 @@ def _curve(squares: Array, freedom: Array, level: Array, size: float) -> tuple[f
         variance = floor[:, None] + relative[:, None] * (level / size) ** 2
         loss = np.log(variance) @ freedom + (1.0 / variance) @ squares
         weight = np.exp(-0.5 * (loss - np.min(loss))).reshape(_POINTS, _POINTS)
-        # Of many trials the posterior is narrower than one step, so look closer where it is.
+        # With many trials the posterior is narrower than one step, so the range is refined.
         width = high - low
         for axis in range(2):
             share = np.max(weight, axis=1 - axis)
@@ -247,7 +294,7 @@ def _between(
 
     By restricted maximum likelihood, one after the other, from the better of either alone.
     """
-    # What is left without the level of each condition; trials of one condition share their sd.
+    # Deviations from the level of each condition; trials of one condition share their sd.
     target = _centred(((value - mean[condition]) / sd[condition])[:, None], condition)
     parts = _centred(setup_columns(condition, block, mean), condition)
     gram, along, power = parts.T @ parts, (parts.T @ target)[:, 0], float(np.sum(target**2))
@@ -262,13 +309,12 @@ def _between(
         quadratic = power - float(seen @ np.linalg.solve(small, seen))
         return float(-0.5 * np.linalg.slogdet(small)[1] - 0.5 * quadratic)
 
-    grid = [0.0, *np.geomspace(0.05, 8.0, 40).tolist()]
-    best = max(((tau, 0.0) for tau in grid), key=score)
+    best = max(((tau, 0.0) for tau in _SCATTERS), key=score)
     if both:
-        best = max([best, *((0.0, tau) for tau in grid)], key=score)
+        best = max([best, *((0.0, tau) for tau in _SCATTERS)], key=score)
         for _ in range(2):
-            best = max(((tau, best[1]) for tau in grid), key=score)
-            best = max(((best[0], tau) for tau in grid), key=score)
+            best = max(((tau, best[1]) for tau in _SCATTERS), key=score)
+            best = max(((best[0], tau) for tau in _SCATTERS), key=score)
     return best
 
 

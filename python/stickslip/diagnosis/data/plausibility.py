@@ -1,24 +1,76 @@
-"""Whether measured velocities can be what the stated model speaks of."""
+"""Whether measured numbers can be what the stated model computes, by their size, unit and sign."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.diagnosis.data.conditions import Conditions, in_words, named, varied
-from stickslip.diagnosis.data.unit_check import magnitude_mismatch
+from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 
 Array = NDArray[np.float64]
 
+_MOST = 50.0
+"""Ratio beyond which a size is far from the usual one. Chosen: below 57
+(degrees for rad) and 1000 (mm for m), the commonest mistakes of units."""
+
 _OPPOSITE = -0.8
+"""Cosine between measured and predicted velocities below which their signs are reversed. Chosen:
+near the -1 of reversed signs, with room for a model that is wrong otherwise."""
+
 _REVERSED = 3
+"""Conditions with reversed and with equal sign, at the least, to recognise a rule. Chosen: with
+fewer a rule is met by chance too easily."""
+
+_SIMILAR = 1.5
+"""Largest median ratio of speeds for which only the sign differs. Chosen: room for the error of
+the constants."""
+
 _WALKS = 0.1
+"""Part of the median speed above which the model is said to move. Chosen: slower motions
+may well be read as zero."""
+
 _LISTED = 4
+"""Conditions that a sentence names. Chosen: more are not read."""
+
+
+def magnitude_mismatch(measured: float, usual: float, unit: str) -> dict[str, Any] | None:
+    """Whether a size is above 50 times the usual one, or below a 50th of it: fields of a `Fact`.
+
+    Both are in `unit` and not below 0; where either is 0 there is none. `by_1000` says whether the
+    unit may be wrong by a factor of 1000.
+    """
+    if measured == 0.0 or usual == 0.0 or 1.0 / _MOST < measured / usual < _MOST:
+        return None
+    ratio = measured / usual
+    return {
+        "ratio": ratio,
+        "measured": measured,
+        "usual": usual,
+        "unit": unit,
+        "allowed": [1.0 / _MOST, _MOST],
+        "by_1000": 0.1 < ratio / 1e3 < 10.0 or 0.1 < ratio * 1e3 < 10.0,
+    }
+
+
+def refuse_larger(table: str, what: str, size: float, most: float, unit: str) -> None:
+    """Refuse a table with a length or a field so large that its unit must be wrong."""
+    if size > most:
+        raise ScenarioError(
+            f"{table}: a {what} of {size:.4g} {unit}; allowed is at most {most:g} {unit}. If "
+            f"{what}s are in m{unit}, divide them by 1e3"
+        )
 
 
 def wrong_size(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:
-    """Whether the velocities can be what the model speaks of, by their size and sign."""
+    """A fact if the velocities of all or of one condition have another size, or reversed signs.
+
+    `predicted` are those of the stated model, `velocity` the means that were measured, shape (m,),
+    m/s.
+    """
     sound = np.isfinite(predicted)
     if not sound.any():
         return Fact(Code.NOTHING_COMPUTED, {})
@@ -32,38 +84,37 @@ def wrong_size(conditions: Conditions, predicted: Array, velocity: Array) -> Fac
     far = magnitude_mismatch(abs(float(velocity[most])), fastest, "m/s")
     if far is not None and abs(velocity[most]) > fastest:
         return Fact(Code.VELOCITY_SIZE, {**named(conditions[most], varied(conditions)), **far})
-    likeness = float(predicted[sound] @ velocity[sound])
-    likeness /= float(np.linalg.norm(predicted[sound]) * np.linalg.norm(velocity[sound]))
-    if likeness < _OPPOSITE:
-        return Fact(Code.OPPOSITE_SIGN, {"cosine": likeness, "limit": _OPPOSITE})
+    cosine = float(predicted[sound] @ velocity[sound])
+    cosine /= float(np.linalg.norm(predicted[sound]) * np.linalg.norm(velocity[sound]))
+    if cosine < _OPPOSITE:
+        return Fact(Code.OPPOSITE_SIGN, {"cosine": cosine, "limit": _OPPOSITE})
     return None
 
 
 def standing_still(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:
-    """What to know of conditions that read zero where the model walks."""
+    """A note on conditions that read zero where the stated model moves."""
     speed = np.abs(predicted)
-    odd = np.flatnonzero((velocity == 0.0) & (speed > _WALKS * np.nanmedian(speed)))
-    if not len(odd):
+    still = np.flatnonzero((velocity == 0.0) & (speed > _WALKS * np.nanmedian(speed)))
+    if not len(still):
         return None
-    names = [in_words(conditions[k], varied(conditions)) for k in odd[:_LISTED]]
-    still = {"count": len(odd), "speed": float(np.max(speed[odd])), "conditions": names}
-    return Fact(Code.STANDS_STILL, still)
+    names = [in_words(conditions[k], varied(conditions)) for k in still[:_LISTED]]
+    fastest = float(np.max(speed[still]))
+    return Fact(Code.STANDS_STILL, {"count": len(still), "speed": fastest, "conditions": names})
 
 
 def wrong_sign(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:
-    """Whether velocities are speeds, or count forwards, or one direction or mode, the other way.
+    """A fact if velocities are speeds, or one direction or mode is counted with reversed sign.
 
     Every condition that is not slow has then the model's size, and its sign or the reverse by a
     rule that a cause would hardly follow.
     """
     usual = float(np.nanmedian(np.abs(predicted)))
     clear = np.isfinite(predicted) & (np.minimum(np.abs(predicted), np.abs(velocity)) > usual / 3)
-    ratio = np.abs(velocity[clear] / predicted[clear])
     reversed_ = np.sign(velocity[clear]) != np.sign(predicted[clear])
-    away = np.abs(np.log(ratio))
     if min(reversed_.sum(), (~reversed_).sum()) < _REVERSED:
         return None
-    if max(np.median(away[reversed_]), np.median(away[~reversed_])) > np.log(1.5):
+    away = np.abs(np.log(np.abs(velocity[clear] / predicted[clear])))
+    if max(np.median(away[reversed_]), np.median(away[~reversed_])) > np.log(_SIMILAR):
         return None
     if np.array_equal(reversed_, predicted[clear] < 0.0):
         return Fact(Code.SPEEDS, {})

@@ -14,7 +14,10 @@ Array = NDArray[np.float64]
 def pooled_velocities(
     measurement: Measurement,
 ) -> tuple[list[dict[str, Value]], Array, NDArray[np.int64], NDArray[np.int64], Array]:
-    """All tables as one, with conditions in an order that does not depend on the rows'."""
+    """All tables as one, with conditions in an order that does not depend on the rows'.
+
+    The conditions and, of each trial, velocity (m/s), condition, set-up (-1 if unknown) and order.
+    """
     found: dict[tuple[tuple[str, Value], ...], list[tuple[float, int, float]]] = {}
     above = 0
     for data in measurement.velocity:
@@ -26,13 +29,10 @@ def pooled_velocities(
         above += int(data.block.max()) + 1
     ordered = sorted(found, key=_rank)
     trials = [(number, *trial) for number, key in enumerate(ordered) for trial in found[key]]
-    return (
-        [dict(key) for key in ordered],
-        np.array([trial[1] for trial in trials]),
-        np.array([trial[0] for trial in trials], dtype=np.int64),
-        np.array([trial[2] for trial in trials], dtype=np.int64),
-        np.array([trial[3] for trial in trials]),
-    )
+    columns = np.array(trials, dtype=float).reshape(-1, 4).T
+    condition, velocity, setup, place = np.ascontiguousarray(columns)
+    conditions = [dict(key) for key in ordered]
+    return conditions, velocity, condition.astype(np.int64), setup.astype(np.int64), place
 
 
 def _rank(key: tuple[tuple[str, Value], ...]) -> tuple[object, ...]:

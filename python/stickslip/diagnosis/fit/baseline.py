@@ -1,8 +1,8 @@
 """The fit of the model without any cause, and how far the model itself can be trusted there.
 
-Chi-square has many minima: a walk that begins in the wrong valley ends hundreds of units too high
-and would be taken for a hidden cause. So many starts are led down with errors that are taken as too
-large at first, and before a misfit is believed, the search is widened.
+Chi-square has many minima: a search that begins near the wrong one ends hundreds of units too
+high, and its misfit would be taken for a hidden cause. So there are many starts, errors are taken
+as too large at first, and before a misfit counts, the scan is widened.
 """
 
 from __future__ import annotations
@@ -11,24 +11,35 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
-from stickslip.diagnosis.fit.least_squares import AGREE, LARGEST_INFLATION, STAGES, fit_candidates
+from stickslip.diagnosis.fit.least_squares import (
+    AGREE,
+    LARGEST_INFLATION,
+    STAGES,
+    fit_candidates,
+    refit,
+)
 from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Array, Problem
 
-Array = NDArray[np.float64]
-
-_SCAN = 128
-_STARTS, _STRATA = 6, 12
+# All of these are chosen; distances are in coordinates.
+# Points of a scan, of a model with more than one constant and of others.
+_SCAN, _SMALL_SCAN = 128, 32
+# Starts from the first scan and how far apart they are, and starts from the wider one.
+_STARTS, _APART, _STRATA = 6, 0.7, 12
+# Most searches of each stage, and the steps of each.
 _MOST, _STEPS = (18, 4, 3, 2), 10
+# p-value of the lack of fit below which the search is widened.
 _WIDER_SEARCH_P = 0.2
-_FORGIVEN = 3.0
-_SAME = 0.05
-_MOST_MINIMA = 12
+# Chi-square per observable up to which a stage's fit passes for one that explains.
+_EXPLAINS = 3.0
+# Ends that are closer are one minimum, and the most minima that are handed on.
+_SAME, _MOST_MINIMA = 0.05, 12
+# Changes of the constants that show the model's roughness: the widest, the share of the posterior's
+# standard deviation, and the fewest draws.
 _ROUGH_STEP, _ROUGH_SHARE, _ROUGH_DRAWS = 0.02, 0.3, 24
 
 
@@ -41,8 +52,8 @@ class Recalibration(OneLine):
     null : Fit
         The recalibrated model.
     centre : Fit, optional
-        Where the fit stood when the errors were large enough to forgive what is not explained; only
-        if the model does not fit at the end.
+        The fit with errors large enough that it was adequate; only if the model does not fit at the
+        end.
     local_minima : tuple of Fit
         Other ends, better ones first.
     """
@@ -65,19 +76,13 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     -------
     Recalibration
     """
-    count = _SCAN if problem.base_count > 1 else 32
-    scanned = sobol_scan(
-        problem.with_inflated_errors(LARGEST_INFLATION), make_candidate(problem), count, seed
-    )
+    softest, candidate = problem.with_inflated_errors(LARGEST_INFLATION), make_candidate(problem)
+    count = _SCAN if problem.base_count > 1 else _SMALL_SCAN
+    scanned = sobol_scan(softest, candidate, count, seed)
     stages = _descend(problem, _well_separated(scanned, _STARTS))
     m = len(problem.observed)
     if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _WIDER_SEARCH_P:
-        wider = sobol_scan(
-            problem.with_inflated_errors(LARGEST_INFLATION),
-            make_candidate(problem),
-            _SCAN,
-            seed + 1,
-        )
+        wider = sobol_scan(softest, candidate, _SCAN, seed + 1)
         more = _descend(problem, _strata(problem, wider))
         stages = [
             sorted([*first, *second], key=lambda fit: fit.chi2)
@@ -88,22 +93,20 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     null = replace(stages[-1][0], starts=ends, converged=converged)
     distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_MOST_MINIMA])
     local_minima = with_stated_errors(problem, distinct)
-    if null.chi2 < _FORGIVEN * m:
+    if null.chi2 < _EXPLAINS * m:
         return Recalibration(null, None, local_minima)
-    softest = next((each[0] for each in reversed(stages) if each[0].chi2 < _FORGIVEN * m), None)
-    softest = softest or stages[0][0]
-    return Recalibration(null, with_stated_errors(problem, [softest])[0], local_minima)
+    firsts = [stage[0] for stage in reversed(stages)]
+    centre = next((fit for fit in firsts if fit.chi2 < _EXPLAINS * m), firsts[-1])
+    return Recalibration(null, with_stated_errors(problem, [centre])[0], local_minima)
 
 
 def with_stated_errors(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
-    """Fits of softer problems as fits of this one, without moving them."""
-    begins = [[Start.of(fit)] for fit in fits]
-    again = fit_candidates(problem, [fit.candidate for fit in fits], begins, 0, exact=False)
-    return tuple(sorted(again, key=lambda fit: fit.chi2))
+    """Fits with inflated errors as fits of this problem, without moving them, best first."""
+    return tuple(sorted(refit(problem, fits, 0), key=lambda fit: fit.chi2))
 
 
 def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
-    """Ends of the walks at every size of the errors, best first."""
+    """Ends of the searches at every size of the errors, best first."""
     candidate = make_candidate(problem)
     begins = [Start(point) for point in points]
     stages = []
@@ -112,7 +115,7 @@ def _descend(problem: Problem, points: Sequence[Array]) -> list[list[Fit]]:
         fits = fit_candidates(
             problem.with_inflated_errors(*stage), [candidate] * len(alone), alone, _STEPS
         )
-        # By the loss of the stage, which forgives a condition on the wrong side of its jump.
+        # By the loss of the stage, to which a condition on the wrong side of its jump adds little.
         fits.sort(key=lambda fit: fit.starts[0])
         begins = [Start.of(fit) for fit in _distinct(fits)]
         stages.append(fits)
@@ -126,7 +129,7 @@ def _distinct(fits: Iterable[Fit]) -> list[Fit]:
 
 def _well_separated(points: Array, count: int) -> list[Array]:
     """The best points that are not close to a better one."""
-    return well_separated(points, lambda point: point, 0.7)[:count]
+    return well_separated(points, lambda point: point, _APART)[:count]
 
 
 def _strata(problem: Problem, points: Array) -> list[Array]:

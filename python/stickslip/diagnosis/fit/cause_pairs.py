@@ -6,43 +6,37 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
-from stickslip.diagnosis.fit.least_squares import SMALLER_INFLATION, fit_candidates
-from stickslip.diagnosis.fit.sensitivity import (
-    UNSEEN,
-    Sensitivities,
-    find_sensitivities,
-    largest_multiple,
-    linear_step,
-    prior_cost,
-    screen,
-    starts,
-    starts_at,
-    transferred_to,
-)
+from stickslip.diagnosis.fit.least_squares import AGREE, SMALLER_INFLATION, fit_candidates
+from stickslip.diagnosis.fit.sensitivity import UNSEEN
 from stickslip.diagnosis.fit.single_cause import (
     CAREFUL,
-    Views,
     quick_fits,
     refine,
     search_until_converged,
     without_cause,
 )
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Problem
 
-Array = NDArray[np.float64]
-
-_PAIRS = 16
+# All of these are chosen.
+# Pairs that are fitted of those that the screen ranks, and survivors that are refitted with care.
+_PAIRS, _SURVIVORS = 16, 10
+# Leading single causes beside which second ones are looked at.
 _CENTRES = 3
+# A constant that is pulled by more standard deviations of its prior is released.
 _PULLED = 1.5
-_SURVIVORS = 10
+# Least multiple of a response with which a start has the cause.
+_LEAST_MULTIPLE = 0.2
+
+Pairs = dict[tuple[str, str], tuple[float, Start]]
+"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
 
 
 def fit_pairs(
     problem: Problem,
-    views: Views,
+    views: Sequence[View],
     singles: Sequence[Fit],
     local_minima: Sequence[Fit] = (),
     random_restarts: int = 0,
@@ -50,14 +44,13 @@ def fit_pairs(
     """Screen all pairs with finite amplitudes, and fit the most promising.
 
     Two screens: the sum of two responses of the recalibrated model, for every pair and pair of
-    amplitudes; and, about the leading single fits, responses simulated anew, as causes bend each
-    other's effect.
+    amplitudes; and, about the leading single fits, responses simulated again, because causes
+    change each other's effect.
     """
     found: Pairs = {}
-    for base in (*(fit for fit, _ in views), *local_minima):
-        for _, sensitivities in views:
-            softer, seen_there = transferred_to(problem, sensitivities, base, SMALLER_INFLATION)
-            for key, (left, start) in _added(problem, softer, seen_there).items():
+    for base in (*(view.fit for view in views), *local_minima):
+        for view in views:
+            for key, (left, start) in _added(view.moved_to(base, SMALLER_INFLATION)).items():
                 if key not in found or left < found[key][0]:
                     found[key] = (left, start)
     added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
@@ -68,14 +61,14 @@ def fit_pairs(
     ]
     by_name = {cause.name: cause for cause in problem.causes}
 
-    def walk(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
+    def tried(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
         candidates = [make_candidate(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
         return quick_fits(problem, candidates, [[start] for _, start in plan], first)
 
     # Those that begin at a fit of one of them are near enough to begin with smaller errors.
-    fits = [*walk([(key, found[key][1]) for key in added], 0), *walk(near, 2)]
+    fits = [*tried([(key, found[key][1]) for key in added], 0), *tried(near, 2)]
     for single in singles[:_CENTRES]:
-        fits += walk(beside_a_released_constant(problem, single), 1)
+        fits += tried(beside_a_released_constant(problem, single), 1)
     fits.sort(key=lambda fit: fit.chi2)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
@@ -88,22 +81,19 @@ def fit_pairs(
 def singles_beside(
     problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]
 ) -> tuple[Fit, ...]:
-    """Single causes again from where the leading pairs have led them, without their companion."""
-    place = {fit.name: k for k, fit in enumerate(singles)}
-    candidates, begins = [], []
-    for fit in pairs[:_CENTRES]:
-        for cause in fit.candidate.causes:
-            alone = without_cause(problem, fit, cause)
-            candidates.append(alone.candidate)
-            begins.append([Start.of(alone), Start(alone.x)])
-    result = list(singles)
-    for fit in fit_candidates(problem, candidates, begins, CAREFUL):
-        at = place.get(fit.name)
-        if at is not None and fit.chi2 < result[at].chi2 - 1.0:
+    """Single causes fitted again from where the leading pairs have ended, without the other one."""
+    alone = [
+        without_cause(problem, fit, cause)
+        for fit in pairs[:_CENTRES]
+        for cause in fit.candidate.causes
+    ]
+    begins = [[Start.of(fit), Start(fit.x)] for fit in alone]
+    found = {fit.name: fit for fit in singles}
+    for fit in fit_candidates(problem, [fit.candidate for fit in alone], begins, CAREFUL):
+        if fit.name in found and fit.chi2 < found[fit.name].chi2 - AGREE:
             # Its starts began at one point, so that they agree says nothing.
-            result[at] = replace(fit, converged=False)
-    search_until_converged(problem, result, 0)
-    return ranked(result)
+            found[fit.name] = replace(fit, converged=False)
+    return ranked(search_until_converged(problem, list(found.values())))
 
 
 def beside_a_released_constant(
@@ -111,19 +101,8 @@ def beside_a_released_constant(
 ) -> list[tuple[tuple[str, str], Start]]:
     """Starts with a second cause in the place of the constant that is pulled most from its prior.
 
-    While the constant makes up for the cause, the cause does nothing good beside it.
-
-    Parameters
-    ----------
-    problem : Problem
-    single : Fit
-        Of one cause.
-
-    Returns
-    -------
-    list of tuple
-        Names of a pair, in the order of the alphabet, and where to begin with it; empty if no
-        constant is pulled.
+    While the constant makes up for the cause, the cause improves nothing beside it. Each start
+    comes with the names of its pair in the order of the alphabet; none, if no constant is pulled.
     """
     known = np.array([each.prior.has_middle for each in problem.uncertain])
     p = problem.base_count
@@ -132,33 +111,30 @@ def beside_a_released_constant(
         return []
     x = single.x.copy()
     x[np.argmax(pulls)] = 0.0
-    base = fit_candidates(problem, [single.candidate], [[Start(x)]], 0, exact=False)[0]
-    sensitivities = find_sensitivities(problem, base)
+    (base,) = fit_candidates(problem, [single.candidate], [[Start(x)]], 0, exact=False)
+    view = View.of(problem, base)
     result = []
     for index, cause in enumerate(problem.causes):
         if cause.relaxes_prior is not None or cause in single.candidate.causes:
             continue
         names = sorted([single.name, cause.name])
-        for start in starts_at(problem, base, sensitivities, index):
+        for start in view.starts_at(index):
             result.append(((names[0], names[1]), start))
     return result
 
 
-Pairs = dict[tuple[str, str], tuple[float, Start]]
-"""For two names in the order of the alphabet: chi-square that is left, and where to begin."""
-
-
-def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
+def _added(view: View) -> Pairs:
     """What the sum of two causes' responses would leave, each at its best multiple."""
+    problem, null, sensitivities = view.problem, view.fit, view.sensitivities
     rows = np.flatnonzero(sensitivities.size > UNSEEN)
     projected, cause = sensitivities.projected[rows], sensitivities.cause[rows]
     gram = projected @ projected.T
     along = projected @ null.residual
-    power = np.diag(gram) + prior_cost(sensitivities)[rows]
+    power = np.diag(gram) + sensitivities.prior_cost[rows]
     # Two multiples by least squares; those below zero or far above one are not trusted.
     determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
     first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
-    most = largest_multiple(sensitivities)[rows]
+    most = sensitivities.largest_multiple[rows]
     first = np.clip(first, 0.0, most[:, None])
     second = np.clip((along[None, :] - gram * first) / power[None, :], 0.0, most[None, :])
     fall = (
@@ -171,44 +147,31 @@ def _added(problem: Problem, null: Fit, sensitivities: Sensitivities) -> Pairs:
     left = null.chi2 - moved @ moved - fall
     left[cause[:, None] >= cause[None, :]] = np.inf
     result: Pairs = {}
-    number = len(problem.causes)
-    code = cause[:, None] * number + cause[None, :]
-    order = np.argsort(left, axis=None, kind="stable")
-    seen: set[int] = set()
-    for flat in order:
-        i, j = np.unravel_index(flat, left.shape)
+    seen: set[tuple[int, int]] = set()
+    for flat in np.argsort(left, axis=None, kind="stable"):
+        i, j = (int(each) for each in np.unravel_index(flat, left.shape))
         if not np.isfinite(left[i, j]) or len(seen) >= 2 * _PAIRS:
             break
-        if int(code[i, j]) in seen:
+        if (cause[i], cause[j]) in seen:
             continue
-        seen.add(int(code[i, j]))
-        key, start = _joined(
-            problem,
-            null,
-            sensitivities,
-            (int(rows[i]), int(rows[j])),
-            (float(first[i, j]), float(second[i, j])),
-        )
-        result[key] = (float(left[i, j]), start)
+        seen.add((cause[i], cause[j]))
+        multiples = {int(rows[i]): float(first[i, j]), int(rows[j]): float(second[i, j])}
+        names = sorted(problem.causes[each].name for each in (cause[i], cause[j]))
+        start = _joined(view, multiples)
+        result[names[0], names[1]] = (float(left[i, j]), start)
     return result
 
 
-def _joined(
-    problem: Problem,
-    null: Fit,
-    sensitivities: Sensitivities,
-    rows: tuple[int, int],
-    scales: tuple[float, float],
-) -> tuple[tuple[str, str], Start]:
-    """Start of a pair from two rows of the sensitivities."""
+def _joined(view: View, multiples: dict[int, float]) -> Start:
+    """Start of a pair from multiples of two rows of the sensitivities."""
+    problem, null, sensitivities = view.problem, view.fit, view.sensitivities
     p, m = problem.base_count, len(problem.observed)
-    causes = [problem.causes[sensitivities.cause[row]] for row in rows]
-    columns = problem.columns(causes)
+    columns = problem.columns([problem.causes[sensitivities.cause[row]] for row in multiples])
     x, slope = null.x.copy(), np.zeros((m, len(columns)))
-    x[:p] += linear_step(null)
-    for row, scale in zip(rows, scales, strict=True):
+    x[:p] += view.linear_step
+    for row, multiple in multiples.items():
         at = int(sensitivities.at[row])
-        amount = max(float(scale), 0.2)
+        amount = max(multiple, _LEAST_MULTIPLE)
         x[:p] += amount * (sensitivities.point[row, :p] - null.x[:p])
         if at < 0:
             continue
@@ -216,21 +179,16 @@ def _joined(
         x[extra] = sensitivities.point[row, extra]
         x[at] = amount * sensitivities.amplitude[row]
         slope[:, columns.index(at)] = sensitivities.gap[row] / sensitivities.amplitude[row]
-    names = sorted(cause.name for cause in causes)
-    return (names[0], names[1]), Start(x, np.hstack([null.slope, slope]))
+    return Start(x, np.hstack([null.slope, slope]))
 
 
 def _beside(problem: Problem, single: Fit) -> Pairs:
-    """What a second cause would leave beside a single one, its responses simulated anew there."""
-    softer, sensitivities = transferred_to(
-        problem, find_sensitivities(problem, single), single, SMALLER_INFLATION
-    )
-    screened = screen(sensitivities, softer.residual)
+    """What a second cause would leave beside a single one, with responses simulated there."""
+    view = View.of(problem, single).moved_to(single, SMALLER_INFLATION)
     result: Pairs = {}
     for index, cause in enumerate(problem.causes):
-        if cause in single.candidate.causes:
-            continue
-        names = sorted([single.candidate.causes[0].name, cause.name])
-        for left, start in starts(problem, softer, sensitivities, screened, index, 1):
-            result[names[0], names[1]] = (left, start)
+        if cause not in single.candidate.causes:
+            names = sorted([single.candidate.causes[0].name, cause.name])
+            for found in view.starts(index, 1):
+                result[names[0], names[1]] = found
     return result

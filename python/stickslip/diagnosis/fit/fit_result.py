@@ -1,18 +1,22 @@
-"""A model that competes, where a fit of it begins, and what the fit is."""
+"""A candidate model, the start of a fit of it, and the fit itself."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Cause, Problem
-
-Array = NDArray[np.float64]
-
+from stickslip.diagnosis.model.problem import (
+    PRIOR_INFLATION,
+    Array,
+    Cause,
+    CauseParameter,
+    Indices,
+    Problem,
+    Uncertain,
+)
 
 PAIR_PRICE = 6.7
 """Log-evidence of a pair above the best single cause: half the 99 % point of the largest of 378
@@ -22,7 +26,7 @@ amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64)
 
 @dataclass(frozen=True, repr=False)
 class Candidate(OneLine):
-    """A model that competes: the recalibrated baseline and some causes.
+    """A candidate model: the recalibrated baseline and some causes.
 
     Attributes
     ----------
@@ -34,7 +38,7 @@ class Candidate(OneLine):
     """
 
     causes: tuple[Cause, ...]
-    free: NDArray[np.int64]
+    free: Indices
     width: Array
 
     @property
@@ -66,7 +70,7 @@ class Fit(OneLine):
     converged : bool
         Two starts ended within one unit of chi-square.
     starts : tuple of float
-        What the problem's loss makes of the end of each start, best first.
+        Value of the problem's loss at the end of each start, best first.
     """
 
     candidate: Candidate
@@ -98,21 +102,14 @@ class Fit(OneLine):
 
 @dataclass(frozen=True, repr=False)
 class Start(OneLine):
-    """Where a fit begins.
-
-    Attributes
-    ----------
-    x : ndarray, shape (size,)
-    slope : ndarray, shape (m, free), optional
-        Derivatives that were found near by.
-    """
+    """Where a fit begins: all coordinates, and derivatives (m, free) that were found near by."""
 
     x: Array
     slope: Array | None = None
 
     @staticmethod
-    def of(fit: Fit, rows: NDArray[np.int64] | slice = slice(None)) -> Start:
-        """The end of another fit, of some of its conditions."""
+    def of(fit: Fit, rows: Indices | slice = slice(None)) -> Start:
+        """The end of another fit, with the derivatives of some of its conditions."""
         return Start(fit.x, fit.slope[rows])
 
 
@@ -132,51 +129,51 @@ def make_candidate(problem: Problem, causes: Sequence[Cause] = ()) -> Candidate:
 class Fitted:
     """A parameter that a fit has free.
 
-    Attributes
-    ----------
-    name, unit : str
-    position : int
-        Among the fit's free coordinates.
-    column : int
-        Among all coordinates.
-    value, continuous : callable
-        From coordinates to the unit; `continuous` has no jump where a falling one begins to act.
-    shape : bool
-        Whether it says how the cause looks and not how strong it is.
+    `position` is its place among the fit's free coordinates, `column` among all coordinates.
     """
 
-    name: str
-    unit: str
+    of: Uncertain | CauseParameter
     position: int
     column: int
-    value: Callable[[Array], Array]
-    continuous: Callable[[Array], Array]
-    shape: bool
+
+    @property
+    def name(self) -> str:
+        return self.of.name
+
+    @property
+    def unit(self) -> str:
+        return self.of.unit
+
+    @property
+    def shape(self) -> bool:
+        """Whether it says how the cause looks and not how strong it is."""
+        return isinstance(self.of, CauseParameter) and self.of.shape
+
+    def value(self, u: Array) -> Array:
+        """Values in the unit at coordinates."""
+        law = self.of if isinstance(self.of, CauseParameter) else self.of.prior
+        return np.asarray(law.value(u))
+
+    def continuous(self, u: Array) -> Array:
+        """`value` without the jump where a parameter that acts as it falls begins to act."""
+        return self.of.continuous(u) if isinstance(self.of, CauseParameter) else self.value(u)
 
     def slope(self, fit: Fit) -> float:
         """Derivative of the value by the coordinate, over a step that does not see small jumps."""
         u = fit.x[self.column]
-        below, above = np.asarray(self.value(np.array([u - 0.01, u + 0.01])))
+        below, above = self.value(np.array([u - 0.01, u + 0.01]))
         return float(above - below) / 0.02
 
 
 def free_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
     """The constants of a fit, and then the parameters of its causes."""
-    result = []
-    for position, column in enumerate(fit.candidate.free.tolist()):
-        if column < problem.base_count:
-            constant = problem.uncertain[column]
-            ways = constant.prior.value, constant.prior.value
-            result.append(Fitted(constant.name, constant.unit, position, column, *ways, False))
-        else:
-            extra = problem.parameters[column - problem.base_count]
-            ways = extra.value, extra.continuous
-            result.append(Fitted(extra.name, extra.unit, position, column, *ways, extra.shape))
-    return result
+    every = [*problem.uncertain, *problem.parameters]
+    free = fit.candidate.free.tolist()
+    return [Fitted(every[column], position, column) for position, column in enumerate(free)]
 
 
 def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
-    """Parameters of the causes of a fit, and the constants that they free."""
+    """Parameters of the causes of a fit, and the constants whose prior they relax."""
     relaxed = {cause.relaxes_prior for cause in fit.candidate.causes}
     return [
         each
@@ -185,22 +182,17 @@ def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
     ]
 
 
-def evidence_order(fits: Sequence[Fit], priced: bool = False) -> list[int]:
-    """Indices of fits by their log-evidence, best first.
+def ranked(fits: Sequence[Fit], priced: bool = False) -> tuple[Fit, ...]:
+    """Fits by their log-evidence, best first.
 
     `priced` takes off the price of a second cause, which a verdict asks where single causes and
     pairs are compared.
     """
 
-    def evidence(k: int) -> float:
-        return fits[k].priced_evidence if priced else fits[k].log_evidence
+    def evidence(fit: Fit) -> float:
+        return fit.priced_evidence if priced else fit.log_evidence
 
-    return sorted(range(len(fits)), key=evidence, reverse=True)
-
-
-def ranked(fits: Sequence[Fit], priced: bool = False) -> tuple[Fit, ...]:
-    """Fits by their log-evidence, best first; see `evidence_order`."""
-    return tuple(fits[k] for k in evidence_order(fits, priced))
+    return tuple(sorted(fits, key=evidence, reverse=True))
 
 
 @dataclass(frozen=True, repr=False)
@@ -220,7 +212,8 @@ class Ranking(OneLine):
 
     def replaced(self, old: Fit, new: Fit) -> Ranking:
         """The same with a better fit of one candidate."""
-
-        both = (self.singles, self.pairs)
-        singles, pairs = (ranked([new if fit is old else fit for fit in fits]) for fits in both)
+        singles, pairs = (
+            ranked([new if fit is old else fit for fit in fits])
+            for fits in (self.singles, self.pairs)
+        )
         return Ranking(self.null, singles, pairs)

@@ -1,4 +1,4 @@
-"""Places to begin from: a scan of the constants, and of many places those that lie apart."""
+"""Points to begin from: a scan of the constants, and of many points those that lie apart."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import qmc
 
 from stickslip.diagnosis.fit.fit_result import Candidate
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Array, Problem
 
-Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
+# Largest coordinates of a scan: of a relaxed constant, in standard deviations of its own prior, and
+# of an amplitude, whose prior is standard normal. Chosen: 99 % of the amplitudes are not larger.
 _FARTHEST, _LARGEST = 7.0, 2.5
 
 
 def sobol_scan(problem: Problem, candidate: Candidate, count: int, seed: int) -> Array:
     """Coordinates of a Sobol scan of all that the candidate fits, best first.
 
-    Constants are drawn from their priors; a freed one is looked for at up to seven standard
-    deviations of its prior, evenly, and a cause at all amplitudes that are not extreme.
+    Constants are drawn from their priors; a relaxed one is scanned evenly up to seven standard
+    deviations of its prior, and a cause at all amplitudes that are not extreme.
     """
     p, free = problem.base_count, candidate.free
     low, high = problem.limits()

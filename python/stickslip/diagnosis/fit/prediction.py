@@ -5,35 +5,22 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.model.problem import Predict, Problem
+from stickslip.diagnosis.model.problem import Array, Predict, Problem
 
-Array = NDArray[np.float64]
-
+# Widest difference of a derivative, in coordinates. Chosen: where the data leave a parameter open,
+# a tenth of its prior's standard deviation.
 _STEP = 0.1
 
 
 def predict_with_variance(
     problem: Problem, fit: Fit, predict: Predict, conditions: Any
 ) -> tuple[Array, Array]:
-    """Prediction of a fit at conditions, shape (k,), and its variance by the fit's own covariance.
+    """Prediction of a fit at k conditions, shape (k,), and its variance by the fit's covariance.
 
-    Parameters
-    ----------
-    problem : Problem
-        Of the fit.
-    fit : Fit
-    predict : callable
-        As that of the problem, NaN where it cannot compute a condition.
-    conditions : Any
-        k conditions, handed to `predict` as they are.
-
-    Returns
-    -------
-    level, variance : ndarray, shape (k,)
-        In the observable's unit and its square, without the noise of a trial.
+    In the observable's unit and its square, without the noise of a trial. NaN where `predict`,
+    which is called as that of the problem, cannot compute a condition.
     """
     width = np.minimum(np.sqrt(np.diag(fit.covariance)), _STEP)
     points = [fit.x]

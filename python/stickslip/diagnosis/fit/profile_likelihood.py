@@ -1,37 +1,36 @@
 """Chi-square along one parameter of a cause, everything else fitted anew at each value.
 
-The curvature at the best fit says too little where chi-square has steps and more than one valley;
-the profile does not.
+The curvature at the best fit says too little where chi-square has steps and more than one minimum;
+the profile shows them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Fitted, Start, fitted_parameters
 from stickslip.diagnosis.fit.least_squares import AGREE, fit_candidates
 from stickslip.diagnosis.fit.single_cause import search_until_converged
-from stickslip.diagnosis.model.problem import Problem
-
-Array = NDArray[np.float64]
+from stickslip.diagnosis.model.problem import Array, Problem
 
 FAR = 9.0
-"""A profile goes on until chi-square has risen by so much at both ends."""
+"""Rise of chi-square at both ends up to which a profile goes on: three standard deviations."""
 
-# So far out that another valley beyond a ridge is seen.
-_PLACES = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
-_STEPS = 6
-# What is so far above the best place after two steps is not looked at any closer.
-_HOPELESS = 4.0 * FAR
-_ROUNDS = 2
+# All of these are chosen. Values of the parameter in standard deviations by the curvature: so far
+# out that another minimum beyond a barrier is seen.
+_OFFSETS = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
+# Where chi-square has not risen enough at an end, factor to the next value, and the farthest.
 _FURTHER, _WIDEST = 1.5, 30.0
-_LOWER = 0.1
-_CENTRES = 3
+# Steps of a fit, and chi-square above the best value after two of them at which it is given up.
+_STEPS, _HOPELESS = 6, 4.0 * FAR
+# Rounds of starts from the neighbours, and the fall of chi-square that counts as one.
+_ROUNDS, _LOWER = 2, 0.1
+# How often the fit may move to a lower minimum that its profile shows.
+_MOVES = 3
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,9 +60,7 @@ class Profile(OneLine):
 
         Where it does not rise so far before the end of the physical range, that end.
         """
-        order = np.argsort(self.value)
-        low, high = _crossings(self.value[order], self.chi2[order], rise)
-        return low, high
+        return _crossings(self.value, self.chi2, rise)
 
 
 @dataclass
@@ -81,7 +78,7 @@ class _Line:
 
 
 def profile(problem: Problem, fit: Fit) -> list[Profile]:
-    """Profiles of all parameters of the causes of a fit, freed constants among them.
+    """Profiles of all parameters of the causes of a fit, relaxed constants among them.
 
     Parameters
     ----------
@@ -97,12 +94,12 @@ def profile(problem: Problem, fit: Fit) -> list[Profile]:
 
 
 def moved_to_profile_minimum(problem: Problem, fit: Fit) -> tuple[Fit, list[Profile]]:
-    """A fit's profiles, about a better fit where they have led to one, which comes first.
+    """A fit and its profiles; a better fit, where the profiles have led to one.
 
-    A lower place that is so narrow that it has less evidence is no better one.
+    A lower minimum that is so narrow that it has less evidence is no better one.
     """
     lines = _lines(problem, fit)
-    for _ in range(_CENTRES if lines else 0):
+    for _ in range(_MOVES if lines else 0):
         best = min((line for _, line in lines), key=lambda line: float(line.chi2.min()))
         if best.chi2.min() > fit.chi2 - _LOWER:
             break
@@ -112,23 +109,28 @@ def moved_to_profile_minimum(problem: Problem, fit: Fit) -> tuple[Fit, list[Prof
             break
         # As far apart as starts that agree may end.
         near = fit.converged and fit.chi2 - lower.chi2 < AGREE
-        checked = [replace(lower, converged=near, starts=fit.starts)]
-        search_until_converged(problem, checked, 0)
-        fit = checked[0]
+        checked = replace(lower, converged=near, starts=fit.starts)
+        (fit,) = search_until_converged(problem, [checked])
         lines = _lines(problem, fit)
     return fit, [_profile(fit, each, line) for each, line in lines]
 
 
 def _lines(problem: Problem, fit: Fit) -> list[tuple[Fitted, _Line]]:
+    """Fits along each parameter that says how strong a cause is."""
     shown = [each for each in fitted_parameters(problem, fit) if not each.shape]
     return [(each, _along(problem, fit, each)) for each in shown]
 
 
 def _profile(fit: Fit, each: Fitted, line: _Line) -> Profile:
-    value = np.asarray(each.continuous(line.u), dtype=float)
-    here = float(np.asarray(each.continuous(fit.x[[each.column]]))[0])
+    value = each.continuous(line.u)
+    here = float(each.continuous(fit.x[[each.column]])[0])
     chi2 = line.chi2 - line.chi2.min()
-    return Profile(each.name, each.unit, value, chi2, _distance(value, chi2, here))
+    distances = [
+        abs(place - here) / root
+        for root in (1.0, 2.0)
+        for place in _crossings(value, chi2, root**2)
+    ]
+    return Profile(each.name, each.unit, value, chi2, max(distances))
 
 
 def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:
@@ -136,27 +138,28 @@ def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:
     spread = float(np.sqrt(fit.covariance[each.position, each.position]))
     low, high = (float(end[each.column]) for end in problem.limits())
     middle = float(fit.x[each.column])
-    places = np.array(_PLACES)
-    line: _Line | None = None
+    offsets = np.array(_OFFSETS)
+    done: dict[float, Fit] = {}
     while True:
-        u = np.unique(np.clip(middle + places * spread, low, high))
-        line = _fixed(problem, fit, each.column, u, line)
+        u = np.unique(np.clip(middle + offsets * spread, low, high))
+        line = _fixed(problem, fit, each.column, u, done)
         chi2 = line.chi2 - line.chi2.min()
         more = []
-        if chi2[0] < FAR and u[0] > low and -places[0] < _WIDEST:
-            more.append(_FURTHER * places[0])
-        if chi2[-1] < FAR and u[-1] < high and places[-1] < _WIDEST:
-            more.append(_FURTHER * places[-1])
+        if chi2[0] < FAR and u[0] > low and -offsets[0] < _WIDEST:
+            more.append(_FURTHER * offsets[0])
+        if chi2[-1] < FAR and u[-1] < high and offsets[-1] < _WIDEST:
+            more.append(_FURTHER * offsets[-1])
         if not more:
             return line
-        places = np.unique([*places, *more])
+        offsets = np.unique([*offsets, *more])
+        done = dict(zip(u.tolist(), line.fits, strict=True))
 
 
-def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | None = None) -> _Line:
-    """Fits with one coordinate held at each of some values, some of which are `known`.
+def _fixed(problem: Problem, fit: Fit, column: int, u: Array, done: Mapping[float, Fit]) -> _Line:
+    """Fits with one coordinate held at each of some values, some of which are done already.
 
-    Every one begins where the covariance leads it, and at a random place about that; then where its
-    neighbours have ended, since a step of chi-square stops many a walk.
+    Every one begins where the covariance leads it, and at a random point about that; then where its
+    neighbours have ended, since a jump of chi-square stops many a search.
     """
     candidate = fit.candidate
     keep = candidate.free != column
@@ -164,7 +167,6 @@ def _fixed(problem: Problem, fit: Fit, column: int, u: Array, known: _Line | Non
     prior_width = float(candidate.width[~keep][0])
     slope, covariance = fit.slope[:, keep], fit.covariance
     random = np.random.default_rng(29)
-    done = {} if known is None else dict(zip(known.u.tolist(), known.fits, strict=True))
     begins = []
     for value in u.tolist():
         if value in done:
@@ -199,28 +201,18 @@ def _from_neighbours(
     problem: Problem, fits: Sequence[Fit], column: int, u: Array, which: Sequence[int]
 ) -> dict[int, Fit]:
     """Fits at some of the values, begun where those beside them have ended."""
-    begins: list[list[Start]] = []
-    for k in which:
-        begins.append([])
-        for other in (k - 1, k + 1):
-            if 0 <= other < len(u):
-                x = fits[other].x.copy()
-                x[column] = u[k]
-                begins[-1].append(Start(x, fits[other].slope))
+
+    def moved(end: Fit, value: float) -> Start:
+        x = end.x.copy()
+        x[column] = value
+        return Start(x, end.slope)
+
+    begins = [
+        [moved(fits[other], u[k]) for other in (k - 1, k + 1) if 0 <= other < len(u)] for k in which
+    ]
     candidates = [fits[k].candidate for k in which]
     again = fit_candidates(problem, candidates, begins, _STEPS, _HOPELESS, exact=False)
     return dict(zip(which, again, strict=True))
-
-
-def _distance(value: Array, chi2: Array, here: float) -> float:
-    """The largest of the distances to where chi-square last crosses 1, and half those for 4."""
-    order = np.argsort(value)
-    value, chi2 = value[order], chi2[order]
-    return max(
-        abs(place - here) / root
-        for root in (1.0, 2.0)
-        for place in _crossings(value, chi2, root**2)
-    )
 
 
 def _crossings(value: Array, chi2: Array, level: float) -> tuple[float, float]:
@@ -228,6 +220,8 @@ def _crossings(value: Array, chi2: Array, level: float) -> tuple[float, float]:
 
     By straight lines between the roots of chi-square, which are straight where it is a parabola.
     """
+    order = np.argsort(value)
+    value, chi2 = value[order], chi2[order]
     inside = np.flatnonzero(chi2 <= level)
     first, last = int(inside[0]), int(inside[-1])
 

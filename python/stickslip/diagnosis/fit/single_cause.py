@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stickslip.diagnosis.fit.fit_result import (
-    Candidate,
-    Fit,
-    Start,
-    evidence_order,
-    make_candidate,
-    ranked,
-)
+from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Start, make_candidate, ranked
 from stickslip.diagnosis.fit.least_squares import (
     AGREE,
     LARGEST_INFLATION,
@@ -23,71 +15,61 @@ from stickslip.diagnosis.fit.least_squares import (
     spread_factor,
 )
 from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
-from stickslip.diagnosis.fit.sensitivity import (
-    Sensitivities,
-    find_sensitivities,
-    screen,
-    starts,
-    starts_at,
-    transferred_to,
-    with_cause,
-)
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Cause, Problem
 
-Array = NDArray[np.float64]
-
-
 CAREFUL = 10
-"""Steps of a careful fit."""
+"""Most steps of a careful fit. Chosen: most searches end before."""
 
-_QUICK = 5
-_STARTS, _BEGINS, _CLOSE, _MET = 2, 6, 0.1, 0.2
-_SURVIVORS = 6
-_WITHIN = 14.0
-_HOPELESS = (np.inf, 8.0, 40.0, 30.0)
+# All of these are chosen; distances are in coordinates, and leads of
+# chi-square or of log-evidence.
+# Steps of a quick fit in each stage, and how far behind the best a candidate is then given up.
+_QUICK, _HOPELESS = 5, (np.inf, 8.0, 40.0, 30.0)
+# Starts of a cause from each view and minimum, those kept of all, and how far apart they are.
+_STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
+# Searches of one candidate that end closer together go on as one.
+_MET = 0.2
+# Candidates that are refitted with care, and how far behind the best in log-evidence they may be:
+# a million to one.
+_SURVIVORS, _WITHIN = 6, 14.0
+# Leaders whose starts have to agree, and widths of the rounds of further starts, in standard
+# deviations of the posterior.
 _LEADING, _ROUNDS = 2, (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
-_SCAN, _RELAXED_STARTS = 128, 3
-
-
-Views = Sequence[tuple[Fit, Sensitivities]]
-"""Points at which the responses of all causes are known, the recalibrated model first."""
+# Points of a scan for a relaxed constant, and starts from it, which lie this far apart; of a cause
+# half the points and one start.
+_SCAN, _RELAXED_STARTS, _APART = 128, 3, 1.0
 
 
 def fit_singles(
-    problem: Problem, views: Views, local_minima: Sequence[Fit] = (), random_restarts: int = 0
+    problem: Problem,
+    views: Sequence[View],
+    local_minima: Sequence[Fit] = (),
+    random_restarts: int = 0,
 ) -> tuple[Fit, ...]:
-    """Fit every cause quickly from its sensitivities, and those that survive with care.
+    """Fit every cause quickly from its responses, and those that survive with care.
 
-    Parameters
-    ----------
-    problem : Problem
-    views : sequence of tuple of Fit and Sensitivities
-        Their rows are the starts.
-    local_minima : sequence of Fit
-        Other minima of the model without a cause, to begin from too.
-    random_restarts : int
-        As for `fit_candidates`; for the careful fits.
+    The rows of the views, the recalibrated model's first, are the starts, about their own fits and
+    other `local_minima` of the model without a cause. `random_restarts` are those of
+    `fit_candidates`, for the careful fits.
     """
-    bases = [*(fit for fit, _ in views), *local_minima]
     found: dict[int, list[tuple[float, Start]]] = {k: [] for k in range(len(problem.causes))}
-    for base in bases:
-        for _, sensitivities in views:
-            softer, seen_there = transferred_to(problem, sensitivities, base, LARGEST_INFLATION)
-            screened = screen(seen_there, softer.residual)
+    for base in (*(view.fit for view in views), *local_minima):
+        for view in views:
+            moved = view.moved_to(base, LARGEST_INFLATION)
             for index, points in found.items():
-                points += starts(problem, softer, seen_there, screened, index, _STARTS)
+                points += moved.starts(index, _STARTS)
     begins = {index: _promising(points) for index, points in found.items()}
     seen = [index for index in begins if begins[index]]
     candidates = [make_candidate(problem, [problem.causes[index]]) for index in seen]
     ordered = starts_by_misfit(problem, candidates, [begins[index] for index in seen])
-    # Near the null a walk may settle for a little of the cause; one comes from its far side.
-    large = _large_amplitude_starts(problem, *views[-1])
-    pairs = [
-        (k, start)
-        for k, points in enumerate(ordered)
-        for start in (points[0], *large.get(seen[k], ()), *_distant_starts(problem, candidates[k]))
+    # A search near the null may end with a little of the cause; one more begins with a lot of it.
+    large = _large_amplitude_starts(views[-1])
+    plan = [
+        (candidate, start)
+        for index, candidate, points in zip(seen, candidates, ordered, strict=True)
+        for start in (points[0], *large.get(index, ()), *_distant_starts(problem, candidate))
     ]
-    quick = quick_fits(problem, [candidates[k] for k, _ in pairs], [[start] for _, start in pairs])
+    quick = quick_fits(problem, [each for each, _ in plan], [[start] for _, start in plan])
     best: list[Fit] = []
     others: dict[str, list[Start]] = {}
     for candidate, tried in zip(candidates, ordered, strict=True):
@@ -97,24 +79,18 @@ def fit_singles(
     return refine(problem, best, others, random_restarts)
 
 
-def _large_amplitude_starts(
-    problem: Problem, base: Fit, sensitivities: Sensitivities
-) -> dict[int, list[Start]]:
+def _large_amplitude_starts(view: View) -> dict[int, tuple[Start, ...]]:
     """For each cause an amplitude of one standard deviation, of the sign that promises more."""
-    softer, seen_there = transferred_to(problem, sensitivities, base, LARGEST_INFLATION)
-    left = screen(seen_there, softer.residual).left
-    chosen: dict[int, int] = {}
-    far = (sensitivities.at >= 0) & (np.abs(sensitivities.amplitude) > 1.0)
-    for row in np.flatnonzero(far).tolist():
-        index = int(sensitivities.cause[row])
-        if index not in chosen or left[row] < left[chosen[index]]:
-            chosen[index] = row
-    result = {}
-    for index, row in chosen.items():
-        x = base.x.copy()
-        x[problem.base_count :] = sensitivities.point[row, problem.base_count :]
-        x[sensitivities.at[row]] = np.sign(sensitivities.amplitude[row])
-        result[index] = [with_cause(problem, base, sensitivities, row, x, 1.0)]
+    left = view.moved_to(view.fit, LARGEST_INFLATION).screened.left
+    found, base = view.sensitivities, view.problem.base_count
+    far = np.flatnonzero((found.at >= 0) & (np.abs(found.amplitude) > 1.0))
+    result: dict[int, tuple[Start, ...]] = {}
+    for row in far[np.argsort(left[far], kind="stable")].tolist():
+        if int(found.cause[row]) not in result:
+            x = view.fit.x.copy()
+            x[base:] = found.point[row, base:]
+            x[found.at[row]] = np.sign(found.amplitude[row])
+            result[int(found.cause[row])] = (view.start_with(row, x, 1.0),)
     return result
 
 
@@ -124,9 +100,9 @@ def quick_fits(
     begins: Sequence[Sequence[Start]],
     first: int = 0,
 ) -> list[Fit]:
-    """A few steps at every stage of a search from afar, from the `first` one on.
+    """A few steps at every stage of a global search, from the `first` one on.
 
-    Walks of one candidate that have met go on as one, so there may be fewer ends than starts.
+    Searches of one candidate that have met go on as one, so there may be fewer ends than starts.
     """
     fits: list[Fit] = []
     for stage, limit in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
@@ -157,14 +133,14 @@ def _promising(points: list[tuple[float, Start]]) -> list[Start]:
 def _distant_starts(problem: Problem, candidate: Candidate) -> list[Start]:
     """Where a candidate could be that is not seen from the recalibrated model.
 
-    That one may have gone far to make up for the cause, which shows itself only after its return.
+    Its constants may have moved far to make up for the cause, which acts only once they are back.
     """
     relaxed = any(cause.relaxes_prior is not None for cause in candidate.causes)
     count, kept = (_SCAN, _RELAXED_STARTS) if relaxed else (_SCAN // 2, 1)
     points = well_separated(
         sobol_scan(problem.with_inflated_errors(LARGEST_INFLATION), candidate, count, 1),
         lambda point: point,
-        1.0,
+        _APART,
     )
     return [Start(point) for point in points[:kept]]
 
@@ -172,7 +148,7 @@ def _distant_starts(problem: Problem, candidate: Candidate) -> list[Start]:
 def refit_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
     """The null again from the constants of the leading candidates.
 
-    A candidate that found a better valley must not win for that alone.
+    A candidate that found a lower minimum of the constants must not win for that alone.
     """
     p = problem.base_count
     begins = [Start.of(null)]
@@ -181,16 +157,14 @@ def refit_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
         x[:p] = fit.x[:p]
         begins.append(Start(x, fit.slope[:, :p]))
     ordered = starts_by_misfit(problem, [null.candidate], [begins])
-    again = fit_candidates(problem, [null.candidate], [points[:3] for points in ordered], CAREFUL)[
-        0
-    ]
+    (again,) = fit_candidates(problem, [null.candidate], [ordered[0][:3]], CAREFUL)
     return again if again.chi2 < null.chi2 - AGREE else null
 
 
 def refit_worse_than_null(problem: Problem, null: Fit, fits: Sequence[Fit]) -> tuple[Fit, ...]:
-    """Candidates that are worse than the model without a cause, which each contains, from that one.
+    """Fits with those that are worse than the null, which each contains, begun again from it.
 
-    Not where that one is hopeless itself.
+    Not where the null is hopeless itself.
     """
     best = max((fit.log_evidence for fit in fits), default=null.log_evidence)
     if null.log_evidence < best - _WITHIN:
@@ -208,30 +182,22 @@ def search_near_leaders(
 ) -> tuple[Fit, ...]:
     """Other causes in the place of one of a leader's, at its constants.
 
-    What they do is looked at anew there: a near twin does as well with constants that are near to
-    the leader's, which may be far from the recalibrated ones.
+    Their responses are simulated anew there: a nearly equivalent cause does as well
+    with constants near the leader's, which may be far from the recalibrated ones.
     """
     known = {fit.name: fit for fit in fits}
-    begins: dict[str, list[Start]] = {}
     candidates: dict[str, Candidate] = {}
+    begins: dict[str, list[Start]] = {}
     for leader in leaders:
-        for dropped in leader.candidate.causes:
-            base = without_cause(problem, leader, dropped)
-            sensitivities = find_sensitivities(problem, base)
-            for index, cause in enumerate(problem.causes):
-                points = starts_at(problem, base, sensitivities, index)
-                if not points or cause in leader.candidate.causes:
-                    continue
-                both = sorted([*base.candidate.causes, cause], key=lambda each: each.name)
-                candidate = make_candidate(problem, both)
-                name = candidate.name
-                candidates[name] = candidate
-                begins.setdefault(name, []).extend(points)
-    ordered = starts_by_misfit(problem, list(candidates.values()), list(begins.values()))
-    found = quick_fits(problem, list(candidates.values()), [points[:1] for points in ordered], 2)
+        for candidate, points in _exchanged(problem, leader):
+            candidates[candidate.name] = candidate
+            begins.setdefault(candidate.name, []).extend(points)
+    every = list(candidates.values())
+    ordered = starts_by_misfit(problem, every, list(begins.values()))
+    found = quick_fits(problem, every, [points[:1] for points in ordered], 2)
     better = [
         fit for fit in found
-        if fit.name not in known or fit.chi2 < known[fit.name].chi2 - 1.0
+        if fit.name not in known or fit.chi2 < known[fit.name].chi2 - AGREE
     ]  # fmt: skip
     best = max((fit.log_evidence for fit in (*better, *fits)), default=0.0)
     near = [fit for fit in better if fit.log_evidence > best - _WITHIN]
@@ -240,11 +206,21 @@ def search_near_leaders(
     return ranked(list(known.values()))
 
 
+def _exchanged(problem: Problem, leader: Fit) -> Iterator[tuple[Candidate, list[Start]]]:
+    """Candidates with another cause in the place of one of a leader's, and where they begin."""
+    for dropped in leader.candidate.causes:
+        view = View.of(problem, without_cause(problem, leader, dropped))
+        for index, cause in enumerate(problem.causes):
+            points = view.starts_at(index)
+            if points and cause not in leader.candidate.causes:
+                both = sorted([*view.fit.candidate.causes, cause], key=lambda each: each.name)
+                yield make_candidate(problem, both), points
+
+
 def without_cause(problem: Problem, fit: Fit, dropped: Cause) -> Fit:
     """The model of a fit with one of its causes taken away and nothing else moved."""
-    candidate = make_candidate(
-        problem, [each for each in fit.candidate.causes if each is not dropped]
-    )
+    others = [each for each in fit.candidate.causes if each is not dropped]
+    candidate = make_candidate(problem, others)
     x = fit.x.copy()
     x[problem.columns([dropped])] = 0.0
     kept = [list(fit.candidate.free).index(k) for k in candidate.free]
@@ -258,9 +234,8 @@ def starts_by_misfit(
     flat = [(k, start) for k, points in enumerate(begins) for start in points]
     if not flat:
         return []
-    low, high = problem.limits()
-    x = np.clip(np.stack([start.x for _, start in flat]), low, high)
-    # Of narrow valleys a start is seldom at the bottom.
+    x = np.clip(np.stack([start.x for _, start in flat]), *problem.limits())
+    # With the stated errors, few starts would lie inside a narrow minimum.
     chi2 = np.sum(problem.with_inflated_errors(LARGEST_INFLATION).residuals(x) ** 2, axis=1)
     for row, (k, _) in enumerate(flat):
         chi2[row] += np.sum((x[row, candidates[k].free] / candidates[k].width) ** 2)
@@ -278,31 +253,22 @@ def refine(
     survivors: int = _SURVIVORS,
 ) -> tuple[Fit, ...]:
     """Refit the survivors with care and from further starts; the rest keep their quick fits."""
-    order = evidence_order(quick)
-    if not order:
+    if not quick:
         return ()
-    best = quick[order[0]].log_evidence
-    chosen = [k for k in order[:survivors] if quick[k].log_evidence > best - _WITHIN]
-    begins = [
-        [Start.of(quick[k]), *others.get(quick[k].name, ()), _nearby(problem, quick[k])]
-        for k in chosen
+    order = ranked(quick)
+    chosen = [
+        fit for fit in order[:survivors] if fit.log_evidence > order[0].log_evidence - _WITHIN
     ]
-    careful = fit_candidates(
-        problem,
-        [quick[k].candidate for k in chosen],
-        begins,
-        CAREFUL,
-        random_restarts=random_restarts,
-    )
-    result = list(quick)
-    for k, fit in zip(chosen, careful, strict=True):
-        result[k] = fit
-    search_until_converged(problem, result, random_restarts)
-    return ranked(result)
+    begins = [[Start.of(fit), *others.get(fit.name, ()), _nearby(problem, fit)] for fit in chosen]
+    candidates = [fit.candidate for fit in chosen]
+    careful = fit_candidates(problem, candidates, begins, CAREFUL, random_restarts=random_restarts)
+    by_name = {fit.name: fit for fit in careful}
+    fits = [by_name.get(fit.name, fit) for fit in quick]
+    return ranked(search_until_converged(problem, fits, random_restarts))
 
 
 def _nearby(problem: Problem, fit: Fit) -> Start:
-    """A start a posterior's width away, with derivatives to be taken there."""
+    """A start one standard deviation of the posterior away, 0.5 at most, in alternating signs."""
     low, high = problem.limits()
     free = fit.candidate.free
     x = fit.x.copy()
@@ -312,26 +278,31 @@ def _nearby(problem: Problem, fit: Fit) -> Start:
     return Start(x)
 
 
-def search_until_converged(problem: Problem, fits: list[Fit], random_restarts: int) -> None:
-    """More starts for leaders whose starts do not agree, two and then one posterior width away."""
-    order = evidence_order(fits)[:_LEADING]
+def search_until_converged(
+    problem: Problem, fits: Sequence[Fit], random_restarts: int = 0
+) -> list[Fit]:
+    """Fits in their order, leaders whose starts do not agree after more starts about them."""
+    leaders = {fit.name: fit for fit in ranked(fits)[:_LEADING]}
     low, high = problem.limits()
     random = np.random.default_rng(7)
     for width in _ROUNDS:
-        doubtful = [k for k in order if not fits[k].converged]
+        doubtful = [fit for fit in leaders.values() if not fit.converged]
         begins = []
-        for k in doubtful:
-            free = fits[k].candidate.free
-            lower = spread_factor(fits[k].jacobian)
-            points = [Start.of(fits[k])]
+        for fit in doubtful:
+            free = fit.candidate.free
+            lower = spread_factor(fit.jacobian)
+            points = [Start.of(fit)]
             for _ in range(2):
-                x = fits[k].x.copy()
+                x = fit.x.copy()
                 x[free] += np.clip(width * lower @ random.standard_normal(len(free)), -1.0, 1.0)
                 points.append(Start(np.clip(x, low, high)))
             begins.append(points)
-        candidates = [fits[k].candidate for k in doubtful]
         again = fit_candidates(
-            problem, candidates, begins, CAREFUL, random_restarts=max(random_restarts, 1)
+            problem,
+            [fit.candidate for fit in doubtful],
+            begins,
+            CAREFUL,
+            random_restarts=max(random_restarts, 1),
         )
-        for k, fit in zip(doubtful, again, strict=True):
-            fits[k] = fit
+        leaders |= {fit.name: fit for fit in again}
+    return [leaders.get(fit.name, fit) for fit in fits]

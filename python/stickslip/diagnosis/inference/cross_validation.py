@@ -3,29 +3,31 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.stats import chi2 as chi2_law
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.noise import whitener
-from stickslip.diagnosis.fit.fit_result import Fit, Start, ranked
-from stickslip.diagnosis.fit.least_squares import fit_candidates
-from stickslip.diagnosis.model.problem import LOST, Problem
-
-Array = NDArray[np.float64]
+from stickslip.diagnosis.fit.fit_result import Fit, ranked
+from stickslip.diagnosis.fit.least_squares import refit
+from stickslip.diagnosis.model.problem import LOST, Array, Indices, Problem
 
 SHARE = 0.27
-"""Share of the conditions that is held out."""
+"""Share of the conditions that is held out. Chosen: eight of thirty."""
 
 INTERVAL, _ENDS = 0.95, (0.025, 0.975)
 """Coverage of the interval of the gain, and the quantiles at its ends."""
 
+# Draws of the bootstrap. Chosen: they tell a normal law's quantiles at the ends to 0.06 of its sd.
 _RESAMPLES = 2000
-_FOLDS = 5
+# Parts that are left out in turn, and fewest conditions, or groups, for either kind of holding out.
+# Chosen.
+_FOLDS, _FEWEST = 5, 8
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,7 +53,7 @@ class Gain(OneLine):
         At the held-out conditions.
     """
 
-    held_out: NDArray[np.int64]
+    held_out: Indices
     chi2_before: float
     chi2_after: float
     mae_before: float
@@ -65,9 +67,8 @@ class Gain(OneLine):
 
 def split(
     count: int, seed: int, group: ArrayLike | None = None, singleton_condition: int | None = None
-) -> NDArray[np.int64]:
-    """Conditions to hold out: both ends of the table, a spread of interior points, and an unusual
-    one.
+) -> Indices:
+    """Conditions to hold out: both ends of the table, a spread of interior ones, and a singleton.
 
     Parameters
     ----------
@@ -79,9 +80,8 @@ def split(
     singleton_condition : int, optional
         A condition that is like no other.
     """
-    groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
-    number = int(groups.max()) + 1 if count else 0
-    if number < 8:
+    groups, number = _groups(count, group)
+    if number < _FEWEST:
         few = group is not None and number > 1
         return np.flatnonzero(groups == number - 1) if few else np.zeros(0, dtype=np.int64)
     wanted = max(3, round(SHARE * number))
@@ -94,21 +94,26 @@ def split(
     return np.flatnonzero(np.isin(groups, [0, number - 1, *inner, *also]))
 
 
-def folds(count: int, group: ArrayLike | None = None) -> list[NDArray[np.int64]]:
+def folds(count: int, group: ArrayLike | None = None) -> list[Indices]:
     """Neighbouring conditions, or groups of them, in parts that are left out in turn.
 
     None, if there are fewer than eight conditions that are not in groups.
     """
-    groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
-    number = int(groups.max()) + 1 if count else 0
-    if number < (8 if group is None else 2):
+    groups, number = _groups(count, group)
+    if number < (_FEWEST if group is None else 2):
         return []
     parts = np.array_split(np.arange(number), min(_FOLDS, number))
     return [np.flatnonzero(np.isin(groups, part)) for part in parts]
 
 
+def _groups(count: int, group: ArrayLike | None) -> tuple[Indices, int]:
+    """Group of each condition, its own where none are given, and how many groups there are."""
+    groups = np.arange(count) if group is None else np.asarray(group, dtype=np.int64)
+    return groups, int(groups.max()) + 1 if count else 0
+
+
 def predictive_gain(
-    problem: Problem, covariance: Array, null: Fit, chosen: Fit, parts: list[NDArray[np.int64]]
+    problem: Problem, covariance: Array, null: Fit, chosen: Fit, parts: list[Indices]
 ) -> float:
     """Log predictive density of all conditions, each fitted without its part, above the null's.
 
@@ -117,22 +122,26 @@ def predictive_gain(
     """
     total = 0.0
     for part in parts:
-        keep = np.setdiff1d(np.arange(len(problem.observed)), part)
-        inside = restricted(problem, keep, covariance)
-        both = (null, chosen)
-        begins = [[Start.of(fit, keep)] for fit in both]
-        refits = fit_candidates(inside, [fit.candidate for fit in both], begins, 6, exact=False)
+        keep, refits = _without(problem, covariance, part, (null, chosen))
         error = problem.observed - problem.predicted(np.stack([fit.x for fit in refits]))
         scores = []
-        for row, full, refit in zip(error, both, refits, strict=True):
-            own, spread = _beyond(row, covariance, part, keep, full.slope, refit)
+        for row, full, inside in zip(error, (null, chosen), refits, strict=True):
+            own, spread = _beyond(row, covariance, part, keep, full.slope, inside)
             chi2 = float(own @ np.linalg.solve(spread, own))
             scores.append(-0.5 * chi2 - 0.5 * float(np.linalg.slogdet(spread)[1]))
         total += scores[1] - scores[0]
     return total
 
 
-def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> Problem:
+def _without(
+    problem: Problem, covariance: Array, held_out: Indices, fits: Sequence[Fit]
+) -> tuple[Indices, list[Fit]]:
+    """The conditions that are not held out, and the fits again of these alone."""
+    keep = np.setdiff1d(np.arange(len(problem.observed)), held_out)
+    return keep, refit(restricted(problem, keep, covariance), fits, rows=keep)
+
+
+def restricted(problem: Problem, keep: Indices, covariance: Array) -> Problem:
     """The problem with some of its conditions only."""
 
     def predict(conditions: Any, parameters: Array) -> Array:
@@ -150,7 +159,7 @@ def restricted(problem: Problem, keep: NDArray[np.int64], covariance: Array) -> 
 def measure_gain(
     problem: Problem,
     covariance: Array,
-    held_out: NDArray[np.int64],
+    held_out: Indices,
     null: Fit,
     chosen: Fit,
     candidates: list[Fit],
@@ -180,12 +189,8 @@ def measure_gain(
     """
     if not len(held_out):
         return None
-    keep = np.setdiff1d(np.arange(len(problem.observed)), held_out)
-    inside = restricted(problem, keep, covariance)
     others = [fit for fit in candidates if fit is not chosen]
-    fits = [null, chosen, *others]
-    begins = [[Start.of(fit, keep)] for fit in fits]
-    refits = fit_candidates(inside, [fit.candidate for fit in fits], begins, 6, exact=False)
+    keep, refits = _without(problem, covariance, held_out, [null, chosen, *others])
     everywhere = problem.predicted(np.stack([refits[0].x, refits[1].x]))
     predicted = everywhere[:, held_out]
     error = problem.observed[held_out] - predicted
@@ -194,29 +199,29 @@ def measure_gain(
     random = np.random.default_rng([seed, 29])
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
-    best = ranked(refits[1:], priced=True)[0]
     missed = problem.observed - everywhere[1]
     own, spread = _beyond(missed, covariance, held_out, keep, chosen.slope, refits[1])
     weighed = float(own @ np.linalg.solve(spread, own))
+    low, high = (float(np.quantile(fall, end)) for end in _ENDS)
     return Gain(
-        held_out,
-        float(np.mean(before)),
-        float(np.mean(after)),
-        float(np.mean(np.abs(error[0]))),
-        float(np.mean(np.abs(error[1]))),
-        (float(np.quantile(fall, _ENDS[0])), float(np.quantile(fall, _ENDS[1]))),
-        float(chi2_law.sf(weighed, len(held_out))),
-        best.name,
-        predicted[0],
-        predicted[1],
+        held_out=held_out,
+        chi2_before=float(np.mean(before)),
+        chi2_after=float(np.mean(after)),
+        mae_before=float(np.mean(np.abs(error[0]))),
+        mae_after=float(np.mean(np.abs(error[1]))),
+        interval=(low, high),
+        p_value=float(chi2_law.sf(weighed, len(held_out))),
+        choice=ranked(refits[1:], priced=True)[0].name,
+        predicted_before=predicted[0],
+        predicted_after=predicted[1],
     )
 
 
 def _beyond(
     error: Array,
     covariance: Array,
-    held_out: NDArray[np.int64],
-    keep: NDArray[np.int64],
+    held_out: Indices,
+    keep: Indices,
     slope: Array,
     refit: Fit,
 ) -> tuple[Array, Array]:

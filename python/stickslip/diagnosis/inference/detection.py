@@ -12,21 +12,19 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
 from stickslip.diagnosis.fit.sensitivity import Sensitivities
-from stickslip.diagnosis.model.problem import Problem
-
-Array = NDArray[np.float64]
+from stickslip.diagnosis.model.problem import Array, Problem
 
 ALPHA = 0.05
-"""Rate of false alarms of both tests together."""
+"""Rate of false alarms of both tests together: the usual choice."""
 
+# Draws of pure noise: a p-value of 0.05 is then known to 0.003.
 _DRAWS = 4000
-_BOOTSTRAP = 199
-_NEAR = (0.01, 0.10)
+# Refits of simulated data, and the p-values between which they are worth their cost. Chosen.
+_BOOTSTRAP, _NEAR = 199, (0.01, 0.10)
 
 
 @dataclass(frozen=True)
@@ -115,9 +113,14 @@ def _together(
 def _noise(random: np.random.Generator, count: int, size: int, basis: Array, dof: float) -> Array:
     """Residuals of pure noise after recalibration, shape (count, size)."""
     draws = random.standard_normal((count, size))
-    if math.isfinite(dof) and dof > 0:
+    if _estimated(dof):
         draws /= np.sqrt(random.chisquare(dof, (count, 1)) / dof)
     return np.asarray(draws - (draws @ basis) @ basis.T)
+
+
+def _estimated(dof: float) -> bool:
+    """Whether the noise has degrees of freedom, so that a draw has to have a scale of its own."""
+    return math.isfinite(dof) and dof > 0
 
 
 def _bootstrap(
@@ -130,7 +133,7 @@ def _bootstrap(
     """
     m, p = len(problem.observed), problem.base_count
     factor = np.ones((_BOOTSTRAP, 1))
-    if math.isfinite(problem.dof) and problem.dof > 0:
+    if _estimated(problem.dof):
         factor = np.sqrt(problem.dof / random.chisquare(problem.dof, (_BOOTSTRAP, 1)))
     draws = random.standard_normal((_BOOTSTRAP, m + p))
     centre = problem.residuals(null.x[None, :])[0]

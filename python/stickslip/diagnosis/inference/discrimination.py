@@ -7,22 +7,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN
-from stickslip.diagnosis.model.problem import Predict
-
-Array = NDArray[np.float64]
+from stickslip.diagnosis.model.problem import Array, Indices, Predict
 
 TRIALS = 3
-"""Trials of a new condition."""
+"""Trials of a new condition. Chosen."""
 
-CANDIDATES = 3
-"""How many of the leading candidates are compared."""
+# How many of the leading candidates are compared. Chosen.
+_CANDIDATES = 3
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,7 +41,7 @@ class Separation(OneLine):
     predicted: Array
     sd: Array
     chi2: Array
-    pair: NDArray[np.int64]
+    pair: Indices
 
 
 def separate(
@@ -78,11 +75,11 @@ def separate(
     level, variance = np.where(sound, level, 0.0), np.where(sound, variance, 0.0)
     noise = _trial_variance(found, np.mean(level, axis=0)) / trials
     noise += float(np.median(found.roughness[: len(found.noise.mean)])) ** 2
-    leads = found.verdict.kind in ("named", "pair")
     chi2 = np.zeros(level.shape[1])
     pair = np.zeros((level.shape[1], 2), dtype=np.int64)
     for a, b in itertools.combinations(range(len(candidates)), 2):
-        if leads and a > 0:
+        # What is named is compared with each other candidate, and these not among themselves.
+        if a > 0 and found.verdict.kind in ("named", "pair"):
             continue
         gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
         pair[gap > chi2] = (a, b)
@@ -99,11 +96,12 @@ def _trial_variance(found: Findings, level: Array) -> Array:
 
 
 def _candidates(found: Findings) -> list[Fit]:
+    """What is to be told apart, best first; none where nothing was found."""
     if not found.detection.found:
         return []
     fits = list(ranked([*found.ranking.singles, *found.ranking.pairs], priced=True))
-    chosen = found.verdict.fit
-    if chosen is not None and found.verdict.kind in ("named", "pair"):
+    chosen, kind = found.verdict.fit, found.verdict.kind
+    if chosen is not None and kind in ("named", "pair"):
         # What has the cause and one more says the same of it.
         own = set(chosen.candidate.causes)
         others = [fit for fit in fits if not own <= set(fit.candidate.causes)]
@@ -111,7 +109,7 @@ def _candidates(found: Findings) -> list[Fit]:
         # more they would differ elsewhere.
         first = max((fit.priced_evidence for fit in others), default=0.0)
         fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
-    if found.verdict.kind == "ambiguous" and chosen is not None:
+    elif chosen is not None and kind == "ambiguous":
         # Only those that the verdict cannot choose between.
         names, size = set(found.verdict.causes), len(chosen.candidate.causes)
         undecided = [
@@ -121,4 +119,4 @@ def _candidates(found: Findings) -> list[Fit]:
             and {each.name for each in fit.candidate.causes} <= names
         ]
         fits = undecided if len(undecided) > 1 else fits
-    return fits[:CANDIDATES]
+    return fits[:_CANDIDATES]

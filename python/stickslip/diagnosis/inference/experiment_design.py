@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
 from stickslip.diagnosis.inference.findings import Findings
@@ -16,14 +15,14 @@ from stickslip.diagnosis.model.problem import Predict
 from stickslip.facts import Code, Fact
 from stickslip.scenario.keys import Value
 
-Array = NDArray[np.float64]
-
 PROPOSED = 3
-"""How many experiments are proposed if nothing else is asked for."""
+"""How many experiments are proposed if nothing else is asked for. Chosen."""
 
 DECISIVE = 4.0
 """Expected chi-square that tells two candidates apart: two standard deviations."""
 
+# Values of the drive's settings that are proposed: words as they are, numbers as multiples of the
+# middle of what was measured. Chosen.
 _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.mode": ("IPP", "OPP"),
     "drive.direction": ("+x", "-x"),
@@ -32,7 +31,7 @@ _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.hold": (0.7, 1.0, 1.3),
     "drive.edge": ("rise", "fall"),
 }
-# What one look beside the drive would settle, for the causes that it sees.
+# What one measurement beside the drive would settle, for the causes that it sees.
 _LOOKS = {
     Code.LOOK_AT_CURRENTS: (
         "coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"
@@ -98,40 +97,34 @@ def propose(
     found = separate(findings, predict, proposals) if proposals else None
     if found is None:
         return []
+    level = found.predicted
     chosen: list[Experiment] = []
     kinds: list[tuple[Value, ...]] = []
     taken: list[int] = []
-    for index in np.argsort(-found.chi2, kind="stable"):
-        drive = proposals[index]
+    for index in np.argsort(-found.chi2, kind="stable").tolist():
+        drive, chi2 = proposals[index], float(found.chi2[index])
         kind = (drive["drive.mode"], drive["drive.direction"], drive["drive.frequency"])
-        level = found.predicted
         mirrored = any(np.allclose(level[:, index], -level[:, k], rtol=1e-6) for k in taken)
-        if kind in kinds or mirrored or found.chi2[index] <= 0.0:
+        if kind in kinds or mirrored or chi2 <= 0.0:
             continue
         kinds.append(kind)
-        taken.append(int(index))
+        taken.append(index)
         first, second = (found.candidates[k].name for k in found.pair[index])
-        chi2 = float(found.chi2[index])
-        chosen.append(
-            Experiment(
-                {key.split(".")[1]: value for key, value in drive.items()},
-                _worth(first, second, chi2),
-                chi2,
-                {
-                    fit.name: {
-                        "velocity": float(level[k, index]),
-                        "sd": float(found.sd[k, index]),
-                    }
-                    for k, fit in enumerate(found.candidates)
-                },
+        predictions = {
+            fit.name: {"velocity": float(value), "sd": float(sd)}
+            for fit, value, sd in zip(
+                found.candidates, level[:, index], found.sd[:, index], strict=True
             )
-        )
+        }
+        settings = {key.split(".")[1]: value for key, value in drive.items()}
+        chosen.append(Experiment(settings, _worth(first, second, chi2), chi2, predictions))
         if len(chosen) >= count:
             break
     return chosen
 
 
 def _worth(first: str, second: str, chi2: float) -> Fact:
+    """Whether an experiment is expected to tell two candidates apart."""
     code = Code.SEPARATES if chi2 > DECISIVE else Code.SEPARATES_TOO_LITTLE
     two = {"first": first, "second": second}
     return Fact(code, {**two, "chi2": chi2, "trials": TRIALS, "needed": DECISIVE})
@@ -145,14 +138,13 @@ def undecided(experiments: Sequence[Experiment]) -> Fact | None:
 
 
 def advice(found: Findings) -> list[Fact]:
-    """What to look at beside the drive, to tell the causes of a set apart."""
+    """What to measure beside the drive, to tell the causes of a set apart."""
     names = set(found.verdict.causes) if found.verdict.kind == "ambiguous" else set()
     said = []
-    for code, seen in _LOOKS.items():
-        inside, outside = names & set(seen), names - set(seen)
-        if inside and outside:
-            sets = {"seen": sorted(inside), "unseen": sorted(outside)}
-            said.append(Fact(code, sets))
+    for code, looked_at in _LOOKS.items():
+        seen, unseen = sorted(names & set(looked_at)), sorted(names - set(looked_at))
+        if seen and unseen:
+            said.append(Fact(code, {"seen": seen, "unseen": unseen}))
     return said
 
 
@@ -172,14 +164,23 @@ def _proposals(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Valu
     found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
     for mode, direction, pace, field, clamp, edge in itertools.product(*_CHOICES.values()):
         drive = dict(by_mode[mode])
-        drive["drive.mode"], drive["drive.direction"], drive["drive.edge"] = mode, direction, edge
-        drive["drive.frequency"] = float(f"{frequency * float(pace):.3g}")
-        top = float(f"{peak * float(field):.3g}")
-        drive["drive.peak"] = max(top, float(drive["drive.base"]))
-        drive["drive.hold"] = float(f"{float(drive['drive.hold']) * float(clamp):.3g}")
+        top = _rounded(peak * float(field))
+        drive |= {
+            "drive.mode": mode,
+            "drive.direction": direction,
+            "drive.edge": edge,
+            "drive.frequency": _rounded(frequency * float(pace)),
+            "drive.peak": max(top, float(drive["drive.base"])),
+            "drive.hold": _rounded(float(drive["drive.hold"]) * float(clamp)),
+        }
         if not any(_alike(drive, each) for each in conditions):
             found[tuple(sorted(drive.items()))] = drive
     return list(found.values())
+
+
+def _rounded(value: float) -> float:
+    """A setting to three digits, as a person would state it."""
+    return float(f"{value:.3g}")
 
 
 def _alike(one: Mapping[str, Value], other: Mapping[str, Value]) -> bool:

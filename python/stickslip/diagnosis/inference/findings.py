@@ -15,15 +15,13 @@ from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.verdict import Verdict
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Array, Problem
 from stickslip.facts import Fact
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
 class Findings(OneLine):
-    """All that the engine found.
+    """All that the steps of a diagnosis found.
 
     Attributes
     ----------

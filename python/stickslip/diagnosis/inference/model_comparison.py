@@ -1,7 +1,7 @@
 """The recalibrated model against all its candidates, each under errors that hold where it stands.
 
 A candidate may lead to a better recalibration, which is then tested in its turn, so that no cause
-is blamed for a search that ended in the wrong valley.
+is blamed for a search that ended in the wrong minimum.
 """
 
 from __future__ import annotations
@@ -10,15 +10,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, singles_beside
-from stickslip.diagnosis.fit.fit_result import Fit, Ranking, Start, ranked
+from stickslip.diagnosis.fit.fit_result import Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
-from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.least_squares import refit_keeping_starts
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
     fit_singles,
@@ -27,15 +26,20 @@ from stickslip.diagnosis.fit.single_cause import (
     refit_worse_than_null,
     search_near_leaders,
 )
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.detection import Detection, detect
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Array, Problem
 
-Array = NDArray[np.float64]
 Progress = Callable[[float, str], object]
 """Told the fraction that is done, 0 to 1, and what comes next."""
 
+# Rounds of random points that fits need where the model is rough, and the sum of its variances, in
+# those of all errors, from which it is. Chosen: it then changes chi-square by about one.
 _RANDOM_RESTARTS, _SMOOTH = 3, 1.0
+# Leaders whose causes are exchanged for others.
 _LEADERS = 2
+# The leader's roughness counts where it is larger than the null's by this factor. Chosen.
+_ROUGHER = 1.2
 
 
 @dataclass(frozen=True, repr=False)
@@ -67,6 +71,11 @@ class AssessedBaseline(OneLine):
         """Rounds of random points that its fits need."""
         return _random_restarts(self.roughness, self.covariance)
 
+    @property
+    def view(self) -> View:
+        """The recalibrated model with the responses of all causes."""
+        return View(self.problem, self.null, self.sensitivities)
+
 
 def _random_restarts(roughness: Array, covariance: Array) -> int:
     share = float(np.sum(roughness**2 / np.diag(covariance)))
@@ -89,16 +98,13 @@ def assess_baseline(
 
     Returns
     -------
-    Base
+    AssessedBaseline
     """
     roughness = model_roughness(problem, null, seed)
     covariance = data_covariance + np.diag(roughness**2)
     problem = replace(problem, whiten=whitener(covariance))
-    random_restarts = _random_restarts(roughness, covariance)
-    again = fit_candidates(
-        problem, [null.candidate], [[Start.of(null)]], 6, random_restarts=random_restarts
-    )[0]
-    null = replace(again, converged=null.converged, starts=null.starts)
+    restarts = _random_restarts(roughness, covariance)
+    (null,) = refit_keeping_starts(problem, [null], random_restarts=restarts)
     sensitivities = find_sensitivities(problem, null)
     detection = detect(problem, null, sensitivities, seed)
     return AssessedBaseline(problem, covariance, roughness, null, sensitivities, detection)
@@ -127,54 +133,50 @@ def compare_candidates(
         Another one if the candidates have led to a better recalibration.
     ranking : Ranking
     """
-    problem, null, random_restarts = base.problem, base.null, base.random_restarts
+    problem, restarts = base.problem, base.random_restarts
     local_minima = with_stated_errors(problem, found.local_minima)
-    views = [(null, base.sensitivities)]
-    if found.centre is not None:
-        # Far from all priors the recalibrated model is no place to look at causes from.
-        centre = with_stated_errors(problem, [found.centre])[0]
-        views.append((centre, find_sensitivities(problem, centre)))
-    singles = fit_singles(problem, views, local_minima, random_restarts)
-    singles = search_near_leaders(problem, singles, singles[:_LEADERS], random_restarts)
+    # Far from all priors the recalibrated model is no point to look at causes from.
+    centres = with_stated_errors(problem, [] if found.centre is None else [found.centre])
+    views = [base.view, *(View.of(problem, fit) for fit in centres)]
+    singles = fit_singles(problem, views, local_minima, restarts)
+    singles = search_near_leaders(problem, singles, singles[:_LEADERS], restarts)
     base, singles = _settled(base, data_covariance, singles, seed)
-    # A near twin whose searches did not agree may be found from where the leader is now.
+    # A nearly equivalent cause whose starts did not agree may be found from the leader's new end.
     if any(not fit.converged for fit in singles[1:_LEADERS]):
         singles = search_near_leaders(base.problem, singles, singles[:1], base.random_restarts)
     if not base.detection.found:
         return base, Ranking(base.null, singles, ())
     if singles and base.random_restarts:
-        # The best candidate may sit where the model jumps more than at the null; its scatter counts
-        # for all alike.
+        # The best candidate may stand where the model jumps more than at the null; its scatter
+        # counts for all alike.
         more = model_roughness(base.problem, singles[0], seed)
-        if np.any(more > 1.2 * base.roughness):
-            base, singles = _rougher(
-                base, data_covariance, np.maximum(base.roughness, more), singles
-            )
+        if np.any(more > _ROUGHER * base.roughness):
+            larger = np.maximum(base.roughness, more)
+            base, singles = _rougher(base, data_covariance, larger, singles)
             singles = refine(base.problem, singles, {}, base.random_restarts)
-    ranking = Ranking(base.null, singles, ())
     # The best single of two effects is often neither, so adequacy decides and not the rank.
     sufficient = any(adequacy(base.problem, fit) >= COMFORTABLE for fit in singles[:3])
-    if singles and not sufficient:
-        say(0.6, "fitting pairs of causes")
-        if base.problem is not problem:
-            others = with_stated_errors(base.problem, [fit for fit, _ in views[1:]])
-            views[1:] = [(fit, find_sensitivities(base.problem, fit)) for fit in others]
-            local_minima = with_stated_errors(base.problem, local_minima)
-        views[0] = (base.null, base.sensitivities)
-        pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
-        pairs = search_near_leaders(base.problem, pairs, pairs[:1], base.random_restarts)
-        singles = singles_beside(base.problem, singles, pairs)
-        base, fits = _settled(base, data_covariance, [*singles, *pairs], seed)
-        singles = tuple(fit for fit in fits if len(fit.candidate.causes) == 1)
-        pairs = tuple(fit for fit in fits if len(fit.candidate.causes) == 2)
-        ranking = Ranking(base.null, singles, pairs)
-    return base, ranking
+    if sufficient or not singles:
+        return base, Ranking(base.null, singles, ())
+    say(0.6, "fitting pairs of causes")
+    if base.problem is not problem:
+        centres = with_stated_errors(base.problem, centres)
+        views = [base.view, *(View.of(base.problem, fit) for fit in centres)]
+        local_minima = with_stated_errors(base.problem, local_minima)
+    pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
+    pairs = search_near_leaders(base.problem, pairs, pairs[:1], base.random_restarts)
+    singles = singles_beside(base.problem, singles, pairs)
+    base, fits = _settled(base, data_covariance, [*singles, *pairs], seed)
+    singles, pairs = (
+        tuple(fit for fit in fits if len(fit.candidate.causes) == count) for count in (1, 2)
+    )
+    return base, Ranking(base.null, singles, pairs)
 
 
 def _settled(
     base: AssessedBaseline, data_covariance: Array, fits: Sequence[Fit], seed: int
 ) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
-    """The null from the candidates' constants, assessed anew if better; they from its own."""
+    """The null from the candidates' constants, assessed again if better, and they from its."""
     singles = [fit for fit in fits if len(fit.candidate.causes) == 1]
     null = refit_null(base.problem, base.null, singles)
     ordered = ranked(fits)
@@ -198,10 +200,4 @@ def _rougher(
 
 def reweighed(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
     """Fits under other errors, best first; what their starts have shown still holds."""
-    begins = [[Start.of(fit)] for fit in fits]
-    fitted = fit_candidates(problem, [fit.candidate for fit in fits], begins, 1, exact=False)
-    kept = [
-        replace(new, converged=old.converged, starts=old.starts)
-        for new, old in zip(fitted, fits, strict=True)
-    ]
-    return ranked(kept)
+    return ranked(refit_keeping_starts(problem, fits, 1))

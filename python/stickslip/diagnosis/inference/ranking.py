@@ -7,6 +7,7 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import MARGIN, describe_runner_up
 from stickslip.facts import Code, Fact
 
+# How many single causes and pairs are listed. Chosen: they fit on a screen.
 _SINGLES, _PAIRS = 7, 5
 
 

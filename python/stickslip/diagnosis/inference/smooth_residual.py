@@ -10,14 +10,13 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Array, Indices, Problem
 
-Array = NDArray[np.float64]
-
+# Standard deviations of the process in errors, and correlation lengths in standard deviations of
+# the settings. Chosen: factors of two.
 _SIZES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.3, 0.6, 1.2, 2.4)
 
@@ -35,7 +34,7 @@ class Settings(OneLine):
     """
 
     numbers: Array
-    kinds: NDArray[np.int64]
+    kinds: Indices
 
 
 def smooth_residual_bound(problem: Problem, null: Fit, settings: Settings) -> float:
@@ -53,7 +52,7 @@ def smooth_residual_bound(problem: Problem, null: Fit, settings: Settings) -> fl
     n, size = len(settings.numbers), len(null.residual)
     spread = np.std(settings.numbers, axis=0)
     scaled = settings.numbers[:, spread > 0.0] / spread[spread > 0.0]
-    well_separated = np.sum((scaled[:, None, :] - scaled[None, :, :]) ** 2, axis=2)
+    distance = np.sum((scaled[:, None, :] - scaled[None, :, :]) ** 2, axis=2)
     same = settings.kinds[:, None] == settings.kinds[None, :]
     basis = np.linalg.qr(null.jacobian)[0]
     project = np.eye(size) - basis @ basis.T
@@ -61,7 +60,7 @@ def smooth_residual_bound(problem: Problem, null: Fit, settings: Settings) -> fl
     best, taken = -np.inf, 0.0
     for amplitude, length in itertools.product(_SIZES, _LENGTHS):
         kernel = np.zeros((size, size))
-        kernel[:n, :n] = amplitude**2 * np.exp(-0.5 * well_separated / length**2) * same
+        kernel[:n, :n] = amplitude**2 * np.exp(-0.5 * distance / length**2) * same
         signal = project @ kernel @ project
         total = signal + np.eye(size)
         solved = np.linalg.solve(total, residual)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.diagnosis.fit.sensitivity import UNSEEN, Sensitivities
-from stickslip.diagnosis.model.problem import Problem
-
-Array = NDArray[np.float64]
+from stickslip.diagnosis.model.problem import Array, Problem
 
 BOUND, _BOUND_SDS = 0.95, 1.96
 """Confidence of an upper limit, and standard deviations on both sides that hold so much."""
 
 POWER, _POWER_SDS = 0.8, 0.84
-"""Chance that an effect of the smallest size is seen, and the standard deviations for it."""
+"""Probability that an effect of the smallest size is seen, and standard deviations for it."""
+
+# A response is trusted up to this multiple of its amplitude, and down to its inverse. Chosen.
+_TRUSTED = 3.0
 
 
 def upper_bounds(
@@ -38,42 +38,36 @@ def upper_bounds(
     for index, cause in enumerate(problem.causes):
         columns = list(zip(problem.columns([cause]), cause.parameters, strict=True))
         shapes = [at for at, parameter in columns if parameter.shape]
+        responses = np.flatnonzero(sensitivities.cause == index)
         for at, parameter in columns:
             if parameter.shape:
                 continue
             limit = 0.0
             low, high = parameter.limits
-            for sign in (1.0, -1.0):
-                rows = [
-                    row
-                    for row in np.flatnonzero(sensitivities.cause == index)
-                    if sensitivities.point[row, at] * sign > 0.0
-                ]
-                far = high if sign > 0 else -low
-                if not rows:
-                    continue
+            for sign, far in ((1.0, high), (-1.0, -low)):
                 # Whatever the shape, so the limit is that of the shape that is seen least.
                 nearest: dict[tuple[float, ...], float] = {}
-                for row in rows:
-                    bend = tuple(sensitivities.point[row, shapes])
-                    reach = _reach(sensitivities, residual, int(row), far)
-                    nearest[bend] = min(nearest.get(bend, far), reach)
-                limit = max(limit, *nearest.values())
+                for row in responses[sensitivities.point[responses, at] * sign > 0.0].tolist():
+                    shape = tuple(sensitivities.point[row, shapes])
+                    reach = _reach(sensitivities, residual, row, far)
+                    nearest[shape] = min(nearest.get(shape, far), reach)
+                limit = max(limit, *nearest.values(), 0.0)
             sign = 1.0 if high >= -low else -1.0
-            u = np.array([[sign * limit]])
-            value = float(parameter.value(u)[0, 0])
+            value = float(parameter.value(np.array([sign * limit]))[0])
             bounds[parameter.name] = value if parameter.downward else abs(value - parameter.absent)
     return bounds
 
 
 def _reach(sensitivities: Sensitivities, residual: Array, row: int, far: float) -> float:
+    """Largest amplitude that the residual allows by one response, `far` where it cannot tell."""
     size = float(sensitivities.size[row])
     if size < UNSEEN:
         return far
     estimate = float(sensitivities.projected[row] @ residual) / size**2
     limit = max(estimate, 0.0) + _BOUND_SDS / size
-    # A response at one amplitude says little of amplitudes far from it, larger or smaller.
-    return abs(float(sensitivities.amplitude[row])) * max(limit, 1.0 / 3.0) if limit < 3.0 else far
+    if limit >= _TRUSTED:
+        return far
+    return abs(float(sensitivities.amplitude[row])) * max(limit, 1.0 / _TRUSTED)
 
 
 def smallest_effects(
@@ -97,8 +91,7 @@ def smallest_effects(
         parameter = problem.parameters[sensitivities.at[row] - problem.base_count]
         found.setdefault(parameter.name, np.inf)
         ratio = wanted / max(float(sensitivities.size[row]), UNSEEN)
-        # A response says little of amplitudes far beyond its own.
-        if ratio > 3.0 or abs(np.log(ratio)) >= nearest.get(parameter.name, np.inf):
+        if ratio > _TRUSTED or abs(np.log(ratio)) >= nearest.get(parameter.name, np.inf):
             continue
         nearest[parameter.name] = abs(float(np.log(ratio)))
         own = float(parameter.value(np.array([sensitivities.amplitude[row]]))[0])

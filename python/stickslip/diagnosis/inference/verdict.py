@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.distinguishability import SAME
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
 from stickslip.diagnosis.inference.detection import ALPHA, Detection
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.inference.probabilities import probabilities
+from stickslip.diagnosis.model.problem import Array, Indices, Problem
 from stickslip.facts import Code, Fact
 
-Array = NDArray[np.float64]
 VerdictKind = Literal["none", "named", "ambiguous", "pair", "unexplained", "data-problem"]
 
 MARGIN = 3.0
-"""Log-evidence by which a named cause leads."""
-
-PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1
-"""What is thought before any data of no cause, and of a cause of any shape; the rest is shared."""
+"""Log-evidence by which a named cause leads. Chosen: odds of twenty to one."""
 
 LEAST_SHARE = 0.7
-"""Of what a smooth function explains, so that a cause or a pair may be claimed."""
+"""Share of what a smooth function explains that a claimed cause or pair has to explain. Chosen."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,7 +40,7 @@ class Table(OneLine):
     """
 
     kind: str
-    rows: NDArray[np.int64]
+    rows: Indices
     dof: float
 
 
@@ -107,20 +102,22 @@ def decide(
         passed = Fact(Code.NOTHING_DETECTED, {"p_value": detection.p_value, "level": ALPHA})
         return Verdict("none", (), None, (passed,), chance)
     said = _decided(problem, ranking, cosines, improves_prediction, chance)
-    if said.fit is not None and said.kind in ("named", "pair"):
-        share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
-        if share is not None and share < LEAST_SHARE:
-            part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
-            reason = Fact(Code.SMOOTH_REST, {"name": said.fit.name, **part})
-            return Verdict("unexplained", (), None, (reason,), _unknown(chance, said.causes))
-        against = contradicting(said.fit, tables)
-        if against:
-            fact = Fact(
-                Code.TABLE_CONTRADICTS, {"name": said.fit.name, "level": ADEQUATE / len(tables)}
-            )
-            return replace(
-                said, kind="ambiguous", reasons=tuple(fact.of(kind=each) for each in against)
-            )
+    if said.fit is None or said.kind not in ("named", "pair"):
+        return said
+    share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
+    if share is not None and share < LEAST_SHARE:
+        part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
+        reason = Fact(Code.SMOOTH_REST, {"name": said.fit.name, **part})
+        # The probability of causes that leave something smooth behind goes to the unknown.
+        moved = {name: 0.0 if name in said.causes else p for name, p in chance.items()}
+        moved["unknown"] += sum(chance[name] for name in said.causes)
+        return Verdict("unexplained", (), None, (reason,), moved)
+    against = contradicting(said.fit, tables)
+    if against:
+        level = {"name": said.fit.name, "level": ADEQUATE / len(tables)}
+        fact = Fact(Code.TABLE_CONTRADICTS, level)
+        reasons = tuple(fact.of(kind=each) for each in against)
+        return replace(said, kind="ambiguous", reasons=reasons)
     return said
 
 
@@ -135,16 +132,13 @@ def contradicting(fit: Fit, tables: Sequence[Table]) -> list[str]:
     return found if len(tables) > 1 else []
 
 
-def _unknown(chance: Mapping[str, float], refused: Sequence[str]) -> dict[str, float]:
-    """What was thought of causes that leave something smooth behind goes to what is not known."""
-    result = {name: 0.0 if name in refused else p for name, p in chance.items()}
-    result["unknown"] += sum(chance[name] for name in refused)
-    return result
-
-
 def share_of_smooth_bound(null: Fit, fit: Fit, smooth_bound: float | None) -> float | None:
     """Part of what a smooth function of the settings explains that a fit explains too."""
     return None if not smooth_bound else (null.chi2 - fit.chi2) / smooth_bound
+
+
+def _adequate(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
+    return [fit for fit in fits if adequacy(problem, fit) >= ADEQUATE]
 
 
 def _decided(
@@ -154,16 +148,13 @@ def _decided(
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
 ) -> Verdict:
-    """The verdict if something was detected and its causes explain enough."""
+    """The verdict if something was detected, before smooth functions and tables are asked."""
     singles, null = ranking.singles, ranking.null
-    adequate = [fit for fit in singles if adequacy(problem, fit) >= ADEQUATE]
-    if not adequate:
-        return _without_single(problem, ranking, improves_prediction, chance)
-    best = adequate[0]
-    if best is not singles[0] and singles[0].log_evidence > best.log_evidence + MARGIN:
+    best = next(iter(_adequate(problem, singles)), None)
+    if best is None or singles[0].log_evidence > best.log_evidence + MARGIN:
         return _without_single(problem, ranking, improves_prediction, chance)
     led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
-    if any(adequacy(problem, fit) >= ADEQUATE for fit in led):
+    if _adequate(problem, led):
         return _without_single(problem, ranking, improves_prediction, chance)
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
     # A candidate that is not quite adequate itself may still be too near to be dismissed.
@@ -180,48 +171,36 @@ def _decided(
         said = Fact(Code.NOT_SEPARATED, {"causes": list(names), "margin": MARGIN})
         if all(fit in alike or fit is best for fit in candidates):
             said = Fact(Code.ALIKE, {"causes": list(names), "limit": SAME})
-        return Verdict(
-            "ambiguous", names, best, (said, *_reasons_against(problem, null, best)), chance
-        )
+        reasons = (said, *_reasons_against(problem, null, best))
+        return Verdict("ambiguous", names, best, reasons, chance)
     reasons = _reasons_against(problem, null, best, improves_prediction)
     if reasons:
-        return Verdict("ambiguous", (best.name,), best, tuple(reasons), chance)
+        return Verdict("ambiguous", (best.name,), best, reasons, chance)
     others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
-    return Verdict(
-        "named", (best.name,), best, (describe_runner_up(problem, best, null, others),), chance
-    )
+    second = describe_runner_up(problem, best, null, others)
+    return Verdict("named", (best.name,), best, (second,), chance)
 
 
 def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> Fact:
-    """How the best of the others stands to what is said, after the price of a second cause.
+    """How the best other candidate, or the null, compares with what is said.
 
-    Parameters
-    ----------
-    problem : Problem
-    said, null : Fit
-        What is said, and the recalibrated model.
-    others : sequence of Fit
-        All other candidates.
-
-    Returns
-    -------
-    Fact
+    By log-evidence after the price of a second cause.
     """
     second = ranked([null, *others], priced=True)[0]
     lead = said.priced_evidence - second.priced_evidence
     if lead >= 0.0:
         return Fact(Code.RUNNER_UP, {"name": second.name, "lead": lead})
-    if adequacy(problem, second) >= ADEQUATE:
+    if _adequate(problem, [second]):
         return Fact(Code.OTHER_LEADS, {"name": second.name, "lead": -lead})
     unexplained = {"name": second.name, "lead": -lead, "level": ADEQUATE}
     return Fact(Code.OTHER_LEADS_UNEXPLAINED, unexplained)
 
 
 def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
-    """The verdict beside the candidate that the conditions which are not held out rank first.
+    """The verdict beside the candidate that ranks first on the training subset of the conditions.
 
-    What a part of the conditions turns into something else is not claimed. A cause fewer or more is
-    nothing else: it takes many conditions to tell.
+    A cause that changes on the training subset is not named. One cause fewer or more is no change:
+    it takes many conditions to tell.
     """
     fit = verdict.fit
     if fit is None or choice == fit.name:
@@ -239,7 +218,7 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
 
 def _reasons_against(
     problem: Problem, null: Fit, best: Fit, improves_prediction: Callable[[Fit], bool] | None = None
-) -> list[Fact]:
+) -> tuple[Fact, ...]:
     """Why a candidate that leads all others is not claimed all the same."""
     reasons = []
     name = {"name": best.name}
@@ -248,13 +227,18 @@ def _reasons_against(
         reasons.append(Fact(Code.LITTLE_EVIDENCE, {**name, "lead": lead, "margin": MARGIN}))
     if not best.converged:
         reasons.append(Fact(Code.STARTS_DISAGREE, name))
-    # A constant's freedom adds no shape: the recalibrated model has moved it most of the way.
+    # A relaxed constant adds no shape: the recalibrated model has moved it most of the way.
     shaped = any(cause.relaxes_prior is None for cause in best.candidate.causes)
     if improves_prediction is not None and shaped and not improves_prediction(best):
         reasons.append(Fact(Code.NOT_PREDICTED_BETTER, name))
-    if _at_limit(problem, best):
+    extra = best.candidate.free[problem.base_count :]
+    low, high = (end[extra] for end in problem.limits())
+    at_high = (best.x[extra] >= high) & np.isfinite(high)
+    # At a lowest value of 0 a cause is absent.
+    at_low = (best.x[extra] <= low) & (low < 0.0)
+    if np.any(at_high | at_low):
         reasons.append(Fact(Code.AT_LIMIT, name))
-    return reasons
+    return tuple(reasons)
 
 
 def _without_single(
@@ -263,15 +247,15 @@ def _without_single(
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
 ) -> Verdict:
+    """The verdict if no single cause can be claimed: a pair, a set of pairs, or unexplained."""
     best_single = ranking.singles[0] if ranking.singles else ranking.null
-    adequate = [fit for fit in ranking.pairs if adequacy(problem, fit) >= ADEQUATE]
+    adequate = _adequate(problem, ranking.pairs)
     if not adequate or adequate[0].log_evidence < best_single.log_evidence + PAIR_PRICE:
         reason = Fact(Code.NO_EXPLANATION, {"level": ADEQUATE})
-        enough = [fit for fit in ranking.singles if adequacy(problem, fit) >= ADEQUATE]
+        enough = _adequate(problem, ranking.singles)
         if enough:
-            reason = Fact(
-                Code.LESS_LIKELY, {"explaining": enough[0].name, "name": best_single.name}
-            )
+            names = {"explaining": enough[0].name, "name": best_single.name}
+            reason = Fact(Code.LESS_LIKELY, names)
         elif adequate:
             lead = adequate[0].log_evidence - best_single.log_evidence
             pair = {"name": adequate[0].name, "lead": lead, "needed": PAIR_PRICE}
@@ -279,73 +263,12 @@ def _without_single(
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
     close = [fit for fit in ranking.pairs if best.log_evidence - fit.log_evidence < MARGIN]
-    names = tuple(sorted({cause.name for fit in close for cause in fit.candidate.causes}))
+    causes = tuple(sorted({cause.name for fit in close for cause in fit.candidate.causes}))
     if len(close) > 1:
         several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": MARGIN}
-        said = Fact(Code.SEVERAL_PAIRS, several)
-        return Verdict("ambiguous", names, best, (said,), chance)
-    reasons = _reasons_against(problem, ranking.null, best, improves_prediction)
+        reasons: tuple[Fact, ...] = (Fact(Code.SEVERAL_PAIRS, several),)
+    else:
+        reasons = _reasons_against(problem, ranking.null, best, improves_prediction)
     if reasons:
-        return Verdict("ambiguous", names, best, tuple(reasons), chance)
-    return Verdict("pair", names, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)
-
-
-def _at_limit(problem: Problem, fit: Fit) -> bool:
-    low, high = problem.limits()
-    extra = fit.candidate.free[problem.base_count :]
-    return bool(np.any((fit.x[extra] >= high[extra]) & np.isfinite(high[extra])) or
-                np.any((fit.x[extra] <= low[extra]) & (low[extra] < 0.0)))  # fmt: skip
-
-
-def prior_probabilities(problem: Problem) -> dict[str, float]:
-    """What is thought before any data."""
-    share = (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / max(len(problem.causes), 1)
-    result = {cause.name: share for cause in problem.causes}
-    none = PRIOR_NONE if result else 1.0 - PRIOR_UNKNOWN
-    return {**result, "none": none, "unknown": PRIOR_UNKNOWN}
-
-
-def probabilities(
-    problem: Problem, ranking: Ranking, linear_evidence: Mapping[str, float]
-) -> dict[str, float]:
-    """Posterior over all causes, ``none`` and ``unknown``, summing to 1.
-
-    Prior 0.5 for none, 0.1 for unknown, the rest shared. "Unknown" is a departure of any shape: its
-    evidence is that of independent extra variance, fitted, at the price of one parameter. A pair
-    counts half for each of its members.
-    """
-    share = (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / max(len(problem.causes), 1)
-    null = ranking.null
-    m = len(problem.observed)
-    excess = max(null.chi2 / m, 1.0)
-    gain = 0.5 * m * (excess - 1.0 - math.log(excess))
-    generic = null.log_evidence + gain - 0.5 * math.log(m)
-    # A cause that was not fitted leaves the misfit about as it is.
-    nothing = _worth(problem, null)
-    weights: dict[str, float] = {
-        "none": math.log(PRIOR_NONE) + nothing,
-        "unknown": math.log(PRIOR_UNKNOWN) + generic,
-    }
-    evidence = {name: nothing + above for name, above in linear_evidence.items()}
-    evidence |= {fit.name: _worth(problem, fit) for fit in ranking.singles}
-    for cause in problem.causes:
-        weights[cause.name] = math.log(share) + evidence.get(cause.name, nothing)
-    couples = [
-        (fit, math.log(share) + math.log(0.1 / max(len(problem.causes), 1)) + _worth(problem, fit))
-        for fit in ranking.pairs
-        if fit.log_evidence
-        > max(evidence.get(each.name, -math.inf) for each in fit.candidate.causes)
-    ]
-    top = max([*weights.values(), *(weight for _, weight in couples)])
-    result = {name: math.exp(weight - top) for name, weight in weights.items()}
-    for fit, weight in couples:
-        for cause in fit.candidate.causes:
-            result[cause.name] += 0.5 * math.exp(weight - top)
-    total = sum(result.values())
-    ordered = sorted(result.items(), key=lambda item: (item[0] in ("none", "unknown"), -item[1]))
-    return {name: value / total for name, value in ordered}
-
-
-def _worth(problem: Problem, fit: Fit) -> float:
-    """Log-evidence, less where the model does not bring the misfit down to the noise."""
-    return fit.log_evidence + math.log(min(adequacy(problem, fit) / ADEQUATE, 1.0) + 1e-300)
+        return Verdict("ambiguous", causes, best, reasons, chance)
+    return Verdict("pair", causes, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)

@@ -1,9 +1,9 @@
-"""What the engine knows of a forward model: parameters, causes, data, and whitened residuals."""
+"""What is fitted: a forward model with its parameters and causes, the data and their errors."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,16 +15,23 @@ from stickslip.errors import ScenarioError
 from stickslip.measurement.priors import Prior
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Predict = Callable[[Any, Array], Array]
 """``predict(conditions, parameters)``: from shape (vectors, parameters) to (vectors, m)."""
 
 PRIOR_INFLATION = 10.0
-"""By how much a constant's prior is widened when it is itself the suspect."""
-
-_SHAPE_WIDTH = 0.7
+"""By how much a constant's prior is widened when the constant itself is the suspect. Chosen: an
+error of several stated standard deviations then does not surprise."""
 
 LOST = 1e3
-"""Whitened residual of a condition that the model cannot compute."""
+"""Whitened residual of a condition that the model cannot compute. Chosen: far beyond any residual
+of a usable model, and its square still leaves ten digits to the other conditions."""
+
+# Standard deviation of a shape's logarithm. Chosen: exp(0.7) is a factor of two.
+_SHAPE_WIDTH = 0.7
+# Largest coordinates of a shape and of a constant that is known in range only. Chosen: 99.7 % of a
+# normal law, and a range to within 0.05 % of its ends.
+_SHAPE_LIMIT, _RANGE_LIMIT = 3.0, 3.5
 
 
 @dataclass(frozen=True)
@@ -87,15 +94,18 @@ class CauseParameter:
     negligible: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.low < self.high:
-            said = f"low = {self.low}, high = {self.high}: allowed is low < high"
-            raise ScenarioError(f"parameter {self.name}: {said}")
-        if not self.downward and not self.low <= self.absent <= self.high:
-            said = f"absent = {self.absent}: allowed is {self.low} to {self.high}"
-            raise ScenarioError(f"parameter {self.name}: {said}")
-        if not self.shape and not 0.0 < self.scale < np.inf:
-            said = f"scale = {self.scale}: allowed is a number above 0"
-            raise ScenarioError(f"parameter {self.name}: {said}")
+        low, high, absent, scale = self.low, self.high, self.absent, self.scale
+        checks = (
+            (low < high, f"low = {low}, high = {high}: allowed is low < high"),
+            (
+                self.downward or low <= absent <= high,
+                f"absent = {absent}: allowed is {low} to {high}",
+            ),
+            (self.shape or 0.0 < scale < np.inf, f"scale = {scale}: allowed is a number above 0"),
+        )
+        for sound, said in checks:
+            if not sound:
+                raise ScenarioError(f"parameter {self.name}: {said}")
 
     def value(self, u: Array) -> Array:
         """Physical value at the coordinate `u`, whose prior is standard normal."""
@@ -110,7 +120,7 @@ class CauseParameter:
 
     @property
     def prior_in_words(self) -> str:
-        """What is thought of its size before any data."""
+        """Its prior as a short text for tables."""
         if self.shape:
             return f"log-normal({self.absent:g}, {np.exp(_SHAPE_WIDTH):.3g})"
         if self.downward:
@@ -118,16 +128,16 @@ class CauseParameter:
         return f"scale {self.scale:g} about {self.absent:g}"
 
     def continuous(self, u: Array) -> Array:
-        """The value without its jump to `absent`, where a falling parameter begins to act."""
+        """The value without its jump to `absent` where a `downward` parameter begins to act."""
         if self.downward:
             return np.maximum(self.high - self.scale * np.maximum(u, 0.0), self.low)
         return self.value(u)
 
-    @property
+    @cached_property
     def limits(self) -> tuple[float, float]:
         """Lowest and highest coordinate."""
         if self.shape:
-            return -3.0, 3.0
+            return -_SHAPE_LIMIT, _SHAPE_LIMIT
         if self.downward:
             return 0.0, (self.high - self.low) / self.scale
         low, high = (self.low - self.absent) / self.scale, (self.high - self.absent) / self.scale
@@ -142,7 +152,7 @@ class Cause:
     ----------
     name, meaning : str
     parameters : tuple of CauseParameter
-        Empty for a freed constant.
+        Empty for a constant whose prior is relaxed.
     relaxes_prior : str, optional
         Name of the uncertain parameter whose prior is widened.
 
@@ -158,9 +168,9 @@ class Cause:
     relaxes_prior: str | None = None
 
     def __post_init__(self) -> None:
-        given = self.parameters
-        sound = isinstance(given, tuple)
-        if not sound or not all(isinstance(each, CauseParameter) for each in given):
+        if not isinstance(self.parameters, tuple) or not all(
+            isinstance(each, CauseParameter) for each in self.parameters
+        ):
             said = "parameters: allowed is a tuple of CauseParameter; of one it needs a comma"
             raise ScenarioError(f"cause {self.name}: {said}")
 
@@ -199,11 +209,11 @@ class Problem(OneLine):
     causes: tuple[Cause, ...] = ()
     outlier: float = np.inf
     low_fidelity: Predict | None = None
-    parameters: tuple[CauseParameter, ...] = field(init=False)
 
-    def __post_init__(self) -> None:
-        found = tuple(each for cause in self.causes for each in cause.parameters)
-        object.__setattr__(self, "parameters", found)
+    @cached_property
+    def parameters(self) -> tuple[CauseParameter, ...]:
+        """Parameters of all causes."""
+        return tuple(each for cause in self.causes for each in cause.parameters)
 
     @property
     def base_count(self) -> int:
@@ -232,20 +242,16 @@ class Problem(OneLine):
 
     def limits(self) -> tuple[Array, Array]:
         """Lowest and highest value of every coordinate."""
-        low, high = [-np.inf] * self.base_count, [np.inf] * self.base_count
-        for k, each in enumerate(self.uncertain):
-            if not each.prior.has_middle:
-                low[k], high[k] = -3.5, 3.5
-        for parameter in self.parameters:
-            low.append(parameter.limits[0])
-            high.append(parameter.limits[1])
-        return np.array(low), np.array(high)
+        ends = [np.inf if each.prior.has_middle else _RANGE_LIMIT for each in self.uncertain]
+        pairs = [*((-end, end) for end in ends), *(each.limits for each in self.parameters)]
+        low, high = np.array(pairs, dtype=float).reshape(-1, 2).T.copy()
+        return low, high
 
     def physical(self, x: Array) -> Array:
         """Parameters in their units from coordinates, shape (vectors, size)."""
-        columns = [each.prior.value(x[:, k]) for k, each in enumerate(self.uncertain)]
-        for k, parameter in enumerate(self.parameters, start=self.base_count):
-            columns.append(parameter.value(x[:, k]))
+        constants = [each.prior for each in self.uncertain]
+        laws: list[Prior | CauseParameter] = [*constants, *self.parameters]
+        columns = [law.value(x[:, k]) for k, law in enumerate(laws)]
         return np.stack(columns, axis=1) if columns else np.zeros((len(x), 0))
 
     def predicted(self, x: Array) -> Array:
@@ -255,22 +261,20 @@ class Problem(OneLine):
     def with_inflated_errors(self, factor: float, outlier: float = np.inf) -> Problem:
         """The same with errors larger by a factor, so that the priors weigh more.
 
-        With a factor above 1 it is predicted by the draft, if there is one.
+        With a factor above 1 the low-fidelity model predicts, if there is one.
         """
-        predict = (
-            self.low_fidelity if self.low_fidelity is not None and factor > 1.0 else self.predict
-        )
+        predict = (self.low_fidelity if factor > 1.0 else None) or self.predict
         return replace(self, whiten=self.whiten / factor, outlier=outlier, predict=predict)
 
     def misfit(self, whitened: Array) -> Array:
-        """What the last axis of whitened residuals counts: the sum of squares, or less."""
+        """Sum of squares over the last axis of whitened residuals, or Cauchy's loss of them."""
         if np.isinf(self.outlier):
             return np.asarray(np.sum(whitened**2, axis=-1))
         share = (whitened / self.outlier) ** 2
         return np.asarray(self.outlier**2 * np.sum(np.log1p(share), axis=-1))
 
     def weights(self, whitened: Array) -> Array:
-        """By which squares are weighed to have the slope of `misfit`."""
+        """Weights of the squares that give the derivative of `misfit`."""
         return np.asarray(1.0 / (1.0 + (whitened / self.outlier) ** 2))
 
     @cached_property
@@ -303,4 +307,4 @@ class AuxiliaryData(OneLine):
 
     observed: Array
     covariance: Array
-    group: NDArray[np.int64]
+    group: Indices

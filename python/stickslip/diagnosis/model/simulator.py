@@ -5,34 +5,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.data.conditions import Conditions
 from stickslip.diagnosis.data.noise import NoiseModel
-from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 
-Array = NDArray[np.float64]
 TOLERANCES = (1e-4, 1e-5, 1e-6)
-"""Of the simulator, the loosest first."""
+"""Relative tolerances of the simulator that are tried, the loosest first. Chosen: decades."""
 
-_TOLERANCE_DRAWS, _MOST = 8, 0.75
+# Draws of the constants at which tolerances are judged, and the quantile of the errors over them
+# that counts. Chosen: at one draw of four the motion may jump, where no tolerance helps.
+_DRAWS, _QUANTILE = 8, 0.75
 
 
 class Simulator:
     """Mean velocities at conditions and parameters, by one batch call of the core.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        Everything that neither a condition nor a parameter sets.
-    parameters : sequence of str
-        Dotted keys of the parameters' columns.
-    threads : int, optional
-        Simulations at a time; as many as there are processors, if not given.
+    `parameters` are the dotted keys of the parameters' columns; `scenario` sets everything that
+    neither a condition nor a parameter sets. `simulated` counts the simulations.
     """
 
     def __init__(
@@ -74,20 +68,18 @@ def loosest_tolerances(
     noise: NoiseModel,
     seed: int,
 ) -> Array:
-    """For each condition the largest of some tolerances whose error is far below the noise.
+    """For each condition the largest tolerance whose error is far below the noise, (conditions,).
 
-    A twentieth, not only a fifth, of the noise: derivatives are taken over steps whose effect is
-    about the noise.
-
-    Judged at draws of the uncertain parameters against a tolerance a hundred times finer than the
-    finest tried. Where the motion is so sensitive that no tolerance will do, one is enough that is
-    hardly worse than the finest. Shape (conditions,).
+    The error is judged at draws of the uncertain parameters, against a tolerance a hundred times
+    finer than the finest that is tried. A twentieth of the noise is allowed, because derivatives
+    are taken over steps whose effect is about the noise. Where the motion is so sensitive that no
+    tolerance reaches that, one suffices whose error is at most 1.5 times that of the finest.
     """
     random = np.random.default_rng([seed, 31])
     absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
     draws = [
         [*(each.prior.value(random.standard_normal()) for each in uncertain), *absent]
-        for _ in range(_TOLERANCE_DRAWS)
+        for _ in range(_DRAWS)
     ]
     base, threads = simulator.scenario, simulator.threads
     finest = min(float(base.get("solver.rtol")), TOLERANCES[-1])
@@ -98,14 +90,14 @@ def loosest_tolerances(
         return Simulator(scenario, simulator.parameters, threads)(conditions, np.array(draws))
 
     truth = velocities(max(0.01 * finest, 1e-11))
-    errors = np.array([_most(np.abs(velocities(rtol) - truth)) for rtol in tried])
+    errors = np.array([_typical_largest(np.abs(velocities(rtol) - truth)) for rtol in tried])
     allowed = np.maximum(np.sqrt(np.diag(noise.covariance)) / 20.0, 1.5 * errors[-1])
     good = errors <= allowed
     good[-1] = True
     return np.asarray(tried[np.argmax(good, axis=0)])
 
 
-def _most(errors: Array) -> Array:
-    """Below which most of the errors of each column are; infinity where there is none."""
+def _typical_largest(errors: Array) -> Array:
+    """Quantile of the errors of each column; infinity where nothing could be computed."""
     some = np.isfinite(errors).any(axis=0)
-    return np.where(some, np.nanquantile(np.where(some, errors, 0.0), _MOST, axis=0), np.inf)
+    return np.where(some, np.nanquantile(np.where(some, errors, 0.0), _QUANTILE, axis=0), np.inf)

@@ -37,9 +37,9 @@ class Combined:
         observables: Sequence[Observable],
     ) -> None:
         self.velocities = velocities
-        self.names = tuple(names)
         self.observables = tuple(observables)
-        self._shared = [self.names.index(name) for name in shared]
+        self._names = tuple(names)
+        self._shared = [self._names.index(name) for name in shared]
         self._columns = [
             [k for k, name in enumerate(names) if k in self._shared or name in own]
             for own in ({each.name for each in observable.nuisance} for observable in observables)
@@ -54,27 +54,24 @@ class Combined:
         blocks = []
         if len(conditions):
             blocks.append(self.velocities(conditions, self.shared(parameters)))
-        for observable, columns in zip(self.observables, self._columns, strict=True):
-            names = [self.names[k] for k in columns]
-            blocks.append(observable.predict(names, parameters[:, columns]))
+        for number, observable in enumerate(self.observables):
+            blocks.append(observable.predict(*self.arguments(number, parameters)))
         return np.hstack(blocks)
 
-    def report_arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
-        """Names and values that a channel's sketches take, from values of all columns."""
+    def arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
+        """Names and values, shape (..., names), of one channel, from values of all columns."""
         columns = self._columns[number]
-        return [self.names[k] for k in columns], parameters[columns]
+        return [self._names[k] for k in columns], parameters[..., columns]
 
 
 def pooled_observables(observables: Sequence[Observable]) -> AuxiliaryData | None:
     """Rows of all channels one after another."""
     if not observables:
         return None
-    groups, above = [], 0
-    for observable in observables:
-        groups.append(observable.group + above)
-        above += int(observable.group.max()) + 1
+    counts = [int(observable.group.max()) + 1 for observable in observables]
+    first = np.cumsum([0, *counts[:-1]])
     return AuxiliaryData(
         np.concatenate([observable.observed for observable in observables]),
         np.asarray(block_diag(*(observable.covariance for observable in observables)), dtype=float),
-        np.concatenate(groups),
+        np.concatenate([each.group + k for each, k in zip(observables, first, strict=True)]),
     )

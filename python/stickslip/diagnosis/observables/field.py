@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -9,20 +10,28 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip._util.root_mean_square import root_mean_square
-from stickslip.diagnosis.data.unit_check import magnitude_mismatch, refuse_larger
-from stickslip.diagnosis.observables.field_noise import estimate, far_rows
+from stickslip.diagnosis.data.plausibility import magnitude_mismatch, refuse_larger
 from stickslip.diagnosis.observables.observable import TableObservable
-from stickslip.diagnosis.observables.repeats import merge
+from stickslip.diagnosis.observables.reading_noise import FEWEST, merge, reading_noise
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import mismatch
+from stickslip.measurement.outliers import far_from_a_fit
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 
 Array = NDArray[np.float64]
 
 _STRONGEST, _FARTHEST = 1.0, 1.0
-"""Field (T) and place (m) that no table of this kind has; beyond them a unit is wrong."""
+"""Largest field (T) and place (m) that are accepted. Chosen: these coils make millitesla within
+decimetres, so beyond them a unit is wrong."""
+
+_READING = 5e-7
+"""Smallest error of a probe's reading that is believed, T. Chosen: 1 % of the Earth's field."""
+
+_RELATIVE = 1e-3
+"""The same relative to the field's root mean square. Chosen: a probe is placed to 0.1 mm and turned
+to 2 degrees at the best, which is some 1e-3 each."""
 
 _PLACE = ("x", "y", "z")
 _FIELD = ("Bx", "By", "Bz")
@@ -31,27 +40,19 @@ _FIELD = ("Bx", "By", "Bz")
 class FieldObservable(TableObservable):
     """A table of fields, with the five coils' Biot-Savart field as its model.
 
-    Parameters
-    ----------
-    table : mapping of ndarray, shape (n,)
-        Columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T).
-    scenario : Scenario
-        What no parameter sets.
-    title : str
-        Of the table, in messages and in the report.
-
-    Raises
-    ------
-    ScenarioError
-        If a column is in another unit, or no probe is off the wires.
+    The columns are xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T). `scenario` has what no
+    parameter sets. Columns in another unit, and probes that all lie on wires, are refused.
     """
 
     name = "field"
-    components = 3
 
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
-        self.title = title
-        _refuse_units(table, title)
+        for what, columns, most, unit in (
+            ("field", _FIELD, _STRONGEST, "T"),
+            ("place", _PLACE, _FARTHEST, "m"),
+        ):
+            largest = max(float(np.max(np.abs(table[key]))) for key in columns)
+            refuse_larger(title, what, largest, most, unit)
         self._base = scenario.to_core()
         coil = scenario.coil
         coils = _core.CoilSet(coil.side, coil.distance, coil.turns)
@@ -62,28 +63,25 @@ class FieldObservable(TableObservable):
         off = np.asarray(np.isfinite(shares).all(axis=(1, 2)))
         if not off.any():
             raise ScenarioError(f"{title}: every probe lies on the wire of a coil")
-        settings, fields, shares = settings[off], fields[off], shares[off]
-        far = far_rows(shares, fields)
-        _refuse_currents(settings[~far, :count], shares[~far], fields[~far], title)
-        merged = merge(settings[~far], fields[~far])
-        self.currents, self.points = merged.settings[:, :count], merged.settings[:, count:]
-        self.settings = {"currents": self.currents, "place": self.points}
-        self.fields = merged.mean
-        self.observed = merged.mean.reshape(-1)
-        reading, note = estimate(coils.shares(self.points, self.currents), merged)
-        self.sd = np.repeat(reading / np.sqrt(merged.count), 3)
-        self.covariance = np.diag(self.sd**2)
-        self.group = np.repeat(np.arange(len(merged.mean)), 3)
-        self.notes: tuple[Fact, ...] = (note.of(table=title),)
         left_out = []
         if not off.all():
             on_wire = {"table": title, "count": int((~off).sum())}
             left_out.append(Fact(Code.PROBES_ON_WIRE, on_wire))
+        settings, fields, shares = settings[off], fields[off], shares[off]
+        far = _far_rows(shares, fields)
         left_out += [
             Fact(Code.FAR_FIELD, {"table": title, "field": value, "currents": row[:count]})
             for row, value in zip(settings[far].tolist(), fields[far].tolist(), strict=True)
         ]
-        self.left_out = tuple(left_out)
+        _refuse_currents(settings[~far, :count], shares[~far], fields[~far], title)
+        merged = merge(settings[~far], fields[~far])
+        self.currents, self.points = merged.settings[:, :count], merged.settings[:, count:]
+        self.fields = merged.mean
+        left, dof = _free_fit(coils.shares(self.points, self.currents), self.fields)
+        sd = math.sqrt(float(np.sum(left**2)) / dof) if dof else math.nan
+        noise = reading_noise(merged, "free-fit", sd, dof, _smallest_error(self.fields), "T")
+        self._set_readings(title, self.fields, merged.count, noise, left_out)
+        self.settings = {"currents": self.currents, "place": self.points}
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Bx, By, Bz of each row one after another, T, shape (vectors, 3 m).
@@ -97,24 +95,37 @@ class FieldObservable(TableObservable):
         return fields
 
 
-def _refuse_units(table: Mapping[str, Array], title: str) -> None:
-    strongest = max(float(np.max(np.abs(table[key]))) for key in _FIELD)
-    refuse_larger(title, "field", strongest, _STRONGEST, "T")
-    farthest = max(float(np.max(np.abs(table[key]))) for key in _PLACE)
-    refuse_larger(title, "place", farthest, _FARTHEST, "m")
+def _free_fit(shares: Array, fields: Array) -> tuple[Array, int]:
+    """Residual of a free gain of each driven coil and a free uniform field, shape (n, 3), T.
+
+    And its degrees of freedom. `shares`, shape (n, 5, 3), are the fields of each coil, T.
+    """
+    driven = np.any(shares != 0.0, axis=(0, 2))
+    gains = np.moveaxis(shares[:, driven], 1, 2).reshape(-1, int(driven.sum()))
+    design = np.hstack([gains, np.tile(np.eye(3), (len(fields), 1))])
+    solution, _, rank, _ = np.linalg.lstsq(design, fields.reshape(-1), rcond=None)
+    return fields - (design @ solution).reshape(-1, 3), fields.size - int(rank)
+
+
+def _far_rows(shares: Array, fields: Array) -> NDArray[np.bool_]:
+    """Rows that no gain and no uniform field bring near the others, if they are few."""
+
+    def left_by(rows: NDArray[np.bool_]) -> Array | None:
+        left, dof = _free_fit(shares[rows], fields[rows])
+        return None if dof < FEWEST else left
+
+    return far_from_a_fit(left_by, len(fields), _smallest_error(fields))
+
+
+def _smallest_error(fields: Array) -> float:
+    """Error of a reading below which none is taken, T."""
+    return max(_READING, _RELATIVE * root_mean_square(fields))
 
 
 def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) -> None:
-    """Refuse currents that could not make such fields in coils like the stated ones.
+    """Refuse currents, shape (n, 5), A, that could not make such fields, shape (n, 3), T.
 
-    Parameters
-    ----------
-    currents : ndarray, shape (n, 5)
-        A.
-    shares : ndarray, shape (n, 5, 3)
-        Field of each coil with them, T.
-    fields : ndarray, shape (n, 3)
-        T.
+    `shares`, shape (n, 5, 3), are the fields of each of the stated coils with them, T.
     """
     read, made, most = map(
         root_mean_square, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1))

@@ -35,7 +35,7 @@ class Comparison(OneLine):
     observed, recalibrated : ndarray, shape (n,) or (n, components)
         SI units.
     sd : ndarray
-        Of every number of `observed`.
+        Of every number of `observed`, one after another.
     extended : ndarray, optional
         Where a cause is claimed.
     held_out : ndarray of bool, shape (n,)
@@ -54,55 +54,10 @@ class Comparison(OneLine):
     @property
     def errors(self) -> tuple[float, float | None]:
         """Root mean square of what each model misses, SI units."""
-        after = None if self.extended is None else self.observed - self.extended
         return (
             root_mean_square(self.observed - self.recalibrated),
-            None if after is None else root_mean_square(after),
+            None if self.extended is None else root_mean_square(self.observed - self.extended),
         )
-
-
-class TableObservable(ABC):
-    """What tables of angles and of fields have alike: readings of some components, and a model.
-
-    Attributes
-    ----------
-    components : int
-        Numbers of a reading; `observed` has those of one after those of another.
-    settings : dict of ndarray, shape (n, ...)
-    """
-
-    name: str
-    title: str
-    components = 1
-    observed: Array
-    sd: Array
-    settings: Mapping[str, Array]
-    nuisance: tuple[Uncertain, ...] = ()
-
-    @abstractmethod
-    def predict(self, names: Sequence[str], parameters: Array) -> Array:
-        """See `Observable`."""
-
-    def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
-    ) -> Comparison:
-        """All readings beside both models."""
-
-        def rows(flat: Array) -> Array:
-            return flat if self.components == 1 else flat.reshape(-1, self.components)
-
-        def model(values: Array) -> Array:
-            return rows(self.predict(names, values[None, :])[0])
-
-        after = None if extended is None else model(extended)
-        return Comparison(
-            self.name, self.title, self.settings, rows(self.observed), self.sd,
-            model(recalibrated), after, held_out[:: self.components],
-        )  # fmt: skip
 
 
 class Observable(Protocol):
@@ -154,3 +109,57 @@ class Observable(Protocol):
         `held_out`, shape (k,), says which observables were held out for the gain.
         """
         ...
+
+
+class TableObservable(ABC):
+    """An `Observable` of a table of readings with independent errors, and their `settings`."""
+
+    name: str
+    settings: Mapping[str, Array]
+    nuisance: tuple[Uncertain, ...] = ()
+
+    def _set_readings(
+        self,
+        title: str,
+        mean: Array,
+        count: NDArray[np.int64],
+        noise: tuple[float, Fact],
+        left_out: Sequence[Fact],
+    ) -> None:
+        """Take the means of `count` readings each, shape (n, components), with a reading's noise.
+
+        The components of a reading stand one after another in `observed` and are held out together.
+        """
+        self.title = title
+        self.observed = mean.reshape(-1)
+        self.sd = np.repeat(noise[0] / np.sqrt(count), mean.shape[1])
+        self.covariance = np.diag(self.sd**2)
+        self.group = np.repeat(np.arange(len(mean), dtype=np.int64), mean.shape[1])
+        self.notes: tuple[Fact, ...] = (noise[1].of(table=title),)
+        self.left_out = tuple(left_out)
+
+    @abstractmethod
+    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+        """See `Observable`."""
+
+    def comparison(
+        self,
+        names: Sequence[str],
+        recalibrated: Array,
+        extended: Array | None,
+        held_out: NDArray[np.bool_],
+    ) -> Comparison:
+        """All readings beside both models."""
+        components = len(self.observed) // (int(self.group[-1]) + 1)
+
+        def rows(flat: Array) -> Array:
+            return flat if components == 1 else flat.reshape(-1, components)
+
+        def model(values: Array) -> Array:
+            return rows(self.predict(names, values[None, :])[0])
+
+        after = None if extended is None else model(extended)
+        return Comparison(
+            self.name, self.title, self.settings, rows(self.observed), self.sd,
+            model(recalibrated), after, held_out[::components],
+        )  # fmt: skip

@@ -1,169 +1,44 @@
-"""The part of the report that shows a tracked run: folded motion, force residuals, and words."""
+"""The section of the report that shows a tracked run: what it says of forces, in facts."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+import math
+from collections.abc import Mapping, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stickslip._util.palette import BLUE, DARK_GREY, PALE_BLUE, VERMILION
-from stickslip.diagnosis.observables.tracking.comparison import (
-    Directions,
-    FilmComparison,
-    compare_directions,
-    opposite,
-)
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.force_residuals import (
+    CLEAR,
     FEWEST_ORDERS,
     ForceView,
     Residual,
+    Slope,
 )
 from stickslip.diagnosis.report.figures import png
-from stickslip.diagnosis.report.film_messages import advance_lines, direction_lines, view_lines
+from stickslip.diagnosis.report.film_figure import film_figure
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.facts import Code, Fact
 
-Array = NDArray[np.float64]
+_NEARLY = 0.7
+"""Of the clearest t: a constant that has as much is named instead, as it is simpler. Chosen: two t
+values so near differ by less than their own errors of 1."""
 
 
 def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> list[ReportSection]:
     """The section of one run; with the second of two directions, one of their difference."""
     title = f"Tracking of {film.file}"
-    if film.view is None:
+    view, after = film.view, film.after
+    if view is None:
         lines = (Fact(Code.NO_FORCE_VIEW, {}),)
         return [ReportSection(title, "", lines, {"held_out": film.held_out})]
-    told = [*advance_lines(film.advance), *view_lines(film.view, film.after)]
-    numbers = {
-        "held_out": film.held_out, "advance": film.advance, **_numbers(film.view, film.after)
-    }  # fmt: skip
-    sections = [ReportSection(title, _figure(film.view, film.after), tuple(told), numbers)]
+    told = view_lines(view, after)
+    if film.advance is not None:
+        told.insert(0, Fact(Code.ADVANCE, {"extended": None, **film.advance}))
+    numbers = {"held_out": film.held_out, "advance": film.advance, **_numbers(view, after)}
+    sections = [ReportSection(title, png(film_figure(view, after)), tuple(told), numbers)]
     for other in earlier:
-        if other.view is not None and opposite(film, other):
-            found = compare_directions(other, film)
-            title = f"{other.file} and {film.file}: forward and reversed"
-            numbers = _direction_numbers(found)
-            sections.append(ReportSection(title, "", tuple(direction_lines(found)), numbers))
+        if other.view is not None and _opposite(film, other):
+            sections.append(_direction_section(other, film))
     return sections
-
-
-def _direction_numbers(found: Directions | None) -> dict[str, object]:
-    if found is None:
-        return {}
-    numbers: dict[str, object] = {"advance_sum": found.total, "advance_sum_sd": found.sd}
-    if found.world is not None:
-        numbers |= {
-            "force_world": found.world, "force_robot": found.robot, "force_sd": found.force_sd
-        }  # fmt: skip
-    return numbers
-
-
-@dataclass(frozen=True)
-class Trace:
-    """One quantity of the folded motion as it is drawn, in the label's unit, shape (g,) each."""
-
-    label: str
-    measured: Array
-    recalibrated: Array
-    extended: Array | None
-
-
-def traces(view: ForceView, after: ForceView | None) -> tuple[Trace, Trace]:
-    """Tilt and place over the phase of the drive; `after` is the extended model's view."""
-    degree, um = np.degrees(1.0), 1e6
-    extended: tuple[Array | None, Array | None] = (None, None)
-    if after is not None:
-        # Each model has a camera of its own; the readings are drawn as the recalibrated one has
-        # them.
-        extended = (
-            (view.theta + after.theta_model - after.theta) * degree,
-            (view.place + after.place_model - after.place) * um,
-        )
-    tilt = Trace("tilt (degrees)", view.theta * degree, view.theta_model * degree, extended[0])
-    place = Trace("x less its drift (um)", view.place * um, view.place_model * um, extended[1])
-    return tilt, place
-
-
-def _figure(view: ForceView, after: ForceView | None) -> str:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    later = (None, None) if after is None else (after.sticking, after.slipping)
-    rows = [
-        (found, found_later, unit, label)
-        for found, found_later, unit, label in (
-            (view.sticking, later[0], 1e12, "torque residual (pN m)\nsticking"),
-            (view.slipping, later[1], 1e9, "force residual (nN)\nslipping"),
-        )
-        if found is not None
-    ]
-    figure = Figure(figsize=(10.0, 2.9 + 2.35 * len(rows)), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes: Any = figure.subplots(1 + len(rows), 4 if rows else 2, squeeze=False)
-    if rows:
-        grid = axes[0, 0].get_gridspec()
-        for each in axes[0]:
-            each.remove()
-        motion = [figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])]
-    else:
-        motion = list(axes[0])
-    for each, trace in zip(motion, traces(view, after), strict=True):
-        each.plot(view.phase, trace.measured, color="k", lw=1.6, label="measured, smoothed")
-        each.plot(view.phase, trace.recalibrated, color=BLUE, lw=1.4, ls="--",
-                  label="recalibrated")  # fmt: skip
-        if trace.extended is not None:
-            each.plot(view.phase, trace.extended, color=VERMILION, lw=1.4, ls=":",
-                      label="with the cause")  # fmt: skip
-        each.set_xlabel("phase of the drive")
-        each.set_ylabel(trace.label)
-    motion[0].legend(fontsize=8, frameon=False)
-    for frames, (found, found_later, unit, label) in zip(axes[1:], rows, strict=True):
-        _row(frames, view, found, found_later, unit, label)
-    return png(figure)
-
-
-def _row(
-    axes: Any,
-    view: ForceView,
-    found: Residual,
-    after: Residual | None,
-    unit: float,
-    label: str,
-) -> None:
-    """One residual against theta, its rate, contact velocity and phase."""
-    variables = (
-        (np.degrees(view.theta), "tilt (degrees)"),
-        (view.rate, "its rate (rad/s)"),
-        (view.contact_velocity * 1e3, "contact velocity (mm/s)"),
-        (view.phase, "phase of the drive"),
-    )
-    for k, (each, (variable, name)) in enumerate(zip(axes, variables, strict=True)):
-        each.axhline(0.0, color=DARK_GREY, lw=0.8)
-        each.set_xlabel(name)
-        each.tick_params(labelsize=8)
-        each.locator_params(axis="x", nbins=4)
-        if k:
-            each.sharey(axes[0])
-            each.tick_params(labelleft=False)
-        at, value, sd = _well_separated(view, found)
-        each.errorbar(variable[at], value * unit, sd * unit, fmt="o", color=BLUE,
-                      ecolor=PALE_BLUE, ms=3.5, lw=1.0, label="recalibrated")  # fmt: skip
-        if after is not None:
-            at, value, _ = _well_separated(view, after)
-            each.plot(variable[at], value * unit, "D", color=VERMILION, mfc="none", ms=4,
-                      label="with the cause")  # fmt: skip
-    axes[0].set_ylabel(label)
-    if after is not None:
-        axes[3].legend(fontsize=7, frameon=False)
-
-
-def _well_separated(view: ForceView, found: Residual) -> tuple[NDArray[np.int64], Array, Array]:
-    """Places, values and errors, half as far apart as the smoothing tells them apart."""
-    step = max(1, len(view.phase) // (4 * view.orders))
-    kept = slice(step // 2 % max(len(found.where), 1), None, step)
-    return found.where[kept], found.value[kept], found.sd[kept]
 
 
 def _numbers(view: ForceView, after: ForceView | None) -> dict[str, object]:
@@ -185,3 +60,96 @@ def _numbers(view: ForceView, after: ForceView | None) -> dict[str, object]:
                 else {s.variable: {"value": s.value, "sd": s.sd, "t": s.t} for s in found.slopes}
             )
     return numbers
+
+
+def view_lines(view: ForceView, after: ForceView | None) -> list[Fact]:
+    """What one run says of torques, forces and slow changes."""
+    lines = []
+    if view.orders < FEWEST_ORDERS:
+        shown = {"phases": view.distinct, "orders": view.orders, "needed": FEWEST_ORDERS}
+        lines.append(Fact(Code.TOO_FEW_PHASES, shown))
+    else:
+        torque = (Code.TORQUE_NOT_JUDGED, Code.TORQUE_CLEAN, Code.TORQUE_RESIDUAL)
+        force = (Code.FORCE_NOT_JUDGED, Code.FORCE_CLEAN, Code.FORCE_RESIDUAL)
+        lines.append(_residual(view.sticking, torque, "N m"))
+        lines.append(_residual(view.slipping, force, "N"))
+        if view.onset is not None:
+            measured, sd, model = view.onset
+            same = abs(measured - model) < CLEAR * sd
+            code = Code.ONSET_SAME if same else Code.ONSET_DIFFERS
+            lines.append(Fact(code, {"difference": measured - model, "sd": sd}))
+    drifts = ((view.drift_theta, Code.DRIFT_OF_TILT), (view.drift_advance, Code.DRIFT_OF_ADVANCE))
+    clear = [
+        Fact(code, {"value": value, "sd": sd})
+        for (value, sd), code in drifts
+        if abs(value) > CLEAR * sd
+    ]
+    lines += clear or [Fact(Code.NO_DRIFT_OF_PERIODS, {})]
+    if after is not None and view.slipping is not None and after.slipping is not None:
+        before, now = view.slipping.slopes[0], after.slipping.slopes[0]
+        if abs(before.t) > CLEAR or abs(now.t) > CLEAR:
+            lines.append(Fact(Code.FORCE_WITH_CAUSE, {"before": before.t, "after": now.t}))
+    return lines
+
+
+def _residual(found: Residual | None, codes: tuple[Code, Code, Code], unit: str) -> Fact:
+    """A residual in one of three codes: not judged, none that is clear, or the clearest one."""
+    not_judged, clean, clear = codes
+    if found is None:
+        return Fact(not_judged, {})
+    worst, mean = _clearest(found), found.slopes[0]
+    size: Mapping[str, object]
+    if worst is None:
+        # A residual of two standard deviations could be hidden in the noise.
+        size = {"value": mean.value, "sd": mean.sd, "hidden": 2.0 * mean.sd / found.scale}
+        return Fact(clean, {**size, "unit": unit})
+    size = {"value": worst.value, "sd": worst.sd, "t": worst.t}
+    return Fact(clear, {"variable": worst.variable, **size, "unit": unit})
+
+
+def _clearest(found: Residual) -> Slope | None:
+    """The clearest departure from zero; a constant, if it is nearly as clear as any."""
+    clear = [each for each in found.slopes if abs(each.t) > CLEAR]
+    if not clear:
+        return None
+    best = max(clear, key=lambda each: abs(each.t))
+    constant = found.slopes[0]
+    return constant if abs(constant.t) > max(CLEAR, _NEARLY * abs(best.t)) else best
+
+
+def _opposite(one: FilmComparison, other: FilmComparison) -> bool:
+    """Whether two runs differ in their direction alone."""
+    turned = "+x" if one.scenario.drive.direction == "-x" else "-x"
+    return one.scenario.replace({"drive.direction": turned}) == other.scenario
+
+
+def _direction_section(one: FilmComparison, other: FilmComparison) -> ReportSection:
+    """What two opposite runs share, in the world, and what changes its sign with the robot.
+
+    The ways of a pulse, m, cancel if nothing is fixed to the world. The mean force residuals while
+    slipping, N, are told apart in the same way.
+    """
+    title = f"{one.file} and {other.file}: forward and reversed"
+    if one.advance is None or other.advance is None:
+        return ReportSection(title, "", (Fact(Code.DIRECTIONS_TOO_SHORT, {}),), {})
+    forward, reverse = one.advance["measured"], other.advance["measured"]
+    total, sd = forward + reverse, math.hypot(one.advance["sd"], other.advance["sd"])
+    t = total / sd
+    code = Code.DIRECTIONS_CANCEL if abs(t) < CLEAR else Code.DIRECTIONS_DIFFER
+    lines = [Fact(code, {"forward": forward, "reverse": reverse, "total": total, "t": t})]
+    numbers: dict[str, object] = {"advance_sum": total, "advance_sum_sd": sd}
+    means = [
+        each.view.slipping.slopes[0]
+        for each in (one, other)
+        if each.view is not None and each.view.slipping is not None
+    ]
+    if len(means) == 2:
+        signs = [-1.0 if each.scenario.drive.direction == "-x" else 1.0 for each in (one, other)]
+        forces = {
+            "world": 0.5 * sum(sign * each.value for sign, each in zip(signs, means, strict=True)),
+            "robot": 0.5 * sum(each.value for each in means),
+            "sd": 0.5 * math.hypot(means[0].sd, means[1].sd),
+        }
+        lines.append(Fact(Code.FORCES_OF_DIRECTIONS, forces))
+        numbers |= {f"force_{name}": value for name, value in forces.items()}
+    return ReportSection(title, "", tuple(lines), numbers)

@@ -1,4 +1,4 @@
-"""The files that a diagnosis of a measurement leaves: report.html, report.json, extended.toml."""
+"""The files of a diagnosis: report.html, report.json, and of a measurement extended.toml."""
 
 from __future__ import annotations
 
@@ -21,15 +21,18 @@ from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.experiment_design import Experiment, undecided
 from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.probabilities import PRIOR_NONE, PRIOR_UNKNOWN
 from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.inference.upper_bounds import BOUND, POWER
-from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN, PRIOR_NONE, PRIOR_UNKNOWN
+from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN
+from stickslip.diagnosis.observables import Comparison
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.json_keys import Source, details, facts, further, gain_unit, summary
-from stickslip.diagnosis.report.observable_sections import report_sections
+from stickslip.diagnosis.report import figures
+from stickslip.diagnosis.report.film_section import film_sections
+from stickslip.diagnosis.report.json_keys import OwnData, report_numbers
 from stickslip.diagnosis.report.parameters import short
-from stickslip.diagnosis.report.section import ReportSection
-from stickslip.facts import Fact
+from stickslip.diagnosis.report.section import ReportSection, table_section
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -45,7 +48,6 @@ _SHOWN = {
     # Readings of several units have no mean error.
     "SI": None,
 }
-
 
 _LIMITS = {
     "adequate": ADEQUATE,
@@ -66,41 +68,21 @@ def write_report(
     out: str | PathLike[str],
     found: Findings,
     posed: PosedProblem,
-    measurement: Measurement,
-    experiments: Sequence[Experiment],
-) -> None:
-    """Write report.html, report.json and extended.toml into the folder `out`, which is made.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
-    """
-    sections = report_sections(posed.comparisons(found))
-    # All three are made before the first is written.
-    texts = report_texts(found, posed, measurement, experiments, sections, gain_unit(posed))
-    extended = extended_scenario(found, measurement.scenario)
-    origin = _origin(found, measurement, extended)
-    write_files(out, texts, scenario_writers(extended, Path(out) / EXTENDED, origin)[1])
-
-
-def report_texts(
-    found: Findings,
-    posed: PosedProblem,
-    source: Source,
+    source: Measurement | OwnData,
     experiments: Sequence[Experiment],
     sections: Sequence[ReportSection],
     unit: str,
-) -> dict[str, str]:
-    """Contents of report.json and report.html; `unit` is that of the held-out observables."""
-    full = {**summary(found, posed, source, experiments), **details(found, posed, source, unit)}
-    full["channels"] = {each.title: each.numbers for each in sections}
-    full["gain_unit"] = unit
-    more = further(found, posed)
-    told = facts(found, [*source.left_out, *posed.left_out], experiments, sections)
-    full |= {**more, "facts": {**told, **more["facts"]}}
-    page = page_text(found, posed, full, sections, experiments)
-    return {JSON: json_text(full) + "\n", PAGE: page}
+) -> None:
+    """Write all files into the folder `out`, which is made; `unit` is that of what is held out."""
+    # All are made before the first is written.
+    numbers = report_numbers(found, posed, source, experiments, sections, unit)
+    page = _page(found, posed, numbers, sections, experiments)
+    others = {}
+    if isinstance(source, Measurement):
+        extended = extended_scenario(found, source.scenario)
+        origin = _origin(found, source, extended)
+        others = scenario_writers(extended, Path(out) / EXTENDED, origin)[1]
+    write_files(out, {JSON: json_text(numbers) + "\n", PAGE: page}, others)
 
 
 def write_files(
@@ -108,11 +90,24 @@ def write_files(
     texts: Mapping[str, str],
     others: Mapping[Path, Callable[[Path], object]] | None = None,
 ) -> None:
-    """Write files of one age into the folder `out`, which is made: texts by name, and others."""
+    """Write texts by name and other files into the folder `out`, which is made: all or none."""
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     texts_by_path = {folder / name: text_writer(text) for name, text in texts.items()}
     write_together({**texts_by_path, **(others or {})})
+
+
+def report_sections(comparisons: Sequence[Comparison | FilmComparison]) -> list[ReportSection]:
+    """Sections for tables of angles and fields, and films, in the order of what was compared."""
+    sections: list[ReportSection] = []
+    films: list[FilmComparison] = []
+    for each in comparisons:
+        if isinstance(each, FilmComparison):
+            sections += film_sections(each, films)
+            films.append(each)
+        else:
+            sections.append(table_section(each))
+    return sections
 
 
 def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> list[str]:
@@ -132,27 +127,7 @@ def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> li
     return [*lines, *(changed or ["nothing is changed"])]
 
 
-def _leading(ranking: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Rows of the leading candidates and of no cause, as the verdict weighs them."""
-    rows = [row for row in ranking if row["leading"]]
-    return sorted(rows, key=lambda row: -row["priced_evidence"]) if len(ranking) > 1 else []
-
-
-def _weighed(found: Findings) -> list[Fact]:
-    second = runner_up(found)
-    return [*found.verdict.reasons, *([] if second is None else [second])]
-
-
-def _typical_error(found: Findings) -> str:
-    """Noise of one trial at the median velocity."""
-    if found.noise.dof == 0.0:
-        return "not known"
-    level = float(np.median(np.abs(found.noise.mean)))
-    sd = float(np.hypot(found.noise.floor, found.noise.relative * level))
-    return f"{sd * 1e3:.3g} mm/s at {level * 1e3:.3g} mm/s"
-
-
-def page_text(
+def _page(
     found: Findings,
     posed: PosedProblem,
     full: Mapping[str, Any],
@@ -161,8 +136,6 @@ def page_text(
 ) -> str:
     """The report as one page that needs no other file."""
     import jinja2
-
-    from stickslip.diagnosis.report import figures
 
     source = resources.files("stickslip.diagnosis.report").joinpath("page.html").read_text("utf-8")
     environment = jinja2.Environment(
@@ -173,11 +146,17 @@ def page_text(
         finalize=lambda each: printable_lines(each) if isinstance(each, str) else each,
     )
     conditions = posed.conditions
-    nothing = found.verdict.kind == "data-problem"
-    keys, among = known_keys(), varied(conditions)
+    learnt = found.verdict.kind != "data-problem"
+    among = varied(conditions)
+    common = (
+        [k for k in known_keys() if k in conditions[0] and k not in among] if conditions else []
+    )
+    leaders = [row for row in full["ranking"] if row["leading"]] if len(full["ranking"]) > 1 else []
+    reasons = [*found.verdict.reasons, runner_up(found)]
+    causes = found.problem.causes
     return environment.from_string(source).render(
         report=full,
-        meanings={each.name: each.meaning for each in found.problem.causes},
+        meanings={each.name: each.meaning for each in causes},
         units={short(each.name): each.unit for each in found.problem.parameters},
         downward={short(each.name) for each in found.problem.parameters if each.downward},
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
@@ -187,23 +166,28 @@ def page_text(
         profiles=[figures.png(figures.profile(each)) for each in found.profiles],
         columns=[heading(key) for key in among],
         settings=[[shown_value(key, each[key]) for key in among] for each in conditions],
-        common=in_words(
-            conditions[0], [key for key in keys if key in conditions[0] and key not in among]
-        )
+        common=in_words(conditions[0], [key for key in common if key in conditions[0]])
         if conditions
         else "",
-        candidates=_leading(full["ranking"]),
+        candidates=sorted(leaders, key=lambda row: -row["priced_evidence"]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
         undecided=undecided(experiments),
-        by_evidence=any("lead" in each.fields for each in _weighed(found)),
+        by_evidence=any(each is not None and "lead" in each.fields for each in reasons),
         limits=_LIMITS,
         observables=len(found.problem.observed),
-        models=["velocity", "sd", "given", *([] if nothing else ["recalibrated", "extended"])],
+        models=["velocity", "sd", "given", *(["recalibrated", "extended"] if learnt else [])],
         typical=_typical_error(found),
         report_sections=sections,
         ranking=figures.png(figures.ranking(found)),
-        distinguishability=figures.png(figures.distinguishability(found))
-        if found.problem.causes
-        else "",
+        distinguishability=figures.png(figures.distinguishability(found)) if causes else "",
     )
+
+
+def _typical_error(found: Findings) -> str:
+    """Noise of one trial at the median velocity."""
+    if found.noise.dof == 0.0:
+        return "not known"
+    level = float(np.median(np.abs(found.noise.mean)))
+    sd = float(np.hypot(found.noise.floor, found.noise.relative * level))
+    return f"{sd * 1e3:.3g} mm/s at {level * 1e3:.3g} mm/s"

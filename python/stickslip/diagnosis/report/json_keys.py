@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import leading, runner_up
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects
 from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Problem, Uncertain
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.evidence import (
     carriers,
@@ -31,45 +32,45 @@ from stickslip.diagnosis.report.messages import headline
 from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.facts import Code, Fact
+from stickslip.measurement.reading import Measurement
 
 Array = NDArray[np.float64]
 
+_STRONG = 0.4
+"""Component of a unit vector from which on it is named. Chosen: at most six have as much."""
 
-class Source(Protocol):
-    """Where the data are from, such as a `Measurement`."""
+_NAMED = 3
+"""Constants of a flat direction that are named. Chosen: more are not read."""
 
-    @property
-    def name(self) -> str:
-        """Title of the report."""
-        ...
 
-    @property
-    def left_out(self) -> tuple[Fact, ...]:
-        """What of the data was not sound."""
-        ...
+@dataclass(frozen=True)
+class OwnData:
+    """Data of a model of the user's own, as far as a report says where they are from."""
+
+    name: str
+    left_out: tuple[Fact, ...] = ()
 
 
 def summary(
-    found: Findings, posed: PosedProblem, measurement: Source, experiments: Sequence[Experiment]
+    found: Findings,
+    posed: PosedProblem,
+    measurement: Measurement | OwnData,
+    experiments: Sequence[Experiment],
 ) -> dict[str, Any]:
     """Keys of ``stickslip diagnose --json``; SI units."""
-    verdict = found.verdict
+    verdict, gain = found.verdict, found.gain
     cause: Any = None
     if verdict.kind == "named":
         cause = verdict.causes[0]
     elif verdict.kind in ("ambiguous", "pair"):
         cause = list(verdict.causes)
-    gain = found.gain
     return {
         "verdict": verdict.kind,
         "cause": cause,
-        "parameters": {
-            short(name): entry
-            for name, entry in extended_parameters(found).items()
-        },
+        "parameters": _by_short_name(extended_parameters(found)),
         "probabilities": dict(verdict.probabilities),
         "p_value": found.detection.p_value,
-        "bounds": {short(name): value for name, value in found.bounds.items()},
+        "bounds": _by_short_name(found.bounds),
         "gain": None if gain is None else {
             "n": len(gain.held_out),
             "heldout_chi2_before": gain.chi2_before,
@@ -82,28 +83,61 @@ def summary(
             {"drive": dict(each.drive), "why": str(each.why), "predictions": each.predictions}
             for each in experiments
         ],
-        "left_out": _said([*measurement.left_out, *posed.left_out]),
+        "left_out": _sentences([*measurement.left_out, *posed.left_out]),
         "seed": found.seed,
         "version": _core.__version__,
     }  # fmt: skip
 
 
-def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str) -> dict[str, Any]:
-    """What was found, beyond the summary; `unit` is that of the held-out observables."""
-    problem, gain = found.problem, found.gain
+def report_numbers(
+    found: Findings,
+    posed: PosedProblem,
+    source: Measurement | OwnData,
+    experiments: Sequence[Experiment],
+    sections: Sequence[ReportSection],
+    unit: str,
+) -> dict[str, Any]:
+    """All keys of report.json; `unit` is that of the held-out observables.
+
+    The facts of the sentences are under the same keys as these, in ``facts``.
+    """
+    second = runner_up(found)
+    facts = {
+        "reasons": _data(found.verdict.reasons),
+        "runner_up": _data([] if second is None else [second]),
+        "notes": _data(found.notes),
+        "left_out": _data([*source.left_out, *posed.left_out]),
+        "flat_directions": _data(flat_directions(found.problem, found.null)),
+        "next_experiments": [each.why.as_dict() for each in experiments],
+        "channels": {each.title: _data(each.lines) for each in sections},
+    }
+    evidence, facts_of_it = _evidence(found, posed)
     return {
-        "name": measurement.name,
+        **summary(found, posed, source, experiments),
+        "name": source.name,
+        **_details(found, posed, unit),
+        "channels": {each.title: each.numbers for each in sections},
+        "gain_unit": unit,
+        **evidence,
+        "facts": {**facts, **facts_of_it},
+    }
+
+
+def _details(found: Findings, posed: PosedProblem, unit: str) -> dict[str, Any]:
+    """What was found, beyond the summary."""
+    problem, gain, test = found.problem, found.gain, found.detection
+    return {
         "headline": headline(found),
         "runner_up": str(runner_up(found) or ""),
-        "reasons": _said(found.verdict.reasons),
-        "notes": _said(found.notes),
+        "reasons": _sentences(found.verdict.reasons),
+        "notes": _sentences(found.notes),
         "tests": {
-            "lack_of_fit": found.detection.lack_of_fit,
-            "lack_of_fit_p": found.detection.lack_of_fit_p,
-            "score": found.detection.score,
-            "score_threshold": found.detection.threshold,
-            "score_p": found.detection.score_p,
-            "bootstrapped": found.detection.bootstrapped,
+            "lack_of_fit": test.lack_of_fit,
+            "lack_of_fit_p": test.lack_of_fit_p,
+            "score": test.score,
+            "score_threshold": test.threshold,
+            "score_p": test.score_p,
+            "bootstrapped": test.bootstrapped,
         },
         "noise": {
             "floor": found.noise.floor,
@@ -113,7 +147,7 @@ def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str
             "dof": found.noise.dof,
         },
         "recalibrated": _recalibrated(found),
-        "flat_directions": _said(flat_directions(problem, found.null)),
+        "flat_directions": _sentences(flat_directions(problem, found.null)),
         "ranking": _ranking(found),
         "profiles": {
             each.name: {"value": each.value.tolist(), "chi2": each.chi2.tolist(), "unit": each.unit}
@@ -132,7 +166,7 @@ def details(found: Findings, posed: PosedProblem, measurement: Source, unit: str
 
 
 def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]]:
-    """Each condition with its settings, its reading, and what the models say of it."""
+    """Each condition with its settings, its reading, and the predictions of the models."""
     problem, gain, extended = found.problem, found.gain, found.verdict.fit
     points = [found.null.x] if extended is None else [found.null.x, extended.x]
     predicted = problem.predicted(np.stack(points))
@@ -141,14 +175,16 @@ def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]
     rows = []
     for k, each in enumerate(posed.conditions):
         row: dict[str, Any] = {key.split(".")[1]: value for key, value in each.items()}
-        row["velocity"] = float(problem.observed[k])
-        row["sd"] = float(sd[k]) if found.noise.dof > 0.0 else None
-        row["model_scatter"] = float(found.roughness[k])
-        row["trials"] = int(found.noise.count[k])
-        row["given"] = float(posed.given[k])
-        row["recalibrated"] = float(predicted[0, k])
-        row["extended"] = float(predicted[1, k]) if len(predicted) > 1 else None
-        row["held_out"] = k in held
+        row |= {
+            "velocity": float(problem.observed[k]),
+            "sd": float(sd[k]) if found.noise.dof > 0.0 else None,
+            "model_scatter": float(found.roughness[k]),
+            "trials": int(found.noise.count[k]),
+            "given": float(posed.given[k]),
+            "recalibrated": float(predicted[0, k]),
+            "extended": float(predicted[1, k]) if extended is not None else None,
+            "held_out": k in held,
+        }
         if gain is not None and k in held:
             row["recalibrated_without_it"] = float(gain.predicted_before[held[k]])
             row["extended_without_it"] = float(gain.predicted_after[held[k]])
@@ -160,19 +196,25 @@ def _recalibrated(found: Findings) -> dict[str, dict[str, float | str | None]]:
     """Each uncertain parameter in both models, with its error in the recalibrated one."""
     extended = found.verdict.fit
     spread = np.sqrt(np.diag(found.null.covariance))
-    return {
-        each.name: {
-            "value": float(each.prior.value(found.null.x[k])),
+    result: dict[str, dict[str, float | str | None]] = {}
+    for k, each in enumerate(found.problem.uncertain):
+        interval = _interval(each, found.null.x[k], spread[k])
+        result[each.name] = {
+            "value": interval.pop("value"),
             "unit": each.unit,
             "stated": float(each.prior.value(0.0)) if each.prior.has_middle else None,
-            "low": float(each.prior.value(found.null.x[k] - spread[k])),
-            "high": float(each.prior.value(found.null.x[k] + spread[k])),
+            **interval,
             "pull": float(found.null.x[k]),
             "extended": None if extended is None else float(each.prior.value(extended.x[k])),
             "pull_extended": None if extended is None else float(extended.x[k]),
         }
-        for k, each in enumerate(found.problem.uncertain)
-    }
+    return result
+
+
+def _interval(constant: Uncertain, x: float, sd: float) -> dict[str, float]:
+    """A constant at a coordinate, and one standard deviation below and above."""
+    at = {"value": x, "low": x - sd, "high": x + sd}
+    return {name: float(constant.prior.value(u)) for name, u in at.items()}
 
 
 def _ranking(found: Findings) -> list[dict[str, Any]]:
@@ -194,79 +236,60 @@ def _ranking(found: Findings) -> list[dict[str, Any]]:
     ]
 
 
-def further(found: Findings, posed: PosedProblem) -> dict[str, Any]:
-    """What the verdict rests on, and what takes some more simulations."""
-    problem = found.problem
+def _evidence(found: Findings, posed: PosedProblem) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the verdict rests on, by some more simulations, and the facts of its sentences."""
+    problem, fit = found.problem, found.verdict.fit
     parts = refit_parts(problem, found.null, posed.parts())
     smallest = smallest_effects(problem, found.sensitivities, found.detection.threshold)
-    share = None
-    if found.verdict.fit is not None:
-        share = share_of_smooth_bound(found.null, found.verdict.fit, found.smooth_bound)
     judged = found.verdict.kind != "data-problem"
     misfit = misfit_by_part(found, posed.parts()) if judged else {}
-    lives = where_it_lives(misfit) if misfit and found.detection.found else None
+    lives = [where_it_lives(misfit)] if misfit and found.detection.found else []
     velocities = velocity_changes(found, posed.conditions)
-    changes = {name: pattern(each) for name, each in velocities.items()}
+    patterns = {name: pattern(each) for name, each in velocities.items()}
     changed, looks = changing(problem, parts), advice(found)
-    return {
+    numbers = {
         "signal_to_noise": signal_to_noise(found),
         "misfit_by_part": misfit,
-        "where_it_lives": str(lives or ""),
+        "where_it_lives": "".join(_sentences(lives)),
         "velocity_changes": {
-            name: {"parts": parts, "in_words": str(changes[name])}
-            for name, parts in velocities.items()
+            name: {"parts": each, "in_words": str(patterns[name])}
+            for name, each in velocities.items()
         },
         "constancy": {
             part.name: {
-                each.name: {
-                    "value": float(each.prior.value(part.x[k])),
-                    "low": float(each.prior.value(part.x[k] - part.sd[k])),
-                    "high": float(each.prior.value(part.x[k] + part.sd[k])),
-                }
+                each.name: _interval(each, part.x[k], part.sd[k])
                 for k, each in enumerate(problem.uncertain)
             }
             for part in parts
         },
-        "changing": _said(changed),
-        "smallest_effects": {short(name): value for name, value in smallest.items()},
+        "changing": _sentences(changed),
+        "smallest_effects": _by_short_name(smallest),
         "smooth_ceiling": found.smooth_bound,
-        "share_of_ceiling": share,
+        "share_of_ceiling": None
+        if fit is None
+        else share_of_smooth_bound(found.null, fit, found.smooth_bound),
         "carried_by": carriers(found, len(posed.conditions)),
-        "advice": _said(looks),
-        "facts": {
-            "changing": _data(changed),
-            "where_it_lives": _data([] if lives is None else [lives]),
-            "velocity_changes": {name: fact.as_dict() for name, fact in changes.items()},
-            "advice": _data(looks),
-        },
+        "advice": _sentences(looks),
     }
-
-
-def facts(
-    found: Findings,
-    left_out: Sequence[Fact],
-    experiments: Sequence[Experiment],
-    report_sections: Sequence[ReportSection],
-) -> dict[str, Any]:
-    """The facts of the sentences of `summary` and `details`, under the same keys."""
-    second = runner_up(found)
-    return {
-        "reasons": _data(found.verdict.reasons),
-        "runner_up": _data([] if second is None else [second]),
-        "notes": _data(found.notes),
-        "left_out": _data(left_out),
-        "flat_directions": _data(flat_directions(found.problem, found.null)),
-        "next_experiments": [each.why.as_dict() for each in experiments],
-        "channels": {each.title: _data(each.lines) for each in report_sections},
+    facts = {
+        "changing": _data(changed),
+        "where_it_lives": _data(lives),
+        "velocity_changes": {name: fact.as_dict() for name, fact in patterns.items()},
+        "advice": _data(looks),
     }
+    return numbers, facts
 
 
-def _said(told: Iterable[Fact]) -> list[str]:
-    return [str(each) for each in told]
+def _by_short_name(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {short(name): value for name, value in values.items()}
 
 
-def _data(told: Iterable[Fact]) -> list[dict[str, Any]]:
-    return [each.as_dict() for each in told]
+def _sentences(facts: Iterable[Fact]) -> list[str]:
+    return [str(each) for each in facts]
+
+
+def _data(facts: Iterable[Fact]) -> list[dict[str, Any]]:
+    return [each.as_dict() for each in facts]
 
 
 def _level(found: Findings, unit: str) -> float | None:
@@ -286,22 +309,17 @@ def gain_unit(posed: PosedProblem) -> str:
 
 
 def flat_directions(problem: Problem, fit: Fit) -> list[Fact]:
-    """Combinations of uncertain parameters that the data says nothing about."""
+    """Combinations of uncertain parameters on which the data carry less information than priors."""
     m, p = len(problem.observed), problem.base_count
     if p == 0:
         return []
-    data = fit.jacobian[:m, :p]
-    _, singular, right = np.linalg.svd(data, full_matrices=False)
-    said = []
-    for size, direction in zip(singular, right, strict=True):
-        if size >= 1.0:
-            continue
-        strong = [
-            problem.uncertain[k].name for k in np.argsort(-np.abs(direction)) if
-            abs(direction[k]) > 0.4
-        ]  # fmt: skip
+    _, singular, right = np.linalg.svd(fit.jacobian[:m, :p], full_matrices=False)
+    facts = []
+    for direction in right[singular < 1.0]:
+        order = np.argsort(-np.abs(direction))
+        strong = [problem.uncertain[k].name for k in order if abs(direction[k]) > _STRONG]
         if len(strong) > 1:
-            said.append(Fact(Code.TRADE_OFF, {"names": strong[:3]}))
+            facts.append(Fact(Code.TRADE_OFF, {"names": strong[:_NAMED]}))
         elif strong:
-            said.append(Fact(Code.LITTLE_KNOWN, {"name": strong[0]}))
-    return said
+            facts.append(Fact(Code.LITTLE_KNOWN, {"name": strong[0]}))
+    return facts

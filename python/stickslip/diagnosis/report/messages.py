@@ -1,18 +1,23 @@
-"""A diagnosis in sentences."""
+"""A diagnosis in sentences: the headline, and the lines that the command prints."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+from stickslip.diagnosis.data.conditions import Conditions, changes
+from stickslip.diagnosis.inference.experiment_design import Experiment, advice, undecided
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.ranking import runner_up
 from stickslip.diagnosis.report.parameters import extended_parameters, short
+from stickslip.facts import Fact
 
-_NAMELESS = {
-    "none": "Nothing beyond the recalibrated model can be seen in these data.",
-    "unexplained": "Something is there that no cause that was tried and no pair of them explains.",
-}
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _LISTED = 6
+"""Candidates that the headline names. Chosen: more are not read."""
 
 
 def rounded(value: float, sd: float) -> str:
@@ -28,27 +33,7 @@ def rounded(value: float, sd: float) -> str:
 
 def headline(found: Findings) -> str:
     """The verdict in one sentence, and in a second one if there is no certain gain."""
-    verdict = found.verdict
-    if verdict.kind in _NAMELESS:
-        text = _NAMELESS[verdict.kind]
-    elif verdict.kind == "data-problem":
-        text = f"The data do not allow a diagnosis. {verdict.reasons[0]}"
-    elif verdict.kind == "named":
-        text = f"The data point to {verdict.causes[0]}: {_sizes(found)}."
-    elif verdict.kind == "pair":
-        both = " and ".join(verdict.causes)
-        text = f"The data point to two causes together, {both}: {_sizes(found)}."
-    elif verdict.fit is not None and len(verdict.causes) == len(verdict.fit.candidate.causes):
-        members = " and ".join(verdict.causes)
-        best = "is the best candidate" if len(verdict.causes) == 1 else "are the best pair"
-        text = f"{members} {best}, but this is not certain. {verdict.reasons[0]}"
-    else:
-        first, more = verdict.causes[:_LISTED], len(verdict.causes) - _LISTED
-        pair = verdict.fit is not None and len(verdict.fit.candidate.causes) > 1
-        text = "Two of these together" if pair else "One of these"
-        text += f", and these data cannot say which: {', '.join(first)}"
-        text += f" and {more} more." if more > 0 else "."
-    gain = found.gain
+    text, gain = _verdict(found), found.gain
     if gain is not None and gain.interval[1] < 0.0:
         text += f" But it predicts {len(gain.held_out)} held-out conditions worse: chi-square per "
         text += f"condition is {gain.chi2_before:.1f} before and {gain.chi2_after:.1f} after."
@@ -56,6 +41,29 @@ def headline(found: Findings) -> str:
         text += f" On {len(gain.held_out)} held-out conditions the gain is not certain: its "
         text += "interval includes 0."
     return text
+
+
+def _verdict(found: Findings) -> str:
+    verdict = found.verdict
+    if verdict.kind == "none":
+        return "Nothing beyond the recalibrated model can be seen in these data."
+    if verdict.kind == "unexplained":
+        return "Something is there that no cause that was tried and no pair of them explains."
+    if verdict.kind == "data-problem":
+        return f"The data do not allow a diagnosis. {verdict.reasons[0]}"
+    both = " and ".join(verdict.causes)
+    if verdict.kind == "named":
+        return f"The data point to {both}: {_sizes(found)}."
+    if verdict.kind == "pair":
+        return f"The data point to two causes together, {both}: {_sizes(found)}."
+    count = 1 if verdict.fit is None else len(verdict.fit.candidate.causes)
+    if verdict.fit is not None and len(verdict.causes) == count:
+        best = "is the best candidate" if count == 1 else "are the best pair"
+        return f"{both} {best}, but this is not certain. {verdict.reasons[0]}"
+    first, more = ", ".join(verdict.causes[:_LISTED]), len(verdict.causes) - _LISTED
+    which = "Two of these together" if count > 1 else "One of these"
+    end = f" and {more} more." if more > 0 else "."
+    return f"{which}, and these data cannot say which: {first}{end}"
 
 
 def _sizes(found: Findings) -> str:
@@ -81,3 +89,38 @@ def against(value: float, stated: float) -> str:
         way = "above" if ratio >= 1.0 else "below"
         return f"{abs(ratio - 1.0):.0%} {way} the stated {stated:.3g}"
     return f"{ratio:.3g} times the stated {stated:.3g}"
+
+
+def verdict_lines(found: Findings, left_out: Sequence[Fact]) -> list[str]:
+    """The verdict and its reasons, what was left out, and the held-out improvement."""
+    reasons = () if found.verdict.kind == "data-problem" else found.verdict.reasons
+    second = runner_up(found)
+    lines = [f"{found.verdict.kind}: {headline(found)}"]
+    lines += [f"  {fact}" for fact in (*reasons, *([second] if second else []), *found.notes)]
+    lines += [f"  left out: {fact}" for fact in left_out]
+    if found.gain is not None:
+        lines.append(
+            f"  chi-square per condition, {len(found.gain.held_out)} held out: "
+            f"{found.gain.chi2_before:.1f} recalibrated, {found.gain.chi2_after:.1f} extended"
+        )
+    return lines
+
+
+def experiment_lines(
+    found: Findings, experiments: Sequence[Experiment], conditions: Conditions
+) -> list[str]:
+    """The best experiment, and what to look at beside the drive."""
+    none = undecided(experiments)
+    lines = [] if none is None else [f"  {none}"]
+    lines += [
+        f"  next experiment: {changes(each.drive, conditions)}. {each.why}"
+        for each in experiments[:1]
+    ]
+    return lines + [f"  beside the drive: {fact}" for fact in advice(found)]
+
+
+def table_lines(table: DataFrame, most: int) -> list[str]:
+    """The first rows of a table, numbers to four digits."""
+    shown = table.head(most).to_string(float_format=lambda value: f"{value:.4g}")
+    more = len(table) - most
+    return [*shown.splitlines(), *([f"... and {more} more"] if more > 0 else [])]

@@ -1,10 +1,30 @@
-"""A part of the report."""
+"""Sections of the report: tables of angles and fields, and data of a model of the user's own."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from stickslip.facts import Fact
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.observables import Comparison
+from stickslip.diagnosis.report import figures
+from stickslip.facts import Code, Fact
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+_WEAK = 0.05
+"""Of the strongest field: a weaker one counts as none. Chosen: the robot hardly tilts in it."""
+
+_ONE_CURVE = 1e-3
+"""Of the varied component: where the other varies less the readings are one curve. Chosen: a
+component that is held constant is set to a part in a thousand."""
 
 
 @dataclass(frozen=True)
@@ -25,4 +45,81 @@ class ReportSection:
     title: str
     picture: str
     lines: tuple[Fact, ...]
-    numbers: dict[str, object]
+    numbers: Mapping[str, object]
+
+
+def table_section(found: Comparison) -> ReportSection:
+    """The section of a table of angles or of fields."""
+    before, after = found.errors
+    misfit: dict[str, object] = {"recalibrated": before, "extended": after}
+    if found.kind == "angle":
+        picture, reading = _angles(found), "theta"
+        lines = [Fact(Code.ANGLE_MISFIT, misfit), Fact(Code.ANGLE_MODEL, {})]
+        size = np.hypot(found.settings["Bx"], found.settings["Bz"])
+        if np.all(size > _WEAK * np.max(size)):
+            lines.append(Fact(Code.NO_ANGLE_WITHOUT_FIELD, {"percent": 100.0 * _WEAK}))
+    else:
+        picture, reading = _fields(found), "field"
+        misfit["largest"] = float(np.max(np.abs(found.observed)))
+        lines = [Fact(Code.FIELD_MISFIT, misfit)]
+    numbers: dict[str, object] = {
+        **{name: column.tolist() for name, column in found.settings.items()},
+        reading: found.observed.tolist(),
+        "sd": found.sd.tolist(),
+        "recalibrated": found.recalibrated.tolist(),
+        "extended": None if found.extended is None else found.extended.tolist(),
+        "held_out": found.held_out.tolist(),
+        "rms_recalibrated": before,
+        "rms_extended": after,
+    }
+    return ReportSection(found.title, figures.png(picture), tuple(lines), numbers)
+
+
+def _angles(found: Comparison) -> Figure:
+    """Angles against the component of the field that was varied most."""
+    fields = np.stack([found.settings["Bx"], found.settings["Bz"]], axis=1)
+    component = int(np.argmax(np.ptp(fields, axis=0)))
+    varied, other = fields[:, component], fields[:, 1 - component]
+    return figures.against_model(
+        varied * 1e3,
+        np.degrees(found.observed),
+        np.degrees(found.sd),
+        {name: np.degrees(values) for name, values in _models(found).items()},
+        found.held_out,
+        (f"{('Bx', 'Bz')[component]} (mT)", "theta (degrees)"),
+        joined=bool(np.ptp(other) <= _ONE_CURVE * np.ptp(varied)),
+    )
+
+
+def _fields(found: Comparison) -> Figure:
+    """All three components, row by row."""
+    return figures.against_model(
+        np.arange(1, len(found.observed) + 1, dtype=float),
+        found.observed * 1e3,
+        found.sd * 1e3,
+        {name: values * 1e3 for name, values in _models(found).items()},
+        found.held_out,
+        ("row, by currents and place", "field (mT)"),
+        ("Bx", "By", "Bz"),
+        joined=False,
+    )
+
+
+def _models(found: Comparison) -> dict[str, Array]:
+    models = {"recalibrated": found.recalibrated}
+    return models if found.extended is None else {**models, "extended": found.extended}
+
+
+def model_section(found: Findings, place: Array, labels: tuple[str, str]) -> ReportSection:
+    """Data and fitted models of a model of the user's own against the abscissa `place`."""
+    m = len(place)
+    sd = found.problem.sd[:m].tolist() if found.noise.dof > 0.0 else None
+    numbers: dict[str, object] = {
+        "place": place.tolist(),
+        "observed": found.problem.observed[:m].tolist(),
+        "sd": sd,
+        **{name: row.tolist() for name, row in figures.fitted_models(found, m).items()},
+        "held_out": [] if found.gain is None else found.gain.held_out.tolist(),
+    }
+    picture = figures.png(figures.own_model(found, place, labels))
+    return ReportSection("Data and models", picture, (), numbers)

@@ -1,8 +1,8 @@
 """What a camera makes of a motion: frames that are late, blurred, turned, scaled and few.
 
-A rocking at 421 Hz that 200 frames a second fold to 21 Hz is folded here too, and nothing filtered.
-Errors of the length scale, the clock and the angle that are named extensions of the model are in
-the core's recordings already; here stand what belongs to one film alone.
+A rocking at 421 Hz that 200 frames a second alias to 21 Hz is aliased here too: nothing is filtered
+out. Errors of the length scale, the clock and the angle that are named extensions of the model are
+in the core's recordings already; here is what belongs to one film alone.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ Array = NDArray[np.float64]
 Recording = Mapping[str, Array]
 
 _SAMPLES = 12.0
-"""Of a period of the fastest free motion; see `recording_rate`."""
+"""Samples of a period of the fastest free motion. Chosen: see the error in `recording_rate`."""
 
 _SLOWEST, _FASTEST = 5e3, 5e4
-"""Limits of the rate, Hz. Chosen: the currents' bends need the one, memory the other."""
+"""Limits of the rate, Hz. Chosen: the edges of the currents need the one, memory the other."""
 
 _STRONGEST = 6.5e-3
 """Field of a program of voltages, T: the largest of the paper's Table I."""
@@ -43,16 +43,9 @@ _RATES = {"x": "vx", "z": "vz", "theta": "omega"}
 class Camera:
     """A camera and its synchronisation with the drive.
 
-    Attributes
-    ----------
-    exposure : float
-        s; a frame shows the mean over it, with its time in the middle.
-    trigger : float
-        By how much frames are taken later than their times say, s.
-    angle_offset, angle_scale : float
-        theta is read as ``angle_scale * theta + angle_offset``, rad and 1.
-    current_scale : float
-        Of the readings of both currents.
+    A frame shows the mean over the `exposure`, s, with its time in the middle, and is taken by
+    `trigger`, s, later than its time says. theta is read as ``angle_scale * theta + angle_offset``,
+    1 and rad; `current_scale` is that of the readings of both currents.
     """
 
     exposure: float = 0.0
@@ -64,41 +57,34 @@ class Camera:
     def frames(
         self, motion: Recording, times: Array, names: Sequence[str] = ("x", "theta")
     ) -> dict[str, Array]:
-        """Noiseless readings of `names` at frame `times` (s), shape (n,) each.
+        """Noiseless readings at frame `times`, s: x, z (m), theta (rad), currents (A), shape (n,).
 
-        Parameters
-        ----------
-        motion : mapping of ndarray
-            A recording on a uniform grid with ``t``, the quantities and their rates. Before it the
-            robot rests where it begins, and after it where it ends.
-        times : ndarray, shape (n,)
-        names : sequence of str
-            Of ``x``, ``z`` (m), ``theta`` (rad), ``current_x``, ``current_clamp`` (A). A current is
-            read at the frame's time, not over its exposure.
+        `motion` is a recording on a uniform grid with ``t``, the quantities and their rates. Before
+        it the robot rests where it begins, and after it where it ends. A current is read at the
+        frame's time, not over its exposure.
         """
         true = times + self.trigger
         nodes, weights = _nodes(self.exposure)
-        spread = _Grid(motion["t"], true[:, None] + nodes)
-        result: dict[str, Array] = {}
-        for name in names:
-            if name in _RATES:
-                seen = spread.cubic(motion[name], motion[_RATES[name]]) @ weights
-            else:
-                seen = _Grid(motion["t"], true).linear(motion[name]) * self.current_scale
-            result[name] = seen
+        exposed, sharp = _Grid(motion["t"], true[:, None] + nodes), _Grid(motion["t"], true)
+        result = {
+            name: exposed.cubic(motion[name], motion[_RATES[name]]) @ weights
+            if name in _RATES
+            else sharp.linear(motion[name]) * self.current_scale
+            for name in names
+        }
         if "theta" in result:
             result["theta"] = self.angle_scale * result["theta"] + self.angle_offset
         return result
 
 
 def recording_rate(scenario: Scenario) -> float:
-    """Samples a second that hold every free motion between them, Hz.
+    """Sampling rate that resolves every free motion, Hz.
 
     The fastest is the rocking of a body in flight, sqrt(V M B / J) / 2 pi, about 842 Hz at 2.5 mT.
     With cubic interpolation from positions and rates 12 samples a period err by 2e-4 of its
     amplitude, (2 pi / 12)^4 / 384; more samples would only cost time. The rate is a multiple of the
-    drive's, and one that has a sample at the end of the ramp if there is any, so that the drive's
-    sudden edges, where currents bend, fall between no two samples.
+    drive's, and, if there is such a one, has a sample at the end of the ramp, so that the drive's
+    sudden edges coincide with samples.
     """
     drive = scenario.drive
     top = _STRONGEST if drive.mode == "program" else math.hypot(drive.peak, drive.hold)
@@ -117,23 +103,10 @@ def recording_rate(scenario: Scenario) -> float:
 def record(
     scenario: Scenario, names: Sequence[str], values: Array, rate: float, threads: int
 ) -> Iterator[Recording | None]:
-    """Recordings of a scenario with other values of some keys, in their order.
+    """Recordings at `rate`, Hz, of a scenario with `values`, shape (vectors, names), of some keys.
 
-    Parameters
-    ----------
-    scenario : Scenario
-    names : sequence of str
-        Dotted keys.
-    values : ndarray, shape (vectors, names)
-    rate : float
-        Hz.
-    threads : int
-        Simulations at a time; the result does not depend on it.
-
-    Yields
-    ------
-    dict of ndarray, or None
-        None where the values make no scenario or its simulation fails.
+    In their order, whatever the number of threads; None where the values make no scenario or its
+    simulation fails.
     """
     base = scenario.to_core()
     base.record_uniform(rate)
@@ -167,7 +140,7 @@ def _core_with(base: _core.Scenario, names: Sequence[str], values: Array) -> _co
 
 
 def _nodes(exposure: float) -> tuple[Array, Array]:
-    """Times about the middle of an exposure and their weights, more for a longer one."""
+    """Times about the middle of an exposure, s, and their weights, more for a longer one."""
     if exposure == 0.0:
         return np.zeros(1), np.ones(1)
     # Three nodes are exact for what is of the fifth order over the exposure.
@@ -176,7 +149,7 @@ def _nodes(exposure: float) -> tuple[Array, Array]:
 
 
 class _Grid:
-    """Places of some times on a uniform grid, for interpolation."""
+    """Interpolation at some times, of any shape, of quantities on a uniform grid."""
 
     def __init__(self, t: Array, times: Array) -> None:
         self.step = float(t[1] - t[0])

@@ -1,22 +1,11 @@
-"""A film beside both models: the way of a pulse, the forces, and what two directions share."""
+"""A film beside both models: the way of a pulse, and the forces."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, force_view
+from stickslip.diagnosis.observables.tracking.force_residuals import ForceView
 from stickslip.scenario.scenario import Scenario
-
-if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.film import FilmObservable
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -42,75 +31,3 @@ class FilmComparison:
     view: ForceView | None
     after: ForceView | None
     held_out: bool
-
-
-def compare_film(
-    film: FilmObservable,
-    names: Sequence[str],
-    recalibrated: Array,
-    extended: Array | None,
-    held_out: bool,
-) -> FilmComparison:
-    """Compare a film with both models, for values of shape (names,)."""
-    view = force_view(film, names, recalibrated)
-    after = None if view is None or extended is None else force_view(film, names, extended)
-    advance = None
-    if view is not None and film.advance is not None:
-        advance = dict(zip(("measured", "sd"), film.advance, strict=True))
-        advance["recalibrated"] = film.advance_of(names, recalibrated)
-        if after is not None and extended is not None:
-            advance["extended"] = film.advance_of(names, extended)
-    return FilmComparison(film.run.file, film.run.scenario, advance, view, after, held_out)
-
-
-@dataclass(frozen=True)
-class Directions:
-    """What two runs that differ in their direction alone share, and what changes its sign.
-
-    Attributes
-    ----------
-    forward, reverse : float
-        Ways of a pulse in the world, m.
-    sd : float
-        Error of their sum, m.
-    world, robot, force_sd : float, optional
-        Force residuals while slipping, N: that along the world's +x, that which turns with the
-        robot, and the error of either; None where one of the runs shows none.
-    """
-
-    forward: float
-    reverse: float
-    sd: float
-    world: float | None = None
-    robot: float | None = None
-    force_sd: float | None = None
-
-    @property
-    def total(self) -> float:
-        """Sum of the ways of a pulse, m: zero if nothing is fixed to the world."""
-        return self.forward + self.reverse
-
-
-def opposite(one: FilmComparison, other: FilmComparison) -> bool:
-    """Whether two runs differ in their direction alone."""
-    turned = "+x" if one.scenario.drive.direction == "-x" else "-x"
-    return one.scenario.replace({"drive.direction": turned}) == other.scenario
-
-
-def compare_directions(one: FilmComparison, other: FilmComparison) -> Directions | None:
-    """Compare two runs that are `opposite`; None where one does not show its advance."""
-    if one.advance is None or other.advance is None:
-        return None
-    ways = one.advance["measured"], other.advance["measured"]
-    sd = math.hypot(one.advance["sd"], other.advance["sd"])
-    means = [
-        each.view.slipping.slopes[0]
-        for each in (one, other)
-        if each.view is not None and each.view.slipping is not None
-    ]
-    if len(means) < 2:
-        return Directions(*ways, sd)
-    signs = [-1.0 if each.scenario.drive.direction == "-x" else 1.0 for each in (one, other)]
-    world = 0.5 * sum(sign * each.value for sign, each in zip(signs, means, strict=True))
-    robot = 0.5 * sum(each.value for each in means)
-    return Directions(*ways, sd, world, robot, 0.5 * math.hypot(means[0].sd, means[1].sd))

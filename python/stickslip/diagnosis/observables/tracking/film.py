@@ -13,20 +13,20 @@ from scipy.linalg import block_diag
 from scipy.stats import chi2 as chi2_law
 
 from stickslip._util.root_mean_square import root_mean_square
-from stickslip.diagnosis.data.unit_check import magnitude_mismatch
+from stickslip.diagnosis.data.plausibility import magnitude_mismatch
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison, compare_film
+from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
-    Reduction,
     cycle_scatter,
     fold,
     frame_noise,
     reduce,
     undrifted,
 )
+from stickslip.diagnosis.observables.tracking.force_residuals import force_view
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.priors import Prior
@@ -44,7 +44,8 @@ _KINDS: dict[str, Kind] = {
 _CURRENTS = ("current_x", "current_clamp")
 
 _UNLIKELY = 1e-3
-"""p-value below which the stated noise is not believed. Chosen: of ten none is by chance."""
+"""p-value below which the stated noise is not believed. Chosen: of ten films that state it rightly
+one in 100 is rejected by chance."""
 
 _ANGLE_OFFSET = math.radians(1.0)
 _ANGLE_SCALE = _CURRENT_SCALE = 0.01
@@ -55,25 +56,17 @@ _TRIGGER = 3e-4
 """The same of the time at which frames begin, s. Chosen: a third of a frame of 1 kHz."""
 
 _LEAST_RISE = 0.01
-"""Rise of the robot over its height that z has to show. Chosen: a micrometre of Table II's."""
+"""Rise of the robot over its height that z has to show. Chosen: a micrometre for the robot of
+Table II."""
 
 
 @dataclass(frozen=True)
 class Quantity:
     """One tracked quantity, reduced.
 
-    Attributes
-    ----------
-    name : str
-    frames : ndarray of bool, shape (n,)
-        Frames of the run that are used for it.
-    values : ndarray, shape (u,)
-        Of these frames.
-    folded : Fold
-        Of these frames.
-    sd : float
-        Noise of a frame.
-    reduction : Reduction
+    `frames`, shape (n,), says which frames of the run are used for it; `values` and `folded` are of
+    these frames alone, and `sd` is the noise of one. The observables are ``matrix @ values``, with
+    `covariance`.
     """
 
     name: str
@@ -81,12 +74,13 @@ class Quantity:
     values: Array
     folded: Fold
     sd: float
-    reduction: Reduction
+    matrix: Array
+    covariance: Array
 
     @property
     def observed(self) -> Array:
         """Its observables."""
-        return self.reduction.matrix @ self.values
+        return self.matrix @ self.values
 
 
 class FilmObservable:
@@ -94,7 +88,7 @@ class FilmObservable:
 
     Parameters
     ----------
-    run : TrackingRun
+    run : stickslip.measurement.TrackingRun
     number : int
         Of the run, from 1; its name is ``tracking.<number>``.
     threads : int
@@ -110,15 +104,14 @@ class FilmObservable:
         unused: list[Fact] = []
         nominal = self._nominal_frames()
         self.quantities = tuple(
-            found
+            quantity
             for name in _KINDS
             if name in run.columns
-            for found in [_quantity(run, name, nominal, said, unused)]
-            if found is not None
+            if (quantity := _quantity(run, name, nominal, said, unused)) is not None
         )
         self.observed = np.concatenate([each.observed for each in self.quantities])
         self.covariance = np.asarray(
-            block_diag(*(each.reduction.covariance for each in self.quantities)), dtype=float
+            block_diag(*(each.covariance for each in self.quantities)), dtype=float
         )
         self.group = np.zeros(len(self.observed), dtype=np.int64)
         self.notes = tuple(each.of(table=run.file) for each in said)
@@ -134,7 +127,7 @@ class FilmObservable:
         return Camera(self.run.exposure, **{name: float(at[name]) for name in own if name in at})
 
     def keys(self, names: Sequence[str]) -> list[int]:
-        """Places of the scenario keys among `names`."""
+        """Indices of the scenario keys among `names`."""
         return [k for k, name in enumerate(names) if not name.startswith(f"{self.name}.")]
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
@@ -144,25 +137,18 @@ class FilmObservable:
         motions, which = np.unique(parameters[:, at], axis=0, return_inverse=True)
         which = which.reshape(-1)
         result = np.full((len(parameters), len(self.observed)), np.nan)
-        recorded = record(
-            self.run.scenario, [names[k] for k in at], motions, self.rate, self.threads
-        )
+        keys, times = [names[k] for k in at], self.run.columns["t"]
+        shown = [each.name for each in self.quantities]
+        recorded = record(self.run.scenario, keys, motions, self.rate, self.threads)
         for number, motion in enumerate(recorded):
             if motion is None:
                 continue
             for vector in np.flatnonzero(which == number):
-                camera = self.camera(names, parameters[vector])
-                frames = camera.frames(
-                    motion, self.run.columns["t"], [each.name for each in self.quantities]
+                frames = self.camera(names, parameters[vector]).frames(motion, times, shown)
+                result[vector] = np.concatenate(
+                    [each.matrix @ frames[each.name][each.frames] for each in self.quantities]
                 )
-                result[vector] = self.reduced(frames)
         return result
-
-    def reduced(self, frames: dict[str, Array]) -> Array:
-        """Observables of frames at all times of the run, shape (k,)."""
-        return np.concatenate(
-            [each.reduction.matrix @ frames[each.name][each.frames] for each in self.quantities]
-        )
 
     def comparison(
         self,
@@ -172,7 +158,16 @@ class FilmObservable:
         held_out: NDArray[np.bool_],
     ) -> FilmComparison:
         """Advance and forces of this run beside both models."""
-        return compare_film(self, names, recalibrated, extended, bool(held_out.all()))
+        view = force_view(self, names, recalibrated)
+        after = None if view is None or extended is None else force_view(self, names, extended)
+        advance = None
+        if view is not None and self.advance is not None:
+            advance = dict(zip(("measured", "sd"), self.advance, strict=True))
+            advance["recalibrated"] = self._predicted_advance(names, recalibrated)
+            if after is not None and extended is not None:
+                advance["extended"] = self._predicted_advance(names, extended)
+        held = bool(held_out.all())
+        return FilmComparison(self.run.file, self.run.scenario, advance, view, after, held)
 
     @property
     def advance(self) -> tuple[float, float] | None:
@@ -180,9 +175,9 @@ class FilmObservable:
         x = next(each for each in self.quantities if each.name == "x")
         if not x.folded.steady.any() or len(x.observed) <= int(x.folded.bin.max()):
             return None
-        return float(x.observed[0]), float(np.sqrt(x.reduction.covariance[0, 0]))
+        return float(x.observed[0]), float(np.sqrt(x.covariance[0, 0]))
 
-    def advance_of(self, names: Sequence[str], values: Array) -> float:
+    def _predicted_advance(self, names: Sequence[str], values: Array) -> float:
         """The same of the model at values of shape (names,), m."""
         before = itertools.takewhile(lambda each: each.name != "x", self.quantities)
         at = sum(len(each.observed) for each in before)
@@ -196,24 +191,22 @@ class FilmObservable:
         return Camera(self.run.exposure).frames(motion, self.run.columns["t"], wanted)
 
 
-def find_films(runs: Sequence[TrackingRun], threads: int) -> list[FilmObservable]:
-    """An observable for each tracked run."""
-    return [FilmObservable(run, number, threads) for number, run in enumerate(runs, start=1)]
-
-
 def _nuisance(name: str, run: TrackingRun) -> tuple[Uncertain, ...]:
+    """What is uncertain of the camera and the ammeter."""
     # A frame's time may mark the middle of the exposure or its beginning, so a long exposure makes
     # the trigger less certain.
     trigger = math.hypot(_TRIGGER, 0.25 * run.exposure)
-    found = [
-        Uncertain(f"{name}.angle_offset", Prior("normal", 0.0, _ANGLE_OFFSET), "rad", False),
-        Uncertain(f"{name}.angle_scale", Prior("normal", 1.0, _ANGLE_SCALE), "-", False),
-        Uncertain(f"{name}.trigger", Prior("normal", 0.0, trigger), "s", False),
+    priors = [
+        ("angle_offset", 0.0, _ANGLE_OFFSET, "rad"),
+        ("angle_scale", 1.0, _ANGLE_SCALE, "-"),
+        ("trigger", 0.0, trigger, "s"),
     ]
-    if "current_x" in run.columns or "current_clamp" in run.columns:
-        scale = Prior("normal", 1.0, _CURRENT_SCALE)
-        found.append(Uncertain(f"{name}.current_scale", scale, "-", False))
-    return tuple(found)
+    if any(current in run.columns for current in _CURRENTS):
+        priors.append(("current_scale", 1.0, _CURRENT_SCALE, "-"))
+    return tuple(
+        Uncertain(f"{name}.{parameter}", Prior("normal", mean, sd), unit, False)
+        for parameter, mean, sd, unit in priors
+    )
 
 
 def _quantity(
@@ -223,7 +216,7 @@ def _quantity(
     said: list[Fact],
     unused: list[Fact],
 ) -> Quantity | None:
-    """Reduce one column, with what there is to say of it and what of it is not used."""
+    """Reduce one column; adds to `said` notes on it and to `unused` what of it is left out."""
     times, values, kind = run.columns["t"], run.columns[name], _KINDS[name]
     finite = np.isfinite(values)
     if name not in ("x", "theta") and finite.sum() < FEWEST:
@@ -231,20 +224,20 @@ def _quantity(
         unused.append(Fact(Code.COLUMN_TOO_SHORT, few))
         return None
     guess = np.zeros(len(times)) if nominal is None else nominal[name]
-    wild = np.zeros(len(times), dtype=bool)
     quantum = _quantum(values[finite])
-    wild[finite] = _wild(fold(times[finite], run.scenario), (values - guess)[finite], quantum)
-    if wild.any():
-        lost = {"count": int(wild.sum()), "time": float(times[np.argmax(wild)])}
-        unused.append(Fact(Code.WILD_FRAMES, {"column": name, **lost}))
-    used = finite & ~wild
+    lost = np.zeros(len(times), dtype=bool)
+    lost[finite] = _lost(fold(times[finite], run.scenario), (values - guess)[finite], quantum)
+    if lost.any():
+        count = {"count": int(lost.sum()), "time": float(times[np.argmax(lost)])}
+        unused.append(Fact(Code.WILD_FRAMES, {"column": name, **count}))
+    used = finite & ~lost
     if kind in ("drift", "place") and run.scenario.drive.mode != "program":
-        # How far the contact slips while the robot stands up and wobbles in the ramp changes by
-        # jumps with every parameter, and says little; what it does from then on is smooth.
+        # How far the contact slips while the robot tilts up in the ramp changes by jumps with every
+        # parameter, and carries little information; the motion after it is smooth.
         used &= times >= run.scenario.drive.ramp
     folded = fold(times[used], run.scenario)
     if name not in ("x", "theta") and nominal is not None:
-        # Lost frames are known in the steady walk alone.
+        # Lost frames are recognised in the steady walk alone.
         sized = np.flatnonzero(used)[folded.steady if folded.steady.any() else slice(None)]
         shown = {key: each[sized] for key, each in nominal.items()}
         far = _odd_size(name, values[sized], shown, run.scenario.robot.height)
@@ -261,8 +254,7 @@ def _quantity(
     if shared > 0.0:
         code = Code.ADVANCE_SCATTERS if kind == "drift" else Code.PERIODS_DIFFER
         said.append(Fact(code, {**_column(name), "scatter": shared}))
-    reduction = reduce(folded, kind, sd, shared)
-    return Quantity(name, used, values[used], folded, sd, reduction)
+    return Quantity(name, used, values[used], folded, sd, *reduce(folded, kind, sd, shared))
 
 
 def _column(name: str) -> dict[str, str]:
@@ -271,10 +263,10 @@ def _column(name: str) -> dict[str, str]:
 
 
 def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> Fact | None:
-    """Whether z or a current is far from the stated model's, at the same frames."""
+    """A fact if z or a current is far larger or smaller than the stated model's at its frames."""
     own = nominal[name]
     if name == "z":
-        # The origin of z is anywhere, and a robot that hardly rises shows the tracking's noise.
+        # The origin of z is not known, and a robot that hardly rises shows the tracking's noise.
         read, own = read - np.mean(read), own - np.mean(own)
         what, largest = "spread", _LEAST_RISE * height
     else:
@@ -292,14 +284,14 @@ def _quantum(values: Array) -> float:
     return float(steps.min()) if 0 < len(steps) < 0.5 * len(values) else 0.0
 
 
-def _wild(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
+def _lost(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
     """Frames far from those of nearly the same phase: the tracking lost the robot."""
-    wild = np.zeros(len(residual), dtype=bool)
+    lost = np.zeros(len(residual), dtype=bool)
     steady = np.flatnonzero(folded.steady)
     order = steady[np.argsort(folded.phase[steady], kind="stable")]
     # The advance may be wrong by much, so neighbours are compared without it.
-    wild[order] = far_from_their_phase(undrifted(folded, residual)[order], quantum)
-    return wild
+    lost[order] = far_from_their_phase(undrifted(folded, residual)[order], quantum)
+    return lost
 
 
 def _noise(run: TrackingRun, name: str, folded: Fold, residual: Array, said: list[Fact]) -> float:
@@ -308,19 +300,16 @@ def _noise(run: TrackingRun, name: str, folded: Fold, residual: Array, said: lis
     # An estimate is as likely too small as too large, and too small makes false alarms: so one
     # standard deviation of it is added.
     safe = seen * (1.0 + 1.0 / math.sqrt(2.0 * free)) if free > 0 else math.nan
-    stated = (
-        run.noise.get("theta" if name == "theta" else "x") if name in ("x", "z", "theta") else None
-    )
+    stated = run.noise.get({"x": "x", "z": "x", "theta": "theta"}.get(name, ""))
     if stated is not None:
-        sd = stated
         if free > 0 and chi2_law.sf(free * (seen / stated) ** 2, free) < _UNLIKELY:
             more = {**_column(name), "scatter": seen, "stated": stated}
             said.append(Fact(Code.FRAME_NOISE_ABOVE_STATED, more))
-            sd = safe
-    elif free > 0:
-        sd = safe
+            return safe
+        return stated
+    if free > 0:
         said.append(Fact(Code.FRAME_NOISE, {**_column(name), "scatter": seen, "taken": safe}))
-    else:
-        sd = float(np.std(residual)) or 1.0
-        said.append(Fact(Code.FRAME_NOISE_UNKNOWN, {**_column(name), "taken": sd}))
+        return safe
+    sd = float(np.std(residual)) or 1.0
+    said.append(Fact(Code.FRAME_NOISE_UNKNOWN, {**_column(name), "taken": sd}))
     return sd

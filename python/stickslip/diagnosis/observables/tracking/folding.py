@@ -7,7 +7,7 @@ a comparison: both are blurred alike.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +27,19 @@ SAME_PHASE = 2e-3
 a twentieth of its period in it, at 17 Hz."""
 
 _RAMP, _FIRST = 6, 4
-"""Bins of the ramp, and of each pulse before the steady walk. Chosen: they show the tilting up, and
-let the transient say less than the walk."""
+"""Bins of the ramp, and of each pulse before the steady walk. Chosen: they resolve the first tilt,
+and give the transient less weight than the walk."""
 
 _PROGRAM = 24
 """Bins of a program of voltages. Chosen: as many as of a period."""
 
 _BENT = 5.0
-"""Mean square of a bin over the usual beyond which it is a bend of the motion and no noise. Chosen:
-three frames of noise alone exceed it once in 500 bins."""
+"""Mean square of a bin over the median bin's beyond which it is curvature of the motion and no
+noise. Chosen: three frames of noise alone exceed it once in 500 bins."""
 
 _WORTH = 4.0
-"""Gain of twice the log-likelihood that a scatter of periods has to bring: p = 0.02 at the edge of
-the range."""
+"""Gain of twice the log-likelihood that a scatter of periods has to bring. Chosen: p = 0.02 for a
+variance at the edge of its range."""
 
 _RATIOS = np.geomspace(1e-4, 1e4, 161)
 """Squared scatters of periods over that of frames that are tried. Chosen: 12 % apart."""
@@ -49,21 +49,12 @@ _RATIOS = np.geomspace(1e-4, 1e4, 161)
 class Fold:
     """Which bin each frame falls into.
 
-    Bins before the steady walk are intervals of time: the ramp, which shows the tilting up, and the
+    Bins before the steady walk are intervals of time: the ramp, which shows the first tilt, and the
     first pulses, which show the transient. Later bins are intervals of the drive's phase.
 
-    Attributes
-    ----------
-    bin : ndarray, shape (n,)
-        Numbered from 0 without gaps; those of the steady walk come last.
-    steady : ndarray of bool, shape (n,)
-        After the third pulse.
-    phase : ndarray, shape (n,)
-        Of the drive, 0 to 1; 0 where it is not steady.
-    cycle : ndarray, shape (n,)
-        Periods since the steady walk began, as a real number; 0 before.
-    period : float
-        s.
+    All arrays have shape (n,). `bin` is numbered from 0 without gaps, the steady walk last, which
+    begins after the third pulse. `phase` of the drive, 0 to 1, and `cycle`, periods since it began
+    as a real number, are 0 before. `period` is in s.
     """
 
     bin: Index
@@ -100,8 +91,7 @@ def fold(times: Array, scenario: Scenario) -> Fold:
         edges = np.linspace(start, end, _PROGRAM + 1)[1:-1]
         label = np.searchsorted(edges, times, side="right")
         none = np.zeros(len(times))
-        numbered = np.unique(label, return_inverse=True)[1].astype(np.int64)
-        return Fold(numbered, none > 0.0, none, none, np.inf)
+        return Fold(_numbered(label), none > 0.0, none, none, np.inf)
     period = 1.0 / drive.frequency
     # A frame at the very start is steady, however the sum of the pulses was rounded.
     steady = times > start - 1e-9
@@ -111,42 +101,26 @@ def fold(times: Array, scenario: Scenario) -> Fold:
     edges = np.concatenate([ramp, np.arange(drive.ramp, start, period / _FIRST)[1:]])
     label = np.searchsorted(edges, times, side="right")
     label = np.where(steady, len(edges) + 1 + np.floor(phase * PHASES), label)
-    numbered = np.unique(label, return_inverse=True)[1].astype(np.int64)
-    return Fold(numbered, steady, phase, cycle, period)
+    return Fold(_numbered(label), steady, phase, cycle, period)
 
 
-@dataclass(frozen=True)
-class Reduction:
-    """Observables of one quantity as a linear map of its frames.
-
-    Attributes
-    ----------
-    matrix : ndarray, shape (k, n)
-        ``matrix @ frames`` are the observables.
-    covariance : ndarray, shape (k, k)
-        Of their errors.
-    """
-
-    matrix: Array
-    covariance: Array
+def _numbered(label: NDArray[Any]) -> Index:
+    """Labels numbered from 0 without gaps, in their order."""
+    return np.unique(label, return_inverse=True)[1].astype(np.int64)
 
 
-def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> Reduction:
-    """Map of one quantity, by least squares that know the correlation of the errors.
+def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> tuple[Array, Array]:
+    """Matrix that maps frames to observables, shape (k, n), and the observables' covariance.
 
-    Parameters
-    ----------
-    folded : Fold
-    kind : {"level", "place", "drift"}
-        ``"level"``: a mean in every bin. ``"place"``: its origin is not known, so the bins count
-        from the mean of the steady ones (of all, if there are none). ``"drift"``: it advances from
-        period to period as well; the advance comes first, if two periods show it, and the bins are
-        what is left.
-    sd : float
-        Of one frame.
-    cycle_sd : float
-        Beside it, what all frames of a period have in common: of a "drift" the scatter of its
-        advance, whose sum is a random walk; else an independent shift of each period.
+    By generalised least squares with the correlation of the errors.
+
+    Of a ``"level"`` the observables are means in every bin. The origin of a ``"place"`` is not
+    known, so its bins count from the mean of the steady ones (of all, if there are none). A
+    ``"drift"`` advances from period to period as well; the advance comes first, if two periods show
+    it, and the bins are what is left.
+
+    `sd` is the noise of one frame. `cycle_sd` is common to all frames of a period: of a "drift" the
+    scatter of its advance, whose sum is a random walk; else an independent shift of each period.
     """
     design = _design(folded, kind)
     shared = _shared(folded, kind) * cycle_sd
@@ -157,13 +131,13 @@ def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> Reduct
     coefficients = np.linalg.solve(normal, weighted.T)
     covariance = sd**2 * np.linalg.inv(normal)
     wanted = _contrasts(folded, kind)
-    return Reduction(wanted @ coefficients, wanted @ covariance @ wanted.T)
+    return wanted @ coefficients, wanted @ covariance @ wanted.T
 
 
 def _design(folded: Fold, kind: Kind) -> Array:
     bins = np.eye(int(folded.bin.max()) + 1)[folded.bin]
     if kind == "drift" and _advances(folded):
-        # Whole periods: within a period the bins hold everything, and the two stay apart.
+        # Whole periods: within a period the bins hold everything, so the two are independent.
         return np.hstack([folded.cycles[:, None].astype(float), bins])
     return bins
 
@@ -204,7 +178,7 @@ def _shared(folded: Fold, kind: Kind) -> Array:
 def undrifted(folded: Fold, residual: Array) -> Array:
     """Residuals without a steady change from period to period.
 
-    The change is that of frames of the same phase: what goes with the phase is none.
+    It is estimated from frames of the same phase, so that what depends on the phase is kept.
     """
     finer = _finer(folded)
     bins, cycle = finer.bin[folded.steady], folded.cycles[folded.steady].astype(float)
@@ -221,16 +195,10 @@ def undrifted(folded: Fold, residual: Array) -> Array:
 def frame_noise(folded: Fold, residual: Array) -> tuple[float, float]:
     """Standard deviation of one frame from repeats of a phase, and its degrees of freedom.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Frames minus a prediction, of which only what repeats with the phase may be wrong.
-
-    Notes
-    -----
-    Commensurate rates show the same few phases again and again, and their scatter is the noise.
-    Else each frame is compared with the line between its neighbours in phase; bins whose scatter
-    is far above the others' are left out, as the motion bends between neighbours there.
+    `residual`, shape (n,), are frames minus a prediction, whose errors may only depend on the
+    phase. Commensurate rates show the same few phases again and again, and their scatter is the
+    noise. Else each frame is compared with the line between its neighbours in phase; bins whose
+    scatter is far above the others' are left out, as the motion is curved between neighbours there.
     """
     phase = folded.phase[folded.steady]
     if len(phase) < 6:
@@ -242,7 +210,7 @@ def frame_noise(folded: Fold, residual: Array) -> tuple[float, float]:
     count = np.bincount(group)
     widths = np.bincount(group, phase**2) / count - (np.bincount(group, phase) / count) ** 2
     free = float(len(values) - len(count))
-    # Chosen: with two repeats of a phase half of the frames are free, and some are lost.
+    # Chosen: two frames at each phase leave half of them free, and some are lost.
     if free >= 0.4 * len(values) and np.max(widths) < (2 * SAME_PHASE) ** 2:
         mean = np.bincount(group, values) / count
         return float(np.sqrt(np.sum((values - mean[group]) ** 2) / free)), free - 1.0
@@ -266,17 +234,14 @@ def _finer(folded: Fold) -> Fold:
     In wider bins periods would differ by which phases they show, if the prediction is wrong.
     """
     count = max(int(folded.steady.sum()) // 3, PHASES)
-    label = np.where(
-        folded.steady, len(folded.bin) + np.round(folded.phase * count) % count, folded.bin
-    )
-    numbered = np.unique(label, return_inverse=True)[1].astype(np.int64)
-    return replace(folded, bin=numbered)
+    walk = len(folded.bin) + np.round(folded.phase * count) % count
+    return replace(folded, bin=_numbered(np.where(folded.steady, walk, folded.bin)))
 
 
 def cycle_scatter(folded: Fold, residual: Array, kind: Kind, sd: float) -> float:
-    """Standard deviation of what a period's frames have in common, beyond the frames' own noise.
+    """Standard deviation of the error that a period's frames share, beside their own noise `sd`.
 
-    By restricted maximum likelihood; 0 where the gain is not worth a parameter.
+    By restricted maximum likelihood; 0 where the gain in likelihood is below ``_WORTH``.
     """
     finer = _finer(folded)
     if not _advances(finer):

@@ -2,8 +2,8 @@
 
 Frames are folded on the drive's phase and smoothed by a Fourier series, whose derivatives enter the
 balances of Eqs. (10)-(14). While the contact sticks, friction and adhesion act at the pinned corner
-and have no torque about it: what is left over there belongs to the field, the moment or the drag on
-turning. While it slips, what is left of the force along the surface belongs to friction, drag and
+and have no torque about it: a residual torque there belongs to the field, the moment or the
+rotational drag. While it slips, a residual force along the surface belongs to friction, drag and
 tilt. The same is done to frames of the recalibrated simulation at the same times and subtracted, so
 that smoothing biases nothing.
 """
@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.diagnosis.observables.tracking.camera import record
-from stickslip.diagnosis.observables.tracking.force_balance import Balance, Kinematics
-from stickslip.diagnosis.observables.tracking.periodic_motion import Folds
+from stickslip.diagnosis.observables.tracking.smoothed_motion import Balance, Folds, Kinematics
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
@@ -34,17 +33,17 @@ FEWEST_ORDERS = 10
 slip of a tenth of a period is the shortest thing that a balance is to show."""
 
 CLEAR = 3.5
-"""A residual differs from zero beyond this t: of some ten looks one in 200 does by chance."""
+"""A residual differs from zero beyond this t. Chosen: of ten true zeros one in 200 films does."""
 
 _DRAWS = 400
-"""Films with noise that errors are told from. Chosen: they tell an error to 4 %."""
+"""Simulated films with noise from which errors are estimated. Chosen: they determine it to 4 %."""
 
 _PURE = 0.97
-"""Part of the smoothing's reach in which the contact has to do one thing. Chosen: of 30 samples one
-may differ by rounding of its phase."""
+"""Part of the smoothing's width in which the contact has to be in one mode. Chosen: of 30 samples
+one may differ by rounding of its phase."""
 
 _RIDGE = 1e-3
-"""Floor of a covariance, over its mean variance. Chosen: far below what noise tells of it, 5 %."""
+"""Floor of a covariance, over its mean variance. Chosen: far below its own error, 5 %."""
 
 _STICK, _FORWARD, _BACKWARD = map(
     _core.contact_names.index, ("corner_stick", "corner_slip_forward", "corner_slip_backward")
@@ -161,13 +160,13 @@ def force_view(
     run, at = observable.run, observable.keys(names)
     if run.scenario.drive.mode == "program":
         return None
+    keys = [names[k] for k in at]
     try:
-        scenario = run.scenario.replace({names[k]: float(values[k]) for k in at})
+        scenario = run.scenario.replace(dict(zip(keys, values[at].tolist(), strict=True)))
     except ScenarioError:
         return None
-    rate = observable.rate
-    keys = [names[k] for k in at]
-    motion = next(record(run.scenario, keys, values[None, at], rate, observable.threads))
+    rate, threads = observable.rate, observable.threads
+    motion = next(record(run.scenario, keys, values[None, at], rate, threads))
     if motion is None:
         return None
     camera = observable.camera(names, values)
@@ -201,9 +200,9 @@ def force_view(
 def _modes(
     motion: Recording, folds: Folds, window: tuple[float, float]
 ) -> dict[int, NDArray[np.bool_]]:
-    """Where on the grid the simulated contact does nothing but one thing, smoothing's reach about.
+    """Where on the grid the simulated contact is in one mode alone, over the smoothing's width.
 
-    The mode codes are those of a corner; slips count along the robot's own +x.
+    The modes are those of a corner; slips count along the robot's own +x.
     """
     t = motion["t"]
     steady = (t >= window[0]) & (t < window[1])
@@ -212,16 +211,15 @@ def _modes(
     if folds.sign < 0.0:
         turned = {_FORWARD: _BACKWARD, _BACKWARD: _FORWARD}
         code = np.array([turned.get(each, each) for each in code.tolist()])
-    # A quarter of the shortest period to each side: farther away the smoothing hardly looks.
+    # A quarter of the shortest period to each side: farther frames have hardly any weight.
     reach = 0.25 / folds.orders
+    order = np.argsort(phase)
+    place = np.concatenate([phase[order] - 1.0, phase[order], phase[order] + 1.0])
+    low, high = (np.searchsorted(place, folds.grid + side) for side in (-reach, reach))
     result = {}
     for mode in (_STICK, _FORWARD, _BACKWARD):
-        order = np.argsort(phase)
-        place = np.concatenate([phase[order] - 1.0, phase[order], phase[order] + 1.0])
         is_mode = np.tile((code == mode)[order].astype(float), 3)
         total = np.concatenate([[0.0], np.cumsum(is_mode)])
-        low = np.searchsorted(place, folds.grid - reach)
-        high = np.searchsorted(place, folds.grid + reach)
         result[mode] = (total[high] - total[low]) >= _PURE * np.maximum(high - low, 1)
     return result
 
@@ -233,7 +231,7 @@ def _residual(
     velocity: Array | None,
     scale: float,
 ) -> Residual | None:
-    """Measured minus simulated at the places `where`, with the covariance of the noisy draws."""
+    """Measured minus simulated where `where` is true, with the covariance of the noisy draws."""
     places = np.flatnonzero(where)
     if len(places) < 4:  # a slope, a constant, and two to judge them by
         return None
@@ -245,11 +243,11 @@ def _residual(
     floor = _RIDGE * float(np.mean(sd**2))
     inverse = np.asarray(np.linalg.inv(covariance + floor * np.eye(len(sd))), dtype=float)
     ones = np.ones((len(places), 1))
-    variables = {"theta": seen.theta, "rate": seen.omega}
-    if velocity is not None:
-        variables["contact velocity"] = velocity
+    variables = {"theta": seen.theta, "rate": seen.omega, "contact velocity": velocity}
     slopes = [_slope("constant", ones, inverse, value, scatter)]
     for name, variable in variables.items():
+        if variable is None:
+            continue
         part = variable[places]
         spread = float(np.std(part))
         if spread > 0.0:
@@ -270,7 +268,7 @@ def _onset(
     """Friction over normal force at the last place that sticks before a slip."""
     ends = np.flatnonzero(stick & ~np.roll(stick, -1))
     for end in ends:
-        # Between the two lies the smoothing's reach, where neither is certain: an eighth of a
+        # Between the two lies the smoothing's width, where neither is certain: an eighth of a
         # period is more than that of ten harmonics.
         following = np.roll(slip, -(end + 1))[: len(slip) // 8]
         if following.any():

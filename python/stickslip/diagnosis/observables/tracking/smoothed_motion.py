@@ -1,15 +1,17 @@
-"""Periodic motion through folded frames: a Fourier series, and its derivatives."""
+"""The motion of a film, smoothed by a Fourier series, and the core's balances of its forces."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import _core
 from stickslip.diagnosis.observables.tracking.camera import Camera, Recording
-from stickslip.diagnosis.observables.tracking.force_balance import Kinematics
+from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.film import FilmObservable
@@ -17,22 +19,31 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _MOST_ORDERS = 40
-"""Harmonics. Chosen: at 17 Hz the 40th is past the rocking, at 421 Hz."""
+"""Harmonics. Chosen: at 17 Hz the 40th is above the rocking, at 421 Hz."""
 
 _GRID = 240
 """Phases at which the motion is evaluated. Chosen: six for a period of the highest harmonic."""
 
 
-class Folds:
-    """Steady frames of both quantities, and the Fourier series through them.
+@dataclass(frozen=True)
+class Kinematics:
+    """Motion over a grid of phases, shape (..., g), in the robot's own frame, SI units.
 
-    Parameters
-    ----------
-    observable : FilmObservable
-    motion : mapping of ndarray
-        Recording of the simulation that is compared.
-    camera : Camera
-        Of the run, as fitted.
+    The tilt, nose-down positive, with its derivatives, and the centre of mass with its own.
+    """
+
+    theta: Array
+    omega: Array
+    alpha: Array
+    x: Array
+    vx: Array
+    ax: Array
+
+
+class Folds:
+    """Steady frames of theta and x, and the Fourier series through them.
+
+    `motion` is the recording of the simulation that is compared, `camera` the fitted one.
     """
 
     def __init__(self, observable: FilmObservable, motion: Recording, camera: Camera) -> None:
@@ -111,3 +122,54 @@ class Folds:
         covariance = np.linalg.pinv(design.T @ design) * self.sd[name] ** 2
         factor = float(power)  # the advance changes by twice the square's coefficient
         return factor * float(found[0]), factor * float(np.sqrt(covariance[0, 0]))
+
+
+@dataclass(frozen=True)
+class Balances:
+    """Inertia of a motion less all forces of a scenario, Eqs. (8)-(14), (18), (19), shape (..., g).
+
+    `torque` is about a pinned corner, N m; `force` along the surface while the corner slips, N;
+    `friction_ratio` friction over normal force while it is pinned; `contact_velocity` that of the
+    corner along the surface, m/s. The largest torque of the field, `torque_scale`, N m, and the
+    `weight` with adhesion, N, are for judging sizes.
+    """
+
+    torque: Array
+    force: Array
+    friction_ratio: Array
+    contact_velocity: Array
+    torque_scale: float
+    weight: float
+
+
+class Balance:
+    """The forces of a simulated run at given `times`, shape (g,), s, with all its effects.
+
+    The recording `motion` says where the robot is and which of its corners touches; `direction`,
+    shape (g,), is the way in which the corner slips, +1 or -1 in the robot's own frame.
+    """
+
+    def __init__(
+        self, scenario: Scenario, motion: Recording, times: Array, direction: Array
+    ) -> None:
+        self._core = scenario.to_core()
+        t = motion["t"]
+        touched = np.maximum.accumulate(np.where(motion["contact"] == 0, t, t[0]))
+        age = times - touched[np.searchsorted(t, times, side="right") - 1]
+        place = [np.interp(times, t, motion[name]) for name in ("x", "z", "theta")]
+        self._points = np.stack([times, *place, age, direction], axis=1)
+
+    def __call__(self, moving: Kinematics) -> Balances:
+        """Balances of motions at these times."""
+        shape = moving.theta.shape
+        columns = (moving.theta, moving.omega, moving.alpha, moving.vx, moving.ax)
+        motions = np.stack(columns, axis=-1).reshape(-1, shape[-1], len(columns))
+        found = _core.corner_balances(self._core, self._points, motions)
+        return Balances(
+            found["torque"].reshape(shape),
+            found["force"].reshape(shape),
+            found["friction_ratio"].reshape(shape),
+            found["contact_velocity"].reshape(shape),
+            found["torque_scale"],
+            found["weight"],
+        )
