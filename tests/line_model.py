@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
-from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.multistart import fit_candidates
 from stickslip.diagnosis.model.problem import Problem
 
 X = np.linspace(1.0, 3.0, 24)

@@ -10,7 +10,7 @@ from stickslip.diagnosis.data.data_quality import (
     find_data_problem,
     uneven_setups,
 )
-from stickslip.diagnosis.data.noise import fit_noise
+from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.facts import Code, Fact
 
 

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
-from stickslip.diagnosis.data.noise import whitener
+from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.cause_pairs import beside_a_released_constant
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
-from stickslip.diagnosis.fit.least_squares import fit_candidates, spread_factor
-from stickslip.diagnosis.fit.multistart import sobol_scan
+from stickslip.diagnosis.fit.least_squares import spread_factor
+from stickslip.diagnosis.fit.multistart import fit_candidates
 from stickslip.diagnosis.fit.single_cause import (
     quick_fits,
     refit_worse_than_null,
     search_near_leaders,
 )
+from stickslip.diagnosis.fit.start_points import sobol_scan
 from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
 from stickslip.diagnosis.inference.model_comparison import reweighed
 from stickslip.diagnosis.model.prediction_cache import PredictionCache

@@ -7,7 +7,7 @@ import pytest
 
 from line_model import X, line
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.data.noise import fit_noise
+from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
 from stickslip.facts import Code
 

@@ -7,7 +7,7 @@ import pytest
 
 from line_model import SD, WAVE, X, fitted, problem
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
-from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.multistart import fit_candidates
 from stickslip.diagnosis.fit.profile_likelihood import moved_to_profile_minimum, profile
 
 

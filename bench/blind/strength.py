@@ -13,7 +13,7 @@ from blind.truth import Drive, Truth
 from stickslip import Scenario
 from stickslip.diagnosis.fit.baseline import recalibrate
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
-from stickslip.diagnosis.fit.least_squares import fit_candidates
+from stickslip.diagnosis.fit.multistart import fit_candidates
 from stickslip.diagnosis.model.problem import Problem, Uncertain
 from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.measurement import Prior

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stickslip.diagnosis.api import diagnose, diagnose_model
-from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.diagnosis.data.trial_noise import NoiseModel
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Ranking
 from stickslip.diagnosis.fit.profile_likelihood import Profile
 from stickslip.diagnosis.fit.sensitivity import Sensitivities

@@ -10,9 +10,9 @@ import numpy as np
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.conditions import Conditions, find_singleton_condition, named, varied
-from stickslip.diagnosis.data.noise import fit_noise
 from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign, wrong_size
 from stickslip.diagnosis.data.pooling import pooled_velocities
+from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.problem import Array, Cause, Indices, Uncertain

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
-from stickslip.diagnosis.data.noise import NoiseModel, fit_noise, stated_noise, whitener
+from stickslip.diagnosis.data.trial_noise import NoiseModel, fit_noise, stated_noise, whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, recalibrate
 from stickslip.diagnosis.fit.distinguishability import distinguishability, indistinguishable_causes
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking
-from stickslip.diagnosis.fit.least_squares import refit_keeping_starts
+from stickslip.diagnosis.fit.multistart import refit_keeping_starts
 from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import linear_evidence
 from stickslip.diagnosis.fit.single_cause import refit_null

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.noise import (
+from stickslip.diagnosis.data.trial_noise import (
     NoiseModel,
     column_basis,
     completed,

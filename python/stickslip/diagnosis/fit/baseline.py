@@ -15,14 +15,14 @@ import numpy as np
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
-from stickslip.diagnosis.fit.least_squares import (
+from stickslip.diagnosis.fit.multistart import (
     AGREE,
     LARGEST_INFLATION,
     STAGES,
     fit_candidates,
     refit,
 )
-from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
+from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.model.problem import Array, Problem
 
 # All of these are chosen; distances are in coordinates.

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
-from stickslip.diagnosis.fit.least_squares import AGREE, SMALLER_INFLATION, fit_candidates
+from stickslip.diagnosis.fit.multistart import AGREE, SMALLER_INFLATION, fit_candidates
 from stickslip.diagnosis.fit.sensitivity import UNSEEN
 from stickslip.diagnosis.fit.single_cause import (
     CAREFUL,

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Start, make_candidate, ranked
-from stickslip.diagnosis.fit.least_squares import (
+from stickslip.diagnosis.fit.least_squares import spread_factor
+from stickslip.diagnosis.fit.multistart import (
     AGREE,
     LARGEST_INFLATION,
     STAGES,
     fit_candidates,
-    spread_factor,
 )
-from stickslip.diagnosis.fit.multistart import sobol_scan, well_separated
+from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Cause, Problem
 

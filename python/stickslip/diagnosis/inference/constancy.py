@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit
-from stickslip.diagnosis.fit.least_squares import refit
+from stickslip.diagnosis.fit.multistart import refit
 from stickslip.diagnosis.inference.cross_validation import restricted
 from stickslip.diagnosis.model.problem import Array, Indices, Problem
 from stickslip.facts import Code, Fact

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from scipy.stats import chi2 as chi2_law
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.data.noise import whitener
+from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
-from stickslip.diagnosis.fit.least_squares import refit
+from stickslip.diagnosis.fit.multistart import refit
 from stickslip.diagnosis.model.problem import LOST, Array, Indices, Problem
 
 SHARE = 0.27

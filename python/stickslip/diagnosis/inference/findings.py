@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.diagnosis.data.trial_noise import NoiseModel
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking
 from stickslip.diagnosis.fit.profile_likelihood import Profile
 from stickslip.diagnosis.fit.sensitivity import Sensitivities

@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.data.noise import whitener
+from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, singles_beside
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
-from stickslip.diagnosis.fit.least_squares import refit_keeping_starts
+from stickslip.diagnosis.fit.multistart import refit_keeping_starts
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
     fit_singles,

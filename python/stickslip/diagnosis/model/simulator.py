@@ -9,7 +9,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.data.conditions import Conditions
-from stickslip.diagnosis.data.noise import NoiseModel
+from stickslip.diagnosis.data.trial_noise import NoiseModel
 from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario

@@ -1,0 +1,51 @@
+"""Points to begin from: a scan of the constants, and of many points those that lie apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+import numpy as np
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from stickslip.diagnosis.fit.fit_result import Candidate
+from stickslip.diagnosis.model.problem import Array, Problem
+
+Item = TypeVar("Item")
+
+# Largest coordinates of a scan: of a relaxed constant, in standard deviations of its own prior, and
+# of an amplitude, whose prior is standard normal. Chosen: 99 % of the amplitudes are not larger.
+_FARTHEST, _LARGEST = 7.0, 2.5
+
+
+def sobol_scan(problem: Problem, candidate: Candidate, count: int, seed: int) -> Array:
+    """Coordinates of a Sobol scan of all that the candidate fits, best first.
+
+    Constants are drawn from their priors; a relaxed one is scanned evenly up to seven standard
+    deviations of its prior, and a cause at all amplitudes that are not extreme.
+    """
+    p, free = problem.base_count, candidate.free
+    low, high = problem.limits()
+    x = np.zeros((count, problem.size))
+    if len(free):
+        sobol = qmc.Sobol(len(free), scramble=True, seed=seed)
+        share = np.clip(sobol.random(count), 1e-3, 1 - 1e-3)
+        known = np.where(candidate.width > 1.0, _FARTHEST * (2.0 * share - 1.0), ndtri(share))
+        least, most = np.maximum(low[free], -_LARGEST), np.minimum(high[free], _LARGEST)
+        x[:, free] = np.where(free < p, known, least + (most - least) * share)
+        x[0] = 0.0
+    prior = np.sum((x[:, free] / candidate.width) ** 2, axis=1)
+    chi2 = problem.misfit(problem.residuals(x)) + prior
+    return np.asarray(x[np.argsort(chi2, kind="stable")])
+
+
+def well_separated(
+    items: Iterable[Item], place: Callable[[Item], Array], distance: float
+) -> list[Item]:
+    """Those that are not closer than a distance to an earlier one."""
+    kept: list[Item] = []
+    for item in items:
+        if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
+            kept.append(item)
+    return kept
