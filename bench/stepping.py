@@ -48,11 +48,11 @@ def program(rows: np.ndarray) -> Waveform:
 
 def random_scenario(rng: np.random.Generator, rows: np.ndarray) -> Scenario:
     """Robots that stick, slip, roll, bounce, jam and fly."""
-    friction = rng.uniform(0.05, 2.5) if rng.random() < 0.5 else rng.uniform(0.05, 0.5)
+    friction = rng.uniform(0.5, 6.0) if rng.random() < 0.4 else rng.uniform(0.05, 0.5)
     changes = {
         "drive.direction": str(rng.choice(["+x", "-x"])),
         "robot.mass": 25.6e-9 * rng.uniform(0.2, 2.0),
-        "robot.magnetization": 5e5 * rng.uniform(0.5, 5.0),
+        "robot.magnetization": 5e5 * rng.uniform(0.3, 2.0),
         "contact.kinetic_friction": friction * rng.uniform(0.5, 1.0),
         "contact.static_friction": friction,
         "contact.adhesion": rng.choice([0.0, ADHESION, 5.0 * ADHESION]),
@@ -63,7 +63,7 @@ def random_scenario(rng: np.random.Generator, rows: np.ndarray) -> Scenario:
         "record.rate": "events",
     }
     scenario = Scenario(drive=Drive(mode="program", program=program(rows)))
-    return scenario.replace(changes).with_state(State(theta=float(rng.uniform(-7.0, 7.0))))
+    return scenario.replace(changes).with_state(State(theta=float(rng.uniform(-0.4, 0.4))))
 
 
 def restored() -> dict[str, object]:
@@ -177,23 +177,25 @@ def threads_agree() -> bool:
 
 def main() -> None:
     """Measure all, and check what is promised."""
-    result: dict[str, object] = {"machine": machine(), "restores": restored()}
-    result["threads agree"] = threads_agree()
+    restores, agree = restored(), threads_agree()
     pin()
-    result["step beside the physics, us"] = cost_of_a_step()
-    result["rollout"] = cost_of_rollouts()
+    step, costs = cost_of_a_step(), cost_of_rollouts()
+    result = {
+        "machine": machine(),
+        "restores": restores,
+        "threads agree": agree,
+        "step beside the physics, us": step,
+        "rollout": costs,
+    }
     print(json.dumps(result, indent=2))
-    broken = [
-        name
-        for name, kept in {
-            "a restored bit differs": result["restores"]["different"] == 0,  # type: ignore[index]
-            "threads differ": result["threads agree"],
-            "a step costs more than 5 us": result["step beside the physics, us"] <= 5.0,  # type: ignore[operator]
-            "a rollout costs more than 1.3 calls": result["rollout"]["rollout over one call"] <= 1.3,  # type: ignore[index]
-        }.items()
-        if not kept
-    ]
-    sys.exit("; ".join(broken))
+    kept = {
+        "no restored bit differs": restores["different"] == 0,
+        "threads do not matter": agree,
+        "a step costs at most 5 us": step <= 5.0,
+        "a rollout costs at most 1.3 calls": costs["rollout over one call"] <= 1.3,
+    }
+    broken = [name for name, holds in kept.items() if not holds]
+    sys.exit("broken: " + "; ".join(broken) if broken else 0)
 
 
 if __name__ == "__main__":

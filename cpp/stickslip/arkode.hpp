@@ -157,7 +157,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         const EventHit hit = find_event(phase, memory, step, g);
         memory.stalled = false;
         const double stop = observe(step, hit.s);
-        const bool stops = stop <= hit.s;
+        const bool stops = hit ? stop < hit.s : stop <= 1.0;
         const double s = stops ? stop : hit.s;
         end.tau = hit || stops ? step.start + s * step.width : tau;
         end.y = step.dense(s);

@@ -300,7 +300,6 @@ void HybridLoop<Integrator>::begin() {
     begun_ = true;
     transitions_.begin(touches_down_);
     after_event(0.0);
-    result_.stopped = stop_ && distance(segment_.start, state_.body) <= 0.0;
 }
 
 template <class Integrator>
@@ -411,6 +410,8 @@ template <class Integrator>
 void HybridLoop<Integrator>::after_event(double tau) {
     memory_ = {};
     memory_.stalled = watch_.stalled();
+    // A face that has landed may lie still from now on, so that no step looks.
+    if (stop_ && distance(absolute(tau), state_.body) <= 0.0) result_.stopped = true;
     if (!recorder_.at_events()) return;
     // One sample for each change at this instant, with the state after all of them.
     for (const EventKind kind : transitions_.changes()) {

@@ -45,7 +45,7 @@ public:
             case ContactWord::corner_slip_forward:
             case ContactWord::corner_slip_backward:
                 require_touch(gap);
-                on_corner(body.angle == 0.0 && body.omega < 0.0);
+                on_corner(body.angle == 0.0 && stays_on_rear_corner());
                 require_no_lift();
                 set_slip(ContactWord::corner_slip_forward, ContactWord::corner_slip_backward);
                 break;
@@ -172,6 +172,14 @@ private:
             state.slip_velocity = slip_velocity;
             state.mode.slip = slip_velocity > 0.0 ? 1 : -1;
         }
+    }
+
+    // Of a face on the surface, whether the rear corner is the one that neither lands nor leaves.
+    bool stays_on_rear_corner() const {
+        const BodyState& body = start_.state.body;
+        const double front = corner_velocity_z(pose(), body.vz, body.omega);
+        const double rear = front + 2.0 * shape_.half_base(body.quadrant) * body.omega;
+        return std::abs(rear) < std::abs(front);
     }
 
     // The rear corner of a face is the pivot of the quadrant before, at its end.

@@ -140,7 +140,7 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
     const EventHit hit = Finder::find(p.samples, memory.armed, memory.stalled, value);
     memory.stalled = false;
     const double stop = observe(step, hit.s);
-    const bool stops = stop <= hit.s;
+    const bool stops = hit ? stop < hit.s : stop <= 1.0;
     if (hit || stops) {
         const double s = stops ? stop : hit.s;
         const double tau = p.tau + s * step.width;

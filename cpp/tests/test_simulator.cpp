@@ -264,6 +264,14 @@ TEST_CASE("stop condition: the run ends where it is met") {
     const RunResult timed = simulate(s, nullptr, until(StopCondition::Quantity::time, 0.1234));
     CHECK(timed.stopped);
     CHECK(timed.summary.simulated_time == doctest::Approx(0.1234).epsilon(1e-12));
+    // A face that lands lies still from then on.
+    Scenario tilted;
+    tilted.initial.theta = 0.2;
+    const StopCondition flat = {StopCondition::Quantity::theta, false, 0.0};
+    const RunResult fallen = simulate(tilted, nullptr, flat);
+    CHECK(fallen.stopped);
+    CHECK(fallen.final_state.theta == 0.0);
+    CHECK(fallen.summary.simulated_time < 0.05);  // before the first pulse
     const RunResult at_once = simulate(s, nullptr, until(StopCondition::Quantity::x, -1.0));
     CHECK(at_once.stopped);
     CHECK(at_once.summary.simulated_time == 0.0);

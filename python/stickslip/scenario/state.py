@@ -63,9 +63,9 @@ class State(Section, key="initial"):
     Examples
     --------
     >>> from stickslip import Scenario, State, simulate
-    >>> run = simulate(Scenario(initial=State(theta=0.3)))
-    >>> run.final_state.contact
-    'face_stick'
+    >>> run = simulate(Scenario(initial=State(theta=0.2)), until="theta <= 0")
+    >>> run.final_state.theta
+    0.0
     """
 
     x: float = 0.0
