@@ -29,7 +29,7 @@ NO_FIELD = {"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0, "drive.ramp
 QUICK_COILS = {"coil.inductance": 1e-6}
 
 # Pressed so hard to the surface that no field of these tests moves it.
-HELD = {"contact.adhesion": 1e-3}
+HELD = {"contact.adhesion": 1e-3, "solver.planar": "force"}
 # All five coils, jumps, ramps, both signs; stretches short against the time constant.
 BUSY = Waveform.from_points(
     [0.0, 1e-3, 1e-3, 2e-3, 3e-3, 3e-3, 4e-3],

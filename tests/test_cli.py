@@ -123,7 +123,7 @@ def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
         elif name != "event":
             values = table[f"{name} ({column.unit})"].to_numpy()
             np.testing.assert_array_equal(values, getattr(run, name))
-    assert len(table.columns) == 12 + 1 + 5 + 1
+    assert len(table.columns) == 13 + 1 + 5 + 1
 
 
 def test_notes_are_printed(scenario):

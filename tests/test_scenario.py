@@ -40,6 +40,7 @@ def every_key_changed():
             "contact.adhesion_range": 1e-6,
             "contact.restitution": 0.25,
             "solver.method": "arkode",
+            "solver.planar": "force",
             "solver.max_step": 1e-3,
             "record.rate": 1234.5,
             "effects.surface_tilt.angle": 0.02,

@@ -288,7 +288,8 @@ def _any_value(draw: Draw, key: Key) -> float | int | str:
 
 def _allowed_together(keys: Keys) -> Keys:
     """The draws with what excludes each other brought into order."""
-    result = dict(keys)
+    # All coils are drawn: how the planar model takes them is looked at, not whether it applies.
+    result = {**keys, "solver.planar": "force"}
 
     def limit(key: str, most: float) -> None:
         if key in result:

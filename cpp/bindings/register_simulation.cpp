@@ -59,6 +59,7 @@ py::dict recording_dict(Recording&& r) {
     result["contact_x"] = as_array(std::move(r.contact_x));
     result["slip_velocity"] = as_array(std::move(r.slip_velocity));
     result["bx"] = as_array(std::move(r.bx));
+    result["by"] = as_array(std::move(r.by));
     result["bz"] = as_array(std::move(r.bz));
     result["current"] = as_array(std::move(r.current));
     result["contact"] = as_array(std::move(r.contact));
@@ -76,6 +77,11 @@ py::dict summary_dict(const RunResult& run) {
     result["slip_down"] = s.slip_down;
     result["slip_flat"] = s.slip_flat;
     result["airborne_fraction"] = s.airborne_fraction;
+    result["field_max"] = s.field_max;
+    result["field_min"] = s.field_min;
+    result["current_max"] = s.current_max;
+    result["voltage_max"] = s.voltage_max;
+    result["power_mean"] = s.power_mean;
     result["simulated_time"] = s.simulated_time;
     py::dict events;
     for (std::size_t k = 0; k < kEventKinds; ++k) {
@@ -145,6 +151,11 @@ py::tuple sweep_columns(
     add("slip_down", &Summary::slip_down);
     add("slip_flat", &Summary::slip_flat);
     add("airborne_fraction", &Summary::airborne_fraction);
+    add("field_max", &Summary::field_max);
+    add("field_min", &Summary::field_min);
+    add("current_max", &Summary::current_max);
+    add("voltage_max", &Summary::voltage_max);
+    add("power_mean", &Summary::power_mean);
     add("simulated_time", &Summary::simulated_time);
     for (std::size_t k = 0; k < kEventKinds; ++k) {
         columns[name(static_cast<EventKind>(k))] =
@@ -181,7 +192,7 @@ void register_simulation(py::module_& module) {
     for (std::size_t k = 0; k < kEventKinds; ++k) {
         event_names.append(name(static_cast<EventKind>(k)));
     }
-    for (int k = 0; k <= static_cast<int>(Status::too_many_steps); ++k) {
+    for (int k = 0; k <= static_cast<int>(Status::leaves_plane); ++k) {
         status_names.append(name(static_cast<Status>(k)));
     }
     module.attr("stop_quantities") = py::cast(kStopQuantities);

@@ -19,30 +19,38 @@ PerCoil CurrentSegment::at(const Coefficients& coefficients, double tau) const {
     return result;
 }
 
-namespace {
-
-// Integral of the square of one coil's current over a stretch, A^2 s.
-double squared_integral(const CurrentSegment& segment, std::size_t coil) {
+PerCoil squared_integrals(const CurrentSegment& segment) {
     const double d = segment.duration;
-    const double a = segment.coil[0][coil], b = segment.coil[1][coil];
-    double sum = d * (a * a + d * (a * b + d * b * b / 3.0));
-    for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-        const double c = segment.coil[2 + j][coil], rate = segment.rate[j];
-        if (c == 0.0) continue;  // of another coil
-        const double decay = std::exp(-rate * d);
-        sum += 2.0 * a * c * (-std::expm1(-rate * d) / rate) +
-               2.0 * b * c * (-std::expm1(-rate * d) - rate * d * decay) / (rate * rate);
-        for (std::size_t i = 0; i < static_cast<std::size_t>(segment.exponentials); ++i) {
-            const double other = segment.coil[2 + i][coil], both = rate + segment.rate[i];
-            if (other != 0.0) sum += c * other * (-std::expm1(-both * d) / both);
+    const auto n = static_cast<std::size_t>(segment.exponentials);
+    std::array<double, kMaxExponentials> decay, gone;  // of each exponential over the stretch
+    std::array<std::array<double, kMaxExponentials>, kMaxExponentials> gone_both;
+    for (std::size_t j = 0; j < n; ++j) {
+        decay[j] = std::exp(-segment.rate[j] * d);
+        gone[j] = -std::expm1(-segment.rate[j] * d);
+        for (std::size_t i = 0; i < n; ++i) {
+            gone_both[j][i] = -std::expm1(-(segment.rate[j] + segment.rate[i]) * d);
         }
     }
-    return sum;
+    PerCoil result;
+    for (std::size_t coil = 0; coil < kCoilCount; ++coil) {
+        const double a = segment.coil[0][coil], b = segment.coil[1][coil];
+        double sum = d * (a * a + d * (a * b + d * b * b / 3.0));
+        for (std::size_t j = 0; j < n; ++j) {
+            const double c = segment.coil[2 + j][coil], rate = segment.rate[j];
+            if (c == 0.0) continue;  // of another coil
+            sum += 2.0 * a * c * (gone[j] / rate) +
+                   2.0 * b * c * (gone[j] - rate * d * decay[j]) / (rate * rate);
+            for (std::size_t i = 0; i < n; ++i) {
+                const double other = segment.coil[2 + i][coil];
+                if (other != 0.0) sum += c * other * (gone_both[j][i] / (rate + segment.rate[i]));
+            }
+        }
+        result[coil] = sum;
+    }
+    return result;
 }
 
-}  // namespace
-
-Circuit::Circuit(const CircuitParameters& p) : lag_(p.lag) {
+Circuit::Circuit(const CircuitParameters& p) : resistance_(p.resistance), lag_(p.lag) {
     Vector per_root;  // R^(-1/2)
     for (int k = 0; k < kCoilCount; ++k) {
         per_root(k) = 1.0 / std::sqrt(p.resistance[static_cast<std::size_t>(k)]);
@@ -188,9 +196,8 @@ PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParamet
                 if (to.time == from.time) continue;
                 const CurrentSegment segment =
                     circuit.advance({from.time, to.time, from.voltage, to.voltage});
-                for (std::size_t k = 0; k < kCoilCount; ++k) {
-                    sum[k] += weight * squared_integral(segment, k);
-                }
+                const PerCoil squares = squared_integrals(segment);
+                for (std::size_t k = 0; k < kCoilCount; ++k) sum[k] += weight * squares[k];
             }
         }
     }

@@ -33,6 +33,9 @@ private:
     PerCoil at(const Coefficients& coefficients, double tau) const;
 };
 
+/// Integral of the square of each coil's current over a stretch, A^2 s.
+PerCoil squared_integrals(const CurrentSegment& segment);
+
 struct CircuitParameters {
     PerCoil resistance = {};  ///< ohm
     double inductance = 0.0;  ///< H
@@ -49,6 +52,8 @@ public:
 
     /// The currents over `segment`, going on from where the previous stretch ended.
     CurrentSegment advance(const VoltageSegment& segment);
+
+    const PerCoil& resistance() const { return resistance_; }
 
     /// Currents at the end of the last stretch, A.
     PerCoil currents() const;
@@ -76,6 +81,7 @@ private:
 
     void add_lag(CurrentSegment& segment);
 
+    PerCoil resistance_;                              // ohm
     Matrix to_modes_;                                 // of voltages
     Matrix from_modes_;                               // to currents
     Vector time_constant_;                            // s, of each mode

@@ -12,6 +12,7 @@
 #include "stickslip/assembly.hpp"
 #include "stickslip/contact_transitions.hpp"
 #include "stickslip/control_steps.hpp"
+#include "stickslip/drive_observer.hpp"
 #include "stickslip/hybrid_state.hpp"
 #include "stickslip/initial_state.hpp"
 #include "stickslip/progress_watch.hpp"
@@ -88,7 +89,9 @@ public:
 private:
     bool next_segment();
     bool next_voltages(VoltageSegment& voltages);
+    void end_stretch();
     void watch_window(double time);
+    void close_window(double time);
     std::vector<double> marks() const;
     void begin();
     void begin_segment(const VoltageSegment& voltages);
@@ -121,11 +124,14 @@ private:
     Integrator integrator_;
     Recorder recorder_;
     SummaryObserver observer_;
+    DriveObserver drive_;
+    const bool stays_planar_;
     RunControl* control_;
     const std::optional<StopCondition> stop_;
     const double max_check_interval_;  // s, at rest
 
     SegmentStream segments_;
+    VoltageSegment voltages_;
     std::optional<ControlSteps> steps_;
     std::function<void()> on_step_;
     CurrentSegment segment_;
@@ -162,6 +168,8 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
                                        control ? &control->stop : nullptr)),
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
+      drive_(coils_, circuit_),
+      stays_planar_(scenario.solver.planar == Planar::refuse),
       control_(control),
       stop_(stop),
       max_check_interval_(max_check_interval(model_, integrator_.options())),
@@ -201,6 +209,7 @@ void HybridLoop<Integrator>::go() {
 
 template <class Integrator>
 RunResult HybridLoop<Integrator>::take_result() {
+    drive_.write(result_.summary);
     result_.steps = integrator_.counts();
     result_.summary.events = transitions_.counts();
     result_.recording = recorder_.take();
@@ -236,7 +245,9 @@ bool HybridLoop<Integrator>::next_segment() {
         result_.status = Status::interrupted;
         return false;
     }
-    VoltageSegment voltages;
+    if (begun_) end_stretch();
+    if (result_.status != Status::ok) return false;
+    VoltageSegment& voltages = voltages_;
     if (!next_voltages(voltages)) return false;
     if (++segment_count_ > integrator_.options().most_steps) {
         effort_.stretches = segment_count_;
@@ -248,6 +259,12 @@ bool HybridLoop<Integrator>::next_segment() {
     begin_segment(voltages);
     if (!begun_) begin();
     return !result_.stopped;
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::end_stretch() {
+    drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
+    if (stays_planar_ && drive_.leaves_plane()) result_.status = Status::leaves_plane;
 }
 
 template <class Integrator>
@@ -278,11 +295,17 @@ void HybridLoop<Integrator>::watch_window(double time) {
         measured_ = true;
     }
     if (observer_.is_open() && time >= window_.end - slack) {
-        observer_.close(time, state_.body.x, sign_, result_.summary);
+        close_window(time);
     }
     if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
         result_.stopped = distance(time + slack, state_.body) <= 0.0;
     }
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::close_window(double time) {
+    observer_.close(time, state_.body.x, sign_, result_.summary);
+    drive_.close(time - observer_.start(), result_.summary);
 }
 
 template <class Integrator>
@@ -364,17 +387,18 @@ void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
 template <class Integrator>
 void HybridLoop<Integrator>::finish() {
     if (result_.stopped) {
-        if (observer_.is_open()) {
-            observer_.close(absolute(tau_), state_.body.x, sign_, result_.summary);
+        CurrentSegment played = segment_;
+        played.duration = tau_;
+        if (tau_ > 0.0) {
+            drive_.stretch(voltages_, played, dynamics_, state_.body, observer_.is_open());
         }
+        if (observer_.is_open()) close_window(absolute(tau_));
         return;
     }
     // The grid's last sample may lie beyond the end by rounding.
     sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
                  [&](double) { return snapshot(dynamics_, state_, segment_.duration); });
-    if (observer_.is_open()) {
-        observer_.close(program_.duration(), state_.body.x, sign_, result_.summary);
-    }
+    if (observer_.is_open()) close_window(program_.duration());
 }
 
 // Samples of the uniform grid in (…, limit] s of absolute time; `snapshot_at(t)` in absolute time.
@@ -391,6 +415,8 @@ template <class Integrator>
 void HybridLoop<Integrator>::record(double t, double tau, const Snapshot& snapshot) {
     recorder_.add(t, snapshot, state_.mode,
                   dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
+                  field_across(coils_, dynamics_.field().gain(), segment_.field_currents(tau),
+                               snapshot.body.x, snapshot.body.z),
                   segment_.currents(tau));
 }
 

@@ -23,6 +23,18 @@ PlanarGradient gradient_at(const CoilSet& coils, Coil coil, double x, double z) 
 
 }  // namespace
 
+double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
+                    double z) {
+    double result = 0.0;
+    for (const Coil coil : {Coil::yp, Coil::ym}) {
+        const auto k = static_cast<std::size_t>(coil);
+        const double current = gain[k] * currents[k];
+        if (current == 0.0) continue;
+        result += current * coils.unit_field(coil, Eigen::Vector3d(x, 0.0, z)).field.y();
+    }
+    return result;
+}
+
 LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x,
                        double ambient_z)
     : coils_(&coils),

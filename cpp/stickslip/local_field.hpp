@@ -66,6 +66,12 @@ struct FieldStretch {
     }
 };
 
+/// B_y on the plane of motion (T) at currents of the coils that make the field (A): that of the
+/// coils yp and ym, whose field has no other part there; zero without their currents. gain: as of a
+/// LocalField.
+double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
+                    double z);
+
 /// The field of the driven coils near the robot and over one stretch of voltage.
 ///
 /// In the plane of motion the field derives from a potential, which is expanded to fourth order

@@ -251,6 +251,10 @@ std::vector<Choice> make_choices() {
          STICKSLIP_CHOICE("initial.contact", initial.contact)},
         {.key = "solver.method", .allowed = {"tsit5", "arkode"}, .meaning = "integrator",
          STICKSLIP_CHOICE("solver.method", solver.method)},
+        {.key = "solver.planar", .allowed = {"refuse", "force"},
+         .meaning = "what to do where B_y exceeds 5 % of the horizontal field, which turns a robot "
+                    "out of the plane of motion: end the run, or keep it in the plane by force",
+         STICKSLIP_CHOICE("solver.planar", solver.planar)},
     };
 }
 

@@ -16,7 +16,7 @@ std::int8_t contact_code(const ContactMode& mode, double frame_sign) {
 }
 
 void Recorder::add(double t, const Snapshot& s, const ContactMode& mode, const PlanarField& field,
-                   const PerCoil& current) {
+                   double across, const PerCoil& current) {
     Recording& r = recording_;
     r.t.push_back(t);
     r.x.push_back(sign_ * s.body.x);
@@ -30,6 +30,7 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode, const P
     r.contact_x.push_back(sign_ * s.contact_x);
     r.slip_velocity.push_back(sign_ * s.slip_velocity);
     r.bx.push_back(sign_ * field.bx);
+    r.by.push_back(sign_ * across);
     r.bz.push_back(field.bz);
     r.current.push_back(sign_ > 0.0 ? current : turned(current));
     r.contact.push_back(contact_code(mode, sign_));

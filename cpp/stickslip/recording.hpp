@@ -36,7 +36,7 @@ struct Recording {
     std::vector<double> t, x, z, theta, vx, vz, omega;
     std::vector<double> normal_force, friction_force;     ///< N; zero in flight
     std::vector<double> contact_x, slip_velocity;         ///< NaN in flight
-    std::vector<double> bx, bz;                           ///< T at the centre of mass
+    std::vector<double> bx, by, bz;                       ///< T at the centre of mass
     std::vector<std::array<double, kCoilCount>> current;  ///< A
     std::vector<std::int8_t> contact;
     std::vector<std::int8_t> event;  ///< EventKind; "events" only
@@ -56,8 +56,9 @@ public:
         return rate_ > 0.0 ? static_cast<double>(count_) / rate_
                            : std::numeric_limits<double>::infinity();
     }
+    /// across: B_y, T.
     void add(double t, const Snapshot& snapshot, const ContactMode& mode, const PlanarField& field,
-             const PerCoil& current);
+             double across, const PerCoil& current);
     void add_event(EventKind kind) { recording_.event.push_back(static_cast<std::int8_t>(kind)); }
     Recording take() { return std::move(recording_); }
 

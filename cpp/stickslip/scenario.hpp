@@ -80,8 +80,12 @@ struct Effects {
 
 enum class Method { tsit5, arkode };
 
+/// What to do where the field would turn the robot out of the plane of motion.
+enum class Planar { refuse, force };
+
 struct SolverSettings {
     Method method = Method::tsit5;
+    Planar planar = Planar::refuse;
     double rtol = 1e-8;
     double max_step = 0.0;  ///< s, zero: no limit
     std::int64_t max_steps = 1'000'000'000;

@@ -31,6 +31,8 @@ const char* name(Status status) {
             return "no_arkode";
         case Status::too_many_steps:
             return "too_many_steps";
+        case Status::leaves_plane:
+            return "leaves_plane";
     }
     return "unknown";
 }
@@ -95,6 +97,11 @@ std::string message(const RunResult& result) {
         case Status::left_workspace:
             text << "the robot reached the coils; give fewer pulses or less field, or look at "
                     "effects.surface_tilt and friction";
+            break;
+        case Status::leaves_plane:
+            text << "B_y was more than 5 % of the horizontal field, which turns a robot out of the "
+                    "plane of this model; leave yp and ym without voltage, or set solver.planar = "
+                    "\"force\" to keep it in the plane";
             break;
         case Status::interrupted:
             text << "the run was stopped";

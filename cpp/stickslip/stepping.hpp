@@ -21,6 +21,7 @@ enum class Status {
     interrupted,      ///< stopped from outside
     no_arkode,        ///< the method `arkode` is not in this build
     too_many_steps,   ///< more than solver.max_steps
+    leaves_plane,     ///< B_y would turn the robot out of the plane
 };
 
 struct StepperOptions {

@@ -22,6 +22,11 @@ struct Summary {
     double slip_down = kNone;  ///< m/s, the same while theta falls
     double slip_flat = kNone;  ///< m/s, the same of a face
     double airborne_fraction = kNone;
+    double field_max = 0.0;       ///< T, |B| at the robot, of the whole run
+    double field_min = kNone;     ///< T, the same, least over the window
+    double current_max = 0.0;     ///< A, of any coil, of the whole run
+    double voltage_max = 0.0;     ///< V, the same
+    double power_mean = kNone;    ///< W, in all coils, over the window
     double simulated_time = 0.0;  ///< s
     std::array<std::int64_t, kEventKinds> events = {};
 };
@@ -47,6 +52,7 @@ public:
         summary.airborne_fraction = airborne_ / span;
     }
     bool is_open() const { return open_; }
+    double start() const { return start_; }  ///< s
 
     /// Rest at an angle of quadrant pi/2.
     void rest(double theta) {

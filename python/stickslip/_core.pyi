@@ -50,6 +50,11 @@ class _Summary(TypedDict):
     slip_down: float
     slip_flat: float
     airborne_fraction: float
+    field_max: float
+    field_min: float
+    current_max: float
+    voltage_max: float
+    power_mean: float
     simulated_time: float
     events: dict[str, int]
     painleve_events: int
@@ -68,6 +73,7 @@ class _Recording(TypedDict):
     contact_x: NDArray[float64]
     slip_velocity: NDArray[float64]
     bx: NDArray[float64]
+    by: NDArray[float64]
     bz: NDArray[float64]
     current: NDArray[float64]
     contact: NDArray[int8]

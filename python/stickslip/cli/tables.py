@@ -23,12 +23,22 @@ _UNITS = {
     "slip_down": "m/s",
     "slip_flat": "m/s",
     "airborne_fraction": "1",
+    "field_max": "T",
+    "field_min": "T",
+    "current_max": "A",
+    "voltage_max": "V",
+    "power_mean": "W",
     "simulated_time": "s",
 }
 _WORDS = {
     "slip_up": ", mean slip speed while theta rises",
     "slip_down": ", mean slip speed while theta falls",
     "slip_flat": ", mean slip speed on a face",
+    "field_max": ", of |B| at the robot, in all of the run",
+    "field_min": ", the same while measured",
+    "current_max": "of any coil",
+    "voltage_max": "of any coil",
+    "power_mean": "in all coils",
 }
 
 _MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
@@ -60,7 +70,8 @@ def summary_table(summary: dict[str, Any]) -> str:
     for name, unit in _UNITS.items():
         value = summary[name] + 0.0  # no negative zero
         factor, other = _shown_in(name)
-        handier = f"{value * factor:.5g} {other}{_WORDS.get(name, '')}" if other != unit else ""
+        words = _WORDS.get(name, "")
+        handier = f"{value * factor:.5g} {other}{words}" if other != unit else words
         rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
     rows.append(("measured", measured, ""))
     counts = {**summary["events"], "painleve": summary["painleve_events"]}

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 Data: TypeAlias = "Run | xarray.Dataset"
 Array = NDArray[np.float64]
 
-_DRAWN = ("t", "x", "z", "theta", "omega", "normal_force", "slip_velocity", "bx", "bz", "contact")
+_DRAWN = (
+    *("t", "x", "z", "theta", "omega", "normal_force", "slip_velocity"),
+    *("bx", "by", "bz", "contact"),
+)
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class Motion:
     normal_force: Array
     slip_velocity: Array
     bx: Array
+    by: Array
     bz: Array
     contact: NDArray[np.int8]
     length: float  # of the body, m

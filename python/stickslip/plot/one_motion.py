@@ -108,6 +108,8 @@ def draw_fields(axes: Axes, shown: Motion) -> None:
     """Both components of the field, mT."""
     t = shown.t
     lines = axes.plot(t, shown.bx * 1e3, color=palette.BLUE, label="$B_x$")
+    if shown.by.any():
+        lines += axes.plot(t, shown.by * 1e3, color=palette.GREEN, linestyle=":", label="$B_y$")
     lines += axes.plot(t, shown.bz * 1e3, color=palette.VERMILION, linestyle="--", label="$B_z$")
     axes.set_xlim(t[0], t[-1])
     axes.set_ylabel("field (mT)")

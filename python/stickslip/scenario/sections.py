@@ -229,12 +229,17 @@ class Solver(Section):
     max_steps : int
         Most steps of a run. One that needs more ends with the status "too_many_steps", whose
         message names the key that makes the steps short.
+    planar : {"refuse", "force"}
+        What to do where B_y exceeds 5 % of the horizontal field, which would turn a real robot out
+        of the plane of motion: end the run with the status "leaves_plane", or keep the robot in the
+        plane by force.
     """
 
     method: Literal["tsit5", "arkode"] = "tsit5"
     rtol: float = 1e-8
     max_step: float = 0.0
     max_steps: int = 1_000_000_000
+    planar: Literal["refuse", "force"] = "refuse"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -41,6 +41,7 @@ COLUMNS = {
     "contact_x": Column("m", "position of the contact point, nothing in flight"),
     "slip_velocity": Column("m/s", "velocity of the contact point, nothing in flight"),
     "bx": Column("T", "field along x at the centre of mass"),
+    "by": Column("T", "field along y at the centre of mass, across the plane of motion"),
     "bz": Column("T", "field along z at the centre of mass"),
     "current": Column("A", "current of each coil"),
     "contact": Column("1", "mode of the contact"),
@@ -92,7 +93,7 @@ class Run:
         Forces of the surface on the body, N; zero in flight.
     contact_x, slip_velocity : numpy.ndarray, shape (n,)
         Position (m) and velocity (m/s) of the contact point, P_x in Eq. (13); NaN in flight.
-    bx, bz : numpy.ndarray, shape (n,)
+    bx, by, bz : numpy.ndarray, shape (n,)
         Field at the centre of mass, T, Eqs. (2)-(7).
     current : numpy.ndarray, shape (n, 5)
         Currents of the coils xp, xm, yp, ym, clamp, A, Eq. (1).
@@ -132,6 +133,7 @@ class Run:
     contact_x: _Array
     slip_velocity: _Array
     bx: _Array
+    by: _Array
     bz: _Array
     current: _Array
     contact: NDArray[np.int8]
@@ -195,7 +197,9 @@ class Run:
             from `window_start` to `window_end` (s), and over it `mean_velocity` (m/s), `theta_min`,
             `theta_max` (rad), the mean slip speeds `slip_up`, `slip_down`, `slip_flat` (m/s,
             distance that the contact slipped along +x while theta rose, fell, or the body lay on a
-            face, over the window's duration) and `airborne_fraction`; over the whole run `events`
+            face, over the window's duration), `airborne_fraction`, `field_min` (T, least of |B| at
+            the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T, of |B|
+            at the robot), `current_max` (A) and `voltage_max` (V, both of any coil), `events`
             (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
             integrator). What was never measured is NaN.
         """

@@ -34,6 +34,11 @@ NUMBERS = {
     "slip_down": Column("m/s", "slip of the contact while the tilt angle falls, over the window"),
     "slip_flat": Column("m/s", "slip of the contact while a face lies flat, over the window"),
     "airborne_fraction": Column("1", "part of the measuring window in flight"),
+    "field_max": Column("T", "largest |B| at the robot in the whole run"),
+    "field_min": Column("T", "least |B| at the robot, measuring window"),
+    "current_max": Column("A", "largest current of any coil in the whole run"),
+    "voltage_max": Column("V", "largest voltage of any coil in the whole run"),
+    "power_mean": Column("W", "mean power in all coils, measuring window"),
     "simulated_time": Column("s", "simulated time"),
 }
 """The numbers of a summary that are no counts."""

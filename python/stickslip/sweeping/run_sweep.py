@@ -80,7 +80,8 @@ def sweep(
         section before it where other keys share that word (``surface_tilt_angle``).
 
         Variables are those of `Run.summary`: `mean_velocity`, `slip_up`, `slip_down`, `slip_flat`
-        (m/s), `theta_min`, `theta_max` (rad), `airborne_fraction`, `simulated_time` (s), `events`
+        (m/s), `theta_min`, `theta_max` (rad), `airborne_fraction`, `field_max`, `field_min`
+        (T), `current_max` (A), `voltage_max` (V), `power_mean` (W), `simulated_time` (s), `events`
         (counts, with another dimension ``event``) and `painleve_events`. `status` is 0 for a point
         that is sound; its attributes name the others. There the numbers are NaN, and a variable
         `message` says what happened. Attributes hold scenario, values and versions.

@@ -1,0 +1,84 @@
+"""What a run measures of its coils: field, current, voltage and power, and the planar rule."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip import Coils, Drive, Scenario, Simulator, Waveform, simulate, sweep
+from stickslip.errors import SimulationError
+
+RECORDED = {"record.rate": 1e5}
+
+
+def held(voltages, duration=0.1, **changes):
+    program = Waveform.hold(duration, voltages)
+    return Scenario(drive=Drive(mode="program", program=program)).replace(changes)
+
+
+def test_a_held_voltage_has_the_analytic_current_and_power():
+    # Eq. (1): I = U/R (1 - exp(-t/T)), and the integral of R I^2 over its rise.
+    run = simulate(held({"clamp": -12.0}))
+    coil = run.scenario.coil
+    steady, lag = 12.0 / coil.resistance, coil.inductance / coil.resistance
+    d = 0.1
+    squares = d - 2.0 * lag * (1 - math.exp(-d / lag)) + lag / 2 * (1 - math.exp(-2 * d / lag))
+    summary = run.summary()
+    assert summary["voltage_max"] == 12.0
+    assert summary["current_max"] == pytest.approx(steady * (1 - math.exp(-d / lag)), rel=1e-12)
+    power = coil.resistance * steady**2 * squares / d
+    assert summary["power_mean"] == pytest.approx(power, rel=1e-12)
+    # The current is largest at the end: the field of the current there.
+    at = [run.final_state.x, 0.0, run.final_state.z]
+    field = np.linalg.norm(Coils().field([at], [0, 0, 0, 0, 1.0])[0])
+    # The local expansion is within 1e-9 of the full sum.
+    expected = summary["current_max"] * field
+    assert summary["field_max"] == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_figures_are_those_of_the_record():
+    scenario = Scenario(drive=Drive(base=-0.5e-3, frequency=60.0, pulses=8)).replace(RECORDED)
+    run = simulate(scenario)
+    start, end = scenario.window
+    size = np.hypot(run.bx, run.bz)
+    measured = (run.t >= start) & (run.t <= end)
+    summary = run.summary()
+    # Between two samples the current changes by 1e-5 s over a lag of 7 ms, 0.15 % of its swing, and
+    # a robot that moves 0.1 mm in a stretch sees 1e-5 T less.
+    assert summary["field_max"] == pytest.approx(size.max(), rel=1e-2)
+    assert summary["field_min"] == pytest.approx(size[measured].min(), abs=2e-5)
+    assert summary["current_max"] == pytest.approx(np.abs(run.current).max(), rel=2e-3)
+    power = scenario.coil.resistance * np.mean(np.sum(run.current[measured] ** 2, axis=1))
+    # The mean over samples of a periodic curve errs by one sample of 13 000, times its range.
+    assert summary["power_mean"] == pytest.approx(power, rel=1e-3)
+
+
+def test_sweeps_have_the_same_figures():
+    scenario = Scenario(drive=Drive(base=0.5e-3, pulses=5))
+    found = sweep(scenario, vary={"drive.peak": [2e-3, 3e-3]})
+    for peak in (2e-3, 3e-3):
+        summary = simulate(scenario.replace({"drive.peak": peak})).summary()
+        for name in ("field_max", "field_min", "current_max", "voltage_max", "power_mean"):
+            assert float(found[name].sel(peak=peak)) == summary[name]
+    assert found["field_max"].attrs["units"] == "T"
+
+
+def test_the_field_across_the_plane_is_recorded():
+    scenario = held({"yp": 10.0}, **{"solver.planar": "force"}, **RECORDED)
+    run = simulate(scenario)
+    at = [[0.0, 0.0, run.final_state.z]]
+    expected = Coils().field(at, [0, 0, 1.0, 0, 0])[0, 1] * run.current[-1, 2]
+    assert run.by[-1] == pytest.approx(expected, rel=1e-12)
+    assert not simulate(held({"xp": 10.0}, **RECORDED)).by.any()
+
+
+def test_a_field_across_the_plane_ends_a_run_unless_it_is_forced():
+    # 5 % of the horizontal field: half of it, and twice it.
+    for share, status in ((0.025, "ok"), (0.1, "leaves_plane")):
+        run = simulate(held({"xp": 10.0, "yp": 10.0 * share}))
+        assert run.status == status
+    assert "solver.planar" in run.message
+    assert simulate(held({"xp": 10.0, "yp": 5.0}, **{"solver.planar": "force"})).ok
+    sim = Simulator(Scenario())
+    with pytest.raises(SimulationError, match="plane"):
+        sim.step({"xp": 10.0, "yp": 5.0}, 0.01)
