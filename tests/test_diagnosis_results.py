@@ -308,3 +308,20 @@ def test_what_is_public_has_public_types():
                     texts += getattr(each, "__annotations__", {}).values()
         missing |= {word for text in texts for word in pattern.findall(str(text))}
     assert missing - known - outside - inner == set()
+
+
+def test_the_order_of_trials_is_a_number_or_a_date():
+    dates = pd.Timestamp("2026-01-05") + pd.to_timedelta(np.arange(12) * 60.0, "s")
+    data = Measurement.from_dataframe(TABLE.assign(order=dates), Scenario())
+    assert data.velocity[0].order.tolist() == [60.0 * k for k in range(12)]
+    order = ["first", *range(1, 11), None]
+    data = Measurement.from_dataframe(TABLE.assign(order=order), Scenario())
+    assert 'DataFrame row 0: order "first" is not a number.' in map(str, data.left_out)
+    assert np.isnan(data.velocity[0].order[-1])  # not known
+
+
+def test_rows_of_a_table_in_memory_have_their_index_label():
+    table = TABLE.set_axis([f"r{k}" for k in range(12)])
+    table.loc["r3", "velocity"] = np.nan
+    data = Measurement.from_dataframe(table, Scenario())
+    assert [str(each) for each in data.left_out] == ["DataFrame row r3: velocity is empty."]

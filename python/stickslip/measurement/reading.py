@@ -90,20 +90,20 @@ class Measurement(OneLine):
     ) -> Measurement:
         """Mean velocities from a table in memory, with the columns and checks of the CSV file.
 
-        Rows that are not sound are left out, and said to be in `left_out`, counted from 0.
+        Rows that are not sound are left out, and named in `left_out` by their index label.
 
         Parameters
         ----------
         table : DataFrame
             One row a trial: `velocity` in m/s; settings named like keys of ``[drive]``, in SI
-            units; and, if known, `trial`, `block` and `order`.
+            units; and, if known, `trial`, `block` (labels) and `order` (numbers or dates).
         scenario : Scenario
             The model as the experimenter believes it, with the settings that have no column.
         uncertain : mapping, optional
             What is not known exactly: for each dotted key a `Prior`, or one of the tables of a
             measurement file, such as ``{"mean": 0.145, "sd": 0.01}``.
         velocity_sd : float, optional
-            Relative standard deviation of one trial, where trials are not repeated.
+            Relative standard deviation of one trial, such as 0.05, where trials are not repeated.
         name : str
             Title of the report.
 

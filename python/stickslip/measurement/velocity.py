@@ -16,6 +16,7 @@ from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
+    Line,
     NothingSound,
     Rows,
     check_columns,
@@ -85,7 +86,7 @@ class _Trial(NamedTuple):
     setting: tuple[tuple[str, Any], ...]
     block: str
     order: float
-    line: int
+    line: Line
 
 
 def read_velocity(
@@ -141,7 +142,7 @@ def _sound_rows(
     check_columns(path, header, ["velocity"])
     refuse_unknown(path, header, [*_OTHER, *drive])
     # Lines by what is wrong with them, in the order of the file.
-    wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[int]] = {}
+    wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
     for line, row in rows:
@@ -176,7 +177,7 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
 
 
 def _trial(
-    line: int,
+    line: Line,
     row: list[str],
     header: Sequence[str],
     seen: set[tuple[str, ...]],
@@ -192,7 +193,8 @@ def _trial(
         raise _Unsound(Code.REPEATED_ROW)
     setting = _setting(cells, drive, scenario)
     _check_units(dict(setting))
-    return _Trial(velocity, setting, cells.get("block", ""), number(cells.get("order", "")), line)
+    order = _number("order", cells["order"]) if cells.get("order") else math.nan
+    return _Trial(velocity, setting, cells.get("block", ""), order, line)
 
 
 def _number(column: str, cell: str) -> float:
