@@ -1,6 +1,7 @@
 """What a person gets from a diagnosis: tables, predictions, pictures, text, and its options."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ from made_measurement import write
 from stickslip import Measurement, Options, Scenario, diagnose, diagnose_model, read_measurement
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior
-from toy_model import CAUSES, UNCERTAIN, predict, result, trials, truth
+from toy_model import CAUSES, UNCERTAIN, predict, result, shared_result, trials, truth
 
 WAVE_SIZE = 0.5
 
@@ -115,9 +116,46 @@ def test_data_that_cannot_be_judged_give_no_parameters():
     assert given.params.empty
     assert given.conf_int().empty
     assert given.extended == {}
+    assert given.compare().empty
+    assert given.gain is None
+    assert "p = " not in repr(given)
     assert "nothing moves" in given.summary()
+    assert "no gain on held-out conditions: there is no extended model" in given.summary()
+    assert "log_evidence" not in given.summary()
     with pytest.raises(ScenarioError, match="the data allow no diagnosis"):
         given.predict(None)
+
+
+def test_a_summary_of_a_set_says_whose_parameters_it_has():
+    given = shared_result(0, split=0.4)
+    assert given.verdict.kind == "ambiguous"
+    first, *others = given.verdict.causes
+    assert given.verdict.fit.name == first
+    line = next(each for each in given.summary().splitlines() if "the first of the set" in each)
+    assert f"are of {first}," in line
+    assert all(name in line for name in others)
+
+
+def test_convergence_is_not_denied_where_it_was_not_checked(waved):
+    assert waved.compare().loc["wave", "converged"] == "yes"
+    lone = replace(waved.findings.verdict.fit, converged=False, starts=(1.0,))
+    ranking = replace(waved.findings.ranking, singles=(lone,))
+    given = replace(waved, findings=replace(waved.findings, ranking=ranking))
+    assert given.compare().loc["wave", "converged"] == "not checked"
+
+
+def test_a_prior_that_no_scenario_allows_is_refused():
+    for key, prior in (
+        ("contact.kinetic_friction", Prior("normal", 0.5, 0.01)),
+        ("robot.mass", Prior("normal", -1.0, 0.1)),
+    ):
+        with pytest.raises(ScenarioError, match=rf'\[uncertain\] "{key}" = normal.*: allowed'):
+            Measurement.from_dataframe(TABLE, Scenario(), {key: prior})
+    both = {
+        "contact.kinetic_friction": Prior("normal", 0.5, 0.01),
+        "contact.static_friction": Prior("normal", 0.6, 0.01),
+    }
+    assert len(Measurement.from_dataframe(TABLE, Scenario(), both).uncertain) == 2
 
 
 def test_a_summary_is_one_screen_and_a_representation_one_line(waved, measured):

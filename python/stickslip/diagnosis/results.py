@@ -20,7 +20,7 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.messages import table_lines, verdict_lines
+from stickslip.diagnosis.report.messages import no_gain_lines, set_lines, table_lines, verdict_lines
 from stickslip.diagnosis.report.plots import Plots, abscissa
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
@@ -62,14 +62,17 @@ class Diagnosis:
         causes = f" {', '.join(self.verdict.causes[:3])}" if self.verdict.causes else ""
         causes += ", ..." if len(self.verdict.causes) > 3 else ""
         count = len(found.problem.observed)
-        return (
-            f"<Diagnosis of {count} observables: {self.verdict.kind}{causes}, "
-            f"p = {found.detection.p_value:.2g}>"
-        )
+        judged = self.verdict.kind != "data-problem"
+        p_value = f", p = {found.detection.p_value:.2g}" if judged else ""
+        return f"<Diagnosis of {count} observables: {self.verdict.kind}{causes}{p_value}>"
 
     def summary(self) -> str:
-        """The verdict, the parameters and the leading candidates as text for one screen."""
-        lines = self.verdict_lines()
+        """The verdict, the parameters and the leading candidates as text for one screen.
+
+        Of a set, a line says which of its members the parameters are of; without a gain, a line
+        says why there is none.
+        """
+        lines = [*self.verdict_lines(), *no_gain_lines(self.findings), *set_lines(self.findings)]
         for table, most in ((self.params, _MOST_ROWS), (self.compare(), _MOST_ROWS // 2)):
             if len(table):
                 lines += ["", *table_lines(table, most)]
@@ -87,7 +90,11 @@ class Diagnosis:
 
     @property
     def gain(self) -> Gain | None:
-        """Error on held-out conditions, recalibrated and extended; None if nothing is held out."""
+        """Error on held-out conditions, recalibrated and extended.
+
+        None if there is no extended model, which is so for the verdicts none, unexplained and
+        data-problem, or if the conditions are too few to hold some out.
+        """
         return self.findings.gain
 
     @property
@@ -96,8 +103,9 @@ class Diagnosis:
 
         Columns: `value` and `sd` in the column `unit`; `prior`, what was known before the data;
         `pull`, how many standard deviations of its prior the value lies from the prior's middle. Of
-        the extended model, or the recalibrated one if there is no other. Empty for the verdict
-        data-problem, as nothing is learnt from such data.
+        the extended model, or the recalibrated one if there is no other; of the verdict ambiguous,
+        where the extended model is that of the first member of the set, of this one alone. Empty
+        for the verdict data-problem, as nothing is learnt from such data.
         """
         return tables.parameter_table(self.findings)
 
@@ -127,14 +135,19 @@ class Diagnosis:
     def compare(self) -> DataFrame:
         """All candidates that were fitted, best first; ``none`` is the recalibrated model.
 
+        Empty for the verdict data-problem.
+
         Columns: `log_evidence` above that of none, less the price of a second cause; `delta`, how
         far behind the first; `chi2` of data and priors; `p`, of the lack of fit; `converged`,
-        whether fits from several starts agree.
+        whether fits from several starts agree: "yes", "no", or "not checked" where a candidate is
+        so far behind that it was fitted from one start only.
         """
         return tables.candidate_table(self.findings)
 
     def predict(self, conditions: Any) -> DataFrame:
         """Predictions of the fitted models at new conditions.
+
+        Of the verdict ambiguous the extended model is that of the first member of the set.
 
         Parameters
         ----------
@@ -217,8 +230,9 @@ class Diagnosis:
     def extended(self) -> Scenario | dict[str, float]:
         """The model with recalibrated constants and, where there is one, the claimed cause.
 
-        Of a measurement a scenario; of a model of one's own the values of its parameters by name.
-        From data that allow no diagnosis nothing is learnt: the scenario is as it was given.
+        Of the verdict ambiguous with the first member of the set. Of a measurement a scenario; of a
+        model of one's own the values of its parameters by name. From data that allow no diagnosis
+        nothing is learnt: the scenario is as it was given.
 
         Raises
         ------

@@ -68,19 +68,22 @@ def candidate_table(found: Findings) -> DataFrame:
     """See `Diagnosis.compare`."""
     import pandas as pd
 
+    columns = ["log_evidence", "delta", "chi2", "p", "converged"]
     fits = ranked([found.null, *found.ranking.singles, *found.ranking.pairs], priced=True)
-    best = fits[0].priced_evidence
+    if found.verdict.kind == "data-problem":
+        fits = ()
     rows = [
         {
             "log_evidence": fit.priced_evidence - found.null.log_evidence,
-            "delta": best - fit.priced_evidence,
+            "delta": fits[0].priced_evidence - fit.priced_evidence,
             "chi2": fit.chi2,
             "p": adequacy(found.problem, fit),
-            "converged": fit.converged,
+            "converged": _agreement(fit),
         }
         for fit in fits
     ]
-    return pd.DataFrame(rows, index=pd.Index([fit.name for fit in fits], name="candidate"))
+    names = pd.Index([fit.name for fit in fits], name="candidate", dtype=object)
+    return pd.DataFrame(rows, index=names, columns=columns)
 
 
 def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
@@ -88,6 +91,13 @@ def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
     fit = found.verdict.fit or found.null
     learnt = found.verdict.kind != "data-problem"
     return fit, free_parameters(found.problem, fit) if learnt else []
+
+
+def _agreement(fit: Fit) -> str:
+    """Whether fits of a candidate from several starts agree, in a word."""
+    if fit.converged:
+        return "yes"
+    return "no" if len(fit.starts) > 1 else "not checked"
 
 
 def _prior(found: Findings, each: Fitted) -> str:

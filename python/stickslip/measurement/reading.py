@@ -40,6 +40,10 @@ _ENTRIES = {
     "field": ("file",),
 }
 _KNOWN = ("stickslip_measurement", "name", "scenario", "uncertain", *_ENTRIES)
+_KINETIC, _STATIC = "contact.kinetic_friction", "contact.static_friction"
+_WIDE = 3.0
+"""Standard deviations of a prior that are looked at. Chosen: one value in 400 lies beyond."""
+
 _COLUMNS = {
     "angle": ("Bx", "Bz", "theta"),
     "field": (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"),
@@ -243,10 +247,24 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                 "and not in [drive], [solver] or [record]"
             )
         prior = entry if isinstance(entry, Prior) else parse_prior(name, entry)
-        if name != "contact.kinetic_friction":  # whose middle may be above the static one's
-            scenario.replace({name: float(prior.value(0.0))})
+        if name != _KINETIC:  # whose middle may be above the static one's
+            with prefixed(f'[uncertain] "{name}" = {prior}'):
+                scenario.replace({name: float(prior.value(0.0))})
         priors[name] = prior
+    if _KINETIC in priors:
+        _check_friction(priors, scenario)
     return priors
+
+
+def _check_friction(priors: Mapping[str, Prior], scenario: Scenario) -> None:
+    """Refuse a kinetic friction that even at its lowest is above the highest static one."""
+    kinetic, static = priors[_KINETIC], priors.get(_STATIC)
+    lowest = max(float(kinetic.value(-_WIDE)), known_keys()[_KINETIC].low)
+    highest = {}
+    if static is not None:
+        highest[_STATIC] = min(float(static.value(_WIDE)), known_keys()[_STATIC].high)
+    with prefixed(f'[uncertain] "{_KINETIC}" = {kinetic}'):
+        scenario.replace({_KINETIC: lowest, **highest})
 
 
 def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:

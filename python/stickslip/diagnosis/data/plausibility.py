@@ -93,6 +93,8 @@ def wrong_size(conditions: Conditions, predicted: Array, velocity: Array) -> Fac
 
 def standing_still(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:
     """A note on conditions that read zero where the stated model moves."""
+    if not np.isfinite(predicted).any():
+        return None
     speed = np.abs(predicted)
     still = np.flatnonzero((velocity == 0.0) & (speed > _WALKS * np.nanmedian(speed)))
     if not len(still):
