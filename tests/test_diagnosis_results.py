@@ -200,6 +200,11 @@ def test_a_measurement_is_predicted_at_drives(measured):
         measured.predict(pd.DataFrame({"frequency": [40.0]}))["recalibrated"].iloc[0]
         == (table["recalibrated"].iloc[0])
     )
+    written = pd.DataFrame({"frequency": [40.0], "mode": "ipp", "direction": "+X"})
+    as_measured = written.assign(velocity=1e-3, trial=1, block="a", order=3, velocity_sd=0.1)
+    again = measured.predict(as_measured)
+    assert list(again.columns[:3]) == ["frequency", "mode", "direction"]
+    assert again["recalibrated"].iloc[0] == table["recalibrated"].iloc[0]
     scenario = measured.extended
     assert isinstance(scenario, Scenario)
     run = stickslip.simulate(scenario.replace({"drive.frequency": 40.0, "solver.rtol": 1e-8}))
@@ -207,9 +212,15 @@ def test_a_measurement_is_predicted_at_drives(measured):
     # The diagnosis simulates with an error below a twentieth of a mean's, here 2 % / sqrt 3.
     assert table[column].iloc[0] == pytest.approx(run.mean_velocity, rel=1e-3)
     for bad, said in (
-        ([{"frequencies": 40.0}], 'row 1: frequencies: did you mean "frequency"'),
-        ([{"frequency": 40.0}, {"frequency": -1.0}], "row 2: drive.frequency = -1.0: allowed is"),
+        ([{"frequencies": 40.0}], 'row 0: "frequencies" is not known; did you mean "frequency"'),
+        ([{"frequency": 40.0}, {"frequency": -1.0}], "row 1: drive.frequency = -1.0: allowed is"),
         ({"frequency": 40.0}, "allowed is a DataFrame or a list of dicts"),
+        ("frequency", "allowed is a DataFrame or a list of dicts"),
+        (None, "allowed is a DataFrame or a list of dicts"),
+        ([40.0], "allowed is a DataFrame or a list of dicts"),
+        ([], "there is no row"),
+        (pd.DataFrame({"frequency": []}), "there is no row"),
+        (pd.DataFrame({"frequency": [np.nan]}, index=["a"]), "row a: frequency is empty"),
     ):
         with pytest.raises(ScenarioError, match=said):
             measured.predict(bad)

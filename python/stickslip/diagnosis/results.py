@@ -153,7 +153,8 @@ class Diagnosis:
         ----------
         conditions : DataFrame or sequence of dict, or whatever the own model takes
             Of a measurement drive settings by name, such as ``frequency``; what is not given is as
-            in the scenario. For a model of one's own they are handed to it as they are.
+            in the scenario, and what a table of trials has besides, such as `velocity`, is ignored.
+            For a model of one's own they are handed to it as they are.
 
         Returns
         -------

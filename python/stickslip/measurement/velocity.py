@@ -24,7 +24,7 @@ from stickslip.measurement.tables import (
     number,
     refuse_unknown,
 )
-from stickslip.scenario.keys import Value, known_keys
+from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0
@@ -41,7 +41,8 @@ _MANY_LOST = 0.1
 _MOST = 0.5
 """Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
 
-_OTHER = ("velocity", "trial", "block", "order")
+NOT_SETTINGS = ("velocity", "trial", "block", "order")
+"""Columns that say nothing of the drive."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,7 +141,7 @@ def _sound_rows(
     header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
-    refuse_unknown(path, header, [*_OTHER, *drive])
+    refuse_unknown(path, header, [*NOT_SETTINGS, *drive])
     # Lines by what is wrong with them, in the order of the file.
     wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
     kept: list[_Trial] = []
@@ -214,11 +215,9 @@ def _setting(
         if name not in cells:
             continue
         key = keys[f"drive.{name}"]
-        value: Value = cells[name]
+        value: Value
         if key.kind == "word":
-            # An apparatus may write "ipp" and "+X".
-            spelt = (cells[name], cells[name].upper(), cells[name].lower())
-            value = next((each for each in spelt if f'"{each}"' in key.allowed), value)
+            value = in_allowed_case(key, cells[name])
         else:
             value = _number(name, cells[name])
             if key.kind == "whole" and value == int(value):

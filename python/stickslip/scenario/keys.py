@@ -156,6 +156,12 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return "known are " + ", ".join(f'"{each}"' for each in known)
 
 
+def in_allowed_case(key: Key, word: str) -> str:
+    """A word as the key allows it: an apparatus may write "ipp" and "+X"."""
+    spelt = (word, word.upper(), word.lower())
+    return next((each for each in spelt if f'"{each}"' in key.allowed), word)
+
+
 def refuse(key: str, value: object, allowed: str) -> NoReturn:
     """Raise the one-line error of a value that is not allowed."""
     raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
