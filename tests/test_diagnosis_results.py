@@ -229,8 +229,25 @@ def test_a_measurement_is_predicted_at_drives(measured):
 def test_experiments_are_as_many_as_asked_for(measured):
     three = measured.propose_experiments()
     assert measured.propose_experiments(1) == three[:1]
+    assert measured.propose_experiments(0) == []
+    for count in (-1, 1.5):
+        with pytest.raises(ScenarioError, match=r"count = .*: allowed is a whole number"):
+            measured.propose_experiments(count)
     assert len(measured.propose_experiments(5)) >= len(three)
     assert measured.as_dict()["next_experiments"][0]["drive"] == three[0].drive
+
+
+def test_a_report_is_refused_before_it_is_made(measured, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match=r"cannot write .*file: it is not a folder"):
+        measured.save_report(tmp_path / "file")
+    with pytest.raises(ScenarioError, match="folder = 3: allowed is a path"):
+        measured.save_report(3)
+    with pytest.raises(ScenarioError, match="save_report: title, unit: allowed for a model of"):
+        measured.save_report(tmp_path / "out", title="Bench", unit="mm/s")
+    with pytest.raises(ScenarioError, match=r"plot\.fit: labels: allowed for a model of"):
+        measured.plot.fit(labels=("f", "v"))
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_model_of_ones_own_has_no_drives_to_propose(waved):

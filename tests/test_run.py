@@ -176,6 +176,12 @@ def test_a_saved_run_is_opened_and_drawn(run, tmp_path):
     assert data.identical(run.to_xarray())
     (tmp_path / "run.nc").unlink()
     assert plot.fields(data).axes
+    with pytest.raises(ScenarioError, match=r"run\.nc: cannot be read: No such file"):
+        open_run(tmp_path / "run.nc")
+    for draw in (plot.run, plot.fields):
+        with pytest.raises(ScenarioError, match=r"= Scenario\(.*: allowed is a Run") as refusal:
+            draw(SCENARIO)
+        assert "\n" not in str(refusal.value)
     run.to_xarray().drop_attrs().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(ValueError, match="is no run"):
         open_run(tmp_path / "other.nc")

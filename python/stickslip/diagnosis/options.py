@@ -18,7 +18,7 @@ from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.problem import AuxiliaryData, Predict
 from stickslip.errors import ScenarioError
 from stickslip.facts import Fact
-from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.keys import refuse, suggestion
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -83,7 +83,7 @@ class Options(OneLine):
     def __post_init__(self) -> None:
         sd = self.relative_sd
         if not is_number(sd) or sd <= 0.0 or math.isinf(sd):
-            raise ScenarioError(f"relative_sd = {shown(sd)}: allowed is a number above 0, or NaN")
+            refuse("relative_sd", sd, "a number above 0, or NaN")
         check_whole("seed", self.seed)
         object.__setattr__(self, "seed", int(self.seed))  # of numpy's numbers too
         if self.singleton_condition is not None:
@@ -96,7 +96,7 @@ class Options(OneLine):
 def check_whole(name: str, value: object) -> None:
     """Refuse what is not a whole number from 0."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 0:
-        raise ScenarioError(f"{name} = {shown(value)}: allowed is a whole number from 0")
+        refuse(name, value, "a whole number from 0")
 
 
 def _check_indices(name: str, values: ArrayLike) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis import tables
 from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.cross_validation import Gain
@@ -19,18 +20,22 @@ from stickslip.diagnosis.inference.extended_model import extended_scenario, exte
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
+from stickslip.diagnosis.options import check_whole
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.messages import no_gain_lines, set_lines, table_lines, verdict_lines
-from stickslip.diagnosis.report.plots import Plots, abscissa
+from stickslip.diagnosis.report.plots import OWN_LABELS, Plots, abscissa, refuse_own
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value
+from stickslip.scenario.keys import Value, refuse
 from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 __all__ = ["Diagnosis", "Plots"]
+
+_OWN_UNIT = "SI"
+"""Unit of the observable of a model of one's own, if it is not said."""
 
 _MOST_ROWS = 12
 """Rows of a table in the summary. Chosen: two tables and the verdict fit on one screen."""
@@ -195,19 +200,23 @@ class Diagnosis:
         Parameters
         ----------
         count : int
-            How many at most. There are none where nothing was found or no velocity was measured.
+            How many at most, from 0. There are none where nothing was found or no velocity was
+            measured.
 
         Raises
         ------
         ScenarioError
-            For a model of one's own, of which no other conditions are known; see `separate`.
+            If `count` is not allowed; and for a model of one's own, of which no other conditions
+            are known; see `separate`.
         """
         if self.measurement is None:
             raise ScenarioError(
                 "propose_experiments: which conditions a model of one's own can have is not known; "
                 "separate(conditions) compares those that you give"
             )
-        return self._experiments if count == PROPOSED else self._proposed(count)
+        check_whole("count", count)
+        # The first ones are the same, however many are asked for.
+        return self._experiments[:count] if count <= PROPOSED else self._proposed(count)
 
     def separate(self, conditions: Any, trials: int = TRIALS) -> Separation | None:
         """How well the leading candidates could be told apart at conditions not measured yet.
@@ -257,8 +266,8 @@ class Diagnosis:
         *,
         title: str | None = None,
         place: ArrayLike | None = None,
-        labels: tuple[str, str] = ("condition", "observable"),
-        unit: str = "SI",
+        labels: tuple[str, str] = OWN_LABELS,
+        unit: str = _OWN_UNIT,
     ) -> None:
         """Write the report into a folder, which is made.
 
@@ -278,16 +287,27 @@ class Diagnosis:
         Raises
         ------
         ScenarioError
-            If `place` has another length or is not finite, or the extended model makes no scenario.
+            If `folder` is no path, an argument has no meaning for a measurement, `place` has
+            another length or is not finite, or the extended model makes no scenario.
         OSError
             If a file cannot be written.
         """
-        from stickslip.diagnosis.report.html import report_sections, write_report
+        from stickslip.diagnosis.report.html import FILES, report_sections, write_report
         from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
         from stickslip.diagnosis.report.section import model_section
 
+        if not isinstance(folder, str | PathLike):
+            refuse("folder", folder, "a path")
+        check_folder(folder, FILES)  # before what takes long
         source: Measurement | OwnData
         if self.measurement is not None:
+            changed = (
+                title is not None,
+                place is not None,
+                labels != OWN_LABELS,
+                unit != _OWN_UNIT,
+            )
+            refuse_own("save_report", ("title", "place", "labels", "unit"), changed)
             source, unit = self.measurement, gain_unit(self.posed)
             sections = report_sections(self.posed.comparisons(self.findings))
         else:

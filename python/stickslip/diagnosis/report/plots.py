@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+OWN_LABELS = ("condition", "observable")
+"""What is on the axes of data of a model of one's own, if it is not said."""
+
+
 class Plots:
     """Pictures of a diagnosis, as `Diagnosis.plot` has them.
 
@@ -34,7 +39,7 @@ class Plots:
     def fit(
         self,
         place: ArrayLike | None = None,
-        labels: tuple[str, str] = ("condition", "observable"),
+        labels: tuple[str, str] = OWN_LABELS,
     ) -> Figure:
         """Data and fitted models; held-out readings are hollow.
 
@@ -51,10 +56,12 @@ class Plots:
         Raises
         ------
         ScenarioError
-            If a measurement has no velocities, or `place` has another length or is not finite.
+            If a measurement has no velocities, or gets an argument that is not for it, or `place`
+            has another length or is not finite.
         """
         if self._posed.simulator is None:
             return figures.own_model(self._findings, abscissa(self._findings, place), labels)
+        refuse_own("plot.fit", ("place", "labels"), (place is not None, labels != OWN_LABELS))
         drawn = figures.velocities(self._findings, self._posed.conditions, self._posed.given)
         if drawn is None:
             raise ScenarioError("plot.fit: no velocity was measured; save_report draws other data")
@@ -109,6 +116,13 @@ class Plots:
             )
             raise ScenarioError(f"plot.profile: {name}: there is no such profile; {hint}")
         return figures.profile(profiles[short(name)])
+
+
+def refuse_own(where: str, names: Sequence[str], given: Sequence[bool]) -> None:
+    """Refuse arguments that are for a model of one's own, of which some were `given`."""
+    said = ", ".join(name for name, each in zip(names, given, strict=True) if each)
+    if said:
+        raise ScenarioError(f"{where}: {said}: allowed for a model of one's own only")
 
 
 def abscissa(found: Findings, place: ArrayLike | None) -> Array:
