@@ -178,6 +178,36 @@ def test_a_summary_is_one_screen_and_a_representation_one_line(waved, measured):
             assert len(repr(each)) < 800, type(each)
 
 
+def test_what_is_printed_can_be_read(waved, measured):
+    tables = (measured.params, measured.compare().head(3), measured.predict([{"frequency": 33.0}]))
+    for table in tables:
+        assert isinstance(table, pd.DataFrame)
+        header, *rows = (line for line in repr(table).splitlines() if line)
+        assert all(name in header for name in table.columns)
+        assert len(rows) in (len(table), len(table) + 1)  # a line for the index's name
+    assert repr(measured.measurement) == (
+        '<Measurement "test bench": 24 trials at 8 conditions, 0 left out>'
+    )
+    assert all(name in repr(measured.plot) for name in ("fit", "residuals", "ranking", "profile"))
+    first = measured.propose_experiments()[0]
+    assert str(first.why) in str(first)
+    assert "frequency" in str(first)
+    assert measured.plot.residuals().axes[0].get_xlabel() == "condition"
+    assert waved.plot.residuals().axes[0].get_xlabel() == "observable"
+
+
+def test_verdicts_and_measurements_can_be_compared(waved, measured):
+    assert waved.verdict == replace(waved.verdict)
+    assert waved.verdict != measured.verdict
+    assert measured.measurement == measured.measurement
+    assert len({waved.findings, measured.findings, waved.verdict.fit}) == 3
+
+
+def test_only_public_names_are_listed():
+    assert dir(stickslip) == sorted(stickslip.__all__)
+    assert dir(stickslip.plot) == sorted(stickslip.plot.__all__)
+
+
 def test_pictures_are_figures(waved, measured):
     for given in (waved, measured):
         for figure in (given.plot.fit(), given.plot.residuals(), given.plot.ranking()):

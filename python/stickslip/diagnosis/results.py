@@ -176,6 +176,8 @@ class Diagnosis:
         """
         import pandas as pd
 
+        from stickslip.diagnosis.printed_table import PrintedTable
+
         if self.verdict.kind == "data-problem":
             raise ScenarioError("predict: the data allow no diagnosis, so no model was fitted")
         at, settings = self._conditions(conditions)
@@ -187,7 +189,8 @@ class Diagnosis:
                 )
                 columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
         found = pd.DataFrame(columns)
-        return found if settings is None else pd.concat([pd.DataFrame(settings), found], axis=1)
+        given = pd.DataFrame() if settings is None else pd.DataFrame(settings)
+        return PrintedTable(pd.concat([given, found], axis=1))
 
     @property
     def plot(self) -> Plots:

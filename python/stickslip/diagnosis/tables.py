@@ -54,19 +54,21 @@ def interval_table(found: Findings, level: float) -> DataFrame:
 
 def covariance_table(found: Findings) -> DataFrame:
     """See `Diagnosis.covariance`."""
-    import pandas as pd
+    from stickslip.diagnosis.printed_table import PrintedTable
 
     fit, parameters = _fitted(found)
     slope = np.array([each.slope(fit) for each in parameters])
     names = [each.name for each in parameters]
     at = [each.position for each in parameters]
     covariance = slope[:, None] * fit.covariance[np.ix_(at, at)] * slope
-    return pd.DataFrame(covariance, index=names, columns=names)
+    return PrintedTable(covariance, index=names, columns=names)
 
 
 def candidate_table(found: Findings) -> DataFrame:
     """See `Diagnosis.compare`."""
     import pandas as pd
+
+    from stickslip.diagnosis.printed_table import PrintedTable
 
     columns = ["log_evidence", "delta", "chi2", "p", "converged"]
     fits = ranked([found.null, *found.ranking.singles, *found.ranking.pairs], priced=True)
@@ -83,7 +85,7 @@ def candidate_table(found: Findings) -> DataFrame:
         for fit in fits
     ]
     names = pd.Index([fit.name for fit in fits], name="candidate", dtype=object)
-    return pd.DataFrame(rows, index=names, columns=columns)
+    return PrintedTable(rows, index=names, columns=columns)
 
 
 def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
@@ -112,5 +114,7 @@ def _frame(entries: dict[str, dict[str, float | str]], columns: list[str]) -> Da
     """A table with a row for each parameter."""
     import pandas as pd
 
+    from stickslip.diagnosis.printed_table import PrintedTable
+
     names = pd.Index(list(entries), name="parameter", dtype=object)
-    return pd.DataFrame(list(entries.values()), index=names, columns=columns)
+    return PrintedTable(list(entries.values()), index=names, columns=columns)

@@ -52,7 +52,7 @@ _COLUMNS = {
 Table = Mapping[str, NDArray[np.float64]]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Measurement(OneLine):
     """All that was measured, and what the experimenter believes.
 
@@ -82,6 +82,17 @@ class Measurement(OneLine):
     field: tuple[Table, ...]
     left_out: tuple[Fact, ...]
     path: Path
+
+    def __repr__(self) -> str:
+        trials = sum(len(each.velocity) for each in self.velocity)
+        conditions = sum(len(each.conditions) for each in self.velocity)
+        parts = [f"{trials} trials at {conditions} conditions"] if self.velocity else []
+        others = (("film", self.tracking), ("table of angles", self.angle))
+        for word, found in (*others, ("table of fields", self.field)):
+            parts += [f"{len(found)} x {word}"] if found else []
+        return (
+            f"<Measurement {shown(self.name)}: {', '.join(parts)}, {len(self.left_out)} left out>"
+        )
 
     @staticmethod
     def from_dataframe(

@@ -45,7 +45,7 @@ NOT_SETTINGS = ("velocity", "trial", "block", "order")
 """Columns that say nothing of the drive."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class VelocityData(OneLine):
     """Trials of mean velocities, sound ones only.
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 _DRAWN = ("t", "x", "z", "theta", "omega", "normal_force", "slip_velocity", "bx", "bz", "contact")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A recorded motion; arrays have shape (n,), and are those of a `Run`."""
 

@@ -140,8 +140,13 @@ def experiment_lines(
     return lines + [f"  beside the drive: {fact}" for fact in advice(found)]
 
 
+def four_digits(value: float) -> str:
+    """A number as tables show it."""
+    return f"{value:.4g}"
+
+
 def table_lines(table: DataFrame, most: int) -> list[str]:
     """The first rows of a table, numbers to four digits."""
-    shown = table.head(most).to_string(float_format=lambda value: f"{value:.4g}")
+    shown = table.head(most).to_string(float_format=four_digits)
     more = len(table) - most
     return [*shown.splitlines(), *([f"... and {more} more"] if more > 0 else [])]

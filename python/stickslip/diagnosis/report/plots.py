@@ -36,6 +36,9 @@ class Plots:
         self._findings = findings
         self._posed = posed
 
+    def __repr__(self) -> str:
+        return "<Plots: fit(), residuals(), ranking(), profile(name)>"
+
     def fit(
         self,
         place: ArrayLike | None = None,
@@ -67,7 +70,7 @@ class Plots:
             raise ScenarioError("plot.fit: no velocity was measured; save_report draws other data")
         return drawn
 
-    def residuals(self, place: ArrayLike | None = None, label: str = "observable") -> Figure:
+    def residuals(self, place: ArrayLike | None = None, label: str | None = None) -> Figure:
         """Whitened residuals of the recalibrated and, if there is one, of the extended model.
 
         Two thirds of them lie between -1 and 1, and 95 % in the grey band, if the model is right.
@@ -76,9 +79,14 @@ class Plots:
         ----------
         place : array_like, shape (m,), optional
             Abscissa of each observable; its number, if not given.
-        label : str
-            Of the abscissa, with its unit.
+        label : str, optional
+            Of the abscissa, with its unit; not given, "condition" where all data are velocities,
+            and "observable" elsewhere.
         """
+        if label is None:
+            measured = len(self._posed.conditions)
+            alone = measured == len(self._findings.problem.observed)
+            label = "condition" if alone else "observable"
         count = len(self._findings.problem.observed)
         at = np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
         return figures.residuals(self._findings, at, label)
