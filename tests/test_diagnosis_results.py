@@ -416,6 +416,15 @@ def test_the_order_of_trials_is_a_number_or_a_date():
     assert np.isnan(data.velocity[0].order[-1])  # not known
 
 
+def test_an_uncertain_parameter_of_an_effect_has_a_short_name():
+    prior = Prior("normal", 0.0, 0.01)
+    data = Measurement.from_dataframe(TABLE, Scenario(), {"surface_tilt.angle": prior})
+    assert data.uncertain == {"effects.surface_tilt.angle": prior}
+    twice = {"surface_tilt.angle": prior, "effects.surface_tilt.angle": prior}
+    with pytest.raises(ScenarioError, match="is there twice"):
+        Measurement.from_dataframe(TABLE, Scenario(), twice)
+
+
 def test_rows_of_a_table_in_memory_have_their_index_label():
     table = TABLE.set_axis([f"r{k}" for k in range(12)])
     table.loc["r3", "velocity"] = np.nan

@@ -262,3 +262,9 @@ def test_a_field_that_a_section_has_not_is_refused_with_the_nearest():
     with pytest.raises(ScenarioError, match=r"contact\.friction = 0\.2: .*; "):
         Contact(friction=0.2)
     assert "frequency" in inspect.signature(Drive).parameters
+
+
+def test_a_parameter_of_an_effect_has_a_short_name():
+    tilted = Scenario().replace({"surface_tilt.angle": 0.02})
+    assert tilted == Scenario().replace({"effects.surface_tilt.angle": 0.02})
+    assert tilted.get("surface_tilt.angle") == tilted.get("effects.surface_tilt.angle") == 0.02

@@ -106,7 +106,10 @@ class Diagnosis:
     def params(self) -> DataFrame:
         """Fitted parameters, a row for each constant and each parameter of the claimed cause.
 
-        Columns: `value` and `sd` in the column `unit`; `prior`, what was known before the data;
+        Rows have full names, such as ``effects.surface_tilt.angle``, which the short ones of texts
+        and pictures leave out. Columns: `value` and `sd` in the column `unit`, where the sd of the
+        strength of a claimed cause is that of the profile likelihood, if it is larger than that of
+        the curvature at the fit; `prior`, what was known before the data;
         `pull`, how many standard deviations of its prior the value lies from the prior's middle. Of
         the extended model, or the recalibrated one if there is no other; of the verdict ambiguous,
         where the extended model is that of the first member of the set, of this one alone. Empty
@@ -134,7 +137,11 @@ class Diagnosis:
 
     @property
     def covariance(self) -> DataFrame:
-        """Covariance of `params` by the curvature at the fit, in products of their units."""
+        """Covariance of `params` by the curvature at the fit, in products of their units.
+
+        The roots of its diagonal may be smaller than the `sd` of `params`, which is that of the
+        profile likelihood where this is wider.
+        """
         return tables.covariance_table(self.findings)
 
     def compare(self) -> DataFrame:

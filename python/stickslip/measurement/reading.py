@@ -23,7 +23,7 @@ from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
-from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
+from stickslip.scenario.keys import find_key, full_name, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
@@ -115,8 +115,9 @@ class Measurement(OneLine):
         scenario : Scenario
             The model as the experimenter believes it, with the settings that have no column.
         uncertain : mapping, optional
-            What is not known exactly: for each dotted key a `Prior`, or one of the tables of a
-            measurement file, such as ``{"mean": 0.145, "sd": 0.01}``.
+            What is not known exactly: for each dotted key, of effects also by short name, a
+            `Prior`, or one of the tables of a measurement file, such as
+            ``{"mean": 0.145, "sd": 0.01}``.
         velocity_sd : float, optional
             Relative standard deviation of one trial, such as 0.05, where trials are not repeated.
         name : str
@@ -243,7 +244,7 @@ def _are_tables(value: object) -> bool:
 def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
     if not isinstance(table, dict):
         raise ScenarioError(f"uncertain = {shown(table)}: allowed is a section [uncertain]")
-    priors = {}
+    priors: dict[str, Prior] = {}
     for name, entry in table.items():
         for inner in entry if isinstance(entry, dict) else ():
             if f"{name}.{inner}" in known_keys():
@@ -251,6 +252,9 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                     f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
                     f'"{name}.{inner}" = ...'
                 )
+        name = full_name(name)
+        if name in priors:
+            raise ScenarioError(f'[uncertain] "{name}" is there twice: allowed is once')
         key = find_key(name, entry)
         if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
             raise ScenarioError(

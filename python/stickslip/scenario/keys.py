@@ -175,6 +175,12 @@ def section_hint(section: str) -> str:
     return suggestion(section, dict.fromkeys(each.partition(".")[0] for each in sections))
 
 
+def full_name(name: str) -> str:
+    """The dotted key of a parameter of an effect that is named without ``effects.``."""
+    keys = known_keys()
+    return f"effects.{name}" if name not in keys and f"effects.{name}" in keys else name
+
+
 def find_key(name: str, *value: object) -> Key:
     """The key of that name, or an error that names the nearest one, and the value if there is."""
     keys = known_keys()
