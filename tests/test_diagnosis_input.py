@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import Cause, CauseParameter, Prior, diagnose_model
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Settings, diagnose, diagnose_model
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, UNCERTAIN
 
@@ -23,11 +23,29 @@ from toy_model import CAUSES, UNCERTAIN
         ([1.0, 2.0], {"source": ["a"]}, "source"),
         ([1.0, "x"], {}, "observed"),
         ([1.0, 2.0], {"sd": [-1.0, 1.0]}, "sd"),
+        ([1.0, 2.0], {"order": ["a", "b"]}, "order: allowed is a number"),
+        ([1.0, 2.0], {"condition": [0.0, 0.7]}, "condition: allowed are whole numbers"),
+        ([1.0, 2.0], {"block": [0, None]}, "block: allowed are whole numbers"),
+        ([1.0, 2.0], {"group": [0.5, 1.0]}, "group: allowed are whole numbers"),
+        ([1.0, 2.0], {"relative_sd": 0.0}, "relative_sd = 0.0: allowed is a number above 0"),
+        ([1.0, 2.0], {"seed": -1}, "seed = -1: allowed is a whole number from 0"),
+        ([1.0, 2.0], {"seed": 1.5}, "seed = 1.5: allowed is a whole number from 0"),
+        ([1.0, 2.0], {"singleton_condition": 2}, "singleton_condition = 2: allowed is .* 0 to 1"),
+        ([1.0, 2.0], {"settings": Settings(np.zeros((3, 1)), np.zeros(3))}, "settings: .* of 2"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(values, options, said):
     with pytest.raises(ScenarioError, match=said):
         diagnose_model(lambda c, p: p, None, values, [], [], **options)
+
+
+@pytest.mark.parametrize("given", ["m.toml", None, np.zeros(3)])
+def test_only_a_measurement_is_diagnosed(given):
+    with pytest.raises(
+        ScenarioError, match=r"measurement = .*: allowed is a Measurement; "
+    ) as said:
+        diagnose(given)
+    assert "\n" not in str(said.value)
 
 
 def _line(x, p):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign
+from stickslip.diagnosis.data.plausibility import standing_still, start_up_included, wrong_sign
 from stickslip.facts import Code, Fact
 
 WAYS = [
@@ -51,3 +51,9 @@ def test_zero_readings_where_the_model_walks_are_reported():
     first = [f"frequency {pace} Hz" for pace in (20, 21, 22, 23)]
     still = {"count": 6, "speed": 1e-3, "conditions": first}
     assert standing_still(paces, model, read) == Fact(Code.STANDS_STILL, still)
+
+
+def test_drives_that_measure_the_start_up_are_noted():
+    fact = start_up_included([{"drive.pulses": 3}, {"drive.pulses": 4}, {"drive.pulses": 1}])
+    assert fact.fields["count"] == 2
+    assert start_up_included([{"drive.pulses": 4}]) is None

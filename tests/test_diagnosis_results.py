@@ -1,6 +1,7 @@
 """What a person gets from a diagnosis: tables, predictions, pictures, text, and its options."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ from made_measurement import write
 from stickslip import Measurement, Options, Scenario, diagnose, diagnose_model, read_measurement
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior
-from toy_model import CAUSES, UNCERTAIN, predict, result, trials, truth
+from toy_model import CAUSES, UNCERTAIN, predict, result, shared_result, trials, truth
 
 WAVE_SIZE = 0.5
 
@@ -115,9 +116,46 @@ def test_data_that_cannot_be_judged_give_no_parameters():
     assert given.params.empty
     assert given.conf_int().empty
     assert given.extended == {}
+    assert given.compare().empty
+    assert given.gain is None
+    assert "p = " not in repr(given)
     assert "nothing moves" in given.summary()
+    assert "no gain on held-out conditions: there is no extended model" in given.summary()
+    assert "log_evidence" not in given.summary()
     with pytest.raises(ScenarioError, match="the data allow no diagnosis"):
         given.predict(None)
+
+
+def test_a_summary_of_a_set_says_whose_parameters_it_has():
+    given = shared_result(0, split=0.4)
+    assert given.verdict.kind == "ambiguous"
+    first, *others = given.verdict.causes
+    assert given.verdict.fit.name == first
+    line = next(each for each in given.summary().splitlines() if "the first of the set" in each)
+    assert f"are of {first}," in line
+    assert all(name in line for name in others)
+
+
+def test_convergence_is_not_denied_where_it_was_not_checked(waved):
+    assert waved.compare().loc["wave", "converged"] == "yes"
+    lone = replace(waved.findings.verdict.fit, converged=False, starts=(1.0,))
+    ranking = replace(waved.findings.ranking, singles=(lone,))
+    given = replace(waved, findings=replace(waved.findings, ranking=ranking))
+    assert given.compare().loc["wave", "converged"] == "not checked"
+
+
+def test_a_prior_that_no_scenario_allows_is_refused():
+    for key, prior in (
+        ("contact.kinetic_friction", Prior("normal", 0.5, 0.01)),
+        ("robot.mass", Prior("normal", -1.0, 0.1)),
+    ):
+        with pytest.raises(ScenarioError, match=rf'\[uncertain\] "{key}" = normal.*: allowed'):
+            Measurement.from_dataframe(TABLE, Scenario(), {key: prior})
+    both = {
+        "contact.kinetic_friction": Prior("normal", 0.5, 0.01),
+        "contact.static_friction": Prior("normal", 0.6, 0.01),
+    }
+    assert len(Measurement.from_dataframe(TABLE, Scenario(), both).uncertain) == 2
 
 
 def test_a_summary_is_one_screen_and_a_representation_one_line(waved, measured):
@@ -138,6 +176,36 @@ def test_a_summary_is_one_screen_and_a_representation_one_line(waved, measured):
         for each in parts:
             assert "\n" not in repr(each)
             assert len(repr(each)) < 800, type(each)
+
+
+def test_what_is_printed_can_be_read(waved, measured):
+    tables = (measured.params, measured.compare().head(3), measured.predict([{"frequency": 33.0}]))
+    for table in tables:
+        assert isinstance(table, pd.DataFrame)
+        header, *rows = (line for line in repr(table).splitlines() if line)
+        assert all(name in header for name in table.columns)
+        assert len(rows) in (len(table), len(table) + 1)  # a line for the index's name
+    assert repr(measured.measurement) == (
+        '<Measurement "test bench": 24 trials at 8 conditions, 0 left out>'
+    )
+    assert all(name in repr(measured.plot) for name in ("fit", "residuals", "ranking", "profile"))
+    first = measured.propose_experiments()[0]
+    assert str(first.why) in str(first)
+    assert "frequency" in str(first)
+    assert measured.plot.residuals().axes[0].get_xlabel() == "condition"
+    assert waved.plot.residuals().axes[0].get_xlabel() == "observable"
+
+
+def test_verdicts_and_measurements_can_be_compared(waved, measured):
+    assert waved.verdict == replace(waved.verdict)
+    assert waved.verdict != measured.verdict
+    assert measured.measurement == measured.measurement
+    assert len({waved.findings, measured.findings, waved.verdict.fit}) == 3
+
+
+def test_only_public_names_are_listed():
+    assert dir(stickslip) == sorted(stickslip.__all__)
+    assert dir(stickslip.plot) == sorted(stickslip.plot.__all__)
 
 
 def test_pictures_are_figures(waved, measured):
@@ -162,6 +230,11 @@ def test_a_measurement_is_predicted_at_drives(measured):
         measured.predict(pd.DataFrame({"frequency": [40.0]}))["recalibrated"].iloc[0]
         == (table["recalibrated"].iloc[0])
     )
+    written = pd.DataFrame({"frequency": [40.0], "mode": "ipp", "direction": "+X"})
+    as_measured = written.assign(velocity=1e-3, trial=1, block="a", order=3, velocity_sd=0.1)
+    again = measured.predict(as_measured)
+    assert list(again.columns[:3]) == ["frequency", "mode", "direction"]
+    assert again["recalibrated"].iloc[0] == table["recalibrated"].iloc[0]
     scenario = measured.extended
     assert isinstance(scenario, Scenario)
     run = stickslip.simulate(scenario.replace({"drive.frequency": 40.0, "solver.rtol": 1e-8}))
@@ -169,9 +242,15 @@ def test_a_measurement_is_predicted_at_drives(measured):
     # The diagnosis simulates with an error below a twentieth of a mean's, here 2 % / sqrt 3.
     assert table[column].iloc[0] == pytest.approx(run.mean_velocity, rel=1e-3)
     for bad, said in (
-        ([{"frequencies": 40.0}], 'row 1: frequencies: did you mean "frequency"'),
-        ([{"frequency": 40.0}, {"frequency": -1.0}], "row 2: drive.frequency = -1.0: allowed is"),
+        ([{"frequencies": 40.0}], 'row 0: "frequencies" is not known; did you mean "frequency"'),
+        ([{"frequency": 40.0}, {"frequency": -1.0}], "row 1: drive.frequency = -1.0: allowed is"),
         ({"frequency": 40.0}, "allowed is a DataFrame or a list of dicts"),
+        ("frequency", "allowed is a DataFrame or a list of dicts"),
+        (None, "allowed is a DataFrame or a list of dicts"),
+        ([40.0], "allowed is a DataFrame or a list of dicts"),
+        ([], "there is no row"),
+        (pd.DataFrame({"frequency": []}), "there is no row"),
+        (pd.DataFrame({"frequency": [np.nan]}, index=["a"]), "row a: frequency is empty"),
     ):
         with pytest.raises(ScenarioError, match=said):
             measured.predict(bad)
@@ -180,8 +259,25 @@ def test_a_measurement_is_predicted_at_drives(measured):
 def test_experiments_are_as_many_as_asked_for(measured):
     three = measured.propose_experiments()
     assert measured.propose_experiments(1) == three[:1]
+    assert measured.propose_experiments(0) == []
+    for count in (-1, 1.5):
+        with pytest.raises(ScenarioError, match=r"count = .*: allowed is a whole number"):
+            measured.propose_experiments(count)
     assert len(measured.propose_experiments(5)) >= len(three)
     assert measured.as_dict()["next_experiments"][0]["drive"] == three[0].drive
+
+
+def test_a_report_is_refused_before_it_is_made(measured, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match=r"cannot write .*file: it is not a folder"):
+        measured.save_report(tmp_path / "file")
+    with pytest.raises(ScenarioError, match="folder = 3: allowed is a path"):
+        measured.save_report(3)
+    with pytest.raises(ScenarioError, match="save_report: title, unit: allowed for a model of"):
+        measured.save_report(tmp_path / "out", title="Bench", unit="mm/s")
+    with pytest.raises(ScenarioError, match=r"plot\.fit: labels: allowed for a model of"):
+        measured.plot.fit(labels=("f", "v"))
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_model_of_ones_own_has_no_drives_to_propose(waved):
@@ -308,3 +404,29 @@ def test_what_is_public_has_public_types():
                     texts += getattr(each, "__annotations__", {}).values()
         missing |= {word for text in texts for word in pattern.findall(str(text))}
     assert missing - known - outside - inner == set()
+
+
+def test_the_order_of_trials_is_a_number_or_a_date():
+    dates = pd.Timestamp("2026-01-05") + pd.to_timedelta(np.arange(12) * 60.0, "s")
+    data = Measurement.from_dataframe(TABLE.assign(order=dates), Scenario())
+    assert data.velocity[0].order.tolist() == [60.0 * k for k in range(12)]
+    order = ["first", *range(1, 11), None]
+    data = Measurement.from_dataframe(TABLE.assign(order=order), Scenario())
+    assert 'DataFrame row 0: order "first" is not a number.' in map(str, data.left_out)
+    assert np.isnan(data.velocity[0].order[-1])  # not known
+
+
+def test_an_uncertain_parameter_of_an_effect_has_a_short_name():
+    prior = Prior("normal", 0.0, 0.01)
+    data = Measurement.from_dataframe(TABLE, Scenario(), {"surface_tilt.angle": prior})
+    assert data.uncertain == {"effects.surface_tilt.angle": prior}
+    twice = {"surface_tilt.angle": prior, "effects.surface_tilt.angle": prior}
+    with pytest.raises(ScenarioError, match="is there twice"):
+        Measurement.from_dataframe(TABLE, Scenario(), twice)
+
+
+def test_rows_of_a_table_in_memory_have_their_index_label():
+    table = TABLE.set_axis([f"r{k}" for k in range(12)])
+    table.loc["r3", "velocity"] = np.nan
+    data = Measurement.from_dataframe(table, Scenario())
+    assert [str(each) for each in data.left_out] == ["DataFrame row r3: velocity is empty."]

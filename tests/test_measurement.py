@@ -242,3 +242,14 @@ def test_other_separators_are_named(tmp_path):
     path.write_text("mode;velocity\nIPP;1e-3\n")
     with pytest.raises(ScenarioError, match="semicolons; allowed are commas"):
         read_velocity(path, read_rows(path), Scenario(), float("nan"))
+
+
+def test_a_prior_is_shown_in_a_few_characters():
+    assert repr(Prior("normal", 0.145, 0.01)) == "normal(0.145, 0.01)"
+
+
+@pytest.mark.parametrize("given", [(0.145, 0.01), ({"mean": 1.0},), ("normal", 0.145), ("normal",)])
+def test_a_prior_that_is_none_is_refused_in_one_line(given):
+    with pytest.raises(ScenarioError, match=": allowed is") as refusal:
+        Prior(*given)
+    assert "\n" not in str(refusal.value)

@@ -176,6 +176,12 @@ def test_a_saved_run_is_opened_and_drawn(run, tmp_path):
     assert data.identical(run.to_xarray())
     (tmp_path / "run.nc").unlink()
     assert plot.fields(data).axes
+    with pytest.raises(ScenarioError, match=r"run\.nc: cannot be read: No such file"):
+        open_run(tmp_path / "run.nc")
+    for draw in (plot.run, plot.fields):
+        with pytest.raises(ScenarioError, match=r"= Scenario\(.*: allowed is a Run") as refusal:
+            draw(SCENARIO)
+        assert "\n" not in str(refusal.value)
     run.to_xarray().drop_attrs().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(ValueError, match="is no run"):
         open_run(tmp_path / "other.nc")
@@ -209,6 +215,8 @@ def test_a_record_of_events_as_csv_has_the_names_of_events(tmp_path):
         # 10 ohm over 0.96258 mT/A: 10389 V for 1 T, so 207.8 V for 20 mT, and 197.4 V for 19 mT.
         ({"drive.peak": 20e-3}, ["asks for 207.8 V at coil xp, 20.78 A"]),
         ({"drive.peak": 19e-3}, []),
+        ({"drive.pulses": 4}, []),
+        ({"drive.pulses": 3}, ["drive.pulses = 3 is fewer than 4", "includes the start-up"]),
         ({"drive.hold": 20e-3, "drive.direction": "-x"}, ["207.8 V at coil clamp"]),
         ({"drive.mode": "OPP", "drive.peak": 20e-3, "drive.edge": "fall"}, ["at coil clamp"]),
         ({"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0}, ["never moved"]),

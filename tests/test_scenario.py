@@ -1,6 +1,7 @@
 """Scenarios: defaults, equality, TOML, dotted keys."""
 
 import dataclasses
+import inspect
 import pickle
 
 import numpy as np
@@ -260,3 +261,17 @@ def test_effects_table_is_the_cores():
         assert effect.parameters
     listed = {key.name for effect in table.values() for key in effect.parameters}
     assert listed == {name for name in known_keys() if name.startswith("effects.")}
+
+
+def test_a_field_that_a_section_has_not_is_refused_with_the_nearest():
+    with pytest.raises(ScenarioError, match=r'drive\.freqency = 3: .*; did you mean "frequency"'):
+        Drive(freqency=3)
+    with pytest.raises(ScenarioError, match=r"contact\.friction = 0\.2: .*; "):
+        Contact(friction=0.2)
+    assert "frequency" in inspect.signature(Drive).parameters
+
+
+def test_a_parameter_of_an_effect_has_a_short_name():
+    tilted = Scenario().replace({"surface_tilt.angle": 0.02})
+    assert tilted == Scenario().replace({"effects.surface_tilt.angle": 0.02})
+    assert tilted.get("surface_tilt.angle") == tilted.get("effects.surface_tilt.angle") == 0.02

@@ -12,11 +12,13 @@ from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.measurement_problem import pose_measurement
 from stickslip.diagnosis.model.problem import Cause, Predict, Uncertain
-from stickslip.diagnosis.options import Options, changed
+from stickslip.diagnosis.options import Options, changed, check_whole
 from stickslip.diagnosis.pipeline import run_steps
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.results import Diagnosis
+from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import shown
 
 
 def diagnose(
@@ -33,7 +35,7 @@ def diagnose(
     measurement : Measurement
         From `read_measurement` or `Measurement.from_dataframe`.
     seed : int
-        Of all random draws; the result does not depend on `threads`.
+        From 0, of random draws: see `Options`. The result does not depend on `threads`.
     threads : int, optional
         Simulations at a time; as many as there are processors, if not given.
     progress : callable, optional
@@ -46,8 +48,17 @@ def diagnose(
     Raises
     ------
     ScenarioError
-        If nothing was measured that the diagnosis can use.
+        If `measurement` is none, nothing was measured that the diagnosis can use, or `seed` is not
+        allowed.
+    ValueError
+        If `threads` is not a whole number above zero.
     """
+    if not isinstance(measurement, Measurement):
+        raise ScenarioError(
+            f"measurement = {shown(measurement)}: allowed is a Measurement; "
+            "Measurement.from_dataframe(...) or read_measurement(path) makes one"
+        )
+    check_whole("seed", seed)
     given = pose_measurement(measurement, seed, worker_count(threads, "threads"))
     found = run_steps(
         given.posed.model,
@@ -99,7 +110,7 @@ def diagnose_model(
     Raises
     ------
     ScenarioError
-        If shapes do not fit or nothing finite was observed.
+        If shapes do not fit, an option is not allowed or nothing finite was observed.
     TypeError
         If there is no option of a name; the nearest one is named.
 

@@ -59,10 +59,18 @@ def check_inputs(
 def _check_lengths(trials: Trials, options: Options) -> None:
     count = int(trials.condition.max()) + 1
     further = 0 if options.auxiliary is None else len(options.auxiliary.observed)
-    if options.order is not None and np.shape(options.order) != trials.value.shape:
-        raise ScenarioError("order: allowed is a number for each trial")
+    if options.order is not None:
+        order = np.asarray(options.order)
+        if order.shape != trials.value.shape or order.dtype.kind not in "iuf":
+            raise ScenarioError("order: allowed is a number for each trial")
     if options.group is not None and np.shape(options.group) != (count,):
         raise ScenarioError("group: allowed is an index for each condition")
+    if options.singleton_condition is not None and options.singleton_condition >= count:
+        said = f"singleton_condition = {options.singleton_condition}"
+        raise ScenarioError(f"{said}: allowed is an index of a condition, 0 to {count - 1}")
+    settings = options.settings
+    if settings is not None and not len(settings.numbers) == len(settings.kinds) == count:
+        raise ScenarioError(f"settings: allowed is a row for each of {count} conditions")
     if len(options.source) not in (0, count + further):
         raise ScenarioError("source: allowed is a name for each observable")
 

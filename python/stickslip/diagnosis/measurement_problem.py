@@ -10,7 +10,12 @@ import numpy as np
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.conditions import Conditions, find_singleton_condition, named, varied
-from stickslip.diagnosis.data.plausibility import standing_still, wrong_sign, wrong_size
+from stickslip.diagnosis.data.plausibility import (
+    standing_still,
+    start_up_included,
+    wrong_sign,
+    wrong_size,
+)
 from stickslip.diagnosis.data.pooling import pooled_velocities
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.inference.smooth_residual import Settings
@@ -108,9 +113,10 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
         given = simulator(conditions, np.array([believed]))[0]
     model = Combined(simulator, names, columns, observables)
     observed, options = _data(measurement, velocities, observables, relative_sd)
-    still = None
+    first_notes = [start_up_included(velocities.conditions)]
     if conditions:
-        still = standing_still(velocities.conditions, velocities.nominal, velocities.mean)
+        seen = (velocities.conditions, velocities.nominal, velocities.mean)
+        first_notes.append(standing_still(*seen))
     left_out = [*(fact for each in observables for fact in each.left_out), *lost]
     source = ["velocity"] * len(conditions)
     source += [each.name for each in observables for _ in each.observed]
@@ -125,7 +131,7 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
         [*shared, *nuisance],
         causes,
         replace(options, seed=seed, source=source, low_fidelity=low_fidelity),
-        () if still is None else (still,),
+        tuple(each for each in first_notes if each is not None),
         tuple(fact for each in observables for fact in each.notes),
     )
 

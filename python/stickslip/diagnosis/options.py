@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.number_text import is_number
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.problem import AuxiliaryData, Predict
+from stickslip.errors import ScenarioError
 from stickslip.facts import Fact
-from stickslip.scenario.keys import suggestion
+from stickslip.scenario.keys import refuse, suggestion
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -26,9 +30,9 @@ class Options(OneLine):
     condition : array_like of int, shape (n,), optional
         Index of each trial's condition; without it every trial is a condition of its own.
     block, order : array_like, shape (n,), optional
-        Index of each trial's set-up (-1: not known), and its place in time.
+        Index of each trial's set-up (-1: not known), and its place in time, a number.
     relative_sd : float
-        Relative error of one trial, used where repeats are too few; NaN if not known.
+        Relative error of one trial, above 0, used where repeats are too few; NaN if not known.
     sd : array_like, shape (m,) or (m, m), optional
         Standard deviation of the mean of each condition in the observable's unit, or their
         covariance, if it is known otherwise; no noise is estimated then.
@@ -49,9 +53,16 @@ class Options(OneLine):
     data_problem : Fact or str, optional
         What makes the data suspect, if that is known before; the verdict is data-problem then.
     seed : int
-        Of all random draws.
+        From 0. Of the scans of the recalibration, the draws of the tests and the choice of what is
+        held out. The further starts of a fit and of a profile are drawn from fixed generators, the
+        same for every seed.
     progress : callable, optional
         ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
+
+    Raises
+    ------
+    ScenarioError
+        If a number is not allowed, or what should be an index is no whole number.
     """
 
     condition: ArrayLike | None = None
@@ -68,6 +79,34 @@ class Options(OneLine):
     data_problem: Fact | str | None = None
     seed: int = 0
     progress: Progress | None = None
+
+    def __post_init__(self) -> None:
+        sd = self.relative_sd
+        if not is_number(sd) or sd <= 0.0 or math.isinf(sd):
+            refuse("relative_sd", sd, "a number above 0, or NaN")
+        check_whole("seed", self.seed)
+        object.__setattr__(self, "seed", int(self.seed))  # of numpy's numbers too
+        if self.singleton_condition is not None:
+            check_whole("singleton_condition", self.singleton_condition)
+        for name in ("condition", "block", "group"):
+            if getattr(self, name) is not None:
+                _check_indices(name, getattr(self, name))
+
+
+def check_whole(name: str, value: object) -> None:
+    """Refuse what is not a whole number from 0."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 0:
+        refuse(name, value, "a whole number from 0")
+
+
+def _check_indices(name: str, values: ArrayLike) -> None:
+    """Refuse what an array of indices would cut off."""
+    try:
+        given = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        given = np.array(math.nan)
+    if not np.all(np.isfinite(given) & (given == np.round(given))):
+        raise ScenarioError(f"{name}: allowed are whole numbers")
 
 
 def changed(options: Options | None, changes: Mapping[str, Any]) -> Options:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis import tables
 from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.cross_validation import Gain
@@ -19,18 +20,22 @@ from stickslip.diagnosis.inference.extended_model import extended_scenario, exte
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
+from stickslip.diagnosis.options import check_whole
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.messages import table_lines, verdict_lines
-from stickslip.diagnosis.report.plots import Plots, abscissa
+from stickslip.diagnosis.report.messages import no_gain_lines, set_lines, table_lines, verdict_lines
+from stickslip.diagnosis.report.plots import OWN_LABELS, Plots, abscissa, refuse_own
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value
+from stickslip.scenario.keys import Value, refuse
 from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 __all__ = ["Diagnosis", "Plots"]
+
+_OWN_UNIT = "SI"
+"""Unit of the observable of a model of one's own, if it is not said."""
 
 _MOST_ROWS = 12
 """Rows of a table in the summary. Chosen: two tables and the verdict fit on one screen."""
@@ -62,14 +67,17 @@ class Diagnosis:
         causes = f" {', '.join(self.verdict.causes[:3])}" if self.verdict.causes else ""
         causes += ", ..." if len(self.verdict.causes) > 3 else ""
         count = len(found.problem.observed)
-        return (
-            f"<Diagnosis of {count} observables: {self.verdict.kind}{causes}, "
-            f"p = {found.detection.p_value:.2g}>"
-        )
+        judged = self.verdict.kind != "data-problem"
+        p_value = f", p = {found.detection.p_value:.2g}" if judged else ""
+        return f"<Diagnosis of {count} observables: {self.verdict.kind}{causes}{p_value}>"
 
     def summary(self) -> str:
-        """The verdict, the parameters and the leading candidates as text for one screen."""
-        lines = self.verdict_lines()
+        """The verdict, the parameters and the leading candidates as text for one screen.
+
+        Of a set, a line says which of its members the parameters are of; without a gain, a line
+        says why there is none.
+        """
+        lines = [*self.verdict_lines(), *no_gain_lines(self.findings), *set_lines(self.findings)]
         for table, most in ((self.params, _MOST_ROWS), (self.compare(), _MOST_ROWS // 2)):
             if len(table):
                 lines += ["", *table_lines(table, most)]
@@ -87,17 +95,25 @@ class Diagnosis:
 
     @property
     def gain(self) -> Gain | None:
-        """Error on held-out conditions, recalibrated and extended; None if nothing is held out."""
+        """Error on held-out conditions, recalibrated and extended.
+
+        None if there is no extended model, which is so for the verdicts none, unexplained and
+        data-problem, or if the conditions are too few to hold some out.
+        """
         return self.findings.gain
 
     @property
     def params(self) -> DataFrame:
         """Fitted parameters, a row for each constant and each parameter of the claimed cause.
 
-        Columns: `value` and `sd` in the column `unit`; `prior`, what was known before the data;
+        Rows have full names, such as ``effects.surface_tilt.angle``, which the short ones of texts
+        and pictures leave out. Columns: `value` and `sd` in the column `unit`, where the sd of the
+        strength of a claimed cause is that of the profile likelihood, if it is larger than that of
+        the curvature at the fit; `prior`, what was known before the data;
         `pull`, how many standard deviations of its prior the value lies from the prior's middle. Of
-        the extended model, or the recalibrated one if there is no other. Empty for the verdict
-        data-problem, as nothing is learnt from such data.
+        the extended model, or the recalibrated one if there is no other; of the verdict ambiguous,
+        where the extended model is that of the first member of the set, of this one alone. Empty
+        for the verdict data-problem, as nothing is learnt from such data.
         """
         return tables.parameter_table(self.findings)
 
@@ -121,26 +137,36 @@ class Diagnosis:
 
     @property
     def covariance(self) -> DataFrame:
-        """Covariance of `params` by the curvature at the fit, in products of their units."""
+        """Covariance of `params` by the curvature at the fit, in products of their units.
+
+        The roots of its diagonal may be smaller than the `sd` of `params`, which is that of the
+        profile likelihood where this is wider.
+        """
         return tables.covariance_table(self.findings)
 
     def compare(self) -> DataFrame:
         """All candidates that were fitted, best first; ``none`` is the recalibrated model.
 
+        Empty for the verdict data-problem.
+
         Columns: `log_evidence` above that of none, less the price of a second cause; `delta`, how
         far behind the first; `chi2` of data and priors; `p`, of the lack of fit; `converged`,
-        whether fits from several starts agree.
+        whether fits from several starts agree: "yes", "no", or "not checked" where a candidate is
+        so far behind that it was fitted from one start only.
         """
         return tables.candidate_table(self.findings)
 
     def predict(self, conditions: Any) -> DataFrame:
         """Predictions of the fitted models at new conditions.
 
+        Of the verdict ambiguous the extended model is that of the first member of the set.
+
         Parameters
         ----------
         conditions : DataFrame or sequence of dict, or whatever the own model takes
             Of a measurement drive settings by name, such as ``frequency``; what is not given is as
-            in the scenario. For a model of one's own they are handed to it as they are.
+            in the scenario, and what a table of trials has besides, such as `velocity`, is ignored.
+            For a model of one's own they are handed to it as they are.
 
         Returns
         -------
@@ -157,6 +183,8 @@ class Diagnosis:
         """
         import pandas as pd
 
+        from stickslip.diagnosis.printed_table import PrintedTable
+
         if self.verdict.kind == "data-problem":
             raise ScenarioError("predict: the data allow no diagnosis, so no model was fitted")
         at, settings = self._conditions(conditions)
@@ -168,7 +196,8 @@ class Diagnosis:
                 )
                 columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
         found = pd.DataFrame(columns)
-        return found if settings is None else pd.concat([pd.DataFrame(settings), found], axis=1)
+        given = pd.DataFrame() if settings is None else pd.DataFrame(settings)
+        return PrintedTable(pd.concat([given, found], axis=1))
 
     @property
     def plot(self) -> Plots:
@@ -181,19 +210,23 @@ class Diagnosis:
         Parameters
         ----------
         count : int
-            How many at most. There are none where nothing was found or no velocity was measured.
+            How many at most, from 0. There are none where nothing was found or no velocity was
+            measured.
 
         Raises
         ------
         ScenarioError
-            For a model of one's own, of which no other conditions are known; see `separate`.
+            If `count` is not allowed; and for a model of one's own, of which no other conditions
+            are known; see `separate`.
         """
         if self.measurement is None:
             raise ScenarioError(
                 "propose_experiments: which conditions a model of one's own can have is not known; "
                 "separate(conditions) compares those that you give"
             )
-        return self._experiments if count == PROPOSED else self._proposed(count)
+        check_whole("count", count)
+        # The first ones are the same, however many are asked for.
+        return self._experiments[:count] if count <= PROPOSED else self._proposed(count)
 
     def separate(self, conditions: Any, trials: int = TRIALS) -> Separation | None:
         """How well the leading candidates could be told apart at conditions not measured yet.
@@ -217,8 +250,9 @@ class Diagnosis:
     def extended(self) -> Scenario | dict[str, float]:
         """The model with recalibrated constants and, where there is one, the claimed cause.
 
-        Of a measurement a scenario; of a model of one's own the values of its parameters by name.
-        From data that allow no diagnosis nothing is learnt: the scenario is as it was given.
+        Of the verdict ambiguous with the first member of the set. Of a measurement a scenario; of a
+        model of one's own the values of its parameters by name. From data that allow no diagnosis
+        nothing is learnt: the scenario is as it was given.
 
         Raises
         ------
@@ -242,8 +276,8 @@ class Diagnosis:
         *,
         title: str | None = None,
         place: ArrayLike | None = None,
-        labels: tuple[str, str] = ("condition", "observable"),
-        unit: str = "SI",
+        labels: tuple[str, str] = OWN_LABELS,
+        unit: str = _OWN_UNIT,
     ) -> None:
         """Write the report into a folder, which is made.
 
@@ -263,16 +297,27 @@ class Diagnosis:
         Raises
         ------
         ScenarioError
-            If `place` has another length or is not finite, or the extended model makes no scenario.
+            If `folder` is no path, an argument has no meaning for a measurement, `place` has
+            another length or is not finite, or the extended model makes no scenario.
         OSError
             If a file cannot be written.
         """
-        from stickslip.diagnosis.report.html import report_sections, write_report
+        from stickslip.diagnosis.report.html import FILES, report_sections, write_report
         from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
         from stickslip.diagnosis.report.section import model_section
 
+        if not isinstance(folder, str | PathLike):
+            refuse("folder", folder, "a path")
+        check_folder(folder, FILES)  # before what takes long
         source: Measurement | OwnData
         if self.measurement is not None:
+            changed = (
+                title is not None,
+                place is not None,
+                labels != OWN_LABELS,
+                unit != _OWN_UNIT,
+            )
+            refuse_own("save_report", ("title", "place", "labels", "unit"), changed)
             source, unit = self.measurement, gain_unit(self.posed)
             sections = report_sections(self.posed.comparisons(self.findings))
         else:

@@ -54,33 +54,38 @@ def interval_table(found: Findings, level: float) -> DataFrame:
 
 def covariance_table(found: Findings) -> DataFrame:
     """See `Diagnosis.covariance`."""
-    import pandas as pd
+    from stickslip.diagnosis.printed_table import PrintedTable
 
     fit, parameters = _fitted(found)
     slope = np.array([each.slope(fit) for each in parameters])
     names = [each.name for each in parameters]
     at = [each.position for each in parameters]
     covariance = slope[:, None] * fit.covariance[np.ix_(at, at)] * slope
-    return pd.DataFrame(covariance, index=names, columns=names)
+    return PrintedTable(covariance, index=names, columns=names)
 
 
 def candidate_table(found: Findings) -> DataFrame:
     """See `Diagnosis.compare`."""
     import pandas as pd
 
+    from stickslip.diagnosis.printed_table import PrintedTable
+
+    columns = ["log_evidence", "delta", "chi2", "p", "converged"]
     fits = ranked([found.null, *found.ranking.singles, *found.ranking.pairs], priced=True)
-    best = fits[0].priced_evidence
+    if found.verdict.kind == "data-problem":
+        fits = ()
     rows = [
         {
             "log_evidence": fit.priced_evidence - found.null.log_evidence,
-            "delta": best - fit.priced_evidence,
+            "delta": fits[0].priced_evidence - fit.priced_evidence,
             "chi2": fit.chi2,
             "p": adequacy(found.problem, fit),
-            "converged": fit.converged,
+            "converged": _agreement(fit),
         }
         for fit in fits
     ]
-    return pd.DataFrame(rows, index=pd.Index([fit.name for fit in fits], name="candidate"))
+    names = pd.Index([fit.name for fit in fits], name="candidate", dtype=object)
+    return PrintedTable(rows, index=names, columns=columns)
 
 
 def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
@@ -88,6 +93,13 @@ def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
     fit = found.verdict.fit or found.null
     learnt = found.verdict.kind != "data-problem"
     return fit, free_parameters(found.problem, fit) if learnt else []
+
+
+def _agreement(fit: Fit) -> str:
+    """Whether fits of a candidate from several starts agree, in a word."""
+    if fit.converged:
+        return "yes"
+    return "no" if len(fit.starts) > 1 else "not checked"
 
 
 def _prior(found: Findings, each: Fitted) -> str:
@@ -102,5 +114,7 @@ def _frame(entries: dict[str, dict[str, float | str]], columns: list[str]) -> Da
     """A table with a row for each parameter."""
     import pandas as pd
 
+    from stickslip.diagnosis.printed_table import PrintedTable
+
     names = pd.Index(list(entries), name="parameter", dtype=object)
-    return pd.DataFrame(list(entries.values()), index=names, columns=columns)
+    return PrintedTable(list(entries.values()), index=names, columns=columns)

@@ -49,6 +49,7 @@ class Code(str, Enum):
     SETUPS_NOT_CROSSED = "setups-not-crossed"  #: No condition was repeated in another set-up.
     UNEVEN_SETUP = "uneven-setup"  #: The trials of one set-up scatter more than all others.
     MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
+    FEW_PULSES = "few-pulses"  #: Drives so short that their velocities include the start-up.
     STANDS_STILL = "stands-still"  #: Conditions that read zero where the stated model moves.
     READING_NOISE = "reading-noise"  #: Noise of an angle or a field, widened as it is an estimate.
     #: The noise found is below what a reading can have, which is taken.

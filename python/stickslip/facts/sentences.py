@@ -72,6 +72,10 @@ def _named_lines(f: Fields) -> str:
     return f"{word} " + ", ".join(map(str, f["lines"][:LINES])) + more
 
 
+def _column_is(f: Fields) -> str:
+    return f"{f['column']} " + (f"{shown(f['cell'])} is not a number" if f["cell"] else "is empty")
+
+
 def _wrong_unit(f: Fields) -> str:
     factor = {1000.0: "1000", 0.001: "1/1000"}.get(f["unit_factor"])
     return "" if factor is None else f"; the factor of {factor} is that of a wrong unit"
@@ -114,6 +118,7 @@ def _residual(f: Fields) -> str:
 
 _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "at": lambda f: f"{f['table']} {_named_lines(f)}",
+    "column_is": _column_is,
     "named_lines": _named_lines,
     "mismatch": mismatch,
     "mismatch_of_fastest": lambda f: mismatch(f, "the stated model's fastest"),

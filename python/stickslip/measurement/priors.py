@@ -26,7 +26,7 @@ _NUMBERS: dict[Literal["normal", "log-normal", "log-uniform"], tuple[str, str]] 
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Prior:
     """A prior distribution of one parameter.
 
@@ -35,7 +35,7 @@ class Prior:
     kind : {"normal", "log-normal", "log-uniform"}
     first, second : float
         Mean and standard deviation; median and factor (one standard deviation is this factor); low
-        and high end. In the parameter's unit, except the factor.
+        and high end. In the parameter's unit, except the factor; both have to be given.
 
     Raises
     ------
@@ -44,12 +44,12 @@ class Prior:
     """
 
     kind: Literal["normal", "log-normal", "log-uniform"]
-    first: float
-    second: float
+    first: float = math.nan
+    second: float = math.nan
 
     def __post_init__(self) -> None:
-        if self.kind not in _NUMBERS:
-            allowed = ", ".join(_NUMBERS)
+        if not isinstance(self.kind, str) or self.kind not in _NUMBERS:
+            allowed = f'{", ".join(_NUMBERS)}, as in Prior("normal", 0.145, 0.01)'
             raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
         one, two = _NUMBERS[self.kind]
         for name, value in ((one, self.first), (two, self.second)):
@@ -63,7 +63,7 @@ class Prior:
         if self.kind == "log-uniform" and not 0.0 < self.first < self.second:
             raise ScenarioError(f"{said}: allowed is 0 < low < high")
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return f"{self.kind}({self.first:g}, {self.second:g})"
 
     @property

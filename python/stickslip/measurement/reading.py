@@ -23,7 +23,7 @@ from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
-from stickslip.scenario.keys import find_key, known_keys, shown, suggestion
+from stickslip.scenario.keys import find_key, full_name, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
@@ -40,6 +40,10 @@ _ENTRIES = {
     "field": ("file",),
 }
 _KNOWN = ("stickslip_measurement", "name", "scenario", "uncertain", *_ENTRIES)
+_KINETIC, _STATIC = "contact.kinetic_friction", "contact.static_friction"
+_WIDE = 3.0
+"""Standard deviations of a prior that are looked at. Chosen: one value in 400 lies beyond."""
+
 _COLUMNS = {
     "angle": ("Bx", "Bz", "theta"),
     "field": (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"),
@@ -48,7 +52,7 @@ _COLUMNS = {
 Table = Mapping[str, NDArray[np.float64]]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Measurement(OneLine):
     """All that was measured, and what the experimenter believes.
 
@@ -79,6 +83,17 @@ class Measurement(OneLine):
     left_out: tuple[Fact, ...]
     path: Path
 
+    def __repr__(self) -> str:
+        trials = sum(len(each.velocity) for each in self.velocity)
+        conditions = sum(len(each.conditions) for each in self.velocity)
+        parts = [f"{trials} trials at {conditions} conditions"] if self.velocity else []
+        others = (("film", self.tracking), ("table of angles", self.angle))
+        for word, found in (*others, ("table of fields", self.field)):
+            parts += [f"{len(found)} x {word}"] if found else []
+        return (
+            f"<Measurement {shown(self.name)}: {', '.join(parts)}, {len(self.left_out)} left out>"
+        )
+
     @staticmethod
     def from_dataframe(
         table: DataFrame,
@@ -90,20 +105,21 @@ class Measurement(OneLine):
     ) -> Measurement:
         """Mean velocities from a table in memory, with the columns and checks of the CSV file.
 
-        Rows that are not sound are left out, and said to be in `left_out`, counted from 0.
+        Rows that are not sound are left out, and named in `left_out` by their index label.
 
         Parameters
         ----------
         table : DataFrame
             One row a trial: `velocity` in m/s; settings named like keys of ``[drive]``, in SI
-            units; and, if known, `trial`, `block` and `order`.
+            units; and, if known, `trial`, `block` (labels) and `order` (numbers or dates).
         scenario : Scenario
             The model as the experimenter believes it, with the settings that have no column.
         uncertain : mapping, optional
-            What is not known exactly: for each dotted key a `Prior`, or one of the tables of a
-            measurement file, such as ``{"mean": 0.145, "sd": 0.01}``.
+            What is not known exactly: for each dotted key, of effects also by short name, a
+            `Prior`, or one of the tables of a measurement file, such as
+            ``{"mean": 0.145, "sd": 0.01}``.
         velocity_sd : float, optional
-            Relative standard deviation of one trial, where trials are not repeated.
+            Relative standard deviation of one trial, such as 0.05, where trials are not repeated.
         name : str
             Title of the report.
 
@@ -228,7 +244,7 @@ def _are_tables(value: object) -> bool:
 def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
     if not isinstance(table, dict):
         raise ScenarioError(f"uncertain = {shown(table)}: allowed is a section [uncertain]")
-    priors = {}
+    priors: dict[str, Prior] = {}
     for name, entry in table.items():
         for inner in entry if isinstance(entry, dict) else ():
             if f"{name}.{inner}" in known_keys():
@@ -236,6 +252,9 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                     f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
                     f'"{name}.{inner}" = ...'
                 )
+        name = full_name(name)
+        if name in priors:
+            raise ScenarioError(f'[uncertain] "{name}" is there twice: allowed is once')
         key = find_key(name, entry)
         if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
             raise ScenarioError(
@@ -243,10 +262,24 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
                 "and not in [drive], [solver] or [record]"
             )
         prior = entry if isinstance(entry, Prior) else parse_prior(name, entry)
-        if name != "contact.kinetic_friction":  # whose middle may be above the static one's
-            scenario.replace({name: float(prior.value(0.0))})
+        if name != _KINETIC:  # whose middle may be above the static one's
+            with prefixed(f'[uncertain] "{name}" = {prior}'):
+                scenario.replace({name: float(prior.value(0.0))})
         priors[name] = prior
+    if _KINETIC in priors:
+        _check_friction(priors, scenario)
     return priors
+
+
+def _check_friction(priors: Mapping[str, Prior], scenario: Scenario) -> None:
+    """Refuse a kinetic friction that even at its lowest is above the highest static one."""
+    kinetic, static = priors[_KINETIC], priors.get(_STATIC)
+    lowest = max(float(kinetic.value(-_WIDE)), known_keys()[_KINETIC].low)
+    highest = {}
+    if static is not None:
+        highest[_STATIC] = min(float(static.value(_WIDE)), known_keys()[_STATIC].high)
+    with prefixed(f'[uncertain] "{_KINETIC}" = {kinetic}'):
+        scenario.replace({_KINETIC: lowest, **highest})
 
 
 def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:

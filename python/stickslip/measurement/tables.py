@@ -20,10 +20,13 @@ from stickslip.facts.sentences import LINES
 from stickslip.scenario.keys import shown, suggestion
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
+    from pandas import DataFrame, Series
 
-Rows = tuple[list[str], list[tuple[int, list[str]]]]
-"""Header of a table, and its rows of text cells, each with the number of its line."""
+Line = int | str
+"""Number of a line in a file, or the index label of a row in memory."""
+
+Rows = tuple[list[str], Sequence[tuple[Line, list[str]]]]
+"""Header of a table, and its rows of text cells, each with its line."""
 
 _LARGEST = 1e60
 """Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
@@ -91,10 +94,10 @@ def _refuse_twice(header: Sequence[str]) -> None:
 
 
 def rows_of_frame(table: DataFrame) -> Rows:
-    """Header, and rows of text cells with their number, from 0; as `read_rows` has them of a file.
+    """Header, and rows of text cells with their index label; as `read_rows` has them of a file.
 
     Numbers are written so that reading them again gives the same ones; a cell without a value is
-    empty.
+    empty. Dates and durations are in s, dates from the first one of their column.
     """
     import pandas as pd
 
@@ -105,8 +108,22 @@ def rows_of_frame(table: DataFrame) -> Rows:
         _refuse_twice(header)
         if table.empty:
             raise ScenarioError("has no row of data")
-    columns = [[_cell(value) for value in table.iloc[:, k]] for k in range(len(header))]
-    return header, [(k, list(row)) for k, row in enumerate(zip(*columns, strict=True))]
+    cells = [_in_seconds(table.iloc[:, k]) for k in range(len(header))]
+    columns = [[_cell(value) for value in column] for column in cells]
+    rows = zip(index_labels(table), zip(*columns, strict=True), strict=True)
+    return header, [(label, list(row)) for label, row in rows]
+
+
+def index_labels(table: DataFrame) -> list[Line]:
+    """What the rows of a table in memory are called in messages: whole numbers stay numbers."""
+    return [int(each) if isinstance(each, int | np.integer) else str(each) for each in table.index]
+
+
+def _in_seconds(column: Series[Any]) -> Series[Any]:
+    """A column of dates or durations as numbers, s; any other as it is."""
+    if column.dtype.kind == "M":
+        column = column - column.min()
+    return column.dt.total_seconds() if column.dtype.kind == "m" else column
 
 
 def _cell(value: Any) -> str:
@@ -116,7 +133,7 @@ def _cell(value: Any) -> str:
 
 
 def in_lines(
-    code: Code, table: str, lines: Sequence[int], *, word: str = "line", **fields: Any
+    code: Code, table: str, lines: Sequence[Line], *, word: str = "line", **fields: Any
 ) -> Fact:
     """A fact about some lines of a table, which names the first of them.
 
@@ -174,7 +191,7 @@ def read_numbers(
     sound = np.all(np.isfinite(table[:, needed]), axis=1)
     left_out = []
     if not sound.all():
-        lines = [rows[k][0] for k in np.flatnonzero(~sound)]
+        lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
         left_out.append(in_lines(Code.BAD_CELLS, path.name, lines, rows=len(table)))
     if not sound.any():
         raise NothingSound(path, left_out[0])

@@ -33,7 +33,7 @@ _LIMIT = 20_000
 """Frames that are used. Chosen: each is a column of a matrix of a few hundred rows, in memory."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class TrackingRun(OneLine):
     """Tracked frames of one run, sound ones only, in the order of time.
 

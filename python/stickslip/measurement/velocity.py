@@ -16,6 +16,7 @@ from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
+    Line,
     NothingSound,
     Rows,
     check_columns,
@@ -23,7 +24,7 @@ from stickslip.measurement.tables import (
     number,
     refuse_unknown,
 )
-from stickslip.scenario.keys import Value, known_keys
+from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 
 FASTEST = 1.0
@@ -40,10 +41,11 @@ _MANY_LOST = 0.1
 _MOST = 0.5
 """Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
 
-_OTHER = ("velocity", "trial", "block", "order")
+NOT_SETTINGS = ("velocity", "trial", "block", "order")
+"""Columns that say nothing of the drive."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class VelocityData(OneLine):
     """Trials of mean velocities, sound ones only.
 
@@ -85,7 +87,7 @@ class _Trial(NamedTuple):
     setting: tuple[tuple[str, Any], ...]
     block: str
     order: float
-    line: int
+    line: Line
 
 
 def read_velocity(
@@ -139,9 +141,9 @@ def _sound_rows(
     header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"])
-    refuse_unknown(path, header, [*_OTHER, *drive])
+    refuse_unknown(path, header, [*NOT_SETTINGS, *drive])
     # Lines by what is wrong with them, in the order of the file.
-    wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[int]] = {}
+    wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
     for line, row in rows:
@@ -176,7 +178,7 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
 
 
 def _trial(
-    line: int,
+    line: Line,
     row: list[str],
     header: Sequence[str],
     seen: set[tuple[str, ...]],
@@ -192,7 +194,8 @@ def _trial(
         raise _Unsound(Code.REPEATED_ROW)
     setting = _setting(cells, drive, scenario)
     _check_units(dict(setting))
-    return _Trial(velocity, setting, cells.get("block", ""), number(cells.get("order", "")), line)
+    order = _number("order", cells["order"]) if cells.get("order") else math.nan
+    return _Trial(velocity, setting, cells.get("block", ""), order, line)
 
 
 def _number(column: str, cell: str) -> float:
@@ -212,11 +215,9 @@ def _setting(
         if name not in cells:
             continue
         key = keys[f"drive.{name}"]
-        value: Value = cells[name]
+        value: Value
         if key.kind == "word":
-            # An apparatus may write "ipp" and "+X".
-            spelt = (cells[name], cells[name].upper(), cells[name].lower())
-            value = next((each for each in spelt if f'"{each}"' in key.allowed), value)
+            value = in_allowed_case(key, cells[name])
         else:
             value = _number(name, cells[name])
             if key.kind == "whole" and value == int(value):

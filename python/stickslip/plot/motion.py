@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.scenario.keys import refuse
 from stickslip.simulation.run import Run
 
 if sys.version_info >= (3, 11):
@@ -28,7 +29,7 @@ _DRAWN = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A recorded motion; arrays have shape (n,), and are those of a `Run`."""
 
@@ -68,6 +69,8 @@ def motion(data: Data) -> Motion:
         robot: Any = vars(data.scenario.robot)
         direction = data.scenario.drive.direction
     else:
+        if not hasattr(data, "variables"):
+            refuse("data", data, "a Run, as simulate(scenario) makes it, or the Dataset of one")
         missing = [name for name in _DRAWN if name not in data.variables]
         if missing:
             raise ValueError(f"the Dataset is not one of a run: it has no {', '.join(missing)}")

@@ -16,6 +16,7 @@ from stickslip.plot.canvas import legend_above
 from stickslip.plot.motion import Array, motion
 from stickslip.plot.one_motion import draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, length, readable
+from stickslip.scenario.keys import refuse
 from stickslip.simulation.run import Run, resting_force
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last
@@ -48,8 +49,11 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     AttributeError
         If the run has no record.
     ValueError
-        If the record is one of events, or has less than two samples from `start` to `stop`.
+        If `run` is no Run, the record is one of events, or has less than two samples from `start`
+        to `stop`.
     """
+    if not isinstance(run, Run):
+        refuse("run", run, "a Run, as simulate(scenario) makes it")
     whole = motion(run)
     first, last, what = _stretch(run, start, stop)
     shown = whole.between(first, last)

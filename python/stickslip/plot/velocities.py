@@ -36,7 +36,7 @@ _STYLES = list(
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Axis:
     """A numeric key that was varied."""
 

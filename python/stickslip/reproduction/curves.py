@@ -63,7 +63,7 @@ MEASURED_COLUMNS = ("figure", "mode", "x", "y")
 _MAX_VELOCITY = 1.0  # m/s; far above any robot's, and a velocity that is given in mm/s is above it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curves:
     """One figure of velocities."""
 

@@ -69,7 +69,7 @@ class Effort:
     band_variations: int = 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reproduction:
     """What the study found. SI units.
 

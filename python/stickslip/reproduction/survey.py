@@ -43,7 +43,7 @@ def pairwise(mode: Mode, values: NDArray[_Kind]) -> NDArray[_Kind]:
     return values[:, np.newaxis] if mode == "IPP" else values[np.newaxis]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Survey:
     """What every setting of the grid does; n is the number of settings of a mode.
 

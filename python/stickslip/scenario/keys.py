@@ -156,6 +156,12 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return "known are " + ", ".join(f'"{each}"' for each in known)
 
 
+def in_allowed_case(key: Key, word: str) -> str:
+    """A word as the key allows it: an apparatus may write "ipp" and "+X"."""
+    spelt = (word, word.upper(), word.lower())
+    return next((each for each in spelt if f'"{each}"' in key.allowed), word)
+
+
 def refuse(key: str, value: object, allowed: str) -> NoReturn:
     """Raise the one-line error of a value that is not allowed."""
     raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
@@ -167,6 +173,12 @@ def section_hint(section: str) -> str:
     if difflib.get_close_matches(section, sections, n=1, cutoff=0.6):
         return suggestion(section, sections)
     return suggestion(section, dict.fromkeys(each.partition(".")[0] for each in sections))
+
+
+def full_name(name: str) -> str:
+    """The dotted key of a parameter of an effect that is named without ``effects.``."""
+    keys = known_keys()
+    return f"effects.{name}" if name not in keys and f"effects.{name}" in keys else name
 
 
 def find_key(name: str, *value: object) -> Key:

@@ -21,6 +21,7 @@ from stickslip.scenario.keys import (
     Value,
     checked,
     find_key,
+    full_name,
     known_keys,
     set_rate,
     shown,
@@ -153,11 +154,14 @@ class Scenario:
     def get(self, key: str) -> Value:
         """The value of a dotted key, such as ``"drive.frequency"``.
 
+        A parameter of an effect is known by its short name too: ``"surface_tilt.angle"``.
+
         Raises
         ------
         ScenarioError
             If there is no such key.
         """
+        key = full_name(key)
         known = find_key(key)
         if key.startswith(PREFIX):
             _, name, parameter = key.split(".", 2)
@@ -172,7 +176,8 @@ class Scenario:
         Parameters
         ----------
         changes : mapping
-            New values by dotted key. ``"drive.program"`` takes a `Waveform` or None.
+            New values by dotted key, of effects also by short name. ``"drive.program"`` takes a
+            `Waveform` or None.
 
         Returns
         -------
@@ -183,6 +188,7 @@ class Scenario:
         ScenarioError
             If a key is unknown or a value not allowed.
         """
+        changes = {full_name(key): value for key, value in changes.items()}
         for key, value in changes.items():
             if key != PROGRAM:
                 find_key(key, value)

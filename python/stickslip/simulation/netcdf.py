@@ -85,14 +85,14 @@ def open_run(path: str | PathLike[str]) -> xarray.Dataset:
     Raises
     ------
     ScenarioError
-        If the file is no netCDF file, holds no run, or is not as it was written.
-    OSError
-        If it cannot be read.
+        If the file cannot be read, is no netCDF file, holds no run, or is not as it was written.
     """
     try:
         check_checksum(path)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
     try:
         with xarray.open_dataset(path, engine="h5netcdf") as file:
             data = file.load()

@@ -183,8 +183,11 @@ class Run:
 
     @property
     def notes(self) -> list[str]:
-        """What stands out, a line each: a robot that never moved, high voltages, a loose tolerance;
-        mostly none."""
+        """What stands out, a line each; mostly none.
+
+        A robot that never moved or rolled over, fewer than four pulses, high voltages, a loose
+        tolerance.
+        """
         return run_notes(self.scenario, {**self._summary})
 
     def summary(self) -> dict[str, Any]:

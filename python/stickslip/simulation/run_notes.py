@@ -19,6 +19,15 @@ LOOSE_TOLERANCE = 1e-5
 mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
 
 
+STEADY_PULSES = 4
+"""Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
+
+
+def counts_start_up(scenario: Scenario) -> bool:
+    """Whether a pulsed drive is so short that its measuring window begins after the ramp."""
+    return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
+
+
 def run_notes(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     """Facts about a run, a line each; none for most runs."""
     return [*_of_motion(summary), *_of_drive(scenario), *_of_solver(scenario)]
@@ -50,6 +59,11 @@ def _of_motion(summary: dict[str, Any]) -> list[str]:
 
 def _of_drive(scenario: Scenario) -> list[str]:
     notes = []
+    if counts_start_up(scenario):
+        notes.append(
+            f"drive.pulses = {scenario.drive.pulses} is fewer than {STEADY_PULSES}: the measuring "
+            "window begins after the ramp and includes the start-up"
+        )
     for name, volts in peak_voltages(scenario).items():
         if volts > HIGH_VOLTAGE:
             amperes = volts / scenario.coil.resistance

@@ -21,7 +21,7 @@ _POINTS_PER_CALL = 64
 """Points between two looks at the clock; chosen: a call of the core costs little beside them."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chunk:
     """Points that one worker simulates in one go."""
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip.diagnosis.data.conditions import Conditions, in_words, named, varied
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
+from stickslip.simulation.run_notes import STEADY_PULSES
 
 Array = NDArray[np.float64]
 
@@ -93,6 +94,8 @@ def wrong_size(conditions: Conditions, predicted: Array, velocity: Array) -> Fac
 
 def standing_still(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:
     """A note on conditions that read zero where the stated model moves."""
+    if not np.isfinite(predicted).any():
+        return None
     speed = np.abs(predicted)
     still = np.flatnonzero((velocity == 0.0) & (speed > _WALKS * np.nanmedian(speed)))
     if not len(still):
@@ -100,6 +103,12 @@ def standing_still(conditions: Conditions, predicted: Array, velocity: Array) ->
     names = [in_words(conditions[k], varied(conditions)) for k in still[:_LISTED]]
     fastest = float(np.max(speed[still]))
     return Fact(Code.STANDS_STILL, {"count": len(still), "speed": fastest, "conditions": names})
+
+
+def start_up_included(conditions: Conditions) -> Fact | None:
+    """A note on drives so short that their mean velocity includes the start-up."""
+    count = sum(float(each["drive.pulses"]) < STEADY_PULSES for each in conditions)
+    return Fact(Code.FEW_PULSES, {"count": count, "needed": STEADY_PULSES}) if count else None
 
 
 def wrong_sign(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:

@@ -44,7 +44,7 @@ _SCATTERS = [0.0, *np.geomspace(0.05, 8.0, 40).tolist()]
 measurement resolves to far above what a mean of trials is good for."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class NoiseModel(OneLine):
     """Noise of the mean of each condition's trials.
 

@@ -24,7 +24,7 @@ chi-squares of one degree of freedom, 8.8, for all pairs of 28 causes, less the 
 amplitude of signal to noise 8, which the evidence has taken already: ln(1 + 64) / 2 = 2.1."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Candidate(OneLine):
     """A candidate model: the recalibrated baseline and some causes.
 
@@ -47,7 +47,7 @@ class Candidate(OneLine):
         return " + ".join(each.name for each in self.causes) or "none"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Fit(OneLine):
     """A fitted candidate.
 
@@ -100,7 +100,7 @@ class Fit(OneLine):
         return self.candidate.name
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Start(OneLine):
     """Where a fit begins: all coordinates, and derivatives (m, free) that were found near by."""
 

@@ -33,7 +33,7 @@ _ROUNDS, _LOWER = 2, 0.1
 _MOVES = 3
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Profile(OneLine):
     """Profile of one parameter.
 

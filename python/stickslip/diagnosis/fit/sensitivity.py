@@ -34,7 +34,7 @@ _FAR = 6.0
 _CONSTANT_MULTIPLE, _LARGEST_MULTIPLE = 8.0, 1.8
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Sensitivities(OneLine):
     """Projected responses of all causes, a row each.
 
@@ -174,7 +174,7 @@ def projected_responses(raw: Array, jacobian: Array) -> tuple[Array, Array, Arra
     return projected, basis, np.clip(move, -_FAR, _FAR)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Screened(OneLine):
     """Each row at the multiple of its response that fits a residual best; all of shape (rows,).
 

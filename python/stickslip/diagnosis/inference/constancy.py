@@ -19,7 +19,7 @@ from stickslip.facts import Code, Fact
 _FEWEST, _STRAINED = 4, 2.5
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Part(OneLine):
     """Constants from one part of the conditions.
 

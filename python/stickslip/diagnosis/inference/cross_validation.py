@@ -30,7 +30,7 @@ _RESAMPLES = 2000
 _FOLDS, _FEWEST = 5, 8
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Gain(OneLine):
     """Error on held-out conditions before (recalibrated) and after (extended).
 

@@ -22,7 +22,7 @@ TRIALS = 3
 _CANDIDATES = 3
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Separation(OneLine):
     """How well the leading candidates could be told apart at proposed conditions.
 

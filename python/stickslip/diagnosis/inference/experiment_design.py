@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.diagnosis.data.conditions import in_words
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.model.problem import Predict
@@ -47,7 +48,7 @@ _LOOKS = {
 
 @dataclass(frozen=True)
 class Experiment:
-    """A condition that was not measured yet.
+    """A condition that was not measured yet; ``str()`` gives it in words, and what it is for.
 
     Attributes
     ----------
@@ -64,6 +65,10 @@ class Experiment:
     why: Fact
     separation: float
     predictions: Mapping[str, Mapping[str, float]]
+
+    def __str__(self) -> str:
+        settings = {f"drive.{key}": value for key, value in self.drive.items()}
+        return f"{in_words(settings, list(_CHOICES))}. {self.why}"
 
     @property
     def decides(self) -> bool:

@@ -19,7 +19,7 @@ from stickslip.diagnosis.model.problem import Array, Problem
 from stickslip.facts import Fact
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Findings(OneLine):
     """All that the steps of a diagnosis found.
 

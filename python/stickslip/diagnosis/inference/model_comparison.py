@@ -42,7 +42,7 @@ _LEADERS = 2
 _ROUGHER = 1.2
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class AssessedBaseline(OneLine):
     """The recalibrated model, with errors that hold where it stands, and what is left of it.
 

@@ -21,7 +21,7 @@ _SIZES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.3, 0.6, 1.2, 2.4)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Settings(OneLine):
     """Where the first n observables were taken.
 

@@ -26,7 +26,7 @@ LEAST_SHARE = 0.7
 """Share of what a smooth function explains that a claimed cause or pair has to explain. Chosen."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Table(OneLine):
     """Observables of one kind.
 

@@ -175,7 +175,7 @@ class Cause:
             raise ScenarioError(f"cause {self.name}: {said}")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Problem(OneLine):
     """Data of the fitted conditions, and the model that is to explain them.
 
@@ -293,7 +293,7 @@ class Problem(OneLine):
         return self.whitened(self.predicted(x))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class AuxiliaryData(OneLine):
     """Observables beside the trials, of another kind, whose errors are known.
 

@@ -34,7 +34,7 @@ _INDEPENDENT = 0.51
 them would if they were independent, 1 / (1 + 2 (4/6)^2 + 2 (1/6)^2)."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Repeats(OneLine):
     """Means of the rows with the same settings, which are in ascending order.
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _WITH_CAUSE = "with the cause"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """One quantity of the folded motion as it is drawn, in the label's unit, shape (g,) each."""
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from stickslip.diagnosis.data.conditions import Conditions, changes
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice, undecided
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.ranking import runner_up
+from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.report.parameters import extended_parameters, short
 from stickslip.facts import Fact
 
@@ -106,6 +106,27 @@ def verdict_lines(found: Findings, left_out: Sequence[Fact]) -> list[str]:
     return lines
 
 
+def set_lines(found: Findings) -> list[str]:
+    """Of a set: which of its members the parameters and predictions are of, and the others."""
+    first, *others = [fit.name for fit in set_members(found)] or [""]
+    if not others:
+        return []
+    return [
+        f"  The table, `extended` and `predict` are of {first}, the first of the set; the others "
+        f"are {', '.join(others)}."
+    ]
+
+
+def no_gain_lines(found: Findings) -> list[str]:
+    """Why there is no held-out improvement, where there is none."""
+    if found.gain is not None:
+        return []
+    why = "the conditions are too few to hold some out"
+    if found.verdict.fit is None:
+        why = "there is no extended model to compare"
+    return [f"  no gain on held-out conditions: {why}"]
+
+
 def experiment_lines(
     found: Findings, experiments: Sequence[Experiment], conditions: Conditions
 ) -> list[str]:
@@ -119,8 +140,13 @@ def experiment_lines(
     return lines + [f"  beside the drive: {fact}" for fact in advice(found)]
 
 
+def four_digits(value: float) -> str:
+    """A number as tables show it."""
+    return f"{value:.4g}"
+
+
 def table_lines(table: DataFrame, most: int) -> list[str]:
     """The first rows of a table, numbers to four digits."""
-    shown = table.head(most).to_string(float_format=lambda value: f"{value:.4g}")
+    shown = table.head(most).to_string(float_format=four_digits)
     more = len(table) - most
     return [*shown.splitlines(), *([f"... and {more} more"] if more > 0 else [])]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+OWN_LABELS = ("condition", "observable")
+"""What is on the axes of data of a model of one's own, if it is not said."""
+
+
 class Plots:
     """Pictures of a diagnosis, as `Diagnosis.plot` has them.
 
@@ -31,10 +36,13 @@ class Plots:
         self._findings = findings
         self._posed = posed
 
+    def __repr__(self) -> str:
+        return "<Plots: fit(), residuals(), ranking(), profile(name)>"
+
     def fit(
         self,
         place: ArrayLike | None = None,
-        labels: tuple[str, str] = ("condition", "observable"),
+        labels: tuple[str, str] = OWN_LABELS,
     ) -> Figure:
         """Data and fitted models; held-out readings are hollow.
 
@@ -51,16 +59,18 @@ class Plots:
         Raises
         ------
         ScenarioError
-            If a measurement has no velocities, or `place` has another length or is not finite.
+            If a measurement has no velocities, or gets an argument that is not for it, or `place`
+            has another length or is not finite.
         """
         if self._posed.simulator is None:
             return figures.own_model(self._findings, abscissa(self._findings, place), labels)
+        refuse_own("plot.fit", ("place", "labels"), (place is not None, labels != OWN_LABELS))
         drawn = figures.velocities(self._findings, self._posed.conditions, self._posed.given)
         if drawn is None:
             raise ScenarioError("plot.fit: no velocity was measured; save_report draws other data")
         return drawn
 
-    def residuals(self, place: ArrayLike | None = None, label: str = "observable") -> Figure:
+    def residuals(self, place: ArrayLike | None = None, label: str | None = None) -> Figure:
         """Whitened residuals of the recalibrated and, if there is one, of the extended model.
 
         Two thirds of them lie between -1 and 1, and 95 % in the grey band, if the model is right.
@@ -69,9 +79,14 @@ class Plots:
         ----------
         place : array_like, shape (m,), optional
             Abscissa of each observable; its number, if not given.
-        label : str
-            Of the abscissa, with its unit.
+        label : str, optional
+            Of the abscissa, with its unit; not given, "condition" where all data are velocities,
+            and "observable" elsewhere.
         """
+        if label is None:
+            measured = len(self._posed.conditions)
+            alone = measured == len(self._findings.problem.observed)
+            label = "condition" if alone else "observable"
         count = len(self._findings.problem.observed)
         at = np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
         return figures.residuals(self._findings, at, label)
@@ -109,6 +124,13 @@ class Plots:
             )
             raise ScenarioError(f"plot.profile: {name}: there is no such profile; {hint}")
         return figures.profile(profiles[short(name)])
+
+
+def refuse_own(where: str, names: Sequence[str], given: Sequence[bool]) -> None:
+    """Refuse arguments that are for a model of one's own, of which some were `given`."""
+    said = ", ".join(name for name, each in zip(names, given, strict=True) if each)
+    if said:
+        raise ScenarioError(f"{where}: {said}: allowed for a model of one's own only")
 
 
 def abscissa(found: Findings, place: ArrayLike | None) -> Array:

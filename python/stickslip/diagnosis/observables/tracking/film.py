@@ -60,7 +60,7 @@ _LEAST_RISE = 0.01
 Table II."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Quantity:
     """One tracked quantity, reduced.
 

@@ -45,7 +45,7 @@ _RATIOS = np.geomspace(1e-4, 1e4, 161)
 """Squared scatters of periods over that of frames that are tried. Chosen: 12 % apart."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fold:
     """Which bin each frame falls into.
 

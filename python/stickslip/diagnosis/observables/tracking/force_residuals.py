@@ -72,7 +72,7 @@ class Slope:
         return self.value / self.sd if self.sd > 0.0 else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Residual:
     """Measured minus simulated balance where the contact does one thing.
 
@@ -95,7 +95,7 @@ class Residual:
     scale: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ForceView:
     """What one film says of forces.
 

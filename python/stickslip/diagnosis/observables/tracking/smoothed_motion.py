@@ -25,7 +25,7 @@ _GRID = 240
 """Phases at which the motion is evaluated. Chosen: six for a period of the highest harmonic."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kinematics:
     """Motion over a grid of phases, shape (..., g), in the robot's own frame, SI units.
 
@@ -124,7 +124,7 @@ class Folds:
         return factor * float(found[0]), factor * float(np.sqrt(covariance[0, 0]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Balances:
     """Inertia of a motion less all forces of a scenario, Eqs. (8)-(14), (18), (19), shape (..., g).
 
