@@ -32,10 +32,15 @@ cause. Chosen: one standard deviation."""
 def unseen_causes(found: Findings) -> frozenset[str]:
     """Causes that these data cannot show at any size that was simulated, and that are not claimed.
 
-    Their probability is that before the data beside those of the others, and may be large.
+    Their probability is that before the data beside those of the others, and may be large. Of a
+    constant that is itself suspected, recalibration says what the data tell, so it is none of them.
     """
     seen = set(found.sensitivities.cause[found.sensitivities.size >= _SEEN].tolist())
-    names = {cause.name for k, cause in enumerate(found.problem.causes) if k not in seen}
+    names = {
+        cause.name
+        for k, cause in enumerate(found.problem.causes)
+        if k not in seen and cause.relaxes_prior is None
+    }
     return frozenset(names.difference(found.verdict.causes))
 
 

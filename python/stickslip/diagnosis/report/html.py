@@ -186,7 +186,11 @@ def _page(
         by_evidence=any(each is not None and "lead" in each.fields for each in reasons),
         limits=_LIMITS,
         observables=len(found.problem.observed),
-        models=["velocity", "sd", "given", *(["recalibrated", "extended"] if learnt else [])],
+        models=[
+            *("velocity", "sd", "given"),
+            *(["recalibrated"] if learnt else []),
+            *(["extended"] if found.verdict.fit is not None else []),
+        ],
         typical=_typical_error(found),
         report_sections=sections,
         ranking=figures.png(figures.ranking(found)),
