@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-before blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-before blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -108,6 +108,9 @@ bench-promises: install ## promises about time: import, Ctrl-C, long runs, sweep
 
 bench-before: install ## speed beside an earlier commit, which is built into build/before (BEFORE=<commit>)
 	@$(RUN) bench/before.py --before $(BEFORE)
+
+bench-stepping: install ## restores without a changed bit, cost of steps and rollouts
+	@OPENBLAS_NUM_THREADS=1 $(RUN) bench/stepping.py
 
 BLIND_ARGS ?= --seeds 4
 

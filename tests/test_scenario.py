@@ -44,8 +44,14 @@ def every_key_changed():
             "record.rate": 1234.5,
             "effects.surface_tilt.angle": 0.02,
             "effects.ambient_field.Bz": -4e-5,
+            # In flight all of them may differ.
+            "initial.z": 1e-3,
+            "initial.contact": "flight",
         }
     )
+    for number, name in enumerate(known_keys()):
+        if name.startswith("initial.") and changes[name] == 0.0:
+            changes[name] = 1e-3 * (number + 1)
     return Scenario().replace(changes)
 
 

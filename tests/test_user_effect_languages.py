@@ -47,7 +47,7 @@ CALLBACK = ctypes.CFUNCTYPE(None, *3 * [ctypes.POINTER(ctypes.c_double)])
 @CALLBACK
 def ctypes_callback(state, parameters, out):
     out[0], out[1], out[2] = python_wrench(
-        stickslip.scenario.user_effects.State(*state[:9]), parameters[:2]
+        stickslip.scenario.user_effects.EffectState(*state[:9]), parameters[:2]
     )
 
 

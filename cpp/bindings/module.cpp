@@ -16,6 +16,7 @@ PYBIND11_MODULE(_core, module) {
     register_scenario(module);
     register_user_effect(module);
     register_simulation(module);
+    register_simulator(module);
     register_statics(module);
     register_balance(module);
 }

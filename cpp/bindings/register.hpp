@@ -9,6 +9,7 @@ void register_field(pybind11::module_& module);
 void register_scenario(pybind11::module_& module);
 void register_user_effect(pybind11::module_& module);
 void register_simulation(pybind11::module_& module);
+void register_simulator(pybind11::module_& module);
 void register_statics(pybind11::module_& module);
 void register_balance(pybind11::module_& module);
 

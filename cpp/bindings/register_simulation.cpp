@@ -1,9 +1,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "register.hpp"
+#include "report_progress.hpp"
+#include "state_fields.hpp"
 #include "stickslip/batch.hpp"
 #include "stickslip/sweep.hpp"
 
@@ -11,6 +15,15 @@ namespace py = pybind11;
 
 namespace stickslip::bindings {
 namespace {
+
+// The words stand in the order of the enumerators.
+constexpr std::array<const char*, 5> kStopQuantities = {"time", "x", "z", "theta", "turns"};
+
+StopCondition::Quantity quantity_named(const std::string& word) {
+    const auto found = std::find(kStopQuantities.begin(), kStopQuantities.end(), word);
+    if (found == kStopQuantities.end()) throw std::invalid_argument(word + ": no such quantity");
+    return static_cast<StopCondition::Quantity>(found - kStopQuantities.begin());
+}
 
 /// A numpy array that takes the vector's memory over.
 template <class T>
@@ -79,19 +92,19 @@ py::dict summary_dict(const RunResult& run) {
     return result;
 }
 
-/// Called while runs go on: lets Python see signals and the simulated time.
-void report(const RunControl& control, const py::object& progress) {
-    const py::gil_scoped_acquire acquire;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (!progress.is_none()) progress(control.simulated_time.load());
-}
-
+/// until: of (quantity, whether it is met from below, value), or none.
 std::vector<RunResult> batch(const std::vector<Scenario>& scenarios, int threads,
-                             const py::object& progress) {
+                             const py::object& progress,
+                             const std::optional<std::tuple<std::string, bool, double>>& until) {
     RunControl control;
+    std::optional<StopCondition> stop;
+    if (until) {
+        const auto& [quantity, from_below, value] = *until;
+        stop = StopCondition{quantity_named(quantity), from_below, value};
+    }
     const auto poll = [&] { report(control, progress); };
     const py::gil_scoped_release release;
-    return simulate_batch(scenarios, threads, control, poll);
+    return simulate_batch(scenarios, threads, control, poll, stop);
 }
 
 /// A column of a sweep's points.
@@ -152,12 +165,15 @@ void register_simulation(py::module_& module) {
         .def_property_readonly("message", &message)
         .def_property_readonly("mean_velocity",
                                [](const RunResult& self) { return self.summary.mean_velocity; })
+        .def_property_readonly("stopped", [](const RunResult& self) { return self.stopped; })
+        .def_property_readonly("final_state",
+                               [](const RunResult& self) { return fields(self.final_state); })
         .def("summary", &summary_dict)
         .def("take_recording",
              [](RunResult& self) { return recording_dict(std::move(self.recording)); });
 
     module.def("simulate_batch", &batch, py::arg("scenarios"), py::arg("threads") = 1,
-               py::arg("progress") = py::none());
+               py::arg("progress") = py::none(), py::arg("until") = py::none());
     module.def("sweep", &sweep_columns, py::arg("base"), py::arg("keys"), py::arg("values"),
                py::arg("threads") = 1, py::arg("progress") = py::none());
     py::list contact_names, event_names, status_names;
@@ -168,6 +184,7 @@ void register_simulation(py::module_& module) {
     for (int k = 0; k <= static_cast<int>(Status::too_many_steps); ++k) {
         status_names.append(name(static_cast<Status>(k)));
     }
+    module.attr("stop_quantities") = py::cast(kStopQuantities);
     module.attr("status_names") = py::tuple(status_names);
     module.attr("contact_names") = py::tuple(contact_names);
     module.attr("event_names") = py::tuple(event_names);

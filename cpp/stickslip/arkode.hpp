@@ -42,6 +42,13 @@ public:
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
 
+    IntegratorMemory memory() const { return {}; }
+    void restore(const IntegratorMemory&) {}
+    void reset_counts() {
+        counts_ = {};
+        begun_ = 0;
+    }
+
     template <class Phase, class Observer>
     PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                             typename Phase::State y, Observer&& observe);
@@ -149,12 +156,15 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         step.width = tau - step.start;
         const EventHit hit = find_event(phase, memory, step, g);
         memory.stalled = false;
-        observe(step, hit.s);
-        end.tau = hit ? step.start + hit.s * step.width : tau;
-        end.y = step.dense(hit.s);
+        const double stop = observe(step, hit.s);
+        const bool stops = hit ? stop < hit.s : stop <= 1.0;
+        const double s = stops ? stop : hit.s;
+        end.tau = hit || stops ? step.start + s * step.width : tau;
+        end.y = step.dense(s);
         const ArkodeLook<Phase> before = look;
         look = ArkodeLook<Phase>(phase, end.tau, end.y);
         end.trace.step(phase, end.tau - step.start, step.first, before.rates, end.y, look.rates);
+        if (stops) break;
         if (hit) {
             end.event = Phase::kEvent[static_cast<std::size_t>(hit.index)];
             break;

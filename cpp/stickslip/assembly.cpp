@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "stickslip/initial_state.hpp"
 #include "stickslip/number_text.hpp"
 
 namespace stickslip {
@@ -94,6 +95,7 @@ void check(const Scenario& s) {
                         "together less than one period, 1/drive.frequency");
         }
     }
+    if (!(s.initial == SimulationState{})) initial_state(s, make_model(s));
     const double longest = make_program(s).duration();  // refuses voltages that are not finite
     check_work(s, longest);
     const double highest_rate = kMostSamples / longest;
@@ -160,7 +162,16 @@ Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
     if (e.coil_heating_coefficient != 0.0) {
         parameters.resistance = warm_resistances(program, parameters, e.coil_heating_coefficient);
     }
-    return Circuit(parameters);
+    Circuit circuit(parameters);
+    if (!(s.initial == SimulationState{})) {
+        const PerCoil& lag = s.initial.field_lag;
+        circuit.set_currents(initial_currents(s), frame_sign(s) > 0.0 ? lag : turned(lag));
+    }
+    return circuit;
+}
+
+PerCoil initial_currents(const Scenario& s) {
+    return frame_sign(s) > 0.0 ? s.initial.current : turned(s.initial.current);
 }
 
 MeasurementChain make_measurement_chain(const Scenario& s) {
@@ -192,9 +203,10 @@ VoltageProgram make_program(const Scenario& s) {
 LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
                             const CoilSet& coils) {
     PerCoil gain = field_gain(scenario);
+    const PerCoil current = initial_currents(scenario);
     // Coupled coils all have current.
     for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const bool driven = program.largest_voltage()[k] > 0.0 ||
+        const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
                             scenario.effects.mutual_inductance_coupling != 0.0;
         if (!driven) gain[k] = 0.0;
     }
@@ -207,8 +219,10 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
                                     const VoltageProgram& program, const CoilSet& coils,
                                     const std::atomic<bool>* stop) {
     double field = std::hypot(scenario.effects.ambient_field_bx, scenario.effects.ambient_field_bz);
-    for (const double voltage : program.largest_voltage()) {
-        field += voltage / scenario.coil.resistance * coils.centre_field_per_ampere();
+    const PerCoil current = initial_currents(scenario);
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const double held = program.largest_voltage()[k] / scenario.coil.resistance;
+        field += std::max(held, std::abs(current[k])) * coils.centre_field_per_ampere();
     }
     const double radius = model.shape.radius();
     const double weight = model.mass * scenario.gravity + model.adhesion.strength;

@@ -22,6 +22,9 @@ double frame_sign(const Scenario& scenario);
 /// Constants of motion in the robot's own frame.
 Model make_model(const Scenario& scenario);
 
+/// Currents at the start in the robot's own frame, A.
+PerCoil initial_currents(const Scenario& scenario);
+
 /// The coils' circuits for `program` (which heats them, if they do).
 Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
 

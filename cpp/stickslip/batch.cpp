@@ -57,24 +57,27 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
     if (failure) std::rethrow_exception(failure);
 }
 
+std::size_t lanes_a_thread(std::size_t count, int threads) {
+    // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache.
+    constexpr std::size_t kLanesAPlace = 4;
+    // No thread takes so many at once that another has nothing to do.
+    return std::clamp<std::size_t>(count / static_cast<std::size_t>(threads), 1,
+                                   kLanesAPlace * static_cast<std::size_t>(lane_kernels().size));
+}
+
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,
-                    const std::function<void()>& poll) {
-    // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache.
-    constexpr std::size_t kLanesAPlace = 4;
+                    const std::function<void()>& poll, std::optional<StopCondition> stop) {
     const LaneKernels& kernels = lane_kernels();
     if (count == 0) return;
     const int workers =
         static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
-    // No thread takes so many at once that another has nothing to do.
-    const std::size_t lanes =
-        std::clamp<std::size_t>(count / static_cast<std::size_t>(workers), 1,
-                                kLanesAPlace * static_cast<std::size_t>(kernels.size));
+    const std::size_t lanes = lanes_a_thread(count, workers);
     std::atomic<std::size_t> taken = 0;
     const auto next = [&]() -> std::optional<LaneTask> {
         for (std::size_t index = taken++; index < count; index = taken++) {
-            if (auto found = scenario(index)) return LaneTask{index, std::move(*found)};
+            if (auto found = scenario(index)) return LaneTask{index, std::move(*found), stop};
         }
         return std::nullopt;
     };
@@ -83,14 +86,16 @@ void simulate_tasks(std::size_t count, int threads, RunControl& control,
 }
 
 std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, int threads,
-                                      RunControl& control, const std::function<void()>& poll) {
+                                      RunControl& control, const std::function<void()>& poll,
+                                      std::optional<StopCondition> stop) {
     for (const Scenario& scenario : scenarios) check(scenario);
     std::vector<RunResult> results(scenarios.size());
     for (RunResult& each : results) each.status = Status::interrupted;  // until it has ended
     simulate_tasks(
         scenarios.size(), threads, control,
         [&](std::size_t index) { return std::optional(scenarios[index]); },
-        [&](std::size_t index, RunResult&& result) { results[index] = std::move(result); }, poll);
+        [&](std::size_t index, RunResult&& result) { results[index] = std::move(result); }, poll,
+        stop);
     return results;
 }
 

@@ -22,11 +22,16 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,
-                    const std::function<void()>& poll);
+                    const std::function<void()>& poll,
+                    std::optional<StopCondition> stop = std::nullopt);
+
+/// How many runs a thread plays at a time, of `count` in all.
+std::size_t lanes_a_thread(std::size_t count, int threads);
 
 /// Simulates all scenarios; results in their order, bit-identical for any number of threads. Throws
 /// std::invalid_argument before any run if a scenario makes no sense.
 std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, int threads,
-                                      RunControl& control, const std::function<void()>& poll);
+                                      RunControl& control, const std::function<void()>& poll,
+                                      std::optional<StopCondition> stop = std::nullopt);
 
 }  // namespace stickslip

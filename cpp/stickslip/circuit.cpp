@@ -1,6 +1,7 @@
 #include "stickslip/circuit.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -76,6 +77,37 @@ Circuit::Circuit(const CircuitParameters& p) : lag_(p.lag) {
         }
         groups_ = std::max(groups_, static_cast<int>(group_[u]) + 1);
     }
+}
+
+PerCoil Circuit::currents() const {
+    PerCoil result;
+    Eigen::Map<Vector>(result.data()) = from_modes_ * mode_;
+    return result;
+}
+
+PerCoil Circuit::field_lag() const {
+    PerCoil result = {};
+    if (lag_ == 0.0) return result;
+    const PerCoil coil = currents();
+    for (std::size_t k = 0; k < kCoilCount; ++k) result[k] = lagging_[k] - coil[k];
+    return result;
+}
+
+void Circuit::set_currents(const PerCoil& currents, const PerCoil& field_lag) {
+    mode_ = from_modes_.partialPivLu().solve(Eigen::Map<const Vector>(currents.data()));
+    for (std::size_t k = 0; k < kCoilCount; ++k) lagging_[k] = currents[k] + field_lag[k];
+}
+
+Circuit::Memory Circuit::memory() const {
+    Memory result;
+    Eigen::Map<Vector>(result.modes.data()) = mode_;
+    result.lagging = lagging_;
+    return result;
+}
+
+void Circuit::restore(const Memory& memory) {
+    mode_ = Eigen::Map<const Vector>(memory.modes.data());
+    lagging_ = memory.lagging;
 }
 
 CurrentSegment Circuit::advance(const VoltageSegment& segment) {

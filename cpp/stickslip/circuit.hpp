@@ -50,6 +50,20 @@ public:
     /// The currents over `segment`, going on from where the previous stretch ended.
     CurrentSegment advance(const VoltageSegment& segment);
 
+    /// Currents at the end of the last stretch, A.
+    PerCoil currents() const;
+    /// Of the field less those of the coils, A.
+    PerCoil field_lag() const;
+    void set_currents(const PerCoil& currents, const PerCoil& field_lag);
+
+    /// What goes on from stretch to stretch.
+    struct Memory {
+        std::array<double, kCoilCount> modes = {};
+        PerCoil lagging = {};  ///< A
+    };
+    Memory memory() const;
+    void restore(const Memory& memory);
+
     /// Exponentials that the currents and the field are made of.
     int exponentials() const { return groups_ + (lag_ > 0.0 ? 1 : 0); }
 

@@ -5,9 +5,13 @@
 
 namespace stickslip {
 
-void ContactTransitions::begin() {
+void ContactTransitions::begin(bool touches_down) {
     changes_.clear();
-    settle(Touch::face, 0.0, 0, 0.0);
+    if (touches_down) {
+        touch_down(0, 0.0);
+    } else {
+        settle(state_.mode.touch, state_.slip_velocity, state_.mode.slip, 0.0);
+    }
 }
 
 void ContactTransitions::handle(Event event, double tau) {

@@ -17,8 +17,12 @@ public:
     ContactTransitions(Dynamics& dynamics, HybridState& state)
         : dynamics_(dynamics), state_(state) {}
 
-    /// Flat and at rest, which the forces may not allow.
-    void begin();
+    /// From the state that is there, whose mode the forces may not allow. `touches_down`: with the
+    /// impact of a corner on the surface that approaches it.
+    void begin(bool touches_down);
+
+    /// Takes over the counts of a run that goes on.
+    void set_counts(const std::array<std::int64_t, kEventKinds>& counts) { counts_ = counts; }
     /// An event at tau seconds into the stretch.
     void handle(Event event, double tau);
 

@@ -107,6 +107,22 @@ public:
 
     void set_quadrant(int quadrant);
 
+    /// What goes on from stretch to stretch.
+    struct Memory {
+        BasePose<double> base;
+        int quadrant = 0;
+        double contact_age = 0.0, start = 0.0;  ///< s
+        LocalField::Memory field;
+    };
+    Memory memory() const { return {robot_.base, quadrant_, age_, start_, field_.memory()}; }
+    void restore(const Memory& memory) {
+        set_quadrant(memory.quadrant);
+        robot_.base = memory.base;
+        age_ = memory.contact_age;
+        start_ = memory.start;
+        field_.restore(memory.field);
+    }
+
     /// Takes `angle` as the base of the next step; the robot's pose there.
     Pose rebase_angle(double angle) {
         BasePose<double>& base = robot_.base;

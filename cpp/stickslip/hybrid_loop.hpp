@@ -1,12 +1,19 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "stickslip/assembly.hpp"
 #include "stickslip/contact_transitions.hpp"
+#include "stickslip/control_steps.hpp"
 #include "stickslip/hybrid_state.hpp"
+#include "stickslip/initial_state.hpp"
 #include "stickslip/progress_watch.hpp"
 #include "stickslip/recording.hpp"
 #include "stickslip/simulation.hpp"
@@ -14,12 +21,42 @@
 
 namespace stickslip {
 
+/// All that a run takes from one stretch of voltage to the next: restored, it goes on with the same
+/// bits.
+struct LoopMemory {
+    Circuit::Memory circuit;
+    Dynamics::Memory dynamics;
+    IntegratorMemory integrator;
+    PhaseMemory phase;
+    HybridState state;
+    ProgressWatch watch{0.0};
+    ControlSteps::Memory steps;
+    double stretch = 0.0;  ///< s, duration of the last one
+    bool begun = false;
+};
+
 /// The hybrid loop: smooth phases, handed to the integrator, and the events between them.
 template <class Integrator>
 class HybridLoop {
 public:
-    HybridLoop(const Scenario& scenario, RunControl* control);
+    /// Ends early where `stop` says.
+    HybridLoop(const Scenario& scenario, RunControl* control,
+               std::optional<StopCondition> stop = std::nullopt);
     RunResult run();
+    /// Plays to the end; the result is then to be taken.
+    void go();
+
+    // The parts of a run that is stepped.
+
+    /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
+    /// how strong the fields are. `on_step` is called at the end of each step.
+    void play_steps(std::function<void()> on_step);
+    ControlSteps& steps() { return *steps_; }
+    Status status() const { return result_.status; }
+    /// At the end of the last stretch.
+    SimulationState state() const;
+    LoopMemory loop_memory() const;
+    void restore(const LoopMemory& memory);
 
     // The parts of `run`, for lanes, which integrate the phases of several runs together.
 
@@ -35,9 +72,10 @@ public:
     template <class Phase>
     auto observer(Phase& phase);
 
-    /// Whether lanes can have it: no named effect, and no samples within the steps.
+    /// Whether lanes can have it: no named effect, and nothing to look for within the steps.
     bool is_plain() const {
-        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid();
+        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid() &&
+               !stop_;
     }
     Integrator& integrator() { return integrator_; }
     PhaseMemory& memory() { return memory_; }
@@ -49,9 +87,18 @@ public:
 
 private:
     bool next_segment();
+    bool next_voltages(VoltageSegment& voltages);
+    void watch_window(double time);
+    std::vector<double> marks() const;
+    void begin();
     void begin_segment(const VoltageSegment& voltages);
     void finish();
     void run_rest();
+    bool goes_on() const { return result_.status == Status::ok && !result_.stopped; }
+    double distance(double t, const BodyState& body) const {
+        return stop_->distance(t, sign_ * body.x, body.z, body.theta());
+    }
+    double find_stop(auto& phase, const auto& step, double s) const;
 
     void handle(Event event, double tau);
     void after_event(double tau);
@@ -63,7 +110,9 @@ private:
     const double sign_;
     const Window window_;
     const VoltageProgram program_;
-    const double hold_period_;  // s, effect `sample_hold`
+    const double hold_period_;      // s, effect `sample_hold`
+    const double amplifier_limit_;  // V, effect of that name
+    const PerCoil field_gain_;
     const MeasurementChain chain_;
     const CoilSet coils_;
     const Model model_;
@@ -73,13 +122,18 @@ private:
     Recorder recorder_;
     SummaryObserver observer_;
     RunControl* control_;
+    const std::optional<StopCondition> stop_;
     const double max_check_interval_;  // s, at rest
 
     SegmentStream segments_;
+    std::optional<ControlSteps> steps_;
+    std::function<void()> on_step_;
     CurrentSegment segment_;
     double tau_ = 0.0;  // s, in the segment
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
+    bool touches_down_ = false;              // as the run begins
+    bool step_is_open_ = false;              // whether a step is played
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;
@@ -91,11 +145,14 @@ private:
 };
 
 template <class Integrator>
-HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control)
+HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control,
+                                   std::optional<StopCondition> stop)
     : sign_(frame_sign(scenario)),
       window_(measuring_window(scenario)),
       program_(make_program(scenario)),
       hold_period_(scenario.effects.sample_hold_period),
+      amplifier_limit_(scenario.effects.amplifier_limit_voltage),
+      field_gain_(stickslip::field_gain(scenario)),
       chain_(make_measurement_chain(scenario)),
       coils_(scenario.coil.geometry),
       model_(make_model(scenario)),
@@ -106,19 +163,28 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
                 scenario.record.kind == RecordKind::events, sign_),
       control_(control),
+      stop_(stop),
       max_check_interval_(max_check_interval(model_, integrator_.options())),
-      segments_(program_, hold_period_, {window_.start, window_.end}),
+      segments_(program_, hold_period_, marks()),
       transitions_(dynamics_, state_),
       // Fifty free swings.
       watch_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate),
       demand_(scenario, model_, integrator_.options().swing_rate, program_.duration()) {
     result_.most_steps = scenario.solver.max_steps;
-    state_.body.z = model_.shape.half_rise(0);
-    state_.contact_x = model_.shape.half_base(0);
+    const Start start = initial_state(scenario, model_);
+    state_ = start.state;
+    touches_down_ = start.touches_down;
+    dynamics_.set_contact_age(start.contact_age);
 }
 
 template <class Integrator>
 RunResult HybridLoop<Integrator>::run() {
+    go();
+    return take_result();
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::go() {
     try {
         while (next_phase()) {
             with_phase([&](auto phase) {
@@ -131,7 +197,6 @@ RunResult HybridLoop<Integrator>::run() {
         result_.effect = failure.effect;
         result_.summary.simulated_time = failure.time;
     }
-    return take_result();
 }
 
 template <class Integrator>
@@ -140,7 +205,8 @@ RunResult HybridLoop<Integrator>::take_result() {
     result_.summary.events = transitions_.counts();
     result_.recording = recorder_.take();
     chain_.apply(result_.summary, result_.recording);
-    result_.final_state = state_.body;
+    result_.final_body = state_.body;
+    result_.final_state = state();
     effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
     result_.stiffness = demand_.stiffness(effort_);
     result_.bound = demand_.bound(effort_);
@@ -149,7 +215,7 @@ RunResult HybridLoop<Integrator>::take_result() {
 
 template <class Integrator>
 bool HybridLoop<Integrator>::next_phase() {
-    while (result_.status == Status::ok) {
+    while (goes_on()) {
         if (tau_ >= segment_.duration) {
             if (!next_segment()) break;
         } else if (state_.rests()) {
@@ -159,7 +225,7 @@ bool HybridLoop<Integrator>::next_phase() {
             return true;
         }
     }
-    if (result_.status == Status::ok) finish();
+    if (result_.status == Status::ok && !steps_) finish();
     return false;
 }
 
@@ -171,28 +237,118 @@ bool HybridLoop<Integrator>::next_segment() {
         return false;
     }
     VoltageSegment voltages;
-    if (!segments_.next(voltages)) return false;
+    if (!next_voltages(voltages)) return false;
     if (++segment_count_ > integrator_.options().most_steps) {
         effort_.stretches = segment_count_;
         result_.status = Status::too_many_steps;
         return false;
     }
-    // Boundaries of stretches carry rounding; the window's ends are two of them.
+    if (!steps_) watch_window(voltages.start);
+    if (result_.stopped) return false;
+    begin_segment(voltages);
+    if (!begun_) begin();
+    return !result_.stopped;
+}
+
+template <class Integrator>
+bool HybridLoop<Integrator>::next_voltages(VoltageSegment& voltages) {
+    if (!steps_) return segments_.next(voltages);
+    // A stretch has ended here, but for the very first call.
+    if (begun_ && step_is_open_ && steps_->ends_step()) {
+        step_is_open_ = false;
+        on_step_();
+    }
+    if (!steps_->next(voltages)) return false;
+    step_is_open_ = true;
+    // A coil that the scenario's drive does not use.
+    PerCoil gain = dynamics_.field().gain();
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        if (voltages.first[k] != 0.0 || voltages.last[k] != 0.0) gain[k] = field_gain_[k];
+    }
+    if (gain != dynamics_.field().gain()) dynamics_.field().set_gain(gain);
+    return true;
+}
+
+// Boundaries of stretches carry rounding; the window's ends, and a stop's time, are some of them.
+template <class Integrator>
+void HybridLoop<Integrator>::watch_window(double time) {
     const double slack = 1e-9 * program_.duration();
-    if (!measured_ && voltages.start >= window_.start - slack) {
-        observer_.open(voltages.start, state_.body.x);
+    if (!measured_ && time >= window_.start - slack) {
+        observer_.open(time, state_.body.x);
         measured_ = true;
     }
-    if (observer_.is_open() && voltages.start >= window_.end - slack) {
-        observer_.close(voltages.start, state_.body.x, sign_, result_.summary);
+    if (observer_.is_open() && time >= window_.end - slack) {
+        observer_.close(time, state_.body.x, sign_, result_.summary);
     }
-    begin_segment(voltages);
-    if (!begun_) {
-        transitions_.begin();
-        after_event(0.0);
-        begun_ = true;
+    if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
+        result_.stopped = distance(time + slack, state_.body) <= 0.0;
     }
-    return true;
+}
+
+template <class Integrator>
+std::vector<double> HybridLoop<Integrator>::marks() const {
+    std::vector<double> result = {window_.start, window_.end};
+    if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
+        result.push_back(stop_->value);
+        std::sort(result.begin(), result.end());
+    }
+    return result;
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::begin() {
+    begun_ = true;
+    transitions_.begin(touches_down_);
+    after_event(0.0);
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::play_steps(std::function<void()> on_step) {
+    steps_.emplace(hold_period_, amplifier_limit_, sign_ < 0.0);
+    on_step_ = std::move(on_step);
+}
+
+template <class Integrator>
+SimulationState HybridLoop<Integrator>::state() const {
+    SimulationState result = world_state(state_, dynamics_.contact_age() + tau_, sign_);
+    // Within a stretch the circuit is at its end already.
+    PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
+    if (tau_ < segment_.duration) {
+        current = segment_.currents(tau_);
+        const PerCoil field = segment_.field_currents(tau_);
+        for (std::size_t k = 0; k < kCoilCount; ++k) lag[k] = field[k] - current[k];
+    }
+    result.current = sign_ > 0.0 ? current : turned(current);
+    result.field_lag = sign_ > 0.0 ? lag : turned(lag);
+    return result;
+}
+
+template <class Integrator>
+LoopMemory HybridLoop<Integrator>::loop_memory() const {
+    return {circuit_.memory(),
+            dynamics_.memory(),
+            integrator_.memory(),
+            memory_,
+            state_,
+            watch_,
+            steps_->memory(),
+            segment_.duration,
+            begun_};
+}
+
+template <class Integrator>
+void HybridLoop<Integrator>::restore(const LoopMemory& memory) {
+    circuit_.restore(memory.circuit);
+    dynamics_.restore(memory.dynamics);
+    integrator_.restore(memory.integrator);
+    memory_ = memory.phase;
+    state_ = memory.state;
+    watch_ = memory.watch;
+    steps_->restore(memory.steps);
+    segment_.duration = tau_ = memory.stretch;
+    begun_ = memory.begun;
+    step_is_open_ = false;
+    result_.status = Status::ok;
 }
 
 template <class Integrator>
@@ -207,6 +363,12 @@ void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
 
 template <class Integrator>
 void HybridLoop<Integrator>::finish() {
+    if (result_.stopped) {
+        if (observer_.is_open()) {
+            observer_.close(absolute(tau_), state_.body.x, sign_, result_.summary);
+        }
+        return;
+    }
     // The grid's last sample may lie beyond the end by rounding.
     sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
                  [&](double) { return snapshot(dynamics_, state_, segment_.duration); });
@@ -248,6 +410,8 @@ template <class Integrator>
 void HybridLoop<Integrator>::after_event(double tau) {
     memory_ = {};
     memory_.stalled = watch_.stalled();
+    // A face that has landed may lie still from now on, so that no step looks.
+    if (stop_ && distance(absolute(tau), state_.body) <= 0.0) result_.stopped = true;
     if (!recorder_.at_events()) return;
     // One sample for each change at this instant, with the state after all of them.
     for (const EventKind kind : transitions_.changes()) {
@@ -282,12 +446,40 @@ template <class Integrator>
 template <class Phase>
 auto HybridLoop<Integrator>::observer(Phase& phase) {
     return [this, &phase](const auto& step, double s) {
+        const double stop = stop_ ? find_stop(phase, step, s) : kGoesOn;
+        if (stop <= s) {
+            s = stop;
+            result_.stopped = true;
+        }
         const double limit = absolute(step.start + s * step.width);
-        if (recorder_.next_time() > limit) return;
-        sample_until(limit, absolute(step.start), [&](double at) {
-            return phase.snapshot(at, step.dense((at - step.start) / step.width));
-        });
+        if (recorder_.next_time() <= limit) {
+            sample_until(limit, absolute(step.start), [&](double at) {
+                return phase.snapshot(at, step.dense((at - step.start) / step.width));
+            });
+        }
+        return stop;
     };
+}
+
+/// The fraction, up to s, of a step at which the condition is met, or kGoesOn.
+template <class Integrator>
+double HybridLoop<Integrator>::find_stop(auto& phase, const auto& step, double s) const {
+    if (stop_->quantity == StopCondition::Quantity::time) return kGoesOn;
+    using Finder = EventFinder<1>;
+    const auto value = [&](std::size_t, double part) {
+        const double at = part * s;
+        return distance(absolute(step.start + at * step.width),
+                        phase.body(at == 0.0 ? step.first : step.dense(at)));
+    };
+    EventSamples<1> samples;
+    samples.start = {value(0, 0.0)};
+    samples.early = {value(0, Finder::kEarly)};
+    samples.late = {value(0, Finder::kLate)};
+    samples.end = {value(0, 1.0)};
+    samples.lowest = {std::min({samples.start[0], samples.early[0], samples.late[0]})};
+    std::array<bool, 1> armed = {true};
+    const EventHit hit = Finder::find(samples, armed, false, value);
+    return hit ? hit.s * s : kGoesOn;
 }
 
 template <class Integrator>

@@ -1,5 +1,6 @@
 #include "stickslip/lanes.hpp"
 
+#include <map>
 #include <memory>
 #include <type_traits>
 #include <vector>
@@ -13,8 +14,7 @@ namespace {
 /// The runs of a thread, each in the pack of its phase.
 class LaneGroup {
 public:
-    LaneGroup(const LaneKernels& kernels, std::size_t most,
-              const std::function<void(std::size_t, RunResult&&)>& done)
+    LaneGroup(const LaneKernels& kernels, std::size_t most, const std::function<void(Lane&)>& done)
         : done_(done),
           has_packs_(kernels.size > 1 && most >= kLeast),
           stick_(kernels.size, kernels.corner_stick),
@@ -25,25 +25,21 @@ public:
     /// No run will follow those that are here.
     void set_last() { is_last_ = true; }
 
-    void start(const LaneTask& task, RunControl& control) {
-        if (!has_packs_ || task.scenario.solver.method != Method::tsit5) {
-            done_(task.index, simulate(task.scenario, &control));
+    void start(Lane& lane) {
+        if (!has_packs_ || !lane.loop.is_plain()) {
+            lane.loop.go();
+            done_(lane);
             return;
         }
-        auto lane = std::make_unique<Lane>(task, control);
-        if (!lane->loop.is_plain()) {
-            done_(task.index, lane->loop.run());
-            return;
-        }
-        lanes_.push_back(std::move(lane));
-        play(*lanes_.back());
+        lanes_.push_back(&lane);
+        play(lane);
     }
 
     /// Ends all runs where they are.
     void interrupt() {
-        for (const auto& lane : lanes_) {
+        for (Lane* lane : lanes_) {
             lane->loop.interrupt();
-            done_(lane->index, lane->loop.take_result());
+            done_(*lane);
         }
         lanes_.clear();
     }
@@ -81,20 +77,20 @@ private:
             });
             if (added) return;
         }
-        done_(lane.index, lane.loop.take_result());
-        std::erase_if(lanes_, [&](const auto& each) { return each.get() == &lane; });
+        std::erase(lanes_, &lane);
+        done_(lane);
     }
 
     auto& pack_of(const CornerStickPhase&) { return stick_; }
     auto& pack_of(const CornerSlipPhase&) { return slip_; }
     auto& pack_of(const FlightPhase&) { return flight_; }
 
-    const std::function<void(std::size_t, RunResult&&)>& done_;
+    const std::function<void(Lane&)>& done_;
     // Fewer runs are quicker one by one: a step of a pack costs as much as those of two or three.
     static constexpr std::size_t kLeast = 4;
     bool has_packs_;
     bool is_last_ = false;
-    std::vector<std::unique_ptr<Lane>> lanes_;
+    std::vector<Lane*> lanes_;
     PhasePack<CornerStickPhaseOf> stick_;
     PhasePack<CornerSlipPhaseOf> slip_;
     PhasePack<FlightPhaseOf> flight_;
@@ -102,18 +98,17 @@ private:
 
 }  // namespace
 
-void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
-                       const std::function<std::optional<LaneTask>()>& next,
-                       const std::function<void(std::size_t, RunResult&&)>& done,
-                       RunControl& control) {
+void play_in_lanes(const LaneKernels& kernels, std::size_t count,
+                   const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
+                   RunControl& control) {
     LaneGroup group(kernels, count, done);
     bool more = true;
     while (!control.stop.load(std::memory_order_relaxed)) {
         if (more && group.size() < count) {
-            const auto task = next();
-            more = task.has_value();
-            if (task)
-                group.start(*task, control);
+            Lane* lane = next();
+            more = lane != nullptr;
+            if (more)
+                group.start(*lane);
             else
                 group.set_last();
         } else if (group.size() > 0) {
@@ -123,6 +118,31 @@ void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
         }
     }
     group.interrupt();
+}
+
+void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
+                       const std::function<std::optional<LaneTask>()>& next,
+                       const std::function<void(std::size_t, RunResult&&)>& done,
+                       RunControl& control) {
+    std::map<const Lane*, std::unique_ptr<Lane>> lanes;
+    const auto next_lane = [&]() -> Lane* {
+        while (const auto task = next()) {
+            if (task->scenario.solver.method == Method::tsit5) {
+                auto lane =
+                    std::make_unique<Lane>(task->index, task->scenario, control, task->stop);
+                Lane* const key = lane.get();
+                lanes.emplace(key, std::move(lane));
+                return key;
+            }
+            done(task->index, simulate(task->scenario, &control, task->stop));
+        }
+        return nullptr;
+    };
+    const auto ended = [&](Lane& lane) {
+        done(lane.index, lane.loop.take_result());
+        lanes.erase(&lane);
+    };
+    play_in_lanes(kernels, count, next_lane, ended, control);
 }
 
 }  // namespace stickslip

@@ -33,6 +33,18 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
       ambient_x_(ambient_x),
       ambient_z_(ambient_z) {}
 
+void LocalField::set_gain(const PerCoil& gain) {
+    gain_ = gain;
+    if (expanded_) expand(stretch_.centre_x, stretch_.centre_z);
+}
+
+void LocalField::restore(const Memory& memory) {
+    gain_ = memory.gain;
+    expanded_ = memory.expanded;
+    outside_ = memory.outside;
+    if (expanded_) expand(memory.centre_x, memory.centre_z);
+}
+
 void LocalField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
     min_time_constant_ = 0.5 / *std::max_element(segment.rate.begin(), segment.rate.end());

@@ -8,22 +8,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "stickslip/hybrid_loop.hpp"
 #include "stickslip/lanes.hpp"
-#include "stickslip/tsit5.hpp"
 
 namespace stickslip {
-
-/// A run among others.
-struct Lane {
-    using Loop = HybridLoop<Tsit5>;
-
-    Lane(const LaneTask& task, RunControl& control)
-        : index(task.index), loop(task.scenario, &control) {}
-
-    std::size_t index;
-    Loop loop;
-};
 
 /// The pack of the runs that are in one kind of phase, and those that wait for a place in it.
 template <template <class> class PhaseOf>

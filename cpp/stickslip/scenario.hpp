@@ -4,6 +4,7 @@
 
 #include "stickslip/coil_set.hpp"
 #include "stickslip/drive.hpp"
+#include "stickslip/state.hpp"
 #include "stickslip/user_effect.hpp"
 
 namespace stickslip {
@@ -104,6 +105,7 @@ struct Scenario {
     double gravity = 9.81;  ///< m/s^2
     Effects effects;
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
+    SimulationState initial;
     SolverSettings solver;
     RecordSettings record;
 };

@@ -66,7 +66,9 @@ std::string message(const RunResult& result) {
     text << "at t = " << result.summary.simulated_time << " s ";
     switch (result.status) {
         case Status::ok:
-            return "the run reached its end";
+            if (!result.stopped) return "the run reached its end";
+            text << "the run met its condition";
+            break;
         case Status::step_underflow:
             text << "the step fell below the resolution of time; "
                  << remedy(result,
@@ -104,14 +106,15 @@ std::string message(const RunResult& result) {
     return text.str();
 }
 
-RunResult simulate(const Scenario& scenario, RunControl* control) {
+RunResult simulate(const Scenario& scenario, RunControl* control,
+                   std::optional<StopCondition> stop) {
     check(scenario);
     switch (scenario.solver.method) {
         case Method::tsit5:
-            return HybridLoop<Tsit5>(scenario, control).run();
+            return HybridLoop<Tsit5>(scenario, control, stop).run();
         case Method::arkode:
 #ifdef STICKSLIP_WITH_ARKODE
-            return HybridLoop<Arkode>(scenario, control).run();
+            return HybridLoop<Arkode>(scenario, control, stop).run();
 #else
             break;
 #endif

@@ -2,12 +2,14 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "stickslip/recording.hpp"
 #include "stickslip/scenario.hpp"
 #include "stickslip/stepping.hpp"
 #include "stickslip/stiffness.hpp"
+#include "stickslip/stop_condition.hpp"
 #include "stickslip/summary.hpp"
 
 namespace stickslip {
@@ -17,7 +19,9 @@ struct RunResult {
     Summary summary;
     StepCounts steps;
     Recording recording;
-    BodyState final_state;        ///< robot's own frame
+    BodyState final_body;         ///< robot's own frame
+    SimulationState final_state;  ///< where the run ended
+    bool stopped = false;         ///< where its stop condition was met
     std::string effect;           ///< of the user, that gave what is not finite and ended the run
     Stiffness stiffness;          ///< what made steps short, for the message
     StepBound bound;              ///< the same, whatever moved
@@ -36,9 +40,10 @@ struct RunControl {
     std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
 };
 
-/// Simulates one scenario from rest, flat, without current, to the end of its drive. Throws
-/// std::invalid_argument for a scenario that makes no sense (see `check`); everything that happens
-/// later is a status.
-RunResult simulate(const Scenario& scenario, RunControl* control = nullptr);
+/// Simulates one scenario from its initial state to the end of its drive, or to where `stop` is
+/// met. Throws std::invalid_argument for a scenario that makes no sense (see `check`); everything
+/// that happens later is a status.
+RunResult simulate(const Scenario& scenario, RunControl* control = nullptr,
+                   std::optional<StopCondition> stop = std::nullopt);
 
 }  // namespace stickslip

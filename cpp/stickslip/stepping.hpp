@@ -42,6 +42,16 @@ struct StepCounts {
     std::int64_t evaluations = 0;
 };
 
+/// What an integrator takes along from one stretch of voltage to the next.
+struct IntegratorMemory {
+    double width = 0.0;  ///< s
+    double log_error = 0.0;
+};
+
+/// What an observer of steps answers while the run goes on: a fraction of the step at which it is
+/// to stop is between 0 and 1.
+inline constexpr double kGoesOn = 2.0;
+
 /// Event functions that have been positive since the phase began; kept while a phase goes on from
 /// one stretch of voltage to the next.
 struct PhaseMemory {

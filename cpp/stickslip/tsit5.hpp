@@ -20,8 +20,17 @@ public:
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
 
+    IntegratorMemory memory() const { return {width_, log_error_}; }
+    void restore(const IntegratorMemory& memory) {
+        width_ = memory.width;
+        log_error_ = memory.log_error;
+    }
+    /// Counts anew, and with that what is left of options().most_steps.
+    void reset_counts() { counts_ = {}; }
+
     /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called
-    /// for the steps on the way, with the fraction s that belongs to the phase.
+    /// for the steps on the way, with the fraction s that belongs to the phase; it answers at which
+    /// fraction the run is to stop, or kGoesOn.
     template <class Phase, class Observer>
     PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                             typename Phase::State y, Observer&& observe) {
@@ -130,17 +139,20 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
     };
     const EventHit hit = Finder::find(p.samples, memory.armed, memory.stalled, value);
     memory.stalled = false;
-    observe(step, hit.s);
-    if (hit) {
-        const double tau = p.tau + hit.s * step.width;
-        const typename Phase::State last = hit.s == 0.0 ? step.first : step.dense(hit.s);
+    const double stop = observe(step, hit.s);
+    const bool stops = hit ? stop < hit.s : stop <= 1.0;
+    if (hit || stops) {
+        const double s = stops ? stop : hit.s;
+        const double tau = p.tau + s * step.width;
+        const typename Phase::State last = s == 0.0 ? step.first : step.dense(s);
         typename Phase::State rates;
         typename Phase::Values unused;
         phase.rates(phase.field_at(tau), last, rates, unused);
         ++counts_.evaluations;
-        p.trace.step(phase, hit.s * step.width, step.first, step.slope[0], last, rates);
+        p.trace.step(phase, s * step.width, step.first, step.slope[0], last, rates);
         p.accepted += 1.0;
-        const Event event = Phase::kEvent[static_cast<std::size_t>(hit.index)];
+        const Event event =
+            stops ? Event::none : Phase::kEvent[static_cast<std::size_t>(hit.index)];
         end = leave(p, {Status::ok, event, tau, last, p.trace});
         return true;
     }

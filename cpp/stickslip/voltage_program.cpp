@@ -152,26 +152,28 @@ bool SegmentStream::next(VoltageSegment& segment) {
     return true;
 }
 
+std::vector<VoltagePoint> clipped(const std::vector<VoltagePoint>& curve, double limit) {
+    std::vector<VoltagePoint> points;
+    for (const VoltagePoint& point : curve) {
+        if (!points.empty() && point.time > points.back().time) {
+            const VoltagePoint from = points.back();
+            const VoltageSegment stretch{from.time, point.time, from.voltage, point.voltage};
+            for (const double part : crossings(from.voltage, point.voltage, limit)) {
+                const double t = from.time + part * (point.time - from.time);
+                points.push_back({t, voltage_at(stretch, t)});
+            }
+        }
+        points.push_back(point);
+    }
+    for (VoltagePoint& point : points) {
+        for (double& volts : point.voltage) volts = std::clamp(volts, -limit, limit);
+    }
+    return points;
+}
+
 VoltageProgram clipped(const VoltageProgram& program, double limit) {
     std::vector<VoltageBlock> blocks = program.blocks();
-    for (VoltageBlock& block : blocks) {
-        std::vector<VoltagePoint> points;
-        for (const VoltagePoint& point : block.points) {
-            if (!points.empty() && point.time > points.back().time) {
-                const VoltagePoint from = points.back();
-                const VoltageSegment stretch{from.time, point.time, from.voltage, point.voltage};
-                for (const double part : crossings(from.voltage, point.voltage, limit)) {
-                    const double t = from.time + part * (point.time - from.time);
-                    points.push_back({t, voltage_at(stretch, t)});
-                }
-            }
-            points.push_back(point);
-        }
-        for (VoltagePoint& point : points) {
-            for (double& volts : point.voltage) volts = std::clamp(volts, -limit, limit);
-        }
-        block.points = std::move(points);
-    }
+    for (VoltageBlock& block : blocks) block.points = clipped(block.points, limit);
     return VoltageProgram(std::move(blocks));
 }
 

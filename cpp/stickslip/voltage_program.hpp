@@ -91,7 +91,8 @@ private:
     bool has_rest_ = false;
 };
 
-/// The program with every voltage limited to +-limit V.
+/// The curve, or the program, with every voltage limited to +-limit V.
+std::vector<VoltagePoint> clipped(const std::vector<VoltagePoint>& curve, double limit);
 VoltageProgram clipped(const VoltageProgram& program, double limit);
 
 }  // namespace stickslip

@@ -54,7 +54,7 @@ TEST_CASE("batch: bit-identical for any number of threads, in the order of the s
         REQUIRE(results.size() == scenarios.size());
         for (std::size_t i = 0; i < results.size(); ++i) {
             CHECK(results[i].summary.mean_velocity == alone[i].summary.mean_velocity);
-            CHECK(results[i].final_state.x == alone[i].final_state.x);
+            CHECK(results[i].final_body.x == alone[i].final_body.x);
             CHECK(results[i].summary.events == alone[i].summary.events);
             CHECK(bits(results[i].recording.x) == bits(alone[i].recording.x));
             CHECK(bits(results[i].recording.slip_velocity) ==

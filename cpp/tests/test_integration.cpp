@@ -85,9 +85,11 @@ struct Run {
         Phase phase = Case::phase(setup.dynamics());
         Tsit5 integrator(how);
         PhaseMemory memory;
-        const PhaseEnd<Phase> result = integrator.advance(
-            phase, memory, 0.0, until, Case::start(),
-            [&](const auto& step, double) { middles.push_back(step.dense(0.5)); });
+        const PhaseEnd<Phase> result = integrator.advance(phase, memory, 0.0, until, Case::start(),
+                                                          [&](const auto& step, double) {
+                                                              middles.push_back(step.dense(0.5));
+                                                              return kGoesOn;
+                                                          });
         REQUIRE(result.status == Status::ok);
         REQUIRE(result.event == Event::none);
         end = result.y;
@@ -192,7 +194,8 @@ TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
     Tsit5 integrator(options(1e-9, 0.0));
     PhaseMemory memory;
     const CornerStickPhase::State start = {0.9, 0.0};
-    const auto end = integrator.advance(phase, memory, 0.0, 0.05, start, [](auto&&...) {});
+    const auto end =
+        integrator.advance(phase, memory, 0.0, 0.05, start, [](auto&&...) { return kGoesOn; });
     CHECK(end.status == Status::ok);
     CHECK(end.event == Event::none);
     // About 20 swings of some 40 steps, each with an error of 1e-9.
@@ -213,7 +216,8 @@ TEST_CASE("tsit5: a slide that comes near the point without solution ends before
             Tsit5 integrator(options(1e-8, 0.0));
             PhaseMemory memory;
             const CornerSlipPhase::State start = {0.0, 0.3, slip, 0.0};
-            const auto end = integrator.advance(phase, memory, 0.0, 1.0, start, [](auto&&...) {});
+            const auto end = integrator.advance(phase, memory, 0.0, 1.0, start,
+                                                [](auto&&...) { return kGoesOn; });
             CHECK(end.status == Status::ok);
             CHECK(end.event == (slip > 1.0 ? Event::lift_off : Event::slip_stops));
             const Pose pose = model.shape.pose(0, std::cos(end.y[1]), std::sin(end.y[1]));

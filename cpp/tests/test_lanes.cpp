@@ -48,7 +48,7 @@ void check_bits(const std::vector<double>& a, const std::vector<double>& b) {
 
 std::vector<double> numbers(const RunResult& run) {
     const Summary& s = run.summary;
-    const BodyState& body = run.final_state;
+    const BodyState& body = run.final_body;
     std::vector<double> all = {s.mean_velocity, s.theta_min, s.theta_max,         s.slip_up,
                                s.slip_down,     s.slip_flat, s.airborne_fraction, s.simulated_time,
                                body.x,          body.z,      body.angle,          body.vx,

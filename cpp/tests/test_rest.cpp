@@ -173,17 +173,17 @@ TEST_CASE("rest: a minute at 0.9 of the friction cone leaves every bit as it was
         CHECK(result.status == Status::ok);
         CHECK(result.summary.simulated_time == 60.0);
         CHECK(result.summary.mean_velocity == 0.0);
-        CHECK(result.final_state.x == 0.0);
-        CHECK(result.final_state.z == 50e-6);
-        CHECK(result.final_state.angle == 0.0);
-        CHECK(result.final_state.quadrant == 0);
-        CHECK(result.final_state.vx == 0.0);
-        CHECK(result.final_state.vz == 0.0);
-        CHECK(result.final_state.omega == 0.0);
+        CHECK(result.final_body.x == 0.0);
+        CHECK(result.final_body.z == 50e-6);
+        CHECK(result.final_body.angle == 0.0);
+        CHECK(result.final_body.quadrant == 0);
+        CHECK(result.final_body.vx == 0.0);
+        CHECK(result.final_body.vz == 0.0);
+        CHECK(result.final_body.omega == 0.0);
     }
     // And just beyond the cone it goes.
     scenario.effects.surface_tilt_angle = 1.2 * angle;
-    CHECK(simulate(scenario).final_state.x > 1e-3);
+    CHECK(simulate(scenario).final_body.x > 1e-3);
 }
 
 TEST_CASE("rest: the tilt at which the robot slides is that of Eq. (15)") {
@@ -204,7 +204,7 @@ TEST_CASE("rest: the tilt at which the robot slides is that of Eq. (15)") {
     CHECK(slide_angle(7400.0 * 250e-6 * 130e-6 * 100e-6 * 9.81) / degree ==
           doctest::Approx(21.85).epsilon(0.005 / 21.85));
     scenario.effects.surface_tilt_angle = alpha * (1.0 - 1e-9);
-    CHECK(simulate(scenario).final_state.x == 0.0);
+    CHECK(simulate(scenario).final_body.x == 0.0);
     scenario.effects.surface_tilt_angle = alpha * (1.0 + 1e-9);
-    CHECK(simulate(scenario).final_state.x > 0.0);
+    CHECK(simulate(scenario).final_body.x > 0.0);
 }

@@ -171,9 +171,9 @@ TEST_CASE("simulation: the moment and the in-plane fields reversed reverse the m
         const RunResult a = simulate(original), b = simulate(mirrored);
         // Cos pi is -1, sin pi 1e-16, and roundings differ: they pass through contact events of
         // which each can amplify them some ten times, far below the error of a step.
-        CHECK(b.final_state.x == doctest::Approx(-a.final_state.x).epsilon(1e-8));
-        CHECK(b.final_state.theta() == doctest::Approx(-a.final_state.theta()).epsilon(1e-8));
-        CHECK(b.final_state.quadrant == -1 - a.final_state.quadrant);
+        CHECK(b.final_body.x == doctest::Approx(-a.final_body.x).epsilon(1e-8));
+        CHECK(b.final_body.theta() == doctest::Approx(-a.final_body.theta()).epsilon(1e-8));
+        CHECK(b.final_body.quadrant == -1 - a.final_body.quadrant);
         CHECK(a.summary.events == b.summary.events);
     }
 }
@@ -191,7 +191,7 @@ TEST_CASE("simulation: driven towards -x it does the same to the last bit") {
         Scenario program = as_program(check.scenario);
         program.program = turned(program.program);
         program.drive.direction = Direction::minus_x;
-        CHECK(simulate(program).final_state.x == a.final_state.x);
+        CHECK(simulate(program).final_body.x == a.final_body.x);
     }
 }
 
@@ -201,13 +201,13 @@ TEST_CASE("simulation: a slope without friction, against the closed form") {
     CHECK(result.status == Status::ok);
     const double acceleration = 9.81 * std::sin(angle);
     // A polynomial of second degree: exact but for rounding, in a few steps.
-    CHECK(result.final_state.x ==
+    CHECK(result.final_body.x ==
           doctest::Approx(0.5 * acceleration * duration * duration).epsilon(1e-12));
-    CHECK(result.final_state.vx == doctest::Approx(acceleration * duration).epsilon(1e-12));
+    CHECK(result.final_body.vx == doctest::Approx(acceleration * duration).epsilon(1e-12));
     CHECK(result.summary.mean_velocity ==
           doctest::Approx(0.5 * acceleration * duration).epsilon(1e-12));
     Scenario uphill = slope(-angle, duration);
-    CHECK(simulate(uphill).final_state.x == -result.final_state.x);
+    CHECK(simulate(uphill).final_body.x == -result.final_body.x);
 }
 
 TEST_CASE("status: a robot that slides down to the coils has left the workspace") {
@@ -219,7 +219,7 @@ TEST_CASE("status: a robot that slides down to the coils has left the workspace"
     const double expected = std::sqrt(2.0 * limit / acceleration);
     CHECK(result.summary.simulated_time >= expected);
     CHECK(result.summary.simulated_time <= expected + 1e-3);
-    CHECK(result.final_state.x >= limit);
+    CHECK(result.final_body.x >= limit);
     CHECK(std::isnan(result.summary.mean_velocity));
     CHECK(message(result).find("reached the coils") != std::string::npos);
 }
@@ -258,10 +258,10 @@ TEST_CASE("simulation: a recording does not change the motion, and ends of it ag
     const RunResult uniform = simulate(scenario);
     scenario.record = {RecordKind::events, 0.0};
     const RunResult events = simulate(scenario);
-    CHECK(uniform.final_state.x == bare.final_state.x);
+    CHECK(uniform.final_body.x == bare.final_body.x);
     // To ask for the reaction at an event may move the centre of the field's expansion, which is
     // good to 1e-12.
-    CHECK(events.final_state.x == doctest::Approx(bare.final_state.x).epsilon(1e-10));
+    CHECK(events.final_body.x == doctest::Approx(bare.final_body.x).epsilon(1e-10));
     CHECK(uniform.recording.t.size() == 501);  // 0.25 s, both ends
     std::int64_t total = 0;
     for (const std::int64_t n : bare.summary.events) total += n;
@@ -273,7 +273,7 @@ TEST_CASE("simulation: a recording of events does not change a bit of the motion
     for (const CheckNumber& check : check_numbers()) {
         Scenario recorded = check.scenario;
         recorded.record = {RecordKind::events, 0.0};
-        CHECK(simulate(recorded).final_state.x == simulate(check.scenario).final_state.x);
+        CHECK(simulate(recorded).final_body.x == simulate(check.scenario).final_body.x);
     }
 }
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
     from stickslip.diagnosis.options import Options
     from stickslip.diagnosis.results import Diagnosis
-    from stickslip.errors import ScenarioError
+    from stickslip.errors import ScenarioError, SimulationError
     from stickslip.measurement.priors import Prior
     from stickslip.measurement.reading import Measurement, read_measurement
     from stickslip.reproduction.study import reproduce
@@ -36,12 +36,15 @@ if TYPE_CHECKING:
         Robot,
         Solver,
     )
+    from stickslip.scenario.state import STATE_COLUMNS, State
     from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.scenario.waveform import Waveform, volts_per_tesla
     from stickslip.simulation.coils import Coils
     from stickslip.simulation.netcdf import open_run
+    from stickslip.simulation.rollout import STATE_UNITS, Rollout, rollout
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import simulate, simulate_batch
+    from stickslip.simulation.simulator import Simulator, Snapshot
     from stickslip.sweeping.run_sweep import sweep
     from stickslip.versions import show_versions
 
@@ -54,7 +57,7 @@ _HOME = {
         "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
         "diagnosis.options": ("Options",),
         "diagnosis.results": ("Diagnosis",),
-        "errors": ("ScenarioError",),
+        "errors": ("ScenarioError", "SimulationError"),
         "measurement.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
         "plot": ("plot",),
@@ -65,12 +68,15 @@ _HOME = {
             *("COIL_NAMES", "Coil", "Contact", "Drag", "Drive", "Environment", "Record", "Robot"),
             "Solver",
         ),
+        "scenario.state": ("STATE_COLUMNS", "State"),
         "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
         "scenario.waveform": ("Waveform", "volts_per_tesla"),
         "simulation.coils": ("Coils",),
         "simulation.netcdf": ("open_run",),
+        "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),
         "simulation.run": ("Run",),
         "simulation.simulate": ("simulate", "simulate_batch"),
+        "simulation.simulator": ("Simulator", "Snapshot"),
         "sweeping.run_sweep": ("sweep",),
         "versions": ("show_versions",),
     }.items()
@@ -80,6 +86,8 @@ _HOME = {
 # Written out: type checkers read it.
 __all__ = [
     "COIL_NAMES",
+    "STATE_COLUMNS",
+    "STATE_UNITS",
     "Cause",
     "CauseParameter",
     "Coil",
@@ -95,10 +103,15 @@ __all__ = [
     "Prior",
     "Record",
     "Robot",
+    "Rollout",
     "Run",
     "Scenario",
     "ScenarioError",
+    "SimulationError",
+    "Simulator",
+    "Snapshot",
     "Solver",
+    "State",
     "Uncertain",
     "Waveform",
     "__version__",
@@ -111,6 +124,7 @@ __all__ = [
     "read_measurement",
     "register_effect",
     "reproduce",
+    "rollout",
     "show_versions",
     "simulate",
     "simulate_batch",

@@ -1,6 +1,6 @@
 """The compiled core. Thin and unchecked: use the package's public classes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypedDict
 
 from numpy import float64, generic, int8
@@ -13,6 +13,8 @@ coil_names: tuple[str, ...]
 contact_names: tuple[str, ...]
 event_names: tuple[str, ...]
 status_names: tuple[str, ...]
+state_columns: tuple[str, ...]
+stop_quantities: tuple[str, ...]
 
 class _Parameter(TypedDict):
     key: str
@@ -98,7 +100,20 @@ def simulate_batch(
     scenarios: Sequence[Scenario],
     threads: int = 1,
     progress: Callable[[float], object] | None = None,
+    until: tuple[str, bool, float] | None = None,
 ) -> list[RunResult]: ...
+def rollout(
+    scenarios: Sequence[Scenario],
+    runs: int,
+    states: NDArray[float64] | None,
+    voltages: NDArray[float64],
+    duration: float,
+    linear: bool,
+    columns: Sequence[int],
+    out: NDArray[float64],
+    threads: int,
+    progress: Callable[[float], object] | None,
+) -> NDArray[int8]: ...
 def sweep(
     base: Scenario,
     keys: Sequence[str],
@@ -157,7 +172,42 @@ class Scenario:
     @property
     def window(self) -> tuple[float, float]: ...
 
+class Snapshot:
+    def to_bytes(self) -> bytes: ...
+    @staticmethod
+    def from_bytes(data: bytes) -> Snapshot: ...
+
+class Simulator:
+    def __init__(self, scenario: Scenario) -> None: ...
+    def step(
+        self, voltages: Mapping[str, float], duration: float, linear: bool
+    ) -> dict[str, float | str]: ...
+    def state(self) -> dict[str, float | str]: ...
+    def snapshot(self) -> Snapshot: ...
+    def restore(self, snapshot: Snapshot) -> None: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def voltages(self) -> list[float]: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def message(self) -> str: ...
+
+class SimulatorBatch:
+    def __init__(self, scenarios: Sequence[Scenario]) -> None: ...
+    def step(
+        self, voltages: NDArray[float64], duration: float, linear: bool, threads: int
+    ) -> None: ...
+    def states(self, out: NDArray[float64]) -> None: ...
+    def statuses(self) -> NDArray[int8]: ...
+    def reset(self, run: int, scenario: Scenario) -> None: ...
+
 class RunResult:
+    @property
+    def stopped(self) -> bool: ...
+    @property
+    def final_state(self) -> dict[str, float | str]: ...
     @property
     def status(self) -> str: ...
     @property

@@ -1,4 +1,4 @@
-"""The exception of everything that a user can get wrong in a scenario."""
+"""The exceptions of this package."""
 
 from __future__ import annotations
 
@@ -26,3 +26,7 @@ def prefixed(where: object, kind: type[Exception] = ScenarioError) -> Iterator[N
         yield
     except kind as error:
         raise ScenarioError(f"{where}: {error}" if where else error) from None
+
+
+class SimulationError(RuntimeError):
+    """A simulation that is stepped cannot go on; the message says why and what to do."""

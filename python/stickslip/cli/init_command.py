@@ -13,7 +13,7 @@ from stickslip.cli.common import PATH, say
 from stickslip.cli.targets import check_target
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import PROGRAM, Key, known_keys
-from stickslip.scenario.sections import SECTIONS
+from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
 _HEAD = f"""\

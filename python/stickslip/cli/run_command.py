@@ -60,6 +60,12 @@ Example:
     type=PATH,
     help="Write the recorded motion: .nc (netCDF; also .nc4, .h5) or .csv.",
 )
+@click.option(
+    "--until",
+    metavar="CONDITION",
+    help='End where a condition is met, such as "x >= 3e-3"; of time (s), x, z (m), theta (rad) '
+    "or turns.",
+)
 @click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
 @click.option("--start", type=float, metavar="SECONDS", help="Begin of the time that --plot draws.")
 @click.option("--stop", type=float, metavar="SECONDS", help="End of the time that --plot draws.")
@@ -68,6 +74,7 @@ def command(
     scenario: Path,
     settings: tuple[str, ...],
     out: Path | None,
+    until: str | None,
     plot: Path | None,
     start: float | None,
     stop: float | None,
@@ -86,7 +93,7 @@ def command(
     if out is not None or plot is not None:
         _check_targets(out, plot, scenario, settings)
         loaded = _with_record(loaded, for_plot=plot is not None)
-    run = _simulated(loaded)
+    run = _simulated(loaded, until)
 
     try:
         if out is not None:
@@ -100,13 +107,13 @@ def command(
     return 0 if run.ok else 1
 
 
-def _simulated(scenario: Scenario) -> Run:
+def _simulated(scenario: Scenario, until: str | None) -> Run:
     from stickslip.simulation.simulate import STAGE, simulate
 
     bar = ProgressBar(STAGE)
     try:
         with bar:
-            return simulate(scenario, progress=bar)
+            return simulate(scenario, progress=bar, until=until)
     except KeyboardInterrupt:
         say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
         raise

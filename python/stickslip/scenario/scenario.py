@@ -26,8 +26,8 @@ from stickslip.scenario.keys import (
     shown,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
+from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import (
-    SECTIONS,
     Coil,
     Contact,
     Drag,
@@ -37,6 +37,7 @@ from stickslip.scenario.sections import (
     Robot,
     Solver,
 )
+from stickslip.scenario.state import State
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,12 +46,12 @@ class Scenario:
 
     Parameters
     ----------
-    drive, coil, robot, contact, drag, environment, solver, record
+    drive, coil, robot, contact, drag, environment, initial, solver, record
         Sections. Where nothing is given, `coil` and `robot` have the values of Tables I and II
         (the coils' side and distance are effective ones), `contact` and `drag` those of section VI,
-        and `drive` a peak of 2.5 mT. What the paper leaves open has a default of this package:
-        base, hold, edge and clamp of the drive, the numbers and durations of its pulses and ramps,
-        and everything that is zero.
+        `drive` has a peak of 2.5 mT, and `initial` is rest, flat and without current. What the
+        paper leaves open has a default of this package: base, hold, edge and clamp of the drive,
+        the numbers and durations of its pulses and ramps, and everything that is zero.
     effects : mapping
         Named extensions of the model: ``{name: {parameter: value}}``; see `stickslip.effects`.
 
@@ -73,6 +74,7 @@ class Scenario:
     contact: Contact = field(default_factory=Contact)
     drag: Drag = field(default_factory=Drag)
     environment: Environment = field(default_factory=Environment)
+    initial: State = field(default_factory=State)
     solver: Solver = field(default_factory=Solver)
     record: Record = field(default_factory=Record)
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=EffectSettings)
@@ -199,6 +201,12 @@ class Scenario:
             vars(made)[_KEPT] = (known_keys(), core)
         made._check()
         return made
+
+    def with_state(self, state: State) -> Scenario:
+        """A copy that begins at `state`, such as ``run.final_state``, if it can."""
+        if not isinstance(state, State):
+            raise ScenarioError(f"initial = {shown(state)}: allowed is a State")
+        return self.replace({f"initial.{name}": value for name, value in vars(state).items()})
 
     def _changed(self, section: str, values: dict[str, Any]) -> Any:
         """A copy of a section with values that are checked already, but for a program."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
@@ -34,19 +34,23 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
         )
 
 
-class _Section:
+class Section:
     """A section of a scenario: it checks its fields by the keys of its own name."""
 
+    _key: ClassVar[str]
+
+    def __init_subclass__(cls, key: str | None = None) -> None:
+        cls._key = key or cls.__name__.lower()
+
     def __post_init__(self) -> None:
-        section = type(self).__name__.lower()
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
             if each.name != "program":
-                value = checked(f"{section}.{each.name}", getattr(self, each.name))
+                value = checked(f"{self._key}.{each.name}", getattr(self, each.name))
                 object.__setattr__(self, each.name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drive(_Section):
+class Drive(Section):
     """What the coils are driven with, section V of the paper.
 
     A field given in tesla is the steady-state one of one coil, at the centre.
@@ -112,7 +116,7 @@ class Drive(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coil(_Section):
+class Coil(Section):
     """One of the five equal coils, Table I.
 
     Parameters
@@ -137,7 +141,7 @@ class Coil(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Robot(_Section):
+class Robot(Section):
     """The magnetic body, Table II.
 
     Parameters
@@ -158,7 +162,7 @@ class Robot(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contact(_Section):
+class Contact(Section):
     """Contact of the body with the surface, sections IV-C, VI-A and VI-B.
 
     Parameters
@@ -181,7 +185,7 @@ class Contact(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drag(_Section):
+class Drag(Section):
     """Drag of the fluid, section VI-C.
 
     Parameters
@@ -197,7 +201,7 @@ class Drag(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Environment(_Section):
+class Environment(Section):
     """What is the same for everything.
 
     Parameters
@@ -210,7 +214,7 @@ class Environment(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solver(_Section):
+class Solver(Section):
     """The integrator.
 
     Parameters
@@ -234,7 +238,7 @@ class Solver(_Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Record(_Section):
+class Record(Section):
     """What a run keeps beside its summary.
 
     Parameters
@@ -244,10 +248,3 @@ class Record(_Section):
     """
 
     rate: float | Literal["none", "events"] = "none"
-
-
-SECTIONS: dict[str, type[Any]] = {
-    each.__name__.lower(): each
-    for each in (Drive, Coil, Robot, Contact, Drag, Environment, Solver, Record)
-}
-"""The sections of a scenario that are always there, in the order of a file."""

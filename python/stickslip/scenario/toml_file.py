@@ -23,7 +23,8 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import SAWTOOTH, SECTIONS, refuse_sawtooth
+from stickslip.scenario.section_table import SECTIONS
+from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.toml_text import parse_toml
 
 if TYPE_CHECKING:
@@ -207,6 +208,8 @@ def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
     """The TOML text; `voltages` is the file that a program's voltages are in."""
     lines = [f"stickslip = {FORMAT_VERSION}"]
     for section, kind in SECTIONS.items():
+        if section == "initial" and scenario.initial == kind():
+            continue
         lines += ["", f"[{section}]"]
         for field in dataclasses.fields(kind):
             key = f"{section}.{field.name}"

@@ -19,7 +19,7 @@ UNSTATED = "not stated; registered by the user"
 Wrench = Callable[[Any, tuple[float, ...]], tuple[float, float, float]]
 
 
-class State(NamedTuple):
+class EffectState(NamedTuple):
     """What the function of an effect is told.
 
     Positions, velocities and fields are in the world's frame, x along the surface and z away from
@@ -112,11 +112,12 @@ def register_effect(
 
         void function(const double* state, const double* parameters, double* wrench)
 
-    ``state`` holds the nine numbers of `State`, ``parameters`` those of the
+    ``state`` holds the nine numbers of `EffectState`, ``parameters`` those of the
     scenario in the order of `parameters`, and ``wrench`` takes Fx and Fz, N, world's frame, and the
     torque about the centre of mass, N m, nose-down positive. A Python function is called as
-    ``function(state, parameters)`` with a `State` and a tuple, and returns the three numbers. It is
-    right for a try: it makes a simulation some ten times slower, and threads wait for each other.
+    ``function(state, parameters)`` with an `EffectState` and a tuple, and returns the three
+    numbers. It is right for a try: it makes a simulation some ten times slower, and threads wait
+    for each other.
 
     The function must be a pure one of its arguments. It is called for trial states, in no order of
     time, and from several threads at once; anything else it reads or keeps would make results
@@ -283,7 +284,7 @@ def _checked(effect: str, function: Wrench) -> Wrench:
     """A function for the core, which gives it two tuples and takes three numbers."""
 
     def wrench(state: Any, parameters: tuple[float, ...]) -> tuple[float, float, float]:
-        result = function(State._make(state), parameters)
+        result = function(EffectState._make(state), parameters)
         try:
             fx, fz, torque = result
             return float(fx), float(fz), float(torque)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
+from stickslip.scenario.state import State, made_state
 from stickslip.simulation.run_notes import run_notes
 
 if TYPE_CHECKING:
@@ -81,6 +82,10 @@ class Run:
         ``"ok"``, or how the simulation failed; it never raises for that.
     message : str
         What happened and what to do about it.
+    final_state : State
+        Where the run ended; a scenario can begin there.
+    condition_met : bool
+        Whether the run ended where its condition `until` was met.
     t, x, z, theta, vx, vz, omega : numpy.ndarray, shape (n,)
         Time (s); position (m), tilt (rad) and their rates, at the centre of mass, Eqs. (10)-(14).
     normal_force, friction_force : numpy.ndarray, shape (n,)
@@ -111,6 +116,8 @@ class Run:
     event_names = _core.event_names
 
     scenario: Scenario
+    final_state: State
+    condition_met: bool
     status: str
     message: str
     t: _Array
@@ -134,6 +141,8 @@ class Run:
         self.scenario = scenario
         self.status = result.status
         self.message = result.message
+        self.final_state = made_state(result.final_state)
+        self.condition_met = result.stopped
         self._summary = result.summary()
         # Empty arrays would cost a run without a record the import of numpy.
         if scenario.record.rate != "none":

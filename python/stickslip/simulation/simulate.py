@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Callable, Iterable
 
 from stickslip import _core
@@ -25,8 +27,29 @@ def fraction_of(total: float, progress: Progress | None) -> Callable[[float], ob
     return lambda done: progress(min(done / total, 1.0) if total > 0.0 else 1.0, STAGE)
 
 
-def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
-    """Simulate one scenario: from rest, flat and without current, to the end of its drive.
+_CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
+
+
+def parsed_condition(until: str) -> tuple[str, bool, float]:
+    """Quantity, whether it is met from below, and value; a ScenarioError for what is none."""
+    found = _CONDITION.fullmatch(until) if isinstance(until, str) else None
+    if found is not None and found[1] in _core.stop_quantities:
+        try:
+            value = float(found[3])
+        except ValueError:
+            value = math.nan
+        if math.isfinite(value):
+            return found[1], found[2] == ">=", value
+    raise ScenarioError(
+        f'until = {shown(until)}: allowed is a condition such as "x >= 3e-3" or "theta <= -1.5", '
+        "of time (s), x, z (m), theta (rad) or turns"
+    )
+
+
+def simulate(
+    scenario: Scenario, progress: Progress | None = None, *, until: str | None = None
+) -> Run:
+    """Simulate one scenario: from its initial state to the end of its drive.
 
     Coil currents by Eq. (1), their field by Eqs. (2)-(7), the wrench on the moment by (8)-(9), the
     motion by (10)-(12) with drag (18)-(19), and contact resolved as in section IV-C, with stick,
@@ -40,6 +63,10 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
     progress : callable, optional
         Called with the fraction that is done, 0 to 1, and the stage, "simulating", some twenty
         times a second. What it raises stops the simulation and passes through.
+    until : str, optional
+        Ends the run earlier where a condition is met, which is located like any other event:
+        ``"x >= 3e-3"``, or another of time (s), x, z (m, of the centre of mass), theta (rad) or
+        turns (theta over 2 pi) with ``>=`` or ``<=``. See `Run.condition_met`.
 
     Returns
     -------
@@ -50,7 +77,7 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
     Raises
     ------
     ScenarioError
-        If `scenario` is not a Scenario.
+        If `scenario` is not a Scenario, or `until` no condition.
     KeyboardInterrupt
         On Ctrl-C, within a fraction of a second.
 
@@ -61,13 +88,15 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Run:
     >>> print(f"{run.mean_velocity * 1e3:.2f} mm/s")
     1.91 mm/s
     """
-    return simulate_batch([scenario], threads=1, progress=progress)[0]
+    return simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
 
 
 def simulate_batch(
     scenarios: Iterable[Scenario],
     threads: int | None = None,
     progress: Progress | None = None,
+    *,
+    until: str | None = None,
 ) -> list[Run]:
     """Simulate many scenarios at once. Results are bit-identical for any number of threads.
 
@@ -78,6 +107,8 @@ def simulate_batch(
         How many simulations go on at a time; as many as there are processors, if not given.
     progress : callable, optional
         As for `simulate`, with the fraction of all simulated time.
+    until : str, optional
+        As for `simulate`, for each of them.
 
     Returns
     -------
@@ -87,7 +118,7 @@ def simulate_batch(
     Raises
     ------
     ScenarioError
-        If one of `scenarios` is not a Scenario.
+        If one of `scenarios` is not a Scenario, or `until` no condition.
     ValueError
         If `threads` is not a whole number above zero.
     KeyboardInterrupt
@@ -98,8 +129,9 @@ def simulate_batch(
         if not isinstance(scenario, Scenario):
             raise ScenarioError(f"scenario {index} = {shown(scenario)}: allowed is a Scenario")
     threads = worker_count(threads, "threads")
+    condition = None if until is None else parsed_condition(until)
 
     cores = [scenario.to_core() for scenario in scenarios]
     report = fraction_of(sum(core.duration for core in cores), progress)
-    results = _core.simulate_batch(cores, threads, report)
+    results = _core.simulate_batch(cores, threads, report, condition)
     return [Run(*pair) for pair in zip(scenarios, results, strict=True)]

@@ -28,7 +28,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import SECTIONS
+from stickslip.scenario.section_table import SECTIONS
 from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000

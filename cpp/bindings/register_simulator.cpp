@@ -1,0 +1,260 @@
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "register.hpp"
+#include "report_progress.hpp"
+#include "state_fields.hpp"
+#include "stickslip/number_text.hpp"
+#include "stickslip/parameters.hpp"
+#include "stickslip/rollout.hpp"
+#include "stickslip/simulator.hpp"
+
+namespace py = pybind11;
+
+namespace stickslip::bindings {
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+/// Written in place, so that nothing may be converted.
+using Output = py::array_t<double, py::array::c_style>;
+
+double duration_of(double seconds) {
+    if (!(seconds > 0.0) || !std::isfinite(seconds)) {
+        throw std::invalid_argument("duration = " + digits(seconds) +
+                                    ": allowed is a number of s above 0");
+    }
+    return seconds;
+}
+
+double voltage_of(const char* coil, double volts) {
+    if (!std::isfinite(volts)) {
+        throw std::invalid_argument("voltages: " + std::string(coil) + " = " + digits(volts) +
+                                    ": allowed is a finite number of V");
+    }
+    return volts;
+}
+
+std::size_t coil_of(const std::string& word) {
+    for (const Coil coil : kAllCoils) {
+        if (word == name(coil)) return static_cast<std::size_t>(coil);
+    }
+    throw std::invalid_argument("voltages: \"" + word +
+                                "\" is no coil; allowed are xp, xm, yp, ym and clamp");
+}
+
+void require_finite(const Array& voltages) {
+    for (py::ssize_t i = 0; i < voltages.size(); ++i) {
+        voltage_of(name(kAllCoils[static_cast<std::size_t>(i % kCoilCount)]), voltages.data()[i]);
+    }
+}
+
+std::string shape_of(const py::array& array) {
+    std::string text = "(";
+    for (py::ssize_t i = 0; i < array.ndim(); ++i) {
+        text += (i ? ", " : "") + std::to_string(array.shape(i));
+    }
+    return text + ")";
+}
+
+/// A simulator, and the voltages that its coils keep.
+struct Stepper {
+    explicit Stepper(const Scenario& scenario) : simulator(scenario) {}
+
+    py::dict step(const py::dict& changes, double seconds, bool linear) {
+        const double duration = duration_of(seconds);
+        PerCoil next = voltages;
+        for (const auto& [coil, volts] : changes) {
+            try {
+                const auto word = coil.cast<std::string>();
+                next[coil_of(word)] = voltage_of(word.c_str(), volts.cast<double>());
+            } catch (const py::cast_error&) {
+                throw std::invalid_argument("voltages: " + py::repr(coil).cast<std::string>() +
+                                            " = " + py::repr(volts).cast<std::string>() +
+                                            ": allowed is a number of V for the name of a coil");
+            }
+        }
+        simulator.step(next, duration, linear);
+        voltages = next;
+        return fields(simulator.state());
+    }
+
+    Simulator simulator;
+    PerCoil voltages = {};
+};
+
+/// A snapshot, and the voltages that its simulator's coils keep.
+struct StepperSnapshot {
+    SimulatorSnapshot snapshot;
+    PerCoil voltages;
+};
+
+py::bytes to_bytes(const StepperSnapshot& self) {
+    std::string bytes = self.snapshot.to_bytes();
+    bytes.append(reinterpret_cast<const char*>(self.voltages.data()), sizeof(PerCoil));
+    return bytes;
+}
+
+StepperSnapshot from_bytes(const std::string& bytes) {
+    StepperSnapshot result{};
+    const std::size_t tail = std::min(bytes.size(), sizeof(PerCoil));
+    result.snapshot = SimulatorSnapshot::from_bytes(bytes.substr(0, bytes.size() - tail));
+    bytes.copy(reinterpret_cast<char*>(result.voltages.data()), tail, bytes.size() - tail);
+    return result;
+}
+
+void set_state(Scenario& scenario, const double* row) {
+    for (std::size_t k = 0; k < kStateColumns.size(); ++k) {
+        const std::string key = std::string("initial.") + kStateColumns[k];
+        if (const Parameter* parameter = find_parameter(key)) {
+            set_parameter(scenario, key, row[k]);
+            continue;
+        }
+        const Choice* choice = find_choice(key);
+        if (!(row[k] >= 0.0 && row[k] < static_cast<double>(choice->allowed.size()))) {
+            throw std::invalid_argument(key + " = " + digits(row[k]) +
+                                        ": there is no contact with this index");
+        }
+        choice->set(scenario, static_cast<std::size_t>(row[k]));
+    }
+}
+
+void require_states(const Array& states, std::size_t runs) {
+    const bool fits = states.ndim() == 2 && static_cast<std::size_t>(states.shape(0)) == runs &&
+                      static_cast<std::size_t>(states.shape(1)) == kStateColumns.size();
+    if (!fits) {
+        throw std::invalid_argument(
+            "states of shape " + shape_of(states) + ": allowed is (" + std::to_string(runs) + ", " +
+            std::to_string(kStateColumns.size()) + "), a row of state_columns for each run");
+    }
+}
+
+py::array_t<std::int8_t> status_array(const std::vector<Status>& statuses) {
+    py::array_t<std::int8_t> result(static_cast<py::ssize_t>(statuses.size()));
+    auto out = result.mutable_unchecked<1>();
+    for (std::size_t i = 0; i < statuses.size(); ++i) {
+        out(static_cast<py::ssize_t>(i)) = static_cast<std::int8_t>(statuses[i]);
+    }
+    return result;
+}
+
+/// Plays `runs` runs of one scenario, or of as many; writes into `out` (runs, steps, columns).
+py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, std::size_t runs,
+                                      const std::optional<Array>& states, const Array& voltages,
+                                      double seconds, bool linear,
+                                      const std::vector<std::size_t>& columns, Output out,
+                                      int threads, const py::object& progress) {
+    const double duration = duration_of(seconds);
+    require_finite(voltages);
+    if (states) require_states(*states, runs);
+    const bool shared = voltages.ndim() == 2;
+    const auto steps = static_cast<std::size_t>(voltages.shape(shared ? 0 : 1));
+    const ControlRows rows = {voltages.data(), steps, shared ? 0 : steps * kCoilCount, duration,
+                              linear};
+    const double* first_state = states ? states->data() : nullptr;
+    const auto scenario = [&](std::size_t run) {
+        Scenario result = scenarios[scenarios.size() == 1 ? 0 : run];
+        try {
+            if (first_state) set_state(result, first_state + run * kStateColumns.size());
+            check(result);
+        } catch (const std::invalid_argument& refusal) {
+            throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
+        }
+        return result;
+    };
+    RunControl control;
+    const auto poll = [&] { report(control, progress); };
+    std::vector<Status> statuses;
+    double* to = out.mutable_data();
+    {
+        const py::gil_scoped_release release;
+        statuses = rollout(runs, scenario, rows, {to, columns}, threads, control, poll);
+    }
+    return status_array(statuses);
+}
+
+/// Many runs and their states as arrays.
+struct Steppers {
+    explicit Steppers(const std::vector<Scenario>& scenarios) : batch(scenarios) {}
+
+    void step(const Array& voltages, double seconds, bool linear, int threads) {
+        const double duration = duration_of(seconds);
+        if (voltages.ndim() != 2 || static_cast<std::size_t>(voltages.shape(0)) != batch.size() ||
+            voltages.shape(1) != kCoilCount) {
+            throw std::invalid_argument("voltages of shape " + shape_of(voltages) +
+                                        ": allowed is (" + std::to_string(batch.size()) + ", 5)");
+        }
+        require_finite(voltages);
+        const py::gil_scoped_release release;
+        batch.step(voltages.data(), duration, linear, threads);
+    }
+    void states(Output out) const {
+        require_states(out, batch.size());
+        double* to = out.mutable_data();
+        for (std::size_t run = 0; run < batch.size(); ++run) {
+            const StateRow row = batch.state(run);
+            to = std::copy(row.begin(), row.end(), to);
+        }
+    }
+    py::array_t<std::int8_t> statuses() const {
+        std::vector<Status> all;
+        for (std::size_t run = 0; run < batch.size(); ++run) all.push_back(batch.status(run));
+        return status_array(all);
+    }
+
+    SimulatorBatch batch;
+};
+
+}  // namespace
+
+void register_simulator(py::module_& module) {
+    py::class_<StepperSnapshot>(module, "Snapshot")
+        .def("to_bytes", &to_bytes)
+        .def_static("from_bytes", &from_bytes);
+
+    py::class_<Stepper>(module, "Simulator")
+        .def(py::init<const Scenario&>())
+        .def("step", &Stepper::step)
+        .def_property_readonly("time", [](const Stepper& self) { return self.simulator.time(); })
+        .def("state", [](const Stepper& self) { return fields(self.simulator.state()); })
+        .def_property_readonly("voltages", [](const Stepper& self) { return self.voltages; })
+        .def_property_readonly("status",
+                               [](const Stepper& self) { return name(self.simulator.status()); })
+        .def_property_readonly("message",
+                               [](const Stepper& self) { return self.simulator.message(); })
+        .def("snapshot",
+             [](const Stepper& self) {
+                 return StepperSnapshot{self.simulator.snapshot(), self.voltages};
+             })
+        .def("restore", [](Stepper& self, const StepperSnapshot& snapshot) {
+            self.simulator.restore(snapshot.snapshot);
+            self.voltages = snapshot.voltages;
+        });
+
+    py::class_<Steppers>(module, "SimulatorBatch")
+        .def(py::init<const std::vector<Scenario>&>())
+        .def("step", &Steppers::step)
+        .def("states", &Steppers::states, py::arg("out").noconvert())
+        .def("statuses", &Steppers::statuses)
+        .def("reset", [](Steppers& self, std::size_t run, const Scenario& scenario) {
+            if (run >= self.batch.size()) throw py::index_error("there is no such run");
+            self.batch.reset(run, scenario);
+        });
+
+    module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),
+               py::arg("voltages"), py::arg("duration"), py::arg("linear"), py::arg("columns"),
+               py::arg("out").noconvert(), py::arg("threads"), py::arg("progress"));
+    module.def("set_state", [](Scenario& scenario, const Array& row) {
+        if (row.size() != static_cast<py::ssize_t>(kStateColumns.size())) {
+            throw std::invalid_argument("a state has a value for each of state_columns");
+        }
+        set_state(scenario, row.data());
+    });
+    module.attr("state_columns") =
+        py::tuple(py::cast(std::vector<std::string>(kStateColumns.begin(), kStateColumns.end())));
+}
+
+}  // namespace stickslip::bindings

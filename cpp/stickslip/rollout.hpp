@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "stickslip/batch.hpp"
+#include "stickslip/lanes.hpp"
+
+namespace stickslip {
+
+/// Voltages of the steps of one or many runs: rows of five (V, world's frame), each for `duration`
+/// s, held or linear from those of the row before.
+struct ControlRows {
+    const double* voltages = nullptr;
+    std::size_t steps = 0;
+    std::size_t run_stride = 0;  ///< numbers from one run's first row to the next one's; 0: shared
+    double duration = 0.0;
+    bool linear = false;
+};
+
+/// Where states go: the values of some columns of `kStateColumns`.
+struct StateOutput {
+    double* values = nullptr;  ///< runs x steps x columns
+    std::vector<std::size_t> columns;
+};
+
+/// Plays `count` runs from their scenarios' initial states through the same number of steps each,
+/// and writes the state at the end of each step; what a failed run does not reach stays as it was.
+/// Statuses in the order of the runs, bit-identical results for any number of threads.
+std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std::size_t)>& scenario,
+                            const ControlRows& rows, const StateOutput& output, int threads,
+                            RunControl& control, const std::function<void()>& poll);
+
+/// Many runs that are stepped together.
+class SimulatorBatch {
+public:
+    /// Throws std::invalid_argument, with the run's place, for a scenario that makes no sense or
+    /// that asks for another integrator than tsit5.
+    explicit SimulatorBatch(const std::vector<Scenario>& scenarios);
+
+    std::size_t size() const { return lanes_.size(); }
+    /// One step of all runs, whose rows are those of `voltages` (size() x 5). A run that has failed
+    /// stays where it is.
+    void step(const double* voltages, double duration, bool linear, int threads);
+    /// Begins one run anew.
+    void reset(std::size_t run, const Scenario& scenario);
+
+    StateRow state(std::size_t run) const { return row_of(lanes_[run]->loop.state()); }
+    Status status(std::size_t run) const { return lanes_[run]->loop.status(); }
+
+private:
+    std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);
+
+    RunControl control_;
+    std::vector<std::unique_ptr<Lane>> lanes_;
+};
+
+}  // namespace stickslip

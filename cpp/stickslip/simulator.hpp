@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "stickslip/hybrid_loop.hpp"
+
+namespace stickslip {
+
+/// All that a simulator goes on from, as bytes that hold no address.
+struct SimulatorSnapshot {
+    std::uint64_t scenario = 0;  ///< fingerprint
+    LoopMemory memory;
+
+    std::string to_bytes() const;
+    /// Throws std::invalid_argument for what is no snapshot, or of another version of stickslip.
+    static SimulatorSnapshot from_bytes(const std::string& bytes);
+};
+
+/// A number for all that moves the robot, of its initial state and its drive's record apart: two
+/// scenarios of one number can exchange snapshots.
+std::uint64_t fingerprint(const Scenario& scenario);
+
+/// A run that is entered and left at any instant. Its scenario's drive says how strong the fields
+/// are, to which the tolerance is relative, and how warm the coils; it is not played.
+class Simulator {
+public:
+    /// Begins at `scenario.initial`. Throws std::invalid_argument as `simulate` does.
+    explicit Simulator(const Scenario& scenario);
+
+    /// Plays `duration` s (above zero) with these voltages (V, world's frame), held or linear from
+    /// those of the step before.
+    void step(const PerCoil& voltages, double duration, bool linear);
+
+    double time() const;  ///< s
+    SimulationState state() const;
+    /// How the last step ended; one that did not end well is the last.
+    Status status() const;
+    const std::string& message() const;
+
+    SimulatorSnapshot snapshot() const;
+    /// Throws std::invalid_argument for a snapshot of another scenario.
+    void restore(const SimulatorSnapshot& snapshot);
+
+private:
+    struct Runner;
+    template <class Integrator>
+    struct RunnerOf;
+
+    std::uint64_t fingerprint_;
+    std::shared_ptr<Runner> runner_;
+};
+
+}  // namespace stickslip

@@ -1,0 +1,183 @@
+"""Many runs through given voltages, and their states after each step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from stickslip import _core
+from stickslip._util.processor_count import worker_count
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.state import STATE_COLUMNS, State
+from stickslip.simulation.simulate import Progress, fraction_of
+from stickslip.simulation.simulator import Hold, check_hold
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+STATE_UNITS = {
+    name: {"x": "m", "z": "m", "theta": "rad", "vx": "m/s", "vz": "m/s", "omega": "rad/s"}.get(
+        name, "1" if name == "contact" else "s" if name == "contact_age" else "A"
+    )
+    for name in STATE_COLUMNS
+}
+"""SI unit of each column of an array of states."""
+
+
+class Rollout(NamedTuple):
+    """What `rollout` gives.
+
+    Attributes
+    ----------
+    states : numpy.ndarray, shape (n, steps, k)
+        The recorded columns at the end of each step; NaN from the step on that a run failed in.
+    status : numpy.ndarray of int8, shape (n,)
+        How each run ended, an index of `status_names`; 0 is "ok".
+    columns : tuple of str
+        The recorded columns, in their order.
+    """
+
+    states: NDArray[np.float64]
+    status: NDArray[np.int8]
+    columns: tuple[str, ...]
+
+    @property
+    def status_names(self) -> tuple[str, ...]:
+        """What `status` is an index of."""
+        return _core.status_names
+
+
+def rollout(
+    scenarios: Scenario | Sequence[Scenario],
+    states: State | Sequence[State] | ArrayLike | None,
+    voltages: ArrayLike,
+    duration: float,
+    *,
+    hold: Hold = "constant",
+    record: Sequence[str] = ("x", "theta"),
+    out: NDArray[np.float64] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Rollout:
+    """Play many runs through given voltages, in the core and on several threads.
+
+    Each run has the bits of a `Simulator` that is stepped, for any number of threads.
+
+    Parameters
+    ----------
+    scenarios : Scenario or sequence of Scenario
+        One for all runs, or one a run. Their drives are not played, see `Simulator`.
+    states : State, sequence of State, array of shape (n, 18), or None
+        Where each run begins, one for all or one a run; an array has the columns `STATE_COLUMNS`.
+        Without it each run begins at its scenario's `initial`.
+    voltages : array_like, shape (steps, 5) or (n, steps, 5)
+        Voltages of the coils xp, xm, yp, ym, clamp in each step, V, for all runs or for each.
+    duration : float
+        Of one step, s.
+    hold : {"constant", "linear"}
+        Whether voltages are held over a step, or go to their values linearly from those before.
+    record : sequence of str
+        Columns of `STATE_COLUMNS` to record; units are in `STATE_UNITS`.
+    out : numpy.ndarray, shape (n, steps, k), optional
+        Array of float64, C-contiguous, that takes the states.
+    threads : int, optional
+        How many runs go on at a time; as many as there are processors, if not given.
+    progress : callable, optional
+        Called with the fraction that is done and the stage, as for `simulate`.
+
+    Returns
+    -------
+    Rollout
+
+    Raises
+    ------
+    ScenarioError
+        If numbers of runs differ, an array has another shape, or a state cannot be.
+    KeyboardInterrupt
+        On Ctrl-C, within a fraction of a second.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> volts = np.zeros((4, 20, 5))
+    >>> volts[:, :, 4] = -10.0
+    >>> volts[:, :, 0] = np.linspace(5.0, 20.0, 4)[:, None]
+    >>> rollout(Scenario(), None, volts, 1e-3).states.shape
+    (4, 20, 2)
+    """
+    import numpy as np
+
+    linear = check_hold(hold)
+    for name in record:
+        if name not in STATE_COLUMNS:
+            raise ScenarioError(f"record: {shown(name)}: {suggestion(str(name), STATE_COLUMNS)}")
+    several = [scenarios] if isinstance(scenarios, Scenario) else list(scenarios)
+    for index, each in enumerate(several):
+        if not isinstance(each, Scenario):
+            raise ScenarioError(f"scenario {index} = {shown(each)}: allowed is a Scenario")
+    volts = np.ascontiguousarray(voltages, dtype=float)
+    if volts.ndim not in (2, 3) or volts.shape[-1] != 5:
+        raise ScenarioError(
+            f"voltages of shape {volts.shape}: allowed is (steps, 5) or (n, steps, 5)"
+        )
+    start = _rows(states)
+    runs = _number_of_runs(
+        {
+            "scenarios": None if isinstance(scenarios, Scenario) else len(several),
+            "states": None if start is None or len(start) == 1 else len(start),
+            "voltages": len(volts) if volts.ndim == 3 else None,
+        }
+    )
+    if start is not None and len(start) == 1:
+        start = np.repeat(start, runs, axis=0)
+    shape = (runs, volts.shape[-2], len(record))
+    if out is None:
+        out = np.empty(shape)
+    elif out.shape != shape or out.dtype != float or not out.flags.c_contiguous:
+        raise ScenarioError(f"out of shape {out.shape}: allowed is a float64 array {shape}")
+    out.fill(np.nan)
+    try:
+        status = _core.rollout(
+            [each.to_core() for each in several],
+            runs,
+            start,
+            volts,
+            duration,
+            linear,
+            [STATE_COLUMNS.index(name) for name in record],
+            out,
+            worker_count(threads, "threads"),
+            fraction_of(runs * shape[1] * float(duration), progress),
+        )
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
+    return Rollout(out, status, tuple(record))
+
+
+def _rows(states: Any) -> NDArray[np.float64] | None:
+    import numpy as np
+
+    if states is None:
+        return None
+    if isinstance(states, State):
+        states = [states]
+    if len(states) and isinstance(states[0], State):
+        states = [each.row for each in states]
+    rows = np.ascontiguousarray(states, dtype=float)
+    if rows.ndim != 2 or rows.shape[1] != len(STATE_COLUMNS):
+        raise ScenarioError(
+            f"states of shape {rows.shape}: allowed is (n, {len(STATE_COLUMNS)}), "
+            "a row of STATE_COLUMNS for each run"
+        )
+    return rows
+
+
+def _number_of_runs(given: dict[str, int | None]) -> int:
+    numbers = {name: number for name, number in given.items() if number is not None}
+    if len(set(numbers.values())) > 1:
+        told = " and ".join(f"{number} {name}" for name, number in numbers.items())
+        raise ScenarioError(f"{told}: allowed is the same number of runs")
+    return next(iter(numbers.values()), 1)

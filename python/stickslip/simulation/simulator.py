@@ -1,0 +1,169 @@
+"""A run that is entered and left at any instant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+from stickslip import _core
+from stickslip.errors import ScenarioError, SimulationError
+from stickslip.scenario.keys import shown
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.state import State, made_state
+
+Hold = Literal["constant", "linear"]
+HOLDS = ("constant", "linear")
+
+_TYPES = "a step takes a mapping from coils to V, and a duration in s"
+
+
+def check_hold(hold: str) -> bool:
+    """Whether voltages go linearly to those of a step; a ScenarioError for another word."""
+    if hold not in HOLDS:
+        raise ScenarioError(f'hold = {shown(hold)}: allowed is "constant" or "linear"')
+    return hold == "linear"
+
+
+class Snapshot:
+    """All that a `Simulator` goes on from: restored, it goes on with the same bits."""
+
+    def __init__(self, core: _core.Snapshot) -> None:
+        self._core = core
+
+    def to_bytes(self) -> bytes:
+        """The snapshot as bytes, for the same version and kind of machine."""
+        return self._core.to_bytes()
+
+    @staticmethod
+    def from_bytes(data: bytes) -> Snapshot:
+        """The snapshot that `to_bytes` wrote; a ScenarioError for anything else."""
+        try:
+            return Snapshot(_core.Snapshot.from_bytes(data))
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
+
+
+class Simulator:
+    """A scenario that is played step by step, for controllers and for what a controller learns.
+
+    The voltages are those of the steps. The scenario's own drive is not played; it says how strong
+    the fields are, to which the tolerance is relative, and how warm the coils get with
+    `effects.coil_heating`. A drive whose breakpoints are the steps gives the same bits when it is
+    simulated at once.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    state : State, optional
+        Where to begin; `scenario.initial`, if not given.
+
+    Raises
+    ------
+    ScenarioError
+        If the state cannot be: below the surface, or a corner that sticks and moves.
+
+    Examples
+    --------
+    >>> from stickslip import Scenario, Simulator
+    >>> sim = Simulator(Scenario())
+    >>> state = sim.step({"clamp": -10.0}, 0.05)
+    >>> while sim.time < 0.1:
+    ...     state = sim.step({"xp": 20.0}, 1e-3)
+    >>> state.contact
+    'corner_stick'
+    """
+
+    def __init__(self, scenario: Scenario, state: State | None = None) -> None:
+        if not isinstance(scenario, Scenario):
+            raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+        if state is not None:
+            scenario = scenario.with_state(state)
+        self.scenario = scenario
+        try:
+            self._core = _core.Simulator(scenario.to_core())
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
+
+    def step(
+        self, voltages: Mapping[str, float], duration: float, hold: Hold = "constant"
+    ) -> State:
+        """Play one step.
+
+        Parameters
+        ----------
+        voltages : mapping of str to float
+            New voltages of coils (``xp``, ``xm``, ``yp``, ``ym``, ``clamp``), V; the others keep
+            theirs, which are zero at first.
+        duration : float
+            s.
+        hold : {"constant", "linear"}
+            Whether the voltages jump to their new values and stay there, or go there linearly over
+            the step.
+
+        Returns
+        -------
+        State
+            At the end of the step.
+
+        Raises
+        ------
+        ScenarioError
+            If a coil, a voltage or the duration is none.
+        SimulationError
+            If the motion cannot be simulated on; `state` is then where it stopped.
+        """
+        try:
+            fields = self._core.step(voltages, duration, check_hold(hold))
+        except RuntimeError as error:
+            if self.status == "ok":  # of an effect of the user, say
+                raise
+            raise SimulationError(f"the simulation has ended: {error}") from None
+        except (TypeError, ValueError) as error:
+            reason = str(error) if isinstance(error, ValueError) else _TYPES
+            raise ScenarioError(reason) from None
+        if self._core.message:
+            raise SimulationError(self._core.message)
+        return made_state(fields)
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the start, s."""
+        return self._core.time
+
+    @property
+    def state(self) -> State:
+        """Where the last step ended."""
+        return made_state(self._core.state())
+
+    @property
+    def voltages(self) -> dict[str, float]:
+        """The voltage of each coil at the end of the last step, V."""
+        return dict(zip(COIL_NAMES, self._core.voltages, strict=True))
+
+    @property
+    def status(self) -> str:
+        """``"ok"``, or how the last step failed; one that failed is the last."""
+        return self._core.status
+
+    def snapshot(self) -> Snapshot:
+        """What `restore` goes on from, with the same bits."""
+        return Snapshot(self._core.snapshot())
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back, or over, to a snapshot of a simulator of the same scenario.
+
+        Raises
+        ------
+        ScenarioError
+            If `snapshot` is none, or of another scenario.
+        """
+        if not isinstance(snapshot, Snapshot):
+            raise ScenarioError(f"snapshot = {shown(snapshot)}: allowed is a Snapshot")
+        try:
+            self._core.restore(snapshot._core)
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
+
+    def __repr__(self) -> str:
+        return f"<Simulator: {self.status}, t = {self.time:.6g} s>"

@@ -1,0 +1,256 @@
+"""A run that is entered and left: states, steps, snapshots, rollouts and stop conditions."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import stickslip
+from stickslip import (
+    STATE_COLUMNS,
+    STATE_UNITS,
+    Drive,
+    Robot,
+    Scenario,
+    ScenarioError,
+    SimulationError,
+    Simulator,
+    Snapshot,
+    State,
+    Waveform,
+    rollout,
+    simulate,
+)
+
+STEP = 1.0 / 1024  # s; a power of two, so that the times of a program are exact
+
+
+def random_rows(seed, steps=50):
+    rng = np.random.default_rng(seed)
+    rows = np.zeros((steps, 5))
+    rows[:, 0] = rng.uniform(-20.0, 20.0, steps)
+    rows[:, 4] = rng.uniform(-15.0, 5.0, steps)
+    return rows
+
+
+def named(row):
+    return dict(zip(stickslip.COIL_NAMES, row, strict=True))
+
+
+def stepped(scenario, rows, hold="constant", **begin):
+    sim = Simulator(scenario, **begin)
+    return [sim.step(named(row), STEP, hold) for row in rows]
+
+
+@pytest.mark.parametrize("hold", ["constant", "linear"])
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_steps_have_the_bits_of_a_program_with_the_same_breakpoints(hold, direction):
+    rows = random_rows(1)
+    times = np.arange(len(rows) + 1) * STEP
+    if hold == "constant":
+        program = Waveform.from_points(np.repeat(times, 2)[1:-1], np.repeat(rows, 2, axis=0))
+    else:
+        program = Waveform.from_points(times, np.vstack([np.zeros(5), rows]))
+    drive = Drive(mode="program", program=program, direction=direction)
+    scenario = Scenario(drive=drive)
+    assert stepped(scenario, rows, hold)[-1] == simulate(scenario).final_state
+
+
+def test_a_run_that_begins_where_another_was_cut_goes_on_within_the_tolerance():
+    rows = random_rows(2)
+    scenario = Scenario()
+    whole = stepped(scenario, rows)
+    rest = stepped(scenario, rows[25:], state=whole[24])
+    # Ten times rtol for each of some ten steps of each of 25 periods.
+    limit = 10.0 * scenario.solver.rtol * 10 * 25
+    assert rest[-1].theta == pytest.approx(whole[-1].theta, abs=limit)
+    assert rest[-1].x == pytest.approx(whole[-1].x, abs=limit * scenario.robot.length)
+
+
+def test_a_snapshot_goes_on_with_the_same_bits_also_as_bytes():
+    rows = random_rows(3)
+    sim = Simulator(Scenario())
+    for row in rows[:20]:
+        sim.step(named(row), STEP)
+    snapshot = sim.snapshot()
+    expected = [sim.step(named(row), STEP) for row in rows[20:]]
+    other = Simulator(Scenario())
+    for taken in (snapshot, Snapshot.from_bytes(snapshot.to_bytes())):
+        other.restore(taken)
+        assert other.time == 20 * STEP
+        assert other.voltages == pytest.approx(named(rows[19]))
+        assert [other.step(named(row), STEP) for row in rows[20:]] == expected
+
+
+def test_coils_that_a_step_does_not_name_keep_their_voltages():
+    sim = Simulator(Scenario())
+    sim.step({"clamp": -10.0}, 0.01)
+    sim.step({"xp": 5.0}, 0.01)
+    assert sim.voltages == {"xp": 5.0, "xm": 0.0, "yp": 0.0, "ym": 0.0, "clamp": -10.0}
+
+
+def test_the_current_of_a_held_voltage_is_the_analytic_one():
+    # Eq. (1): I = U/R (1 - exp(-t R/L)), in one step and in ten, to rounding.
+    coil = Scenario().coil
+    expected = -1.0 * (1.0 - math.exp(-0.01 * coil.resistance / coil.inductance))
+    for steps in (1, 10):
+        sim = Simulator(Scenario())
+        for _ in range(steps):
+            state = sim.step({"clamp": -10.0}, 0.01 / steps)
+        assert state.current_clamp == pytest.approx(expected, rel=1e-13)
+
+
+def test_free_fall_ends_at_the_analytic_instant():
+    # Without field, fluid and magnet: the corner 1 mm above the surface arrives after sqrt(2h/g).
+    robot = Robot(magnetization=0.0)
+    scenario = Scenario(
+        robot=robot, initial=State(z=robot.height / 2 + 1e-3), drive=Drive(pulses=100)
+    ).replace({"drag.linear": 0.0, "drag.rotational": 0.0})
+    run = simulate(scenario, until=f"z <= {robot.height / 2 + 1e-6!r}")
+    assert run.condition_met
+    fallen = math.sqrt(2.0 * (1e-3 - 1e-6) / scenario.environment.gravity)
+    # The root's resolution is 1e-12 of a step, of at most 15 ms.
+    assert run.summary()["simulated_time"] == pytest.approx(fallen, abs=1e-9)
+
+
+def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
+    state = stepped(Scenario(), random_rows(4))[-1]
+    assert State.from_bytes(state.to_bytes()) == state
+    assert State.from_row(state.row) == state
+    assert pickle.loads(pickle.dumps(state)) == state
+    scenario = Scenario(initial=state)
+    scenario.to_toml(tmp_path / "begun.toml")
+    assert Scenario.from_toml(tmp_path / "begun.toml") == scenario
+    assert list(STATE_UNITS) == list(STATE_COLUMNS)
+    assert "[initial]" not in Scenario().to_toml()
+
+
+def test_a_run_begins_at_its_initial_state():
+    run = simulate(Scenario(initial=State(x=1e-3)).replace({"record.rate": 1000.0}))
+    base = simulate(Scenario().replace({"record.rate": 1000.0}))
+    assert run.x[0] == 1e-3
+    # The field's gradient is a thousandth weaker there; walking is a sum of many slips.
+    assert run.mean_velocity == pytest.approx(base.mean_velocity, rel=0.1)
+
+
+def test_rollouts_have_the_bits_of_simulators_for_any_number_of_threads():
+    rows = np.stack([random_rows(seed) for seed in range(20)])
+    scenarios = [Scenario().replace({"contact.adhesion": 1e-8 * (seed + 1)}) for seed in range(20)]
+    expected = [stepped(s, r)[-1].row for s, r in zip(scenarios, rows, strict=True)]
+    for threads in (1, 3):
+        found = rollout(scenarios, None, rows, STEP, record=STATE_COLUMNS, threads=threads)
+        assert not found.status.any()
+        assert found.states[:, -1].tolist() == expected
+
+
+def test_a_rollout_goes_on_from_an_array_of_states_and_writes_into_one():
+    rows = random_rows(5)
+    first = rollout(Scenario(), None, rows[:20], STEP, record=STATE_COLUMNS)
+    out = np.zeros((1, 30, 2))
+    found = rollout(Scenario(), first.states[:, -1], rows[20:], STEP, out=out)
+    assert found.states is out
+    assert found.columns == ("x", "theta")
+    direct = stepped(Scenario(), rows[20:], state=State.from_row(first.states[0, -1]))
+    assert out[0, -1].tolist() == [direct[-1].x, direct[-1].theta]
+
+
+def test_a_run_that_fails_in_a_rollout_is_a_status_and_no_number():
+    rows = np.zeros((400, 5))
+    rows[:, 0], rows[:, 4] = 20.0, -10.0
+    sliding = Scenario(initial=State(x=0.0885, vx=0.5)).replace({"drag.linear": 0.0})
+    found = rollout([Scenario(), sliding], None, rows, 1e-3, threads=1)
+    assert [found.status_names[each] for each in found.status] == ["ok", "left_workspace"]
+    assert np.isfinite(found.states[0]).all()
+    assert np.isnan(found.states[1, -1]).all()
+    sim = Simulator(sliding)
+    with pytest.raises(SimulationError, match="reached the coils"):
+        stepped(sliding, rows)
+    with pytest.raises(SimulationError, match="reached the coils"):
+        sim.step({"xp": 20.0, "clamp": -10.0}, 0.4)
+    with pytest.raises(SimulationError, match="has ended"):
+        sim.step({}, 1e-3)
+    assert sim.status == "left_workspace"
+
+
+CONDITIONS = {
+    "x >= 1e-3": lambda state: state.x,
+    "theta >= 0.5": lambda state: state.theta,
+    "turns >= 0.08": lambda state: state.theta / (2 * math.pi),
+}
+
+
+@pytest.mark.parametrize("until", CONDITIONS)
+def test_a_run_ends_where_its_condition_is_met(until):
+    run = simulate(Scenario(), until=until)
+    assert run.ok
+    assert run.condition_met
+    value = float(until.split()[2])
+    assert CONDITIONS[until](run.final_state) == pytest.approx(value, rel=1e-9)
+
+
+def test_a_condition_that_is_never_met_is_said():
+    run = simulate(Scenario(), until="x >= 1")
+    assert run.ok
+    assert not run.condition_met
+
+
+REFUSED_STATES = {
+    "below the surface": (State(z=1e-6), "initial.z"),
+    "a stuck corner that moves": (
+        State(theta=0.3, contact="corner_stick", vx=1e-3),
+        "initial.contact",
+    ),
+    "a face that is tilted": (State(theta=0.3, contact="face_stick"), "initial.theta"),
+    "a contact in the air": (State(z=1e-3, contact="corner_stick"), "initial.z"),
+    "a contact that slips the other way": (
+        State(theta=0.3, contact="corner_slip_backward", vx=1e-3),
+        "initial.contact",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED_STATES)
+def test_a_state_that_cannot_be_is_refused_in_one_line(case):
+    state, key = REFUSED_STATES[case]
+    with pytest.raises(ScenarioError, match=f"^{key} = .*allowed is [^\n]*$"):
+        Scenario(initial=state)
+    with pytest.raises(ScenarioError, match=f"{key} = "):
+        Simulator(Scenario(), state)
+    with pytest.raises(ScenarioError, match=f"^run 0: {key} = "):
+        rollout(Scenario(), state, np.zeros((1, 5)), STEP)
+
+
+def refusals():
+    sim, rows = Simulator(Scenario()), np.zeros((3, 5))
+    other = Simulator(Scenario().replace({"robot.mass": 3e-8})).snapshot()
+    yield lambda: sim.step({"zp": 1.0}, STEP), "zp"
+    yield lambda: sim.step({"xp": math.nan}, STEP), "finite"
+    yield lambda: sim.step({"xp": "a"}, STEP), "number of V"
+    yield lambda: sim.step([1.0], STEP), "mapping"
+    yield lambda: sim.step({}, -1.0), "duration = -1"
+    yield lambda: sim.step({}, STEP, "cubic"), "hold"
+    yield lambda: sim.restore(other), "another scenario"
+    yield lambda: sim.restore(b""), "Snapshot"
+    yield lambda: Snapshot.from_bytes(b"none"), "no snapshot"
+    yield lambda: Snapshot.from_bytes(other.to_bytes()[:-1]), "version"
+    yield lambda: State.from_bytes(b"none"), "bytes of a state"
+    yield lambda: State(theta=math.inf), "initial.theta"
+    yield lambda: Simulator(Scenario(), 3), "State"
+    yield lambda: Simulator(3), "Scenario"
+    yield lambda: rollout(Scenario(), None, rows[:, :4], STEP), "shape"
+    yield lambda: rollout(Scenario(), None, rows, 0.0), "duration"
+    yield lambda: rollout(Scenario(), np.zeros((2, 3)), rows, STEP), "shape"
+    yield lambda: rollout([Scenario()] * 2, None, np.zeros((3, 4, 5)), STEP), "number of runs"
+    yield lambda: rollout(Scenario(), None, rows, STEP, record=["y"]), "record"
+    yield lambda: rollout(Scenario(), None, rows, STEP, out=np.zeros(3)), "out of shape"
+    for until in ("x = 3", "y >= 2", "x >= nan", "x >= 3 m", 3):
+        yield lambda until=until: simulate(Scenario(), until=until), "until"
+
+
+@pytest.mark.parametrize("index", range(25))
+def test_what_is_no_step_is_refused_in_one_line(index):
+    call, told = list(refusals())[index]
+    with pytest.raises(ScenarioError, match=told) as refusal:
+        call()
+    assert "\n" not in str(refusal.value)
