@@ -70,7 +70,7 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     ----------
     problem : Problem
     seed : int
-        Of the scans.
+        Seed of the scans.
 
     Returns
     -------

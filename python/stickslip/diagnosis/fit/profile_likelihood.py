@@ -88,7 +88,7 @@ def profile(problem: Problem, fit: Fit) -> list[Profile]:
     Returns
     -------
     list of Profile
-        Of those that say how strong a cause is, not how it looks.
+        One for each parameter that says how strong a cause is, not how it looks.
     """
     return [_profile(fit, each, line) for each, line in _lines(problem, fit)]
 

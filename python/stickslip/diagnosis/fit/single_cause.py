@@ -1,4 +1,4 @@
-"""Fits of all single causes, and how well a model explains."""
+"""Fits of all single causes: quick ones of every cause, careful ones of those that lead."""
 
 from __future__ import annotations
 

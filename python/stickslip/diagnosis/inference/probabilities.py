@@ -51,15 +51,15 @@ def probabilities(
         weights[cause.name] = math.log(share) + evidence.get(cause.name, nothing)
     # Chosen: two causes at once are ten times less likely than one.
     pair_share = math.log(share) + math.log(0.1 / max(len(problem.causes), 1))
-    couples = [
+    pairs = [
         (fit, pair_share + _worth(problem, fit))
         for fit in ranking.pairs
         if fit.log_evidence
         > max(evidence.get(each.name, -math.inf) for each in fit.candidate.causes)
     ]
-    top = max([*weights.values(), *(weight for _, weight in couples)])
+    top = max([*weights.values(), *(weight for _, weight in pairs)])
     result = {name: math.exp(weight - top) for name, weight in weights.items()}
-    for fit, weight in couples:
+    for fit, weight in pairs:
         for cause in fit.candidate.causes:
             result[cause.name] += 0.5 * math.exp(weight - top)
     total = sum(result.values())

@@ -38,15 +38,15 @@ class Plots:
     ) -> Figure:
         """Data and fitted models; held-out readings are hollow.
 
-        Of a measurement velocities against frequency, with a column for each mode and direction,
-        the scenario as it was given, and residuals below.
+        For a measurement these are velocities against frequency, with a column for each mode and
+        direction, the scenario as it was given, and residuals below.
 
         Parameters
         ----------
         place : array_like, shape (m,), optional
             For a model of the user's own: the abscissa of each condition; its number, if not given.
         labels : tuple of str
-            For a model of the user's own: of abscissa and ordinate, with units.
+            For a model of the user's own: labels of abscissa and ordinate, with units.
 
         Raises
         ------
@@ -67,13 +67,14 @@ class Plots:
 
         Parameters
         ----------
-        place : array_like, shape (m,), optional
-            Abscissa of each observable; its number, if not given.
+        place : array_like, shape (observables,), optional
+            Abscissa of each observable; its number, if not given: the conditions come first, and
+            then the readings of other kinds.
         label : str
-            Of the abscissa, with its unit.
+            Label of the abscissa, with its unit.
         """
         count = len(self._findings.problem.observed)
-        at = np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
+        at = _abscissa(count, place, "observables")
         return figures.residuals(self._findings, at, label)
 
     def ranking(self) -> Figure:
@@ -95,7 +96,7 @@ class Plots:
         Parameters
         ----------
         name : str
-            Of the parameter, such as ``effects.surface_tilt.angle`` or ``surface_tilt.angle``.
+            Name of the parameter, such as ``effects.surface_tilt.angle`` or ``surface_tilt.angle``.
 
         Raises
         ------
@@ -119,12 +120,14 @@ def abscissa(found: Findings, place: ArrayLike | None) -> Array:
     ScenarioError
         If `place` has another length or is not finite.
     """
-    count = len(found.noise.mean)
-    return np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
+    return _abscissa(len(found.noise.mean), place, "conditions")
 
 
-def _checked(place: ArrayLike, count: int) -> Array:
+def _abscissa(count: int, place: ArrayLike | None, what: str) -> Array:
+    """Where each of a `count` of things is drawn; by its number, if no `place` is given."""
+    if place is None:
+        return np.arange(1.0, count + 1.0)
     at = np.asarray(place, dtype=float)
     if at.shape != (count,) or not np.all(np.isfinite(at)):
-        raise ScenarioError(f"place: allowed is a finite number for each of {count} conditions")
+        raise ScenarioError(f"place: allowed is a finite number for each of {count} {what}")
     return at
