@@ -33,7 +33,7 @@ def diagnose(
     measurement : Measurement
         From `read_measurement` or `Measurement.from_dataframe`.
     seed : int
-        Seed of all random draws; the result does not depend on `threads`.
+        Of all random draws; the result does not depend on `threads`.
     threads : int, optional
         Simulations at a time; as many as there are processors, if not given.
     progress : callable, optional

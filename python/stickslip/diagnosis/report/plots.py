@@ -67,14 +67,13 @@ class Plots:
 
         Parameters
         ----------
-        place : array_like, shape (observables,), optional
-            Abscissa of each observable; its number, if not given: the conditions come first, and
-            then the readings of other kinds.
+        place : array_like, shape (m,), optional
+            Abscissa of each observable; its number, if not given.
         label : str
-            Label of the abscissa, with its unit.
+            Of the abscissa, with its unit.
         """
         count = len(self._findings.problem.observed)
-        at = _abscissa(count, place, "observables")
+        at = np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
         return figures.residuals(self._findings, at, label)
 
     def ranking(self) -> Figure:
@@ -120,14 +119,12 @@ def abscissa(found: Findings, place: ArrayLike | None) -> Array:
     ScenarioError
         If `place` has another length or is not finite.
     """
-    return _abscissa(len(found.noise.mean), place, "conditions")
+    count = len(found.noise.mean)
+    return np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
 
 
-def _abscissa(count: int, place: ArrayLike | None, what: str) -> Array:
-    """Where each of a `count` of things is drawn; by its number, if no `place` is given."""
-    if place is None:
-        return np.arange(1.0, count + 1.0)
+def _checked(place: ArrayLike, count: int) -> Array:
     at = np.asarray(place, dtype=float)
     if at.shape != (count,) or not np.all(np.isfinite(at)):
-        raise ScenarioError(f"place: allowed is a finite number for each of {count} {what}")
+        raise ScenarioError(f"place: allowed is a finite number for each of {count} conditions")
     return at
