@@ -51,7 +51,7 @@ def test_each_verdict_has_a_page(tmp_path):
     assert "the best that explains the data" in text
     full, text = _page(tmp_path / "none", shared_result(3))
     assert full["verdict"] == "none"
-    assert "Upper bounds" in text
+    assert "Upper limit of each cause" in text
     lost = diagnose_model(predict, None, np.zeros(SIZE), UNCERTAIN, CAUSES)
     full, text = _page(tmp_path / "lost", lost)
     assert full["verdict"] == "data-problem"

@@ -15,7 +15,9 @@ from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_set
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
 from stickslip.diagnosis.report.evidence import pattern, where_it_lives
 from stickslip.diagnosis.report.messages import against, headline
+from stickslip.diagnosis.report.words import used_in
 from stickslip.facts import Code, Fact
+from stickslip.scenario.keys import known_keys
 from toy_model import (
     MODE,
     X,
@@ -135,6 +137,19 @@ def test_the_page_explains_its_terms(tilted):
     page = (tilted[0] / "found" / "report.html").read_text()
     for words in ("Chi-square: squared", "Starts agree", "same constants"):
         assert words in page
+    # A parameter's sign has the meaning that its key has.
+    assert known_keys()["effects.surface_tilt.angle"].meaning in page
+
+
+def test_a_page_defines_the_words_that_it_uses_and_no_others():
+    def names(page):
+        return [each.name for each in used_in(page)]
+
+    assert names("<p>Nothing was found.</p>") == []
+    # The picture and the list of words itself are no text of the page.
+    assert names('<img src="data:image/png;base64,prior+"><h2>Words</h2><ul>prior</ul>') == []
+    # A word that a definition needs is defined too.
+    assert names("<p>Its log-evidence.</p>") == ["Prior", "Log-evidence"]
 
 
 def test_the_page_says_if_nothing_can_be_learnt_from_the_data(tmp_path):

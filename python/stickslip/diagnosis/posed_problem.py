@@ -30,7 +30,7 @@ class PosedProblem(OneLine):
     conditions : list of dict
         Drive settings by dotted key, of the first rows; none for a model of the user's own.
     simulator : Simulator, optional
-        Of mean velocities; a user's own model has none.
+        Simulator of mean velocities; a user's own model has none.
     given : ndarray, shape (conditions,)
         Velocities of the scenario as it was given, m/s; NaN where it has none.
     left_out : tuple of Fact
@@ -52,7 +52,7 @@ class PosedProblem(OneLine):
     def velocities(self, drives: Sequence[Any], parameters: Array) -> Array:
         """The first rows alone, shape (vectors, drives), at drives that need not be measured.
 
-        Of a user's own model all rows, at whatever conditions it takes.
+        For a user's own model these are all rows, at whatever conditions it takes.
         """
         return self.model.velocities(drives, self.model.shared(parameters))
 

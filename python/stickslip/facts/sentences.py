@@ -25,7 +25,7 @@ SENTENCES: Mapping[Code, str] = {
         Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8")
     ).items()
 }
-"""Of each code its template."""
+"""The template of each code."""
 
 LINES = 5
 """Lines of a file that a sentence names; of more only the number is given. Chosen: one line."""

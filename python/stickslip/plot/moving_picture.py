@@ -19,7 +19,7 @@ from stickslip.plot.film import draw_arrow, draw_body, frame, mark_contact
 from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
 
 MOST_FRAMES = 2000
-"""Of one picture; chosen: a hundred seconds of it at the default rate."""
+"""Frames of one picture; chosen: a hundred seconds of it at the default rate."""
 
 _DOTS_PER_INCH = 100  # of a screen
 _FIELD_ARROW = 60.0  # µm, length for the strongest field; chosen by eye

@@ -11,7 +11,7 @@ from stickslip.scenario.sections import Robot
 from stickslip.simulation.coils import Coils
 
 MAXIMUM_FIELD = 6.5e-3
-"""Of one coil at the centre, Table I, T."""
+"""Field of one coil at the centre, Table I, T."""
 MAXIMUM_GRADIENT = 0.149
 """At the centre, Table I, T/m."""
 CUBE = 25e-3

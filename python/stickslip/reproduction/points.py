@@ -49,7 +49,7 @@ PAINLEVE_FRICTION = 4.0 / 3.0
 derived in docs/theory/contact.md."""
 
 PULSES = 20
-"""Of a simulation; the first three are not measured. Chosen: enough for a mean over seventeen."""
+"""Pulses of a simulation; the first three are not measured. Chosen: the mean is over seventeen."""
 PULSES_WHEN_SLOW, FEWER_PULSES_BELOW = 12, 40.0
 """Below this frequency (Hz) the motion repeats itself from pulse to pulse, and fewer pulses are
 enough; both chosen, because such pulses are long."""

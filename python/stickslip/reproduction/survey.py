@@ -24,7 +24,7 @@ _Kind = TypeVar("_Kind", bound=np.generic)
 SCANNED = ("frequency", "friction", "adhesion", "linear", "rotational", "field")
 
 STROKE_FREQUENCY = 30.0
-"""Of the runs that are looked at stroke by stroke, as in Figs. 4 to 7, Hz."""
+"""Frequency of the runs that are looked at stroke by stroke, as in Figs. 4 to 7, Hz."""
 
 WORKING_FREQUENCIES = (30.0, 100.0)
 """Those of the paper's figures, at which a setting has to walk, Hz."""

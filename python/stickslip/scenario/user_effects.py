@@ -60,7 +60,7 @@ class EffectParameter:
     Parameters
     ----------
     name : str
-        Of its key ``effects.<effect>.<name>``; letters, digits and ``_``.
+        Last part of its key ``effects.<effect>.<name>``; letters, digits and ``_``.
     unit : str
         SI unit; ``"-"`` for none.
     low, high : float
@@ -131,7 +131,7 @@ def register_effect(
     Parameters
     ----------
     name : str
-        Of the effect; letters, digits and ``_``.
+        Name of the effect; letters, digits and ``_``.
     function : int, object with an ``address``, ctypes function or callable
         Address of a compiled function, or what holds one: a numba ``cfunc``, a function that ctypes
         has loaded; or a Python function. It is kept as long as it is in use, but not the code
@@ -203,7 +203,7 @@ def unregister_effect(name: str) -> None:
     Parameters
     ----------
     name : str
-        Of the effect.
+        Name of the effect.
 
     Raises
     ------
@@ -238,7 +238,7 @@ def _row(effect: str, parameter: EffectParameter) -> _Row:
 
 
 def _address(effect: str, function: Any) -> int:
-    """Of compiled code; 0 for a Python function."""
+    """Address of compiled code; 0 for a Python function."""
     address: Any
     if isinstance(function, CFuncPtr):
         address = ctypes.cast(function, ctypes.c_void_p).value or 0

@@ -76,7 +76,7 @@ def rollout(
     voltages : array_like, shape (steps, 5) or (n, steps, 5)
         Voltages of the coils xp, xm, yp, ym, clamp in each step, V, for all runs or for each.
     duration : float
-        Of one step, s.
+        Duration of one step, s.
     hold : {"constant", "linear"}
         Whether voltages are held over a step, or go to their values linearly from those before.
     record : sequence of str

@@ -67,7 +67,7 @@ def resting_force(scenario: Scenario) -> float:
 
 
 SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
-"""Of the files that a run can be saved as."""
+"""Suffixes of the files that a run can be saved as."""
 
 
 class Run:

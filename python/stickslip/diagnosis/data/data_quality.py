@@ -65,9 +65,9 @@ def find_data_problem(
     values : ndarray, shape (n,)
         Trials, in the observable's unit.
     index : ndarray of int, shape (n,)
-        Of each trial's condition, 0 to m - 1, none missing.
+        Index of each trial's condition, 0 to m - 1, none missing.
     noise : NoiseModel
-        Of these trials.
+        Noise of these trials.
     order : array_like, shape (n,), optional
         Place of each trial in time; NaN where it is not known.
     block : ndarray of int, shape (n,), optional
@@ -98,7 +98,7 @@ def find_data_problem(
 def _rounded(values: Array, index: NDArray[np.int64]) -> Fact | None:
     """A fact if readings are in steps so wide that the scatter of trials is not their error.
 
-    Of two trials with normal errors that are rounded to steps of q, a share q / (2 sqrt(pi) sd)
+    If two trials with normal errors are rounded to steps of q, a share q / (2 sqrt(pi) sd) of them
     reads alike: 0.4 of them at 1.4 sd, where rounding adds half to the variance of a mean of three.
     """
     pairs = alike = 0

@@ -81,11 +81,11 @@ class NoiseModel(OneLine):
 
     @property
     def covariance(self) -> Array:
-        """Of `mean`, shape (m, m), from the trials alone."""
+        """Covariance of `mean`, shape (m, m), from the trials alone."""
         return self.covariance_at(self.mean)
 
     def covariance_at(self, level: Array) -> Array:
-        """Of `mean`, with the set-ups' common errors in proportion to some level, shape (m,).
+        """Covariance of `mean`, with set-ups' common errors in proportion to a level, shape (m,).
 
         An error that many conditions share must not follow what was measured: conditions that came
         out low would then weigh more, and a fit would end below them all.

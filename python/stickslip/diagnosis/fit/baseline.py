@@ -25,22 +25,46 @@ from stickslip.diagnosis.fit.multistart import (
 from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.model.problem import Array, Problem
 
-# All of these are chosen; distances are in coordinates.
-# Points of a scan, of a model with more than one constant and of others.
+# The numbers below are chosen, not derived. Distances are in coordinates, of which 1 is a standard
+# deviation of the prior.
+#
+# Points of a scan, powers of two for Sobol's sequence: of a model with more than one constant, and
+# of others. With fewer the deepest minimum may have no start; each is a simulation of all
+# conditions.
 _SCAN, _SMALL_SCAN = 128, 32
-# Starts from the first scan and how far apart they are, and starts from the wider one.
-_STARTS, _APART, _STRATA = 6, 0.7, 12
-# Most searches of each stage, and the steps of each.
-_MOST, _STEPS = (18, 4, 3, 2), 10
-# p-value of the lack of fit below which the search is widened.
+# Starts from the first scan: it suffices for data that the model explains; else a wider one
+# follows.
+_STARTS = 6
+# Least distance of starts: closer ones end in one minimum.
+_APART = 0.7
+# Starts from the wider scan, over the strata of all constants that are known in range only, and the
+# fewest strata of one: low, middle and high.
+_STRATA, _FEWEST_STRATA = 12, 3
+# Most searches of each stage of `STAGES`: with the largest errors all starts, unless more than six
+# constants are known in range only, and then the best ends; with fewer, a minimum that is the
+# deepest with the stated errors may be lost.
+_MOST = (18, 4, 3, 2)
+# Steps of each search: as many as of a careful fit of a cause.
+_STEPS = 10
+# p-value of the lack of fit below which the search is widened: a right model has a smaller one in
+# one case of five, and then pays for a second scan; with a smaller limit a wrong minimum that
+# passes the tests is kept.
 _WIDER_SEARCH_P = 0.2
-# Chi-square per observable up to which a stage's fit passes for one that explains.
+# Chi-square per observable up to which a stage's fit passes for one that explains: a fit that is
+# worse is far from the data, and responses of causes are looked at from a better one too.
 _EXPLAINS = 3.0
-# Ends that are closer are one minimum, and the most minima that are handed on.
-_SAME, _MOST_MINIMA = 0.05, 12
-# Changes of the constants that show the model's roughness: the widest, the share of the posterior's
-# standard deviation, and the fewest draws.
-_ROUGH_STEP, _ROUGH_SHARE, _ROUGH_DRAWS = 0.02, 0.3, 24
+# Distance below which ends are one minimum: with a smaller one the same is handed on several times,
+# with a larger one neighbouring minima are taken for one.
+_SAME = 0.05
+# The most minima that are handed on: each is a place where all causes are tried.
+_MOST_MINIMA = 12
+# Widest changes of the constants that show the model's roughness: wider ones show its curvature.
+_ROUGH_STEP = 0.02
+# Share of the posterior's standard deviation for the same: well within what the data leave open.
+_ROUGH_SHARE = 0.3
+# Fewest draws, and draws for each constant: the scatter is then known to a sixth, and the plane
+# through them leaves degrees of freedom.
+_ROUGH_DRAWS, _ROUGH_DRAWS_EACH = 24, 3
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,7 +94,7 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     ----------
     problem : Problem
     seed : int
-        Of the scans.
+        Seed of the scans.
 
     Returns
     -------
@@ -138,7 +162,7 @@ def _strata(problem: Problem, points: Array) -> list[Array]:
     if not wide:
         return _well_separated(points, _STRATA)
     chosen: list[Array] = []
-    share = max(_STRATA // len(wide), 3)
+    share = max(_STRATA // len(wide), _FEWEST_STRATA)
     for k in wide:
         edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, share + 1)[1:-1])
         place = np.searchsorted(edges, points[:, k])
@@ -155,7 +179,7 @@ def model_roughness(problem: Problem, fit: Fit, seed: int) -> Array:
     """
     p = problem.base_count
     random = np.random.default_rng([seed, 5])
-    count = max(_ROUGH_DRAWS, 3 * p)
+    count = max(_ROUGH_DRAWS, _ROUGH_DRAWS_EACH * p)
     spread = np.sqrt(np.diag(fit.covariance))[:p]
     step = np.minimum(_ROUGH_SHARE * spread, _ROUGH_STEP)
     move = random.standard_normal((count, p))

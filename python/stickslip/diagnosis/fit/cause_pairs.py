@@ -20,15 +20,31 @@ from stickslip.diagnosis.fit.single_cause import (
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Problem
 
-# All of these are chosen.
-# Pairs that are fitted of those that the screen ranks, and survivors that are refitted with care.
-_PAIRS, _SURVIVORS = 16, 10
-# Leading single causes beside which second ones are looked at.
+# The numbers below are chosen, not derived.
+#
+# Pairs that are fitted, of those that the screen ranks: the linear screen puts a true pair behind
+# its twins, so fewer miss it; each costs the stages of a quick fit. Beside each leading single
+# cause it is half as many.
+_PAIRS = 16
+_PAIRS_BESIDE = _PAIRS // 2
+# Pairs of causes that the screen of one view keeps, each at its best amplitudes: twice what is
+# fitted, as the views are ranked together after it.
+_SCREENED = 2 * _PAIRS
+# Pairs that are refitted with care: more than of single causes, as many pairs are nearly
+# equivalent.
+_SURVIVORS = 10
+# Leading single causes beside which second ones are looked at: where two causes act, a wrong one
+# may lead, and with fewer both members may be absent.
 _CENTRES = 3
-# A constant that is pulled by more standard deviations of its prior is released.
+# Pull, in standard deviations of the prior, from which on a constant is released: an honest prior
+# gives a larger one in one case of seven, and with a larger limit a constant that makes up for a
+# cause stays where it is.
 _PULLED = 1.5
-# Least multiple of a response with which a start has the cause.
+# Least multiple of a response with which a start has the cause: with none the search would begin
+# where the cause has no slope.
 _LEAST_MULTIPLE = 0.2
+# Least determinant of two responses, in whitened units: below it they are one and the same.
+_SINGULAR = 1e-12
 
 Pairs = dict[tuple[str, str], tuple[float, Start]]
 """For two names in the order of the alphabet: chi-square that is left, and where to begin."""
@@ -57,7 +73,7 @@ def fit_pairs(
     near = [
         (key, start)
         for beside in (_beside(problem, single) for single in singles[:_CENTRES])
-        for key, (_, start) in sorted(beside.items(), key=lambda item: item[1][0])[: _PAIRS // 2]
+        for key, (_, start) in sorted(beside.items(), key=lambda item: item[1][0])[:_PAIRS_BESIDE]
     ]
     by_name = {cause.name: cause for cause in problem.causes}
 
@@ -132,7 +148,7 @@ def _added(view: View) -> Pairs:
     along = projected @ null.residual
     power = np.diag(gram) + sensitivities.prior_cost[rows]
     # Two multiples by least squares; those below zero or far above one are not trusted.
-    determinant = np.maximum(power[:, None] * power[None, :] - gram**2, 1e-12)
+    determinant = np.maximum(power[:, None] * power[None, :] - gram**2, _SINGULAR)
     first = (along[:, None] * power[None, :] - gram * along[None, :]) / determinant
     most = sensitivities.largest_multiple[rows]
     first = np.clip(first, 0.0, most[:, None])
@@ -150,7 +166,7 @@ def _added(view: View) -> Pairs:
     seen: set[tuple[int, int]] = set()
     for flat in np.argsort(left, axis=None, kind="stable"):
         i, j = (int(each) for each in np.unravel_index(flat, left.shape))
-        if not np.isfinite(left[i, j]) or len(seen) >= 2 * _PAIRS:
+        if not np.isfinite(left[i, j]) or len(seen) >= _SCREENED:
             break
         if (cause[i], cause[j]) in seen:
             continue

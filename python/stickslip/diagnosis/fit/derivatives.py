@@ -15,16 +15,29 @@ import numpy as np
 from stickslip.diagnosis.fit.fit_result import Candidate
 from stickslip.diagnosis.model.problem import Array, Problem
 
-# All of these are chosen; lengths are in coordinates, of which 1 is a
-# standard deviation of the prior.
-# Widest and narrowest difference.
-_WIDE, _NARROW = 0.03, 1e-3
-# Shortest step that Broyden's update learns from, and the shortest whose jumps it takes as slopes.
-_SECANT, _STRIDE = 1e-3, 0.3
-# Change of one condition, in its errors, that is a jump and no slope.
+# The numbers below are chosen, not derived. Lengths are in coordinates, of which 1 is a standard
+# deviation of the prior.
+#
+# Widest difference: with a narrower one, slopes on the way see small steps of the model; with a
+# wider one, its curvature.
+_WIDE = 0.03
+# Narrowest difference, where the data leave little open: below it the error of the simulation,
+# divided by the difference, is no slope.
+_NARROW = 1e-3
+# Shortest step that Broyden's update learns from: as `_NARROW`.
+_SECANT = 1e-3
+# Shortest step whose jumps it takes as slopes: over a third of the prior's width a jump is a part
+# of the change that counts; over less it would be taken for a steep slope.
+_STRIDE = 0.3
+# Change of one condition, in its errors, that is a jump and no slope: a smaller limit refuses steep
+# slopes that the data know well, a larger one lets jumps through that outweigh the noise.
 _JUMP = 1.0
-# First trust radius of a search.
+# First trust radius of a search: the prior's width, as nothing is known better before the first
+# step.
 _NEAR = 1.0
+# Share of a difference that has to fit between a value and the end of its range: with less room
+# both values are taken on the other side.
+_ROOM = 0.5
 
 
 @dataclass
@@ -95,9 +108,9 @@ def _widths(problem: Problem, search: Search) -> Array:
 
 def _sides(place: float, width: float, low: float, high: float) -> tuple[float, float]:
     """A value on either side, the upper one first; at the end of a range two on the other side."""
-    if place + 0.5 * width > high:
+    if place + _ROOM * width > high:
         return place - width, place - 2.0 * width
-    if place - 0.5 * width < low:
+    if place - _ROOM * width < low:
         return place + width, place + 2.0 * width
     return min(place + width, high), max(place - width, low)
 

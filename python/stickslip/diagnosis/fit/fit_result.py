@@ -57,14 +57,14 @@ class Fit(OneLine):
     x : ndarray, shape (size,)
         All coordinates.
     chi2 : float
-        Of data and prior rows.
+        Chi-square of data and prior rows.
     data_chi2 : float
     residual : ndarray, shape (m + free,)
         Whitened, with prior rows.
     jacobian : ndarray, shape (m + free, free)
-        Of the model's whitened prediction, with the prior's rows.
+        Derivatives of the model's whitened prediction, with the prior's rows.
     slope : ndarray, shape (m, free)
-        Of the model's prediction, in the observable's unit.
+        Derivatives of the model's prediction, in the observable's unit.
     log_evidence : float
         Laplace's, up to a constant that is common to all candidates.
     converged : bool
@@ -86,7 +86,7 @@ class Fit(OneLine):
 
     @property
     def covariance(self) -> Array:
-        """Of the free coordinates."""
+        """Covariance of the free coordinates."""
         return np.asarray(np.linalg.inv(self.jacobian.T @ self.jacobian))
 
     @property

@@ -15,7 +15,9 @@ ADEQUATE = 0.01
 refused."""
 
 COMFORTABLE = 0.3
-"""With a single cause of at least this p-value, no pair is looked for. Chosen."""
+"""With a single cause of at least this p-value, no pair is looked for. Chosen, not derived: with a
+smaller one a pair is missed whose best single cause just passes, with a larger one most right
+single causes pay for the search of pairs."""
 
 
 def lack_of_fit_p(chi2: float, free: int, dof: float) -> float:

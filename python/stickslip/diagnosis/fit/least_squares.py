@@ -14,14 +14,28 @@ from stickslip.diagnosis.fit.derivatives import Search, broyden_update
 from stickslip.diagnosis.fit.fit_result import Candidate
 from stickslip.diagnosis.model.problem import Array, Problem
 
-# All of these are chosen; lengths are in coordinates, of which 1 is a standard deviation of the
-# prior, and falls are of chi-square.
-# Largest trust radius.
+# The numbers below are chosen, not derived. Lengths are in coordinates, of which 1 is a standard
+# deviation of the prior; falls are of chi-square.
+#
+# Largest trust radius: a longer step would leave the prior, where a linear model says nothing.
 _FAR = 4.0
-# A step that lowers chi-square by less is quiet; two of them in a row end a search.
+# A step that lowers chi-square by less is quiet: far below what a test or a lead counts; with a
+# smaller one searches go on in the model's own scatter.
 _SETTLED = 0.02
-# Share of the promised fall that a step has to reach for the trust radius to grow.
+# Share of the promised fall that a step has to reach for the trust radius to grow: with a smaller
+# one the radius grows where the linear model fails, with a larger one it hardly ever does.
 _GOOD = 0.3
+# Factors of the trust radius: after a step that lowers nothing, though its derivatives were taken
+# there; of the step's own length after one that lowers less than promised; and after a good step.
+# Smaller ones waste steps on short ones, larger ones on steps that fail again.
+_AFTER_FAILURE, _AFTER_POOR, _AFTER_GOOD = 0.2, 0.5, 2.0
+# Least trust radius after a poor step: the narrowest difference of a derivative, below which the
+# model is no smoother.
+_LEAST_RADIUS = 1e-3
+# Least curvature of the linear model in any direction: only what divides by it has to be finite.
+_FLAT = 1e-12
+# Bisections of the damping: they leave 1e-12 of its first interval.
+_BISECTIONS = 40
 
 
 def residual_of(problem: Problem, candidate: Candidate, x: Array, predicted: Array) -> Array:
@@ -80,13 +94,13 @@ def advance(problem: Problem, searches: Sequence[Search]) -> None:
         search.slope = slope_now
         if fall <= 0.0:
             # Derivatives of wrong updates are taken anew before the radius is made smaller.
-            search.radius *= 0.2 if exact else 1.0
+            search.radius *= _AFTER_FAILURE if exact else 1.0
             search.slope = search.slope if exact else None
         elif fall <= _GOOD * promised:
-            search.radius = max(0.5 * length, 1e-3)
+            search.radius = max(_AFTER_POOR * length, _LEAST_RADIUS)
             search.slope = search.slope if exact else None
         else:
-            search.radius = min(2.0 * search.radius, _FAR)
+            search.radius = min(_AFTER_GOOD * search.radius, _FAR)
         small = fall < _SETTLED and (exact or promised < _SETTLED)
         search.quiet = search.quiet + 1 if small else 0
 
@@ -95,7 +109,7 @@ def _within(normal: Array, slope: Array, radius: float) -> Array:
     """Step of least predicted chi-square that is no longer than the radius."""
     values, vectors = np.linalg.eigh(normal)
     along = vectors.T @ slope
-    values = np.maximum(values, 1e-12)
+    values = np.maximum(values, _FLAT)
 
     def length(damping: float) -> float:
         return float(np.linalg.norm(along / (values + damping)))
@@ -103,7 +117,7 @@ def _within(normal: Array, slope: Array, radius: float) -> Array:
     damping = 0.0
     if length(0.0) > radius:
         low, high = 0.0, float(np.linalg.norm(along)) / radius
-        for _ in range(40):
+        for _ in range(_BISECTIONS):
             damping = 0.5 * (low + high)
             low, high = (damping, high) if length(damping) > radius else (low, damping)
     return np.asarray(vectors @ (along / (values + damping)))

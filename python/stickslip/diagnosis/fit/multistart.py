@@ -31,12 +31,29 @@ when it changes, does not hold the others back. The bound of 1.5 is chosen: a re
 already counts for less than half of its square.
 """
 
-# All of these are chosen; falls are of chi-square.
-# Random points about the end of a search in one restart.
+# The numbers below are chosen, not derived. Lengths are in coordinates, of which 1 is a standard
+# deviation of the prior; falls are of chi-square.
+#
+# Random points about the end of a search in one restart: half along the posterior and half along
+# the axes; fewer rarely pass a jump, and each is a simulation of all conditions.
 _RESTART_POINTS = 16
-# A start that is so far behind the best of its candidate after four steps is given up.
+# Widths of the restarts in turn, in standard deviations of the posterior: a whole one finds another
+# side of a jump, the smaller ones the lowest point on this side.
+_RESTART_WIDTHS = (1.0, 0.4, 0.15)
+# Least and largest width of the points along the axes: below the least they see nothing but the
+# model's own scatter, and beyond the largest the constants leave the minimum.
+_AXIS_WIDTHS = 0.03, 0.5
+# A search ends after so many quiet steps in a row: one may be quiet by a bad derivative, which is
+# taken anew for the next.
+_QUIET_STEPS = 2
+# Steps after which a search that is far behind the best of all, or of its own candidate, is given
+# up: with fewer, the first steps, which correct the constants, decide.
+_STEPS_TO_JUDGE, _STEPS_TO_JUDGE_STARTS = 2, 4
+# How far behind the best start of its candidate it then is: with less, a start that has yet to
+# pass a jump of several errors is lost.
 _BEHIND = 40.0
-# Most steps of a fit that begins where one of nearly the same problem has ended.
+# Most steps of a fit that begins where one of nearly the same problem has ended: it has little to
+# go.
 _AGAIN = 6
 
 
@@ -65,11 +82,11 @@ def fit_candidates(
     for count in range(iterations):
         derive(problem, [search for search in active if search.slope is None])
         advance(problem, active)
-        active = [search for search in active if search.quiet < 2]
-        if count >= 1:
+        active = [search for search in active if search.quiet < _QUIET_STEPS]
+        if count + 1 >= _STEPS_TO_JUDGE:
             best = min(search.chi2 for search in searches) + hopeless
             active = [search for search in active if search.chi2 < best]
-        if count >= 3:
+        if count + 1 >= _STEPS_TO_JUDGE_STARTS:
             leads = {
                 id(search): min(each.chi2 for each in group) for group in groups for search in group
             }
@@ -145,10 +162,10 @@ def _scatter(problem: Problem, searches: Sequence[Search], number: int) -> None:
     rows = []
     for search in searches:
         free = search.candidate.free
-        scale = (1.0, 0.4, 0.15)[number % 3]
+        scale = _RESTART_WIDTHS[number % len(_RESTART_WIDTHS)]
         lower = spread_factor(search.jacobian(problem))
         draws = random.standard_normal((_RESTART_POINTS, len(free)))
-        width = np.clip(np.sqrt(np.sum(lower**2, axis=1)), 0.03, 0.5)
+        width = np.clip(np.sqrt(np.sum(lower**2, axis=1)), *_AXIS_WIDTHS)
         step = np.where(
             np.arange(_RESTART_POINTS)[:, None] % 2 == 0, draws @ lower.T, draws * width
         )

@@ -20,16 +20,27 @@ from stickslip.diagnosis.model.problem import Array, Problem
 FAR = 9.0
 """Rise of chi-square at both ends up to which a profile goes on: three standard deviations."""
 
-# All of these are chosen. Values of the parameter in standard deviations by the curvature: so far
-# out that another minimum beyond a barrier is seen.
+# The numbers below are chosen, not derived.
+#
+# Values of the parameter in standard deviations by the curvature: close about the best fit, where
+# the profile crosses 1 and 4, and so far out that another minimum beyond a barrier is seen.
 _OFFSETS = (-8.0, -5.0, -3.0, -1.7, -1.0, -0.5, 0.0, 0.5, 1.0, 1.7, 3.0, 5.0, 8.0)
-# Where chi-square has not risen enough at an end, factor to the next value, and the farthest.
-_FURTHER, _WIDEST = 1.5, 30.0
-# Steps of a fit, and chi-square above the best value after two of them at which it is given up.
-_STEPS, _HOPELESS = 6, 4.0 * FAR
-# Rounds of starts from the neighbours, and the fall of chi-square that counts as one.
-_ROUNDS, _LOWER = 2, 0.1
-# How often the fit may move to a lower minimum that its profile shows.
+# Where chi-square has not risen enough at an end, the factor to the next value: a larger one leaves
+# gaps in which a minimum is missed.
+_FURTHER = 1.5
+# The farthest that is gone on from: a parameter that is open so far has no useful error.
+_WIDEST = 30.0
+# Steps of a fit: it begins beside one that has ended.
+_STEPS = 6
+# Chi-square above the best value after two steps at which a fit is given up: four times what a
+# profile shows, so that no value that is drawn is lost.
+_HOPELESS = 4.0 * FAR
+# Rounds of starts from the neighbours: a lower minimum spreads by one value on either side in each.
+_ROUNDS = 2
+# Fall of chi-square that counts as one: a tenth of the rise that is one standard deviation.
+_LOWER = 0.1
+# How often the fit may move to a lower minimum that its profile shows: each costs all profiles
+# again.
 _MOVES = 3
 
 
@@ -88,7 +99,7 @@ def profile(problem: Problem, fit: Fit) -> list[Profile]:
     Returns
     -------
     list of Profile
-        Of those that say how strong a cause is, not how it looks.
+        One for each parameter that says how strong a cause is, not how it looks.
     """
     return [_profile(fit, each, line) for each, line in _lines(problem, fit)]
 

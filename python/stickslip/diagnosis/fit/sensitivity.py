@@ -18,7 +18,8 @@ from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.model.problem import PRIOR_INFLATION, Array, Indices, Problem
 
 AMPLITUDES = (0.15, 0.6, 2.0)
-"""Of the response, in units of the parameter's scale. Chosen: a factor of about four apart."""
+"""Amplitudes at which responses are taken, in units of the parameter's scale. Chosen: a factor of
+about four apart."""
 
 UNSEEN = 1e-3
 """Signal to noise after projection below which a response counts as none. Chosen: no test could

@@ -1,4 +1,4 @@
-"""Fits of all single causes, and how well a model explains."""
+"""Fits of all single causes: quick ones of every cause, careful ones of those that lead."""
 
 from __future__ import annotations
 
@@ -21,23 +21,56 @@ from stickslip.diagnosis.model.problem import Cause, Problem
 CAREFUL = 10
 """Most steps of a careful fit. Chosen: most searches end before."""
 
-# All of these are chosen; distances are in coordinates, and leads of
-# chi-square or of log-evidence.
-# Steps of a quick fit in each stage, and how far behind the best a candidate is then given up.
-_QUICK, _HOPELESS = 5, (np.inf, 8.0, 40.0, 30.0)
-# Starts of a cause from each view and minimum, those kept of all, and how far apart they are.
-_STARTS, _BEGINS, _CLOSE = 2, 6, 0.1
-# Searches of one candidate that end closer together go on as one.
+# The numbers below are chosen, not derived. Distances are in coordinates, of which 1 is a standard
+# deviation of the prior; leads are of chi-square or of log-evidence.
+#
+# Steps of a quick fit in each stage: with fewer, slow causes are judged before they have moved;
+# with more, every candidate costs more than the stages after it decide.
+_QUICK = 5
+# Chi-square behind the best at which a candidate is given up in each stage of `STAGES`. In the
+# first, errors are ten times too large and say nothing of the rank; in the second, a difference of
+# 8 is one of 72 with the stated errors; the last two have room for a jump that is not yet passed.
+# With smaller ones good candidates are lost, with larger ones time.
+_HOPELESS = (np.inf, 8.0, 40.0, 30.0)
+# Starts of a cause from each view and minimum: one for either sign.
+_STARTS = 2
+# Starts of a cause that are kept of all: fewer miss a minimum, more cost a simulation each.
+_BEGINS = 6
+# Least distance of such starts: closer ones end together; with a larger one distinct starts are
+# lost.
+_CLOSE = 0.1
+# Distance below which searches of one candidate go on as one: twice the above, as ends spread; with
+# a larger one neighbouring minima are taken for one.
 _MET = 0.2
-# Candidates that are refitted with care, and how far behind the best in log-evidence they may be:
-# a million to one.
-_SURVIVORS, _WITHIN = 6, 14.0
-# Leaders whose starts have to agree, and widths of the rounds of further starts, in standard
-# deviations of the posterior.
-_LEADING, _ROUNDS = 2, (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
-# Points of a scan for a relaxed constant, and starts from it, which lie this far apart; of a cause
-# half the points and one start.
-_SCAN, _RELAXED_STARTS, _APART = 128, 3, 1.0
+# Candidates that are refitted with care: with fewer, one that was fitted badly is lost; most of the
+# time of a diagnosis goes with their number.
+_SURVIVORS = 6
+# How far behind the best in log-evidence they may be: a million to one, as a quick fit may be some
+# units too low.
+_WITHIN = 14.0
+# Starts of the null from the leaders' constants: the best three of them; each costs a careful fit.
+_NULL_STARTS = 3
+# Second starts of a careful fit, after the best one: so many of the starts that were tried.
+_OTHER_STARTS = 2
+# Longest step of a coordinate to a start beside a fit: a longer one would leave its minimum.
+_NEARBY = 0.5
+# Leaders whose starts have to agree: the verdict compares two.
+_LEADING = 2
+# Widths of the rounds of further starts, in standard deviations of the posterior: wide ones first,
+# as they find other minima, and narrow ones for what has jumps in between. With fewer rounds more
+# candidates count as not converged.
+_ROUNDS = (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
+# Starts of a round beside that of the fit, and the farthest that a coordinate moves in it: wider
+# ones rarely end at the same place.
+_PER_ROUND, _ROUND_REACH = 2, 1.0
+# Points of a scan for a relaxed constant, a power of two for Sobol's sequence; of a cause half.
+# With fewer a narrow minimum far out is missed.
+_SCAN = 128
+# Starts from the scan of a relaxed constant; one of a cause, which has starts from its responses
+# too.
+_RELAXED_STARTS = 3
+# Least distance of these starts: a standard deviation of the prior, or they end together.
+_APART = 1.0
 
 
 def fit_singles(
@@ -75,7 +108,7 @@ def fit_singles(
     for candidate, tried in zip(candidates, ordered, strict=True):
         nearest, *rest = [fit for fit in quick if fit.candidate.causes == candidate.causes]
         best.append(nearest)
-        others[nearest.name] = [*(Start.of(fit) for fit in rest), *tried[1:3]]
+        others[nearest.name] = [*(Start.of(fit) for fit in rest), *tried[1 : 1 + _OTHER_STARTS]]
     return refine(problem, best, others, random_restarts)
 
 
@@ -157,7 +190,7 @@ def refit_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:
         x[:p] = fit.x[:p]
         begins.append(Start(x, fit.slope[:, :p]))
     ordered = starts_by_misfit(problem, [null.candidate], [begins])
-    (again,) = fit_candidates(problem, [null.candidate], [ordered[0][:3]], CAREFUL)
+    (again,) = fit_candidates(problem, [null.candidate], [ordered[0][:_NULL_STARTS]], CAREFUL)
     return again if again.chi2 < null.chi2 - AGREE else null
 
 
@@ -268,12 +301,12 @@ def refine(
 
 
 def _nearby(problem: Problem, fit: Fit) -> Start:
-    """A start one standard deviation of the posterior away, 0.5 at most, in alternating signs."""
+    """A start one standard deviation of the posterior away, in alternating signs."""
     low, high = problem.limits()
     free = fit.candidate.free
     x = fit.x.copy()
     signs = np.where(np.arange(len(free)) % 2 == 0, 1.0, -1.0)
-    step = signs * np.minimum(np.sqrt(np.diag(fit.covariance)), 0.5)
+    step = signs * np.minimum(np.sqrt(np.diag(fit.covariance)), _NEARBY)
     x[free] = np.clip(x[free] + step, low[free], high[free])
     return Start(x)
 
@@ -292,9 +325,10 @@ def search_until_converged(
             free = fit.candidate.free
             lower = spread_factor(fit.jacobian)
             points = [Start.of(fit)]
-            for _ in range(2):
+            for _ in range(_PER_ROUND):
                 x = fit.x.copy()
-                x[free] += np.clip(width * lower @ random.standard_normal(len(free)), -1.0, 1.0)
+                step = width * lower @ random.standard_normal(len(free))
+                x[free] += np.clip(step, -_ROUND_REACH, _ROUND_REACH)
                 points.append(Start(np.clip(x, low, high)))
             begins.append(points)
         again = fit_candidates(

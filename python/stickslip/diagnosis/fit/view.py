@@ -18,11 +18,16 @@ from stickslip.diagnosis.fit.sensitivity import (
 )
 from stickslip.diagnosis.model.problem import Array, Problem
 
-# All of these are chosen. Largest Gauss-Newton step of a coordinate toward the minimum.
+# The numbers below are chosen, not derived.
+#
+# Largest Gauss-Newton step of a coordinate toward the minimum: two standard deviations of the
+# prior; a longer one is no linear matter.
 _LARGEST_STEP = 2.0
-# Least multiple of a response with which a start has its cause.
+# Least multiple of a response with which a start has its cause: with less the search would begin
+# where a cause behind a threshold has no slope.
 _LEAST_MULTIPLE = 0.3
-# Least and largest multiple where nothing but the cause moves.
+# Least and largest multiple where nothing but the cause moves: near the response that was
+# simulated, as no constant corrects what the multiple misses.
 _ALONE = 0.5, 1.5
 
 

@@ -45,7 +45,7 @@ def refit_parts(problem: Problem, null: Fit, parts: Mapping[str, Indices]) -> li
     ----------
     problem : Problem
     null : Fit
-        Of all conditions.
+        Fit of all conditions.
     parts : dict
         Indices of the conditions of each part, complementary ones one after the other; where one of
         two has fewer than four, both are left out.

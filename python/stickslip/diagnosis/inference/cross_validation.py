@@ -45,8 +45,8 @@ class Gain(OneLine):
     interval : tuple of float
         95 % interval of the fall of chi-square per condition, by a paired bootstrap.
     p_value : float
-        Of the extended model's error, weighed by the prediction's own covariance too, and beyond
-        what an error that set-ups share lets expect.
+        p-value of the extended model's error, weighed by the prediction's own covariance too, and
+        beyond what an error that set-ups share lets expect.
     choice : str
         Name of the candidate that the other conditions alone rank first.
     predicted_before, predicted_after : ndarray
@@ -172,15 +172,15 @@ def measure_gain(
     problem : Problem
         With all conditions.
     covariance : ndarray, shape (m, m)
-        Of the observed means.
+        Covariance of the observed means.
     held_out : ndarray of int
         From `split`.
     null, chosen : Fit
-        Of all conditions; only where their fits began is taken from them.
+        Fits of all conditions; only where their fits began is taken from them.
     candidates : list of Fit
         Others that could have been chosen.
     seed : int
-        Of the bootstrap.
+        Seed of the bootstrap.
 
     Returns
     -------

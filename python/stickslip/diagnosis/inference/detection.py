@@ -34,12 +34,13 @@ class Detection:
     Attributes
     ----------
     p_value : float
-        Of both together.
+        p-value of both tests together.
     lack_of_fit_p, score_p : float
+        p-value of each test.
     lack_of_fit, score : float
         F and the largest score.
     threshold : float
-        Of the score, at half the error rate.
+        Limit of the score, at half the error rate.
     bootstrapped : bool
         Whether the p-values are from refits of simulated data.
     found : bool
@@ -66,7 +67,7 @@ def detect(problem: Problem, null: Fit, sensitivities: Sensitivities, seed: int)
     sensitivities : Sensitivities
         About it, of the causes that the score looks for; there may be none.
     seed : int
-        Of the draws of pure noise.
+        Seed of the draws of pure noise.
 
     Returns
     -------

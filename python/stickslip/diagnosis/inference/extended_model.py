@@ -11,7 +11,7 @@ from stickslip.scenario.scenario import Scenario
 def extended_values(found: Findings) -> dict[str, float]:
     """Values of the constants and of the parameters of the claimed cause, by name, in their units.
 
-    Of data that allow no diagnosis nothing is learnt, so there are none.
+    From data that allow no diagnosis nothing is learnt, so there are none.
     """
     if found.verdict.kind == "data-problem":
         return {}
@@ -23,7 +23,7 @@ def extended_values(found: Findings) -> dict[str, float]:
 def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
     """The scenario with recalibrated constants and, where there is one, the cause.
 
-    Of data that allow no diagnosis nothing is learnt, so the scenario stays as it is. What only a
+    From data that allow no diagnosis nothing is learnt, so the scenario stays as it is. What only a
     channel has, such as a camera's offset, is no part of a scenario.
 
     Raises

@@ -46,7 +46,7 @@ class Findings(OneLine):
         settings were given.
     gain : Gain, optional
     profiles : tuple of Profile
-        Of the parameters of the verdict's fit.
+        Profiles of the parameters of the verdict's fit.
     notes : tuple of Fact
     seed : int
     """

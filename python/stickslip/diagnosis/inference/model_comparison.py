@@ -51,7 +51,7 @@ class AssessedBaseline(OneLine):
     problem : Problem
         With these errors.
     covariance : ndarray, shape (m, m)
-        Of the data and of the model's own scatter.
+        Covariance of the data and of the model's own scatter.
     roughness : ndarray, shape (m,)
         Standard deviation of that scatter, in the observable's unit.
     null : Fit

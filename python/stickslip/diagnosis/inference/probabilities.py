@@ -11,7 +11,11 @@ from stickslip.diagnosis.model.problem import Problem
 
 PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1
 """Probability before any data of no cause, and of a cause of any shape; the causes share the rest.
-Chosen."""
+Chosen, not derived: either is an opinion, and both are told beside the probabilities."""
+
+_PAIR_SHARE = 0.1
+"""How much less likely two causes at once are than one, before any data. Chosen: apparatus with two
+hidden errors is rarer; the many pairs share it, or they would outweigh single causes by number."""
 
 
 def _share(problem: Problem) -> float:
@@ -49,17 +53,16 @@ def probabilities(
     evidence |= {fit.name: _worth(problem, fit) for fit in ranking.singles}
     for cause in problem.causes:
         weights[cause.name] = math.log(share) + evidence.get(cause.name, nothing)
-    # Chosen: two causes at once are ten times less likely than one.
-    pair_share = math.log(share) + math.log(0.1 / max(len(problem.causes), 1))
-    couples = [
+    pair_share = math.log(share) + math.log(_PAIR_SHARE / max(len(problem.causes), 1))
+    pairs = [
         (fit, pair_share + _worth(problem, fit))
         for fit in ranking.pairs
         if fit.log_evidence
         > max(evidence.get(each.name, -math.inf) for each in fit.candidate.causes)
     ]
-    top = max([*weights.values(), *(weight for _, weight in couples)])
+    top = max([*weights.values(), *(weight for _, weight in pairs)])
     result = {name: math.exp(weight - top) for name, weight in weights.items()}
-    for fit, weight in couples:
+    for fit, weight in pairs:
         for cause in fit.candidate.causes:
             result[cause.name] += 0.5 * math.exp(weight - top)
     total = sum(result.values())

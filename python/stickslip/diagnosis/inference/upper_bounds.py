@@ -22,9 +22,10 @@ def upper_bounds(
 ) -> dict[str, float]:
     """95 % upper limit of the magnitude of every parameter of a cause, in its own unit.
 
-    Of one that acts as it falls, the lowest value that it could have. From the responses that were
-    simulated, each as if it grew with the amplitude, up to three times and down to a third of its
-    own. A parameter that these data cannot see is bounded by its physical range.
+    The bound of a parameter that acts as it falls is the lowest value that it could have. Bounds
+    are from the responses that were simulated, each as if it grew with the amplitude, up to three
+    times and down to a third of its own. A parameter that these data cannot see is bounded by its
+    physical range.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def smallest_effects(
     problem : Problem
     sensitivities : Sensitivities
     threshold : float
-        Of the score.
+        Limit of the score test.
     """
     wanted = threshold + _POWER_SDS
     found: dict[str, float] = {}

@@ -22,8 +22,15 @@ VerdictKind = Literal["none", "named", "ambiguous", "pair", "unexplained", "data
 MARGIN = 3.0
 """Log-evidence by which a named cause leads. Chosen: odds of twenty to one."""
 
+ALIKE_MARGIN = 2.0 * MARGIN
+"""The same over a cause whose effects on the data are alike: the lead of one over the other then
+rests on small differences of nearly equal fits. Chosen, not derived: odds of four hundred to
+one."""
+
 LEAST_SHARE = 0.7
-"""Share of what a smooth function explains that a claimed cause or pair has to explain. Chosen."""
+"""Share of what a smooth function explains that a claimed cause or pair has to explain. Chosen, not
+derived: with a smaller one a cause is named that leaves much unexplained; with a
+larger one noise, part of which a smooth function explains, refuses right causes."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -163,7 +170,7 @@ def _decided(
         fit
         for fit in singles
         if cosines[index[best.name], index[fit.name]] > SAME
-        and best.log_evidence - fit.log_evidence < 2 * MARGIN
+        and best.log_evidence - fit.log_evidence < ALIKE_MARGIN
     ]
     candidates = [fit for fit in singles if fit in close or fit in alike]
     if len(candidates) > 1:

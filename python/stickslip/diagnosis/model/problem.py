@@ -227,7 +227,7 @@ class Problem(OneLine):
 
     @property
     def names(self) -> list[str]:
-        """Of all coordinates: the uncertain parameters, then those of all causes."""
+        """Names of all coordinates: the uncertain parameters, then those of all causes."""
         return [*(each.name for each in self.uncertain), *(each.name for each in self.parameters)]
 
     def columns(self, causes: Sequence[Cause]) -> list[int]:

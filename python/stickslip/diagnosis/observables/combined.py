@@ -23,7 +23,7 @@ class Combined:
     velocities : callable
         ``velocities(conditions, parameters)``, of the columns `shared` alone.
     names : sequence of str
-        Of all columns.
+        Names of all columns.
     shared : sequence of str
         Columns that are scenario keys.
     observables : sequence of Observable

@@ -35,9 +35,9 @@ class Comparison(OneLine):
     observed, recalibrated : ndarray, shape (n,) or (n, components)
         SI units.
     sd : ndarray
-        Of every number of `observed`, one after another.
+        Standard deviation of every number of `observed`, one after another.
     extended : ndarray, optional
-        Where a cause is claimed.
+        Those of the extended model, where a cause is claimed.
     held_out : ndarray of bool, shape (n,)
         Which readings were held out for the gain.
     """
@@ -66,11 +66,11 @@ class Observable(Protocol):
     Attributes
     ----------
     name : str
-        ``angle``, ``field`` or ``tracking``.
+        ``angle`` or ``field``; of a film ``tracking.1``, ``tracking.2`` and so on.
     observed : ndarray, shape (k,)
         In SI units.
     covariance : ndarray, shape (k, k)
-        Of their errors.
+        Covariance of their errors.
     group : ndarray of int, shape (k,)
         Observables that are held out together, numbered from 0.
     nuisance : tuple of Uncertain

@@ -1,4 +1,4 @@
-"""What a verdict rests on: where the misfit lives, and what each cause does to the velocities."""
+"""What a verdict rests on: the misfit of parts of the data, and the change by each cause."""
 
 from __future__ import annotations
 
@@ -23,6 +23,25 @@ _CARRIERS = 3
 _CONTRAST = 2.0
 """Ratio of chi-square per condition from which on one part of the data is said to be worse. Chosen:
 for eight conditions of noise alone it is two standard deviations above 1."""
+
+_SEEN = 1.0
+"""Signal to noise after projection that a response needs for the data to say anything about its
+cause. Chosen: one standard deviation."""
+
+
+def unseen_causes(found: Findings) -> frozenset[str]:
+    """Causes that these data cannot show at any size that was simulated, and that are not claimed.
+
+    Their probability is that before the data beside those of the others, and may be large. Of a
+    constant that is itself suspected, recalibration says what the data tell, so it is none of them.
+    """
+    seen = set(found.sensitivities.cause[found.sensitivities.size >= _SEEN].tolist())
+    names = {
+        cause.name
+        for k, cause in enumerate(found.problem.causes)
+        if k not in seen and cause.relaxes_prior is None
+    }
+    return frozenset(names.difference(found.verdict.causes))
 
 
 def carriers(found: Findings, m: int) -> list[dict[str, Any]]:

@@ -19,8 +19,8 @@ from stickslip.diagnosis.report.section import ReportSection
 from stickslip.facts import Code, Fact
 
 _NEARLY = 0.7
-"""Of the clearest t: a constant that has as much is named instead, as it is simpler. Chosen: two t
-values so near differ by less than their own errors of 1."""
+"""Share of the clearest t that a constant needs to be named instead, as it is simpler. Chosen: two
+t values so near differ by less than their own errors of 1."""
 
 
 def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> list[ReportSection]:
@@ -126,8 +126,8 @@ def _opposite(one: FilmComparison, other: FilmComparison) -> bool:
 def _direction_section(one: FilmComparison, other: FilmComparison) -> ReportSection:
     """What two opposite runs share, in the world, and what changes its sign with the robot.
 
-    The ways of a pulse, m, cancel if nothing is fixed to the world. The mean force residuals while
-    slipping, N, are told apart in the same way.
+    The advances per pulse, m, cancel if nothing is fixed to the world. The mean force residuals
+    while slipping, N, are told apart in the same way.
     """
     title = f"{one.file} and {other.file}: forward and reversed"
     if one.advance is None or other.advance is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from importlib import resources
 from os import PathLike
 from pathlib import Path
@@ -27,12 +28,15 @@ from stickslip.diagnosis.inference.upper_bounds import BOUND, POWER
 from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN
 from stickslip.diagnosis.observables import Comparison
 from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
+from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
+from stickslip.diagnosis.report.evidence import unseen_causes
 from stickslip.diagnosis.report.film_section import film_sections
 from stickslip.diagnosis.report.json_keys import OwnData, report_numbers
 from stickslip.diagnosis.report.parameters import short
 from stickslip.diagnosis.report.section import ReportSection, table_section
+from stickslip.diagnosis.report.words import used_in
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -154,9 +158,15 @@ def _page(
     leaders = [row for row in full["ranking"] if row["leading"]] if len(full["ranking"]) > 1 else []
     reasons = [*found.verdict.reasons, runner_up(found)]
     causes = found.problem.causes
-    return environment.from_string(source).render(
+    known = known_keys() if posed.simulator is not None else {}
+    films = any(isinstance(each, FilmObservable) for each in posed.model.observables)
+    page = partial(
+        environment.from_string(source).render,
         report=full,
         meanings={each.name: each.meaning for each in causes},
+        key_meanings={short(name): each.meaning for name, each in known.items()},
+        unseen=unseen_causes(found),
+        films_held_out=films and not conditions,
         units={short(each.name): each.unit for each in found.problem.parameters},
         downward={short(each.name) for each in found.problem.parameters if each.downward},
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
@@ -176,12 +186,18 @@ def _page(
         by_evidence=any(each is not None and "lead" in each.fields for each in reasons),
         limits=_LIMITS,
         observables=len(found.problem.observed),
-        models=["velocity", "sd", "given", *(["recalibrated", "extended"] if learnt else [])],
+        models=[
+            *("velocity", "sd", "given"),
+            *(["recalibrated"] if learnt else []),
+            *(["extended"] if found.verdict.fit is not None else []),
+        ],
         typical=_typical_error(found),
         report_sections=sections,
         ranking=figures.png(figures.ranking(found)),
         distinguishability=figures.png(figures.distinguishability(found)) if causes else "",
     )
+    # What is used can only be seen on the page; a page without a model explains nothing.
+    return page(words=used_in(page(words=())) if learnt else ())
 
 
 def _typical_error(found: Findings) -> str:

@@ -46,15 +46,15 @@ class Plots:
     ) -> Figure:
         """Data and fitted models; held-out readings are hollow.
 
-        Of a measurement velocities against frequency, with a column for each mode and direction,
-        the scenario as it was given, and residuals below.
+        For a measurement these are velocities against frequency, with a column for each mode and
+        direction, the scenario as it was given, and residuals below.
 
         Parameters
         ----------
         place : array_like, shape (m,), optional
             For a model of the user's own: the abscissa of each condition; its number, if not given.
         labels : tuple of str
-            For a model of the user's own: of abscissa and ordinate, with units.
+            For a model of the user's own: labels of abscissa and ordinate, with units.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class Plots:
         Parameters
         ----------
         name : str
-            Of the parameter, such as ``effects.surface_tilt.angle`` or ``surface_tilt.angle``.
+            Name of the parameter, such as ``effects.surface_tilt.angle`` or ``surface_tilt.angle``.
 
         Raises
         ------

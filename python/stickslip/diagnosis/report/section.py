@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _WEAK = 0.05
-"""Of the strongest field: a weaker one counts as none. Chosen: the robot hardly tilts in it."""
+"""Share of the strongest field below which a field counts as none. Chosen: the robot hardly tilts
+in it."""
 
 _ONE_CURVE = 1e-3
-"""Of the varied component: where the other varies less the readings are one curve. Chosen: a
-component that is held constant is set to a part in a thousand."""
+"""Share of the varied component's span: where the other component varies less, the readings are one
+curve. Chosen: a component that is held constant is set to a part in a thousand."""
 
 
 @dataclass(frozen=True)

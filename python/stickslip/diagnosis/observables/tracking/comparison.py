@@ -1,4 +1,4 @@
-"""A film beside both models: the way of a pulse, and the forces."""
+"""A film beside both models: the advance per pulse, and the forces."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class FilmComparison:
     ----------
     file : str
     scenario : Scenario
-        Of the run, as stated.
+        Scenario of the run, as stated.
     advance : dict of float, optional
-        Way of a pulse in the world, m: ``measured``, its error ``sd``, and what the models make of
-        it, ``recalibrated`` and ``extended``; None where no two periods show it.
+        Advance per pulse in the world, m: ``measured``, its error ``sd``, and what the models make
+        of it, ``recalibrated`` and ``extended``; None where no two periods show it.
     view, after : ForceView, optional
         With the recalibrated and with the extended model; None where there is none.
     held_out : bool

@@ -90,7 +90,7 @@ class FilmObservable:
     ----------
     run : stickslip.measurement.TrackingRun
     number : int
-        Of the run, from 1; its name is ``tracking.<number>``.
+        Number of the run, from 1; its name is ``tracking.<number>``.
     threads : int
         Simulations at a time.
     """

@@ -114,7 +114,7 @@ def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> tuple[
 
     By generalised least squares with the correlation of the errors.
 
-    Of a ``"level"`` the observables are means in every bin. The origin of a ``"place"`` is not
+    The observables of a ``"level"`` are means in every bin. The origin of a ``"place"`` is not
     known, so its bins count from the mean of the steady ones (of all, if there are none). A
     ``"drift"`` advances from period to period as well; the advance comes first, if two periods show
     it, and the bins are what is left.

@@ -102,7 +102,7 @@ class ForceView:
     Attributes
     ----------
     phase : ndarray, shape (g,)
-        Of the drive, 0 to 1.
+        Phase of the drive, 0 to 1.
     theta, theta_model : ndarray, shape (g,)
         Smoothed, measured and simulated, rad; without the camera's offset and scale.
     place, place_model : ndarray, shape (g,)
@@ -150,7 +150,7 @@ def force_view(
         Dotted scenario keys and the film's nuisances.
     values : ndarray, shape (names,)
     seed : int
-        Of the noise that errors are propagated with.
+        Seed of the noise that errors are propagated with.
 
     Returns
     -------
