@@ -1,6 +1,7 @@
 #include "stickslip/local_field.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace stickslip {
 namespace {
@@ -40,18 +41,28 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
     : coils_(&coils),
       reach_(std::min(
           kReach, kReachPart * std::hypot(coils.geometry().distance, 0.5 * coils.geometry().side))),
-      workspace_(kWorkspace * coils.geometry().distance),
       gain_(gain),
       ambient_x_(ambient_x),
-      ambient_z_(ambient_z) {}
+      ambient_z_(ambient_z) {
+    set_workspace();
+}
+
+// Coils that never have current are not there.
+void LocalField::set_workspace() {
+    const bool driven = std::any_of(gain_.begin(), gain_.end(), [](double g) { return g != 0.0; });
+    workspace_ =
+        driven ? kWorkspace * coils_->geometry().distance : std::numeric_limits<double>::infinity();
+}
 
 void LocalField::set_gain(const PerCoil& gain) {
     gain_ = gain;
+    set_workspace();
     if (expanded_) expand(stretch_.centre_x, stretch_.centre_z);
 }
 
 void LocalField::restore(const Memory& memory) {
     gain_ = memory.gain;
+    set_workspace();
     expanded_ = memory.expanded;
     outside_ = memory.outside;
     if (expanded_) expand(memory.centre_x, memory.centre_z);

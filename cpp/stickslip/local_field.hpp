@@ -115,7 +115,8 @@ public:
 
     /// The robot has come so near to a coil's plane that the model of the set-up ends.
     bool outside() const { return outside_; }
-    /// How far from the origin, along each axis, it may go, m.
+    /// How far from the origin, along each axis, it may go, m; as far as it likes without coils
+    /// that drive.
     double workspace() const { return workspace_; }
 
     /// The expansion at `tau` seconds into the stretch. It does not depend on the robot's state, so
@@ -134,6 +135,7 @@ public:
 private:
     using Terms = Expansion::Terms;
 
+    void set_workspace();
     void expand(double x, double z);
     void combine();
     void add_further(std::size_t j, double tau, Expansion& expansion) const;
