@@ -127,9 +127,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
             seeds = seed
         else:
             seeds = [int(seed) + i for i in range(self.num_envs)]
-        for i in np.flatnonzero(mask):
-            if seeds[i] is not None:
-                self._random[i] = np.random.default_rng(seeds[i])
+        for i, own in enumerate(seeds):
+            if mask[i] and own is not None:
+                self._random[i] = np.random.default_rng(own)
         self._begin(mask)
         return self._observed(), {}
 
