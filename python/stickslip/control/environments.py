@@ -1,4 +1,4 @@
-"""Gymnasium environments of one robot and of many."""
+"""Gymnasium environments of one robot and of many; importing this module registers them."""
 
 from __future__ import annotations
 
@@ -251,3 +251,13 @@ class RobotEnv(gymnasium.Env[Array, Array]):
             bool(truncations[0]),
             own,
         )
+
+
+for _name in ("Walk", "Reach", "Place"):
+    gymnasium.register(
+        id=f"stickslip/{_name}-v0",
+        entry_point=RobotEnv,
+        vector_entry_point=RobotVectorEnv,
+        max_episode_steps=1000,
+        kwargs={"task": _name.lower()},
+    )
