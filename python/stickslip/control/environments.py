@@ -170,7 +170,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         if mode == AutoresetMode.DISABLED and mask.any():
             raise ValueError("an episode is over: reset it by options={'reset_mask': mask}")
         voltages = np.zeros((self.num_envs, len(COIL_NAMES)))
-        voltages[:, self._coils] = self.voltage * np.clip(actions, -1.0, 1.0)
+        voltages[:, self._coils] = self.voltage * np.clip(np.asarray(actions, dtype=float), -1, 1)
         before = self._states[:, _X].copy()
         voltages[mask] = 0.0  # what is over is begun anew below, whatever it does now
         self._batch.step(voltages, self.period, False, self._threads)
@@ -256,8 +256,8 @@ class RobotEnv(gymnasium.Env[Array, Array]):
 for _name in ("Walk", "Reach", "Place"):
     gymnasium.register(
         id=f"stickslip/{_name}-v0",
-        entry_point=RobotEnv,
-        vector_entry_point=RobotVectorEnv,
+        entry_point=f"{__name__}:RobotEnv",
+        vector_entry_point=f"{__name__}:RobotVectorEnv",
         max_episode_steps=1000,
         kwargs={"task": _name.lower()},
     )
