@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode
 from stickslip import Scenario, ScenarioError, Simulator, State
 from stickslip.control import Camera, Film
 from stickslip.control.environments import OBSERVED, UNITS, RobotEnv, RobotVectorEnv
-from stickslip.measurement.priors import Prior
+from stickslip.scenario.priors import Prior
 
 TASKS = ("Walk", "Reach", "Place")
 UNCERTAIN = {

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.options import Options
     from stickslip.diagnosis.results import Diagnosis
     from stickslip.errors import ScenarioError, SimulationError
-    from stickslip.measurement.priors import Prior
     from stickslip.measurement.reading import Measurement, read_measurement
     from stickslip.reproduction.study import reproduce
     from stickslip.scenario.named_effects import effects
+    from stickslip.scenario.priors import Prior
     from stickslip.scenario.scenario import Scenario, load
     from stickslip.scenario.sections import (
         COIL_NAMES,
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         Solver,
     )
     from stickslip.scenario.state import STATE_COLUMNS, State
+    from stickslip.scenario.uncertain import JointPrior
     from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.scenario.waveform import Waveform, volts_per_tesla
     from stickslip.simulation.coils import Coils
@@ -58,7 +59,7 @@ _HOME = {
         "diagnosis.options": ("Options",),
         "diagnosis.results": ("Diagnosis",),
         "errors": ("ScenarioError", "SimulationError"),
-        "measurement.priors": ("Prior",),
+        "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
         "plot": ("plot",),
         "reproduction.study": ("reproduce",),
@@ -69,6 +70,7 @@ _HOME = {
             "Solver",
         ),
         "scenario.state": ("STATE_COLUMNS", "State"),
+        "scenario.uncertain": ("JointPrior",),
         "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
         "scenario.waveform": ("Waveform", "volts_per_tesla"),
         "simulation.coils": ("Coils",),
@@ -98,6 +100,7 @@ __all__ = [
     "Drive",
     "EffectParameter",
     "Environment",
+    "JointPrior",
     "Measurement",
     "Options",
     "Prior",

@@ -15,7 +15,7 @@ from stickslip._util.processor_count import worker_count
 from stickslip.control.camera import Camera, Film
 from stickslip.control.tasks import task_named
 from stickslip.errors import ScenarioError
-from stickslip.measurement.priors import Prior
+from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import STATE_COLUMNS

@@ -24,7 +24,7 @@ from stickslip.diagnosis.model.problem import (
 from stickslip.diagnosis.options import Options
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.results import Diagnosis, Plots
-from stickslip.measurement.priors import Prior
+from stickslip.scenario.priors import Prior
 
 __all__ = [
     "AuxiliaryData",

@@ -19,14 +19,15 @@ from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Fact
-from stickslip.measurement.priors import Prior, parse_prior
 from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
-from stickslip.scenario.keys import find_key, full_name, known_keys, shown, suggestion
+from stickslip.scenario.keys import known_keys, shown, suggestion
+from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
+from stickslip.scenario.uncertain import COVARIANCE, parse_priors
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -60,7 +61,7 @@ class Measurement(OneLine):
     ----------
     name : str
     scenario : Scenario
-        The model as the experimenter believes it.
+        The model as the experimenter believes it; what is uncertain stands in `uncertain` alone.
     uncertain : dict of Prior
         By dotted key.
     velocity : tuple of VelocityData
@@ -117,7 +118,7 @@ class Measurement(OneLine):
         uncertain : mapping, optional
             What is not known exactly: for each dotted key, of effects also by short name, a
             `Prior`, or one of the tables of a measurement file, such as
-            ``{"mean": 0.145, "sd": 0.01}``.
+            ``{"mean": 0.145, "sd": 0.01}``. If it is not given, what the scenario holds.
         velocity_sd : float, optional
             Relative standard deviation of one trial, such as 0.05, where trials are not repeated.
         name : str
@@ -135,7 +136,8 @@ class Measurement(OneLine):
         path = Path("DataFrame")
         rows = rows_of_frame(table)
         data, left_out = read_velocity(path, rows, scenario, _relative_sd(entry), "row")
-        priors = _uncertain(dict(uncertain or {}), scenario)
+        priors = _uncertain(uncertain, scenario)
+        scenario = scenario.with_uncertain(None)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
 
 
@@ -179,7 +181,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         raise ScenarioError(f"name = {shown(name)}: allowed is a text")
     nominal = _path_of(document, "scenario", "", "a scenario file")
     scenario = Scenario.from_toml(path.parent / nominal)
-    uncertain = _uncertain(document.get("uncertain", {}), scenario)
+    uncertain = _uncertain(document.get("uncertain"), scenario)
     tables, left_out = _tables(document, path, scenario)
     if not any(tables.values()):
         if left_out:
@@ -187,7 +189,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         raise ScenarioError("there is none of [[velocity]], [[tracking]], [[angle]], [[field]]")
     return Measurement(
         name=name,
-        scenario=scenario,
+        scenario=scenario.with_uncertain(None),
         uncertain=uncertain,
         **{kind: tuple(found) for kind, found in tables.items()},
         left_out=tuple(left_out),
@@ -242,30 +244,22 @@ def _are_tables(value: object) -> bool:
 
 
 def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
-    if not isinstance(table, dict):
-        raise ScenarioError(f"uncertain = {shown(table)}: allowed is a section [uncertain]")
-    priors: dict[str, Prior] = {}
-    for name, entry in table.items():
-        for inner in entry if isinstance(entry, dict) else ():
-            if f"{name}.{inner}" in known_keys():
-                raise ScenarioError(
-                    f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
-                    f'"{name}.{inner}" = ...'
-                )
-        name = full_name(name)
-        if name in priors:
-            raise ScenarioError(f'[uncertain] "{name}" is there twice: allowed is once')
-        key = find_key(name, entry)
-        if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
+    """Priors of a measurement, or those of its scenario where it says nothing of them."""
+    known = "allowed are priors of single keys, as a diagnosis takes its constants as independent"
+    if table is None and scenario.uncertain is not None:
+        if scenario.uncertain.keys:
             raise ScenarioError(
-                f'[uncertain] "{name}": allowed is a constant of the model; what is a number there '
-                "and not in [drive], [solver] or [record]"
+                f"the scenario's [uncertain.{COVARIANCE}]: {known}; a section [uncertain] of the "
+                "measurement, even an empty one, takes its place"
             )
-        prior = entry if isinstance(entry, Prior) else parse_prior(name, entry)
+        table = scenario.uncertain.priors
+    if isinstance(table, Mapping) and COVARIANCE in table:
+        raise ScenarioError(f"[uncertain.{COVARIANCE}]: {known}")
+    priors = parse_priors({} if table is None else table)
+    for name, prior in priors.items():
         if name != _KINETIC:  # whose middle may be above the static one's
             with prefixed(f'[uncertain] "{name}" = {prior}'):
                 scenario.replace({name: float(prior.value(0.0))})
-        priors[name] = prior
     if _KINETIC in priors:
         _check_friction(priors, scenario)
     return priors

@@ -11,7 +11,7 @@ import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
@@ -40,6 +40,9 @@ from stickslip.scenario.sections import (
 )
 from stickslip.scenario.state import State
 
+if TYPE_CHECKING:
+    from stickslip.scenario.uncertain import JointPrior
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
@@ -55,6 +58,9 @@ class Scenario:
         the numbers and durations of its pulses and ramps, and everything that is zero.
     effects : mapping
         Named extensions of the model: ``{name: {parameter: value}}``; see `stickslip.effects`.
+    uncertain : JointPrior, optional
+        What is not known exactly, also as the tables of ``[uncertain]``. `simulate` and `sweep`
+        take the values of the keys; `draws` draws.
 
     Raises
     ------
@@ -79,6 +85,7 @@ class Scenario:
     solver: Solver = field(default_factory=Solver)
     record: Record = field(default_factory=Record)
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=EffectSettings)
+    uncertain: JointPrior | None = None
 
     def __post_init__(self) -> None:
         for name, section in SECTIONS.items():
@@ -87,6 +94,10 @@ class Scenario:
                 raise ScenarioError(f"{name} = {shown(value)}: allowed is a {section.__name__}")
         if not isinstance(self.effects, EffectSettings):
             object.__setattr__(self, "effects", EffectSettings(self.effects))
+        if self.uncertain is not None:
+            from stickslip.scenario.uncertain import as_joint_prior
+
+            object.__setattr__(self, "uncertain", as_joint_prior(self.uncertain))
         self._check()
 
     def _check(self) -> None:
@@ -213,6 +224,45 @@ class Scenario:
         if not isinstance(state, State):
             raise ScenarioError(f"initial = {shown(state)}: allowed is a State")
         return self.replace({f"initial.{name}": value for name, value in vars(state).items()})
+
+    def with_uncertain(
+        self, uncertain: JointPrior | Mapping[str, Any] | Scenario | None
+    ) -> Scenario:
+        """A copy of which other keys are uncertain, or none.
+
+        Of a Scenario, such as `Diagnosis.extended`, it takes what is uncertain there, and the
+        values of those keys that stand in its covariance, as that lies about them.
+        """
+        changed = self
+        if isinstance(uncertain, Scenario):
+            source, uncertain = uncertain, uncertain.uncertain
+            if uncertain is None:
+                raise ScenarioError("uncertain: the scenario holds nothing that is")
+            changed = self.replace({key: source.get(key) for key in uncertain.keys})
+        return dataclasses.replace(changed, uncertain=uncertain)  # type: ignore[arg-type]
+
+    def draws(self, n: int, seed: int = 0) -> list[Scenario]:
+        """Scenarios with drawn values of what is uncertain, of which nothing is uncertain.
+
+        Draw number i is the same for every `n`, so that more draws keep those that there were.
+        Values that make no scenario together are drawn again.
+
+        Parameters
+        ----------
+        n : int
+            How many.
+        seed : int
+            From 0.
+
+        Raises
+        ------
+        ScenarioError
+            If nothing is uncertain, a number is not allowed, or a hundred draws in succession make
+            no scenario.
+        """
+        from stickslip.scenario.uncertain import draws
+
+        return draws(self, n, seed)
 
     def _changed(self, section: str, values: dict[str, Any]) -> Any:
         """A copy of a section with values that are checked already, but for a program."""

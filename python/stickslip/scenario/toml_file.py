@@ -28,6 +28,7 @@ from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.toml_text import parse_toml
 
 if TYPE_CHECKING:
+    from stickslip.scenario.uncertain import JointPrior
     from stickslip.scenario.waveform import Waveform
 
 FORMAT_VERSION = 1
@@ -41,6 +42,23 @@ def read_scenario(path: str | PathLike[str]) -> Scenario:
     parts = read_parts(path, {})
     try:
         return Scenario(**parts)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+
+
+def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:
+    """The scenario with what is uncertain in a file: a scenario, or any TOML with ``[uncertain]``.
+
+    See `Scenario.with_uncertain`. A ScenarioError if the file has none, or cannot be read.
+    """
+    path = Path(path)
+    try:
+        document = read_document(path)
+        if "uncertain" not in document:
+            raise ScenarioError("there is no section [uncertain]")
+        if "stickslip" in document:
+            return scenario.with_uncertain(Scenario(**_parts(document, path.parent, {})))
+        return scenario.with_uncertain(document["uncertain"])
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
 
@@ -86,7 +104,7 @@ def read_document(
 
 def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
     _check_version(document)
-    known = [*SECTIONS, "effects"]
+    known = [*SECTIONS, "effects", "uncertain"]
     for name, content in document.items():
         if name == "stickslip":
             continue
@@ -108,6 +126,7 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
             values = _drive(values, own, folder)
         parts[name] = section(**(values | own))
     parts["effects"] = EffectSettings(_effects(document.get("effects"), changes))
+    parts["uncertain"] = document.get("uncertain")
     return parts
 
 
@@ -223,7 +242,23 @@ def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
         for parameter, value in parameters.items():
             unit = known_keys()[f"effects.{name}.{parameter}"].unit
             lines.append(_line(parameter, value, unit))
+    if scenario.uncertain is not None:
+        lines += _uncertain_lines(scenario.uncertain)
     return "\n".join(lines) + "\n"
+
+
+def _uncertain_lines(uncertain: JointPrior) -> list[str]:
+    lines = ["", "[uncertain]"]
+    for key, prior in uncertain.priors.items():
+        numbers = ", ".join(f"{name} = {float(value)!r}" for name, value in prior.table.items())
+        lines.append(f"{quoted(key)} = {{ {numbers} }}")
+    if uncertain.keys:
+        lines += ["", "[uncertain.covariance]", "keys = ["]
+        lines += [f"    {quoted(key)}," for key in uncertain.keys]
+        lines += ["]", "matrix = ["]
+        lines += [f"    {list(row)!r}," for row in uncertain.matrix]
+        lines.append("]")
+    return lines
 
 
 def _line(name: str, value: Value, unit: str) -> str:

@@ -7,9 +7,9 @@ the apparatus of the paper could hide, and are the width of each amplitude's pri
 from __future__ import annotations
 
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
-from stickslip.measurement.priors import Prior
 from stickslip.scenario.keys import Key
 from stickslip.scenario.named_effects import effects
+from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
 # Scale of the prior, and lowest and highest value that is searched, in the parameter's unit.

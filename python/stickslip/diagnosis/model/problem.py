@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
-from stickslip.measurement.priors import Prior
+from stickslip.scenario.priors import Prior
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -29,8 +29,8 @@ from stickslip.diagnosis.observables.tracking.folding import (
 from stickslip.diagnosis.observables.tracking.force_residuals import force_view
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
-from stickslip.measurement.priors import Prior
 from stickslip.measurement.tracking import FEWEST, TrackingRun
+from stickslip.scenario.priors import Prior
 
 Array = NDArray[np.float64]
 

@@ -67,6 +67,11 @@ class Prior:
         return f"{self.kind}({self.first:g}, {self.second:g})"
 
     @property
+    def table(self) -> dict[str, float]:
+        """Its numbers by name, as a file has them."""
+        return dict(zip(_NUMBERS[self.kind], (self.first, self.second), strict=True))
+
+    @property
     def has_middle(self) -> bool:
         """Whether it says a most likely value, and not a range only."""
         return self.kind != "log-uniform"
