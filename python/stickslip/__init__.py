@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from stickslip import plot
     from stickslip._core import __version__
+    from stickslip.control.predict import predict
+    from stickslip.control.prediction import Prediction
     from stickslip.diagnosis.api import diagnose, diagnose_model
     from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
     from stickslip.diagnosis.options import Options
@@ -54,6 +56,8 @@ _HOME = {
     name: module
     for module, names in {
         "_core": ("__version__",),
+        "control.predict": ("predict",),
+        "control.prediction": ("Prediction",),
         "diagnosis.api": ("diagnose", "diagnose_model"),
         "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
         "diagnosis.options": ("Options",),
@@ -103,6 +107,7 @@ __all__ = [
     "JointPrior",
     "Measurement",
     "Options",
+    "Prediction",
     "Prior",
     "Record",
     "Robot",
@@ -124,6 +129,7 @@ __all__ = [
     "load",
     "open_run",
     "plot",
+    "predict",
     "read_measurement",
     "register_effect",
     "reproduce",
