@@ -50,7 +50,10 @@ def prediction_table(prediction: Prediction) -> str:
     rows = (
         ("points", str(points)),
         ("draws", f"{draws} of each, {prediction.failed} of all failed"),
-        ("precision", f"the quantile of {100 * lowest:.4g} % is one of {100 * low:.3g} to " f"{100 * high:.3g} %"),
+        (
+            "precision",
+            f"the quantile of {100 * lowest:.4g} % is one of {100 * low:.3g} to {100 * high:.3g} %",
+        ),
     )
     text = "\n".join(f"{name:<11}{value}" for name, value in rows)
     return f"{_rows(prediction)}\n\n{text}" if points <= MOST_ROWS else text
