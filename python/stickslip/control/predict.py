@@ -13,6 +13,7 @@ from stickslip.control.prediction import Prediction
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_whole, shown
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.uncertain import counted_draws
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
 from stickslip.sweeping.results import NUMBERS, OK, Results
@@ -122,11 +123,12 @@ def predicted(
         raise ScenarioError(
             f"{points.count} points of {draws} draws: allowed are at most {MOST_POINTS} simulations"
         )
-    scenarios = points.scenario.draws(draws, seed)
+    scenarios, refused = counted_draws(points.scenario, draws, seed)
     values = np.array([[each.get(key) for key in uncertain.names] for each in scenarios])
     drawn = points.with_draws(uncertain.names, values)
     results = simulated(drawn, threads, progress)
-    return Prediction(_dataset(points, varied, results, levels, seed))
+    about_draws = {"draws": draws, "redrawn": refused, "seed": seed}
+    return Prediction(_dataset(points, varied, results, levels, about_draws))
 
 
 def _checked_levels(quantiles: object) -> list[float]:
@@ -139,14 +141,14 @@ def _checked_levels(quantiles: object) -> list[float]:
 
 
 def _dataset(
-    points: Points, varied: bool, results: Results, levels: list[float], seed: int
+    points: Points, varied: bool, results: Results, levels: list[float], about_draws: dict[str, int]
 ) -> xarray.Dataset:
     """Quantiles over the draws; `results` has a row for each draw of each point."""
     import xarray
 
     from stickslip.sweeping.dataset import about, coordinates
 
-    draws = len(results.status) // points.count
+    draws = about_draws["draws"]
     found: dict[str, tuple[Any, ...]] = {}
     dimensions = (*points.dimensions, "quantile")
     for name in FIGURES:
@@ -167,8 +169,7 @@ def _dataset(
         coords={**coordinates(points), "quantile": below},
         attrs={
             **about(points, "prediction", "predict"),
-            "draws": draws,
-            "seed": seed,
+            **about_draws,
             "failed_draws": int(failed.sum()),
             "statuses": json.dumps(results.counts()),
             "message": results.messages.get(min(results.messages, default=0), ""),
