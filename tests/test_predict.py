@@ -25,6 +25,7 @@ from stickslip import (
     simulate,
     simulate_batch,
 )
+from stickslip.control.predict import quantiles_with_errors
 
 PRIORS = {
     "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},
@@ -78,11 +79,18 @@ def test_quantiles_are_those_of_single_runs_of_the_draws(found):
 
 
 def test_the_error_of_a_quantile_is_that_of_its_share_of_the_draws():
-    # Of 25 draws a share of 0.5 is known to within 0.1.
-    data = predict(BASE, draws=25, quantiles=[0.4, 0.5, 0.6]).data["mean_velocity"]
-    error = predict(BASE, draws=25, quantiles=[0.5]).data["mean_velocity_error"]
-    assert error.item() == pytest.approx(0.5 * (data[2] - data[0]).item(), rel=1e-9)
-    assert error.item() > 0.0
+    # That of a share q is sqrt(q (1 - q) / n), divided by the density. Quantiles of 60 samples
+    # scatter by it to within 1 / sqrt(2 * 60). The error of one sample is made of at least 24
+    # spacings between draws, so the mean of 60 is right to 3 %; curvature of the law adds 5 %.
+    rows = np.random.default_rng(0).standard_normal((60, 400))
+    level, error = quantiles_with_errors(rows, [0.1, 0.5])
+    for place, q in enumerate((0.1, 0.5)):
+        expected = math.sqrt(q * (1.0 - q) / 400) / norm.pdf(norm.ppf(q))
+        assert np.mean(error[:, place]) == pytest.approx(expected, rel=0.1)
+        assert np.std(level[:, place]) == pytest.approx(expected, rel=4.0 / math.sqrt(120.0))
+    data = predict(BASE, draws=100, quantiles=[0.4, 0.5, 0.6]).data
+    width = (data["mean_velocity"][2] - data["mean_velocity"][0]).item()
+    assert data["mean_velocity_error"][1].item() == pytest.approx(0.25 * width, rel=1e-9)
 
 
 def test_any_number_of_threads_gives_the_same_bits(found):

@@ -154,7 +154,7 @@ def _dataset(
     for name in FIGURES:
         column = NUMBERS[name]
         values = results.numbers[name].reshape(points.count, draws)
-        level, error = _quantiles(values, levels)
+        level, error = quantiles_with_errors(values, levels)
         for full, each, meaning in (
             (name, level, column.meaning),
             (f"{name}_error", error, f"standard error of the quantile: {column.meaning}"),
@@ -178,17 +178,18 @@ def _dataset(
     return result if varied else result.isel(point=0, drop=True).assign_attrs(vary="{}")
 
 
-def _quantiles(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
+def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
     """Quantiles of each row and their standard errors, shape (rows, levels); NaN is no value.
 
-    A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n): the error is half
-    of the distance between the quantiles that far below and above, whatever the distribution is.
+    A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n). How much that is
+    in the unit of the figure, the quantiles twice as far below and above say, whatever the
+    distribution is.
     """
     ordered = np.sort(values, axis=1)  # NaN comes last
     count = np.sum(~np.isnan(values), axis=1)
 
     def at(level: Array) -> Array:
-        place = np.clip(level, 0.0, 1.0) * np.maximum(count - 1, 0)
+        place = level * np.maximum(count - 1, 0)
         low = np.floor(place).astype(np.int64)
         high = np.minimum(low + 1, np.maximum(count - 1, 0))
         rows = np.arange(len(values))
@@ -198,6 +199,7 @@ def _quantiles(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
     found, errors = [], []
     for level in levels:
         share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))
+        below, above = np.maximum(level - 2.0 * share, 0.0), np.minimum(level + 2.0 * share, 1.0)
         found.append(at(np.full(len(values), level)))
-        errors.append(0.5 * (at(level + share) - at(level - share)))
+        errors.append(share * (at(above) - at(below)) / (above - below))
     return np.stack(found, axis=1), np.stack(errors, axis=1)
