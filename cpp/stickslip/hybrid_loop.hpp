@@ -56,6 +56,10 @@ public:
     Status status() const { return result_.status; }
     /// At the end of the last stretch.
     SimulationState state() const;
+    /// The same without currents.
+    SimulationState motion() const {
+        return world_state(state_, dynamics_.contact_age() + tau_, sign_);
+    }
     LoopMemory loop_memory() const;
     void restore(const LoopMemory& memory);
 
@@ -263,6 +267,8 @@ bool HybridLoop<Integrator>::next_segment() {
 
 template <class Integrator>
 void HybridLoop<Integrator>::end_stretch() {
+    // A run that is stepped has no summary: what counts is whether it leaves the plane.
+    if (steps_ && !DriveObserver::drives_across(dynamics_.field().gain())) return;
     drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
     if (stays_planar_ && drive_.leaves_plane()) result_.status = Status::leaves_plane;
 }
@@ -333,7 +339,7 @@ void HybridLoop<Integrator>::play_steps(std::function<void()> on_step) {
 
 template <class Integrator>
 SimulationState HybridLoop<Integrator>::state() const {
-    SimulationState result = world_state(state_, dynamics_.contact_age() + tau_, sign_);
+    SimulationState result = motion();
     // Within a stretch the circuit is at its end already.
     PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
     if (tau_ < segment_.duration) {
@@ -381,7 +387,8 @@ void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
     tau_ = 0.0;
     dynamics_.set_start(segment_.start);
     dynamics_.field().set_segment(segment_);
-    fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
+    fastest_decay_ =
+        *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
 }
 
 template <class Integrator>
