@@ -40,14 +40,15 @@ def drawn(count: int, seed: int) -> list[Scenario]:
     """Robots with their own friction, adhesion and drag."""
     random, robots = np.random.default_rng(seed), []
     while len(robots) < count:
-        own = {key: float(prior.value(random.standard_normal())) for key, prior in PRIORS.items()}
+        draws = zip(PRIORS.items(), random.standard_normal(len(PRIORS)), strict=True)
+        own = {key: float(prior.value(z)) for (key, prior), z in draws}
         if own["contact.static_friction"] >= own["contact.kinetic_friction"]:
             robots.append(Scenario().replace(own))
     return robots
 
 
 def play(robots: Sequence[Scenario], states: Array | None, xp: Array) -> Array:
-    """States after each step, (n, steps, 18), where xp goes through voltages (n, steps)."""
+    """States after each step, (n, steps, 18), under voltages of xp, (n, steps)."""
     volts = np.zeros((len(robots), xp.shape[-1], 5))
     volts[:, :, 0], volts[:, :, 4] = xp, CLAMP
     found = rollout(robots, states, volts, STEP, hold="linear", record=STATE_COLUMNS)
@@ -60,7 +61,7 @@ def standing(robots: Sequence[Scenario]) -> Array:
 
 
 def teeth(heights: Array, steps: int) -> Array:
-    """Pulses, (n, steps): xp falls slowly and rises at once, or the reverse for heights < 0."""
+    """Pulses, (n, steps): a slow fall and a sudden rise, or the reverse for heights < 0."""
     slope = np.arange(1, steps) / (steps - 1)
     slopes = np.where(heights[:, None] > 0.0, slope, slope[::-1])
     xp = np.full((len(heights), steps), REST)
@@ -82,7 +83,7 @@ class Coarse:
     low: Array  # speed that 90 % of the robots exceed, m/s, (k,)
     median: Array
     high: Array  # speed that 10 % exceed
-    coast: Array  # way after the last pulse, m
+    coast: Array  # from the end of the last pulse to rest, m; below 0: it swings back
 
     @staticmethod
     def simulated(robots: Sequence[Scenario]) -> Coarse:
@@ -95,10 +96,11 @@ class Coarse:
             before, end = x[:, 4 * WINDOW - 1], x[:, 10 * WINDOW - 1]
             speeds.append((end - before) / (6 * PERIOD))
             coasts.append(x[:, -1] - end)
-        return Coarse(xp, *np.quantile(speeds, [0.1, 0.5, 0.9], axis=1), np.median(coasts, axis=1))
+        low, median, high = np.quantile(speeds, [0.1, 0.5, 0.9], axis=1)
+        return Coarse(xp, low, median, high, np.median(coasts, axis=1))
 
     def choose(self, distance: Array) -> NDArray[np.intp]:
-        """Of the pulses that take almost no robot beyond the goal soon, the surely fastest."""
+        """Of pulses that take almost no robot beyond the goal soon, the surely fastest."""
         allowed = self.high * HORIZON + self.coast <= distance[:, None]
         allowed[:, self.slowest] = True
         return np.argmax(np.where(allowed, self.low, -np.inf), axis=1)
@@ -111,9 +113,10 @@ class Coarse:
 
 # [fine]
 SINGLE = np.concatenate([np.arange(-16.0, -4.5, 0.5), np.arange(2.5, 11.5, 0.5)])  # V
-BEHIND = 5e-6  # m; a step back goes so far behind the goal, since steps forward are surer
+BEHIND = 5e-6  # m; so far behind the goal goes a step back: steps forward are surer
 SETTLE = 0.06  # s after a pulse, until what still rocks is below 0.1 um
-ENOUGH, SURE = 1e-6, 0.6e-6  # m; a robot is done so near, by a mean of images of this deviation
+ENOUGH = 1e-6  # m; so near to the goal a robot is done, by a mean of images
+SURE = 0.6e-6  # m; of this standard deviation
 
 
 @dataclass(frozen=True)
@@ -139,7 +142,7 @@ class Fine:
 
 
 class FineControl:
-    """Looks at robots at rest until the mean of their images says enough, and gives pulses."""
+    """Looks at robots at rest until a mean of images says enough, and gives pulses."""
 
     def __init__(self, table: Fine, camera: Camera, count: int) -> None:
         self._table, self._noise = table, camera.noise_x
@@ -148,7 +151,7 @@ class FineControl:
         self.pulses = np.zeros(count, dtype=np.int64)
 
     def decide(self, looks: Mask, seen: Array) -> tuple[Mask, Mask, Array]:
-        """Who is there, who is pushed, and by what, from new images (m) of those that look."""
+        """Who is there, who is pushed, and by what, from new images (m) of some robots."""
         self._sum[looks] += seen[looks]
         self._images[looks] += 1
         images = np.maximum(self._images, 1)
