@@ -103,12 +103,12 @@ struct Recording;
 
 struct RecordSettings {
     RecordKind kind = RecordKind::none;
-    double rate = 0.0;              ///< Hz, of the uniform grid
-    double from = 0.0;              ///< s, simulated time before which nothing is recorded
-    std::bitset<kColumns> dropped;  ///< columns that are not kept, see `Column`
+    double rate = 0.0;                   ///< Hz, of the uniform grid
+    double from = 0.0;                   ///< s, simulated time before which nothing is recorded
+    std::bitset<kColumns> dropped = {};  ///< columns that are not kept, see `kColumnNames`
     /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
     /// it the record is kept to the end.
-    std::function<void(Recording&&)> sink;
+    std::function<void(Recording&&)> sink = nullptr;
 };
 
 /// All that defines one simulation.

@@ -234,7 +234,7 @@ class Run:
         tolerance.
         """
         notes = run_notes(self.scenario, {**self._summary})
-        if self.ok and not self.complete:
+        if self.ok and not self.complete and self.recorded:
             notes.append(
                 f"the record ends at {self.recorded_until:.6g} s: it could not be written on"
             )
