@@ -74,8 +74,8 @@ class _CsvFile:
 def csv_file(path: str | PathLike[str]) -> Iterator[_CsvFile]:
     """See `record_file`."""
     with (
-        replacing(path) as temporary,
         replacing(beside(path)) as side,
+        replacing(path) as temporary,  # within: an error of either names this file
         open(temporary, "x+b", buffering=0) as file,
     ):
         yield _CsvFile(file, side)

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 SAMPLES = "t"
 
-# zlib's fastest level after a shuffle of the bytes. Measured on the record of a walking robot: the
-# slowest level takes ten times as long for a file that is 3 % smaller.
+# zlib's fastest level after a shuffle of the bytes. Measured on 262 144 samples of a walking robot:
+# the slowest level takes half as long again for a file that is 2 % smaller.
 _COMPRESSION: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 # Of what HDF5 keeps beside the samples, bytes; chosen: a block adds less than a tenth of it.

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
     from stickslip.scenario.scenario import Scenario
 
+_YES_OR_NO = {0: False, 1: True}
+
 _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
 
 # Of the file beside a CSV file, bytes; chosen: voltages of two million rows and more fit into it.
@@ -162,16 +164,14 @@ def _csv_column(path: Path, name: str, dtype: str) -> NDArray[Any]:
     import pandas as pd
 
     titles = headings(name)
-    kind: Any = {"dtype": str} if name in WORDS else {"float_precision": "round_trip"}
     try:
-        table = pd.read_csv(path, usecols=titles, **kind)[titles]
+        # As text: what pandas makes of numbers is not always the nearest one.
+        table = pd.read_csv(path, usecols=titles, dtype=str)[titles].to_numpy(object)
         if name in WORDS:
-            codes = pd.Categorical(table[name], list(WORDS[name])).codes
-            if (codes < 0).any():
-                raise ValueError
-            return np.array(codes, dtype=np.int8)
-        array: NDArray[Any] = table.to_numpy(np.float64 if name == "t" else dtype)
-    except ValueError:
+            codes = {word: code for code, word in enumerate(WORDS[name])}
+            return np.array([codes[word] for word in table[:, 0]], dtype=np.int8)
+        array = table.astype("float64" if name == "t" else dtype)
+    except (KeyError, ValueError):
         raise ScenarioError(f"{path}: its columns of {name} cannot be read") from None
     return array if name == "current" else array[:, 0]
 
@@ -196,7 +196,7 @@ def _outcome(about: Mapping[str, Any]) -> Outcome:
         message=about["message"],
         summary=summary,
         final_state=State(**json.loads(about["final_state"])),
-        condition_met=bool(about["condition_met"]),
-        complete=bool(about["complete"]),
+        condition_met=_YES_OR_NO[about["condition_met"]],
+        complete=_YES_OR_NO[about["complete"]],
         recorded_until=math.nan if until is None else until,
     )
