@@ -170,8 +170,8 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       dynamics_(model_, make_local_field(scenario, program_, coils_)),
       integrator_(make_stepper_options(scenario, model_, program_, coils_,
                                        control ? &control->stop : nullptr)),
-      recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
-                scenario.record.kind == RecordKind::events, sign_),
+      recorder_(scenario.record, chain_, sign_),
+      observer_(pulse_period(scenario)),
       drive_(coils_, circuit_),
       stays_planar_(scenario.solver.planar == Planar::refuse),
       control_(control),
@@ -216,8 +216,9 @@ RunResult HybridLoop<Integrator>::take_result() {
     drive_.write(result_.summary);
     result_.steps = integrator_.counts();
     result_.summary.events = transitions_.counts();
+    observer_.write(sign_, result_.summary);
+    chain_.apply(result_.summary);
     result_.recording = recorder_.take();
-    chain_.apply(result_.summary, result_.recording);
     result_.final_body = state_.body;
     result_.final_state = state();
     effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
@@ -300,6 +301,7 @@ void HybridLoop<Integrator>::watch_window(double time) {
         observer_.open(time, state_.body.x);
         measured_ = true;
     }
+    if (observer_.is_open()) observer_.pass(time, state_.body.x);
     if (observer_.is_open() && time >= window_.end - slack) {
         close_window(time);
     }
@@ -445,7 +447,7 @@ void HybridLoop<Integrator>::after_event(double tau) {
     memory_.stalled = watch_.stalled();
     // A face that has landed may lie still from now on, so that no step looks.
     if (stop_ && distance(absolute(tau), state_.body) <= 0.0) result_.stopped = true;
-    if (!recorder_.at_events()) return;
+    if (!recorder_.at_event(absolute(tau))) return;
     // One sample for each change at this instant, with the state after all of them.
     for (const EventKind kind : transitions_.changes()) {
         record(absolute(tau), tau, snapshot(dynamics_, state_, tau));
