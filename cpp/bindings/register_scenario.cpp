@@ -169,10 +169,7 @@ void register_scenario(py::module_& module) {
             "set_program",
             [](Scenario& self, const py::list& blocks) { self.program = program_from(blocks); },
             py::arg("blocks"))
-        .def("record_nothing",
-             [](Scenario& self) {
-                 self.record = {};
-             })
+        .def("record_nothing", [](Scenario& self) { self.record = {}; })
         .def(
             "record_events",
             [](Scenario& self, double start, const std::vector<std::string>& fields) {

@@ -121,7 +121,8 @@ void stream(RunResult& result, Scenario scenario, const py::object& sink,
     result.status = Status::interrupted;  // until it has ended
     const auto poll = [&] { report(control, progress); };
     const py::gil_scoped_release release;
-    run_workers(1, control, [&] { result = simulate(scenario, &control, stop); }, poll);
+    run_workers(
+        1, control, [&] { result = simulate(scenario, &control, stop); }, poll);
 }
 
 /// A column of a sweep's points.
@@ -149,7 +150,7 @@ py::tuple sweep_columns(
         points = sweep(base, keys, flat, threads, control, poll);
     }
     py::dict columns;
-    const auto add = [&](const char* key, double Summary::* member) {
+    const auto add = [&](const char* key, double Summary::*member) {
         columns[key] =
             column<double>(points, [member](const SweepPoint& p) { return p.summary.*member; });
     };

@@ -56,7 +56,8 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
     std::mutex mutex;
     std::map<const Lane*, std::unique_ptr<Lane>> lanes;
     const std::size_t columns = output.columns.size();
-    const bool with_currents = std::any_of(output.columns.begin(), output.columns.end(), is_current);
+    const bool with_currents =
+        std::any_of(output.columns.begin(), output.columns.end(), is_current);
     const auto begin = [&](std::size_t index) -> Lane* {
         const Scenario own = without_record(scenario(index));
         require_tsit5(own);

@@ -55,7 +55,9 @@ inline constexpr std::array<const char*, 18> kStateColumns = {"x",
                                                               "contact",
                                                               "contact_age"};
 /// Whether a column is of the coils.
-inline bool is_current(std::size_t column) { return column >= 6 && column < 16; }
+inline bool is_current(std::size_t column) {
+    return column >= 6 && column < 16;
+}
 using StateRow = std::array<double, kStateColumns.size()>;
 
 inline StateRow row_of(const SimulationState& s) {
