@@ -7,6 +7,7 @@ says how the angle is read, where the plate lies, and how far out the corners ar
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +73,7 @@ def single_impacts(drops: Drops, flights: list[Flight], constants: FlightConstan
     Those that change the spin have to change it when they change the velocity: else there were two.
     """
     found = []
-    for one, other in zip(flights[:-1], flights[1:], strict=True):
+    for one, other in itertools.pairwise(flights):
         # The frame after an impact can still lie within the tolerance.
         if one.drop != other.drop or abs(other.first - one.end) > 1:
             continue
