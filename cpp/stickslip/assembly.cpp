@@ -149,6 +149,7 @@ Model make_model(const Scenario& s) {
     model.adhesion = {s.contact.adhesion, s.contact.adhesion_range, e.angle_adhesion_strength,
                       e.adhesion_ageing_rate, e.adhesion_ageing_time};
     model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.tangential_restitution = s.contact.tangential_restitution;
     model.frame_sign = frame_sign(s);
     for (const UserSetting& each : s.user_effects) {
         if (!each.absent()) model.user_effects.push_back(each);

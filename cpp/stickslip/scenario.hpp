@@ -34,6 +34,7 @@ struct ContactParameters {
     double adhesion = 0.22e-6;    ///< N
     double adhesion_range = 0.0;  ///< m
     double restitution = 0.0;
+    double tangential_restitution = 0.0;
 };
 
 struct DragParameters {

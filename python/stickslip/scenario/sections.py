@@ -176,6 +176,9 @@ class Contact(Section):
         Gap at which adhesion has faded to nothing, m; 0: at contact only.
     restitution : float
         Newton restitution of a touch-down, 0 to 1.
+    tangential_restitution : float
+        Part of its slip that a corner which rebounds reverses, as far as friction can, 0 to 1;
+        what the surfaces' tangential elasticity gives back (Walton, 1993).
     """
 
     static_friction: float = 0.2
@@ -183,6 +186,7 @@ class Contact(Section):
     adhesion: float = 0.22e-6
     adhesion_range: float = 0.0
     restitution: float = 0.0
+    tangential_restitution: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
