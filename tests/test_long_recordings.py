@@ -16,6 +16,7 @@ from stickslip import (
     Contact,
     Drag,
     Drive,
+    EffectParameter,
     Record,
     Scenario,
     ScenarioError,
@@ -23,8 +24,10 @@ from stickslip import (
     load,
     open_run,
     plot,
+    register_effect,
     simulate,
     sweep,
+    unregister_effect,
 )
 from stickslip.simulation.record_blocks import BLOCK, recorded_names
 
@@ -170,6 +173,29 @@ def test_an_error_of_the_caller_passes_and_keeps_the_record(tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]  # nothing was recorded
 
 
+def test_an_effect_that_fails_keeps_the_record(tmp_path):
+    calls = []
+
+    def failing(state, parameters):
+        calls.append(1)
+        if len(calls) > 2000:
+            raise LookupError("broken")
+        return 0.0, 0.0, 0.0
+
+    parameter = EffectParameter(name="k", unit="-", low=-1.0, high=1.0, meaning="of a test")
+    register_effect("own", failing, [parameter], meaning="an effect of a test")
+    try:
+        scenario = COARSE.replace({"own.k": 0.5})
+        with pytest.raises(LookupError, match="broken"):
+            simulate(scenario, out=tmp_path / "run.nc")
+        run = open_run(tmp_path / "run.nc")
+    finally:
+        unregister_effect("own")
+    assert (run.status, run.complete) == ("interrupted", False)
+    assert run.message == "the run was stopped by LookupError: broken"
+    assert 0 < len(run.t) < 341
+
+
 def test_an_interrupted_command_says_what_it_kept(tmp_path):
     ENDLESS.to_toml(tmp_path / "scenario.toml")
     out = tmp_path / "out"
@@ -182,7 +208,9 @@ def test_an_interrupted_command_says_what_it_kept(tmp_path):
     while not any(each.stat().st_size > 1 << 20 for each in out.iterdir()):
         assert time.monotonic() < limit
         time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
+    for _ in range(2):  # the second, of someone in a hurry, must not undo what the first keeps
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.05)
     printed, said = process.communicate(timeout=60)
     assert process.returncode == 130
     assert printed == ""
