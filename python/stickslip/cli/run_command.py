@@ -20,7 +20,7 @@ from stickslip.simulation.run import SUFFIXES
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
-    from stickslip.simulation.recording_to_file import RecordNotWritten
+    from stickslip.simulation.record_blocks import RecordNotWritten
     from stickslip.simulation.run import Run
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
@@ -116,7 +116,7 @@ def _simulated(
     scenario: Scenario, until: str | None, out: Path | None
 ) -> tuple[Run, RecordNotWritten | None]:
     """The run, and what kept its record from being written, if anything did."""
-    from stickslip.simulation.recording_to_file import RecordNotWritten
+    from stickslip.simulation.record_blocks import RecordNotWritten
     from stickslip.simulation.simulate import STAGE, simulate
 
     bar = ProgressBar(STAGE)

@@ -12,20 +12,12 @@ from stickslip import _core
 from stickslip._util.atomic_files import NotWritten, check_suffix
 from stickslip._util.one_interrupt import one_interrupt
 from stickslip.errors import ScenarioError
-from stickslip.simulation.record_blocks import RecordFile, kept, record_file
+from stickslip.simulation.record_blocks import RecordFile, RecordNotWritten, kept, record_file
 from stickslip.simulation.run import SUFFIXES, Outcome, Run
 from stickslip.simulation.stored_run import StoredRecord
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
-
-
-class RecordNotWritten(NotWritten):
-    """The record of a run could not be written, or not to its end; `run` is the run."""
-
-    def __init__(self, text: str, run: Run) -> None:
-        super().__init__(text)
-        self.run = run
 
 
 class _NothingToKeep(Exception):
