@@ -122,7 +122,7 @@ def test_endless_work_is_refused_in_one_line(changes, key, allowed):
         ("solver.max_step", 1e-8, {"solver.max_steps": 997}, "at least "),
         ("effects.sample_hold.period", 1e-8, {"solver.max_steps": 1003}, "at least "),
         ("drive.pulses", 10**9, {"solver.max_steps": 999}, "at most "),
-        ("record.rate", 1e9, {"drive.frequency": 37.0}, "here "),
+        ("record.rate", 1e11, {"drive.frequency": 37.0}, "here "),
         ("contact.adhesion_range", 1e-3, {"robot.height": 0.1234567e-3}, "side, "),
     ],
 )

@@ -243,7 +243,7 @@ def _extreme(draw: Draw) -> Scenario:
     keys: Keys = {}
     share = draw.random.random()
     for key in known_keys().values():
-        if key.kind != "rate" and draw.chance(share):
+        if key.section != "record" and draw.chance(share):
             keys[key.name] = _any_value(draw, key)
     if keys.get("drive.mode") == "program":
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}

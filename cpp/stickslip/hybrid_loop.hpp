@@ -190,7 +190,12 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
 
 template <class Integrator>
 RunResult HybridLoop<Integrator>::run() {
-    go();
+    try {
+        go();
+    } catch (...) {  // of an effect of the user: the record's sink gets what there is
+        recorder_.take();
+        throw;
+    }
     return take_result();
 }
 

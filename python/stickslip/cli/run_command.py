@@ -19,7 +19,7 @@ from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields, shown
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
-    from stickslip.simulation.recording_to_file import RecordNotWritten
+    from stickslip.simulation.record_blocks import RecordNotWritten
     from stickslip.simulation.run import Run
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
@@ -115,7 +115,7 @@ def _simulated(
     scenario: Scenario, until: str | None, out: Path | None
 ) -> tuple[Run, RecordNotWritten | None]:
     """The run, and what kept its record from being written, if anything did."""
-    from stickslip.simulation.recording_to_file import RecordNotWritten
+    from stickslip.simulation.record_blocks import RecordNotWritten
     from stickslip.simulation.simulate import STAGE, simulate
 
     bar = ProgressBar(STAGE)

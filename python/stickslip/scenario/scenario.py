@@ -209,9 +209,8 @@ class Scenario:
         for key, value in changes.items():
             section, name = key.split(".", 1)
             given = value if key == PROGRAM else checked(key, value, core)
-            by_section.setdefault(section, {})[field_of(key) if section != "effects" else name] = (
-                given
-            )
+            own = name if section == "effects" else field_of(key)
+            by_section.setdefault(section, {})[own] = given
         parts = {section: self._changed(section, values) for section, values in by_section.items()}
         made = object.__new__(type(self))
         vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)

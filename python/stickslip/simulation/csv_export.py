@@ -9,8 +9,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-
 from stickslip._util.atomic_files import replacing
 from stickslip._util.strict_json import json_text
 from stickslip.scenario.sections import COIL_NAMES
@@ -45,6 +43,8 @@ class _CsvFile:
         self._samples = 0
 
     def write(self, block: Block) -> None:
+        import pandas as pd
+
         columns: dict[str, Any] = {}
         for name, values in block.items():
             if name in WORDS:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from stickslip import _core
+from stickslip._util.atomic_files import NotWritten
 from stickslip.scenario.keys import recorded_fields
 
 if TYPE_CHECKING:
@@ -32,6 +33,14 @@ class RecordFile(Protocol):
 
     def finish(self, run: Run) -> None:
         """Add what is known at the end: scenario, summary and how far the record goes."""
+
+
+class RecordNotWritten(NotWritten):
+    """The record of a run could not be written, or not to its end; `run` is the run."""
+
+    def __init__(self, text: str, run: Run) -> None:
+        super().__init__(text)
+        self.run = run
 
 
 def recorded_names(scenario: Scenario) -> tuple[str, ...]:

@@ -10,21 +10,14 @@ from typing import TYPE_CHECKING
 
 from stickslip import _core
 from stickslip._util.atomic_files import NotWritten, check_suffix
+from stickslip._util.one_interrupt import one_interrupt
 from stickslip.errors import ScenarioError
-from stickslip.simulation.record_blocks import RecordFile, kept, record_file
+from stickslip.simulation.record_blocks import RecordFile, RecordNotWritten, kept, record_file
 from stickslip.simulation.run import SUFFIXES, Outcome, Run
 from stickslip.simulation.stored_run import StoredRecord
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
-
-
-class RecordNotWritten(NotWritten):
-    """The record of a run could not be written, or not to its end; `run` is the run."""
-
-    def __init__(self, text: str, run: Run) -> None:
-        super().__init__(text)
-        self.run = run
 
 
 class _NothingToKeep(Exception):
@@ -47,6 +40,7 @@ class _Recording:
         file: RecordFile,
         report: Callable[[float], object] | None,
         condition: tuple[str, bool, float] | None,
+        no_interrupt: Callable[[], object],
     ) -> None:
         """Simulate, and fill the file with what there is."""
         core = self._scenario.to_core()
@@ -55,6 +49,7 @@ class _Recording:
             _core.stream(self._result, core, take, report, condition)
         except BaseException as error:
             self.stop = error
+        no_interrupt()
         if not self.samples:
             if self.stop is not None or self.failure is not None:
                 raise _NothingToKeep
@@ -76,7 +71,11 @@ class _Recording:
 
     def run(self, record: StoredRecord | None) -> Run:
         cut = self.stop is not None or self.failure is not None
-        return Run(self._scenario, Outcome.of(self._result, self._until, cut), record)
+        outcome = Outcome.of(self._result, self._until, cut)
+        if self.stop is not None and not isinstance(self.stop, KeyboardInterrupt):
+            reason = " ".join(f"{type(self.stop).__name__}: {self.stop}".split())
+            outcome = outcome._replace(message=f"the run was stopped by {reason}")
+        return Run(self._scenario, outcome, record)
 
     @property
     def extent(self) -> str:
@@ -96,9 +95,9 @@ def simulate_into(
     recording = _Recording(scenario)
     begun = written = False
     try:
-        with record_file(path, scenario) as file:
+        with one_interrupt() as no_interrupt, record_file(path, scenario) as file:
             begun = True
-            recording.play(file, report, condition)
+            recording.play(file, report, condition, no_interrupt)
         written = True
     except _NothingToKeep:
         pass

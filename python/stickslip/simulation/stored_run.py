@@ -170,7 +170,7 @@ def _csv_column(path: Path, name: str, dtype: str) -> NDArray[Any]:
         if name in WORDS:
             codes = {word: code for code, word in enumerate(WORDS[name])}
             return np.array([codes[word] for word in table[:, 0]], dtype=np.int8)
-        array = table.astype("float64" if name == "t" else dtype)
+        array: NDArray[Any] = table.astype("float64" if name == "t" else dtype)
     except (KeyError, ValueError):
         raise ScenarioError(f"{path}: its columns of {name} cannot be read") from None
     return array if name == "current" else array[:, 0]

@@ -20,7 +20,6 @@ from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     PROGRAM,
-    RECORD_RATE,
     Value,
     checked,
     known_keys,
@@ -55,7 +54,9 @@ class Points:
         arrangement: Literal["grid", "list"],
         columns: Mapping[str, Sequence[Value]],
     ) -> None:
-        self.scenario = scenario.replace({RECORD_RATE: "none"})
+        self.scenario = scenario.replace(
+            {key: known_keys()[key].default for key in _keys_of("record")}
+        )
         self.arrangement = arrangement
         self.keys = tuple(columns)
         self.columns = tuple(encoded(key, values) for key, values in columns.items())

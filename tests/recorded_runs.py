@@ -1,0 +1,19 @@
+"""Scenarios that are recorded into files, and the comparison of their records."""
+
+from stickslip import Drive, Record, Scenario
+from stickslip.simulation.record_blocks import recorded_names
+
+# 0.17 s at 500 kHz: 85 001 samples, a full block and a rest.
+DENSE = Scenario(drive=Drive(base=0.5e-3, pulses=12), record=Record(rate=5e5))
+COARSE = DENSE.replace({"record.rate": 2000.0})
+# Minutes of work, and a record that does not fit into memory.
+ENDLESS = DENSE.replace({"drive.pulses": 1_000_000, "record.rate": 5e4})
+
+
+def assert_same_record(one, other, samples=slice(None)):
+    """The arrays of two runs are the same bits; of `other` these samples."""
+    assert recorded_names(one.scenario) == recorded_names(other.scenario)
+    for name in recorded_names(one.scenario):
+        expected = getattr(other, name)[samples]
+        assert getattr(one, name).dtype == expected.dtype, name
+        assert getattr(one, name).tobytes() == expected.tobytes(), name
