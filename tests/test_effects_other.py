@@ -38,7 +38,7 @@ DIMENSIONS = {
     "theta": (0, 0),
     "omega": (0, -1),
 }
-VELOCITIES = ("mean_velocity", "slip_up", "slip_down", "slip_flat")
+VELOCITIES = ("mean_velocity", "finished_velocity", "slip_up", "slip_down", "slip_flat")
 
 
 @pytest.mark.parametrize("coefficient", [1e-3, 1e-1])
