@@ -40,6 +40,7 @@ def every_key_changed():
             "drive.ramp_down": 0.013,
             "contact.adhesion_range": 1e-6,
             "contact.restitution": 0.25,
+            "contact.tangential_restitution": 0.3,
             "solver.method": "arkode",
             "solver.planar": "force",
             "solver.max_step": 1e-3,

@@ -142,3 +142,26 @@ def _fit(impacts: Impacts, which: np.ndarray) -> np.ndarray:
         return np.concatenate([_gap(some, unit * values) / 0.2e-3, values[3:5]])
 
     return unit * least_squares(misfit, np.full(6, 1e-3), loss="cauchy").x
+
+
+def slipping_friction(impacts: Impacts, geometry: ContactGeometry) -> tuple[np.ndarray, np.ndarray]:
+    """Approach speed (m/s) and ratio of the impulses of impacts that slip one way all along.
+
+    Slip of at least 0.3 m/s before and 0.15 m/s after, so that its sense is sure.
+    """
+    angle = impacts.before[:, 2] - geometry.angle_offset
+    quarter = np.floor(angle / _QUARTER) * _QUARTER
+    # In the square's quarter turn that has the corner ahead below: (1, -1) times half a side.
+    half = 0.5 * SIDE - geometry.rounding
+    ahead = half * (np.cos(angle - quarter) - np.sin(angle - quarter))
+    down = reach(angle, half) + geometry.rounding
+
+    def corner(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        vx, vz, omega = state[:, 3:].T
+        return vx - omega * down, vz - omega * ahead
+
+    (slip, approach), (slip_after, _) = corner(impacts.before), corner(impacts.after)
+    gain = impacts.after[:, 3:5] - impacts.before[:, 3:5]
+    one_way = (slip * slip_after > 0.0) & (np.abs(slip) > 0.3) & (np.abs(slip_after) > 0.15)
+    ratio = -np.sign(slip) * gain[:, 0] / gain[:, 1]
+    return -approach[one_way], ratio[one_way]

@@ -10,6 +10,7 @@ import argparse
 import json
 import sys
 from dataclasses import asdict, dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,16 +18,18 @@ from bench.measure import machine
 
 import stickslip
 
-from .contacts import ContactGeometry, fit_contacts, single_impacts
-from .flights import NOISE, Drops, find_flights, fit_flights, read_drops
+from .contacts import ContactGeometry, fit_contacts, single_impacts, slipping_friction
+from .flights import FRAME, NOISE, Drops, find_flights, fit_flights, read_drops
 from .prediction import (
     AFTER,
     UNIT,
     ImpactConstants,
     Model,
+    at_plate,
     errors_at,
     first_guess,
     fit_impacts,
+    measured,
     starts,
     tilt_at_contact,
     touch_downs,
@@ -123,6 +126,18 @@ def by_kind(pairs: list[tuple[Drops, Model]]) -> dict[str, np.ndarray]:
     return {name: errors_[which] for name, which in kinds.items() if which.any()}
 
 
+def friction_by_speed(drops: Drops, model: Model) -> dict[str, tuple[int, float]]:
+    """How many impacts slipped one way all along, and their median friction, by approach speed."""
+    impacts = single_impacts(drops, find_flights(drops), model.flight)
+    speed, ratio = slipping_friction(impacts, model.geometry)
+    found = {}
+    for low, high in pairwise((0.0, 0.5, 1.0, 2.0, np.inf)):
+        some = ratio[(speed >= low) & (speed < high)]
+        if len(some):
+            found[f"{low:g} to {high:g} m/s"] = (len(some), float(np.median(some)))
+    return found
+
+
 def from_noise(pairs: list[tuple[Drops, Model]], seed: int = 1) -> np.ndarray:
     """Changes of the predictions where the free frames are read once more, shape (n, 3)."""
     rng = np.random.default_rng(seed)
@@ -138,13 +153,35 @@ def from_noise(pairs: list[tuple[Drops, Model]], seed: int = 1) -> np.ndarray:
     return np.concatenate(changes)
 
 
+def table(drops: Drops, model: Model) -> str:
+    """Last free state of each drop and the pose `AFTER` it, CSV; of the centre of mass.
+
+    In m, rad and s, above the plate and along it, without the offset and with the lean.
+    """
+    begin = starts(drops, find_flights(drops), model.flight, FRAMES_NEEDED)
+    later = measured(drops, begin, round(AFTER / FRAME))[:, -1]
+    later[:, :2] -= np.stack(model.flight.marker(later[:, 2]), axis=1)
+    rows = np.concatenate(
+        [
+            drops.name[begin.drop, None],
+            at_plate(model, begin.state)[:, :6],
+            at_plate(model, np.pad(later, ((0, 0), (0, 3))))[:, :3],
+        ],
+        axis=1,
+    )
+    heads = "drop,x,z,theta,vx,vz,omega,later_x,later_z,later_theta"
+    return "\n".join(
+        [heads, *(",".join([f"{row[0]:.0f}", *(f"{v:.5f}" for v in row[1:])]) for row in rows)]
+    )
+
+
 def line(name: str, error: np.ndarray) -> str:
     x, z, theta = np.median(error, axis=0)
     return f"{name:30s} {len(error):5d} {1e3 * x:8.2f} {1e3 * z:8.2f} {theta:8.3f}"
 
 
-def study(drops: Drops, fitted: Drops | None = None) -> dict[str, object]:
-    """Print what was found; the same as numbers for JSON."""
+def study(drops: Drops, fitted: Drops | None = None) -> tuple[dict[str, object], Model]:
+    """Print what was found; the same as numbers for JSON, and the model of all drops."""
     basis = drops if fitted is None else fitted
     whole = fit(basis)
     spread = deviations(basis, whole.model)
@@ -165,19 +202,25 @@ def study(drops: Drops, fitted: Drops | None = None) -> dict[str, object]:
         pairs = [(drops, whole.model)]
     found |= {"of all constants: " + name: each for name, each in by_kind(pairs).items()}
     found["change by noise alone"] = from_noise(pairs)
+    friction = friction_by_speed(basis, whole.model)
+    print("\nfriction where an impact slips  impacts   median")
+    for name, (number, ratio) in friction.items():
+        print(f"approach {name:21s} {number:8d} {ratio:8.3f}")
     title = f"median error {1e3 * AFTER:.0f} ms after contact"
     print(f"\n{title:30s} drops   x (mm)   z (mm) theta (rad)")
     for name, error in found.items():
         print(line(name.removeprefix("of all constants: "), error))
-    return {
+    numbers = {
         "constants": {name: {"value": v, "sd": sd} for name, (v, sd) in shown.items()},
         "flight": asdict(whole.model.flight),
+        "friction by approach speed": friction,
         "errors": {
             name: {"drops": len(error), "median": np.median(error, axis=0).tolist()}
             for name, error in found.items()
         },
         "held_out": "the other half" if fitted is None else "another file",
     }
+    return numbers, whole.model
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -186,6 +229,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("file", type=Path, help="drops to predict, CSV, possibly compressed")
     parser.add_argument("--fit", type=Path, help="drops to fit; else the other half of FILE")
     parser.add_argument("--out", type=Path, default=Path("bench/results/drops.json"))
+    parser.add_argument("--table", type=Path, help="also write last free states and later poses")
     options = parser.parse_args(arguments)
     try:
         read = [read_drops(path) for path in (options.file, options.fit) if path is not None]
@@ -195,7 +239,9 @@ def main(arguments: list[str] | None = None) -> int:
     except ValueError as error:
         print(error, file=sys.stderr)
         return 2
-    result = study(*read)
+    result, model = study(*read)
+    if options.table:
+        options.table.write_text(table(read[0], model) + "\n")
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {"machine": machine(), "stickslip": stickslip.__version__, "file": options.file.name}
     options.out.write_text(json.dumps({**about, **result}, indent=2) + "\n")

@@ -28,6 +28,7 @@ SCALE = np.array([5e-3, 4e-3, 0.25])
 
 _MASS = 1.0  # kg; without forces but weight and a drag by mass it does not matter
 _FITTED_FRAMES = 14
+_LATEST = 3
 _STILL = Drive(mode="program", program=Waveform.hold(1.0, {}))
 
 
@@ -116,11 +117,16 @@ class Starts:
 
 
 def starts(drops: Drops, flights: list[Flight], constants: FlightConstants, frames: int) -> Starts:
-    """The first flight of each drop that has so many frames after it."""
+    """The first flight of each drop that has so many frames after it.
+
+    Drops whose recording lost frames as it began are left out: their first regular flight comes
+    later than `_LATEST`, after a contact.
+    """
     first: dict[int, Flight] = {}
     for flight in flights:
         first.setdefault(flight.drop, flight)
-    chosen = [each for each in first.values() if each.end + frames <= drops.poses.shape[1]]
+    last = drops.poses.shape[1] - frames
+    chosen = [each for each in first.values() if each.first <= _LATEST and each.end <= last]
     frame = np.array([each.end - 1 for each in chosen])
     return Starts(
         np.array([each.drop for each in chosen]),
@@ -131,8 +137,8 @@ def starts(drops: Drops, flights: list[Flight], constants: FlightConstants, fram
     )
 
 
-def _at_plate(model: Model, state: np.ndarray) -> np.ndarray:
-    # In axes along the plate, which is level but for a few thousandths.
+def at_plate(model: Model, state: np.ndarray) -> np.ndarray:
+    """Rows of `stickslip.STATE_COLUMNS`: in flight, along the plate, which rises by thousandths."""
     x, z, theta, vx, vz, omega = state.T
     slope = model.geometry.slope
     rows = np.zeros((len(state), len(STATE_COLUMNS)))
@@ -147,14 +153,14 @@ def _at_plate(model: Model, state: np.ndarray) -> np.ndarray:
         ],
         axis=1,
     )
-    # What has been read below the plate begins on it.
-    rows[:, 1] = np.maximum(rows[:, 1], reach(rows[:, 2], 0.5 * model.impact.side) + 1e-7)
+    # What has been read below the plate begins on it; a table of these rows has five digits.
+    rows[:, 1] = np.maximum(rows[:, 1], reach(rows[:, 2], 0.5 * model.impact.side) + 2e-5)
     return rows
 
 
 def predict(model: Model, begin: Starts, frames: int) -> np.ndarray:
     """Poses of the marker in the frames that follow, shape (n, frames, 3)."""
-    rows = _at_plate(model, begin.state)
+    rows = at_plate(model, begin.state)
     found = rollout(
         model.scenario(), rows, np.zeros((frames, 5)), FRAME, record=("x", "z", "theta")
     )
@@ -169,7 +175,7 @@ def predict(model: Model, begin: Starts, frames: int) -> np.ndarray:
 def time_to_contact(model: Model, begin: Starts) -> np.ndarray:
     """From the last free frame to the first contact, s; at most three frames."""
     since = np.linspace(0.0, 3.0 * FRAME, 301)
-    rows = _at_plate(model, begin.state)
+    rows = at_plate(model, begin.state)
     way, fallen, turned = model.flight.travel(since)
     z = rows[:, 1:2] + rows[:, 4:5] * way + model.flight.gravity_z * fallen
     angle = rows[:, 2:3] + rows[:, 5:6] * turned
@@ -192,7 +198,7 @@ def touch_downs(model: Model, begin: Starts, after: float = AFTER) -> np.ndarray
         scenario.replace({"drive.program": Waveform.hold(float(end), {})}).with_state(
             State.from_row(row)
         )
-        for end, row in zip(until, _at_plate(model, begin.state), strict=True)
+        for end, row in zip(until, at_plate(model, begin.state), strict=True)
     ]
     return np.array([run.summary()["events"]["touch_down"] for run in simulate_batch(runs)])
 
