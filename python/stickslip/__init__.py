@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from stickslip import plot
     from stickslip._core import __version__
+    from stickslip.control.optimise import optimise
+    from stickslip.control.optimum import Optimum
     from stickslip.diagnosis.api import diagnose, diagnose_model
     from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
     from stickslip.diagnosis.options import Options
@@ -54,6 +56,8 @@ _HOME = {
     name: module
     for module, names in {
         "_core": ("__version__",),
+        "control.optimise": ("optimise",),
+        "control.optimum": ("Optimum",),
         "diagnosis.api": ("diagnose", "diagnose_model"),
         "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
         "diagnosis.options": ("Options",),
@@ -102,6 +106,7 @@ __all__ = [
     "Environment",
     "JointPrior",
     "Measurement",
+    "Optimum",
     "Options",
     "Prior",
     "Record",
@@ -123,6 +128,7 @@ __all__ = [
     "effects",
     "load",
     "open_run",
+    "optimise",
     "plot",
     "read_measurement",
     "register_effect",

@@ -6,7 +6,7 @@ import importlib
 
 import click
 
-_COMMANDS = ("diagnose", "effects", "init", "keys", "reproduce", "run", "sweep")
+_COMMANDS = ("diagnose", "effects", "init", "keys", "optimise", "reproduce", "run", "sweep")
 
 
 class LazyGroup(click.Group):

@@ -81,6 +81,11 @@ class Optimum(OneLine):
     seconds: float
 
     @property
+    def frequency(self) -> float:
+        """Periods a second of the best drive, Hz; of a program that was given it is not known."""
+        return float(self.values.get("drive.frequency", self.start.drive.frequency))
+
+    @property
     def active(self) -> list[str]:
         """Figures whose greatest value in the search's draws is within `ACTIVE` of its limit."""
         return [
