@@ -167,9 +167,7 @@ REFUSED = {
     "camera.frame_rate": lambda: Camera(frame_rate=0.0),
     "camera.dropped": lambda: Camera(dropped=2.0),
     "camera.exposure": lambda: Camera(frame_rate=100.0, exposure=0.1),
-    "draws of the priors": lambda: RobotEnv(
-        uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}
-    ).reset(),
+    "robot.mass": lambda: RobotEnv(uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}),
 }
 
 

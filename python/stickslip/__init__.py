@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from stickslip._core import __version__
     from stickslip.control.optimise import optimise
     from stickslip.control.optimum import Optimum
+    from stickslip.control.predict import predict
+    from stickslip.control.prediction import Prediction
     from stickslip.diagnosis.api import diagnose, diagnose_model
     from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
     from stickslip.diagnosis.options import Options
@@ -58,6 +60,8 @@ _HOME = {
         "_core": ("__version__",),
         "control.optimise": ("optimise",),
         "control.optimum": ("Optimum",),
+        "control.predict": ("predict",),
+        "control.prediction": ("Prediction",),
         "diagnosis.api": ("diagnose", "diagnose_model"),
         "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
         "diagnosis.options": ("Options",),
@@ -108,6 +112,7 @@ __all__ = [
     "Measurement",
     "Optimum",
     "Options",
+    "Prediction",
     "Prior",
     "Record",
     "Robot",
@@ -130,6 +135,7 @@ __all__ = [
     "open_run",
     "optimise",
     "plot",
+    "predict",
     "read_measurement",
     "register_effect",
     "reproduce",

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
 from stickslip._util.plain_text import printable
+
+_F = TypeVar("_F", bound=Callable[..., Any])
 
 PATH = click.Path(path_type=Path)
 
@@ -17,6 +21,20 @@ SET = click.option(
     metavar="KEY=VALUE",
     help="Change a key, in SI units without their names; repeatable.",
 )
+
+
+def vary_option(required: bool) -> Callable[[_F], _F]:
+    """``--vary``, of which a sweep needs one."""
+    return click.option(
+        "--vary",
+        "vary",
+        multiple=True,
+        required=required,
+        metavar="KEY=VALUES",
+        help="A key and its values, start:stop:count with both ends, or a,b,c; repeatable.",
+    )
+
+
 THREADS = click.option(
     "--threads",
     "--jobs",

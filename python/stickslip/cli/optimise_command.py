@@ -15,6 +15,7 @@ from stickslip.cli.settings import parse_value, read_with
 from stickslip.cli.targets import check_folder_target, input_files, same_file
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.toml_file import with_uncertain_of
 
 _FREE = "allowed is key=low:high or key=word,word, such as drive.frequency=5:300"
 _LIMIT = "allowed is figure=value, such as field_max=2.5e-3"
@@ -54,7 +55,10 @@ Examples:
     "--coils", default="xp,clamp", show_default=True, help="Coils that a free waveform drives."
 )
 @click.option(
-    "--uncertain", type=PATH, help="TOML file with [uncertain]; else that of the scenario."
+    "--uncertain",
+    type=PATH,
+    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
+    "scenario, or the extended.toml of a diagnosis.",
 )
 @click.option(
     "--score",
@@ -155,10 +159,7 @@ def _found(base: Scenario, given: dict[str, Any], out: Path | None) -> Any:
 
 def _start(scenario: Path, settings: tuple[str, ...], uncertain: Path | None) -> Scenario:
     base = read_with(scenario, settings)
-    if uncertain is None:
-        return base
-    with prefixed("--uncertain"):
-        return base.with_uncertain(Scenario.from_toml(uncertain))
+    return base if uncertain is None else with_uncertain_of(base, uncertain)
 
 
 def _free(texts: tuple[str, ...]) -> dict[str, Any]:

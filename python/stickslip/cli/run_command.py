@@ -13,9 +13,8 @@ from stickslip.cli.common import JSON, PATH, SET, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
 from stickslip.cli.tables import summary_table
-from stickslip.cli.targets import check_target, input_files, same_file
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.simulation.run import SUFFIXES
+from stickslip.cli.targets import check_out_and_plot, input_files
+from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -91,7 +90,7 @@ def command(
     loaded = read_with(scenario, settings)
     _check_stretch(loaded, plot, start, stop)
     if out is not None or plot is not None:
-        _check_targets(out, plot, scenario, settings)
+        check_out_and_plot(out, plot, input_files(scenario, settings))
         loaded = _with_record(loaded, for_plot=plot is not None)
     run = _simulated(loaded, until)
 
@@ -176,20 +175,3 @@ def _check_stretch(
             )
     if start is not None and stop is not None and start >= stop:
         raise ScenarioError(f"--start = {start!r}: allowed is less than --stop = {stop!r}")
-
-
-def _check_targets(
-    out: Path | None, plot: Path | None, scenario: Path, settings: tuple[str, ...]
-) -> None:
-    """Say before a long simulation what could not be written after it."""
-    inputs = input_files(scenario, settings)
-    if out is not None and plot is not None and same_file(out, plot):
-        raise ScenarioError(f"--out and --plot: {out} cannot be both")
-    if out is not None:
-        check_target("--out", out, inputs, SUFFIXES)
-    if plot is not None:
-        check_target("--plot", plot, inputs)
-        from stickslip.plot import check_format
-
-        with prefixed("--plot", ValueError):
-            check_format(plot)

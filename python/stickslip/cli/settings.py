@@ -15,7 +15,7 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.scenario.toml_file import read_parts
 from stickslip.scenario.waveform import Waveform
-from stickslip.sweeping.points import MOST_POINTS
+from stickslip.sweeping.points import MOST_POINTS, Points, grid
 
 _QUOTES = ("'", '"')
 
@@ -147,3 +147,30 @@ def _list(values: str) -> list[Value]:
     if "" in parts:
         raise ScenarioError("a value beside a comma is missing")
     return [parse_value(part) for part in parts]
+
+
+def swept_points(scenario: Path, vary: Sequence[str], settings: Sequence[str]) -> Points:
+    """The grid of a file's scenario with all ``--set`` and ``--vary`` options."""
+    values = parse_vary(vary)
+    for key, _ in map(parse_setting, settings):
+        if key in values:
+            raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
+    base = _base(scenario, settings, values)
+    with prefixed("--vary"):
+        if "drive.mode" not in values:
+            refuse_sawtooth(base.drive.mode, values)
+        return grid(base, values)
+
+
+def _base(
+    scenario: Path, settings: Sequence[str], values: Mapping[str, Sequence[Value]]
+) -> Scenario:
+    """What the points have in common; a value that is varied is the file's own, if it can be."""
+    try:
+        return read_with(scenario, settings)
+    except ScenarioError:
+        if not scenario.is_file():  # a pipe can be read once
+            raise
+        with prefixed("--vary"):
+            grid(Scenario(), values)
+        return read_with(scenario, settings, {key: each[0] for key, each in values.items()})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -10,17 +9,13 @@ import click
 from stickslip._util.atomic_files import NETCDF_SUFFIXES
 from stickslip._util.strict_json import json_text
 from stickslip.cli.cluster import cluster
-from stickslip.cli.common import JSON, PATH, SET, THREADS, say
+from stickslip.cli.common import JSON, PATH, SET, THREADS, say, vary_option
 from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import parse_setting, parse_vary, read_with
+from stickslip.cli.settings import swept_points
 from stickslip.cli.tables import sweep_as_dict, sweep_failure, sweep_table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import Value
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import refuse_sawtooth
+from stickslip.errors import ScenarioError
 from stickslip.simulation.simulate import STAGE
-from stickslip.sweeping.points import Points, grid
 from stickslip.sweeping.run_sweep import sweep_points
 
 
@@ -31,14 +26,7 @@ from stickslip.sweeping.run_sweep import sweep_points
     "    --out sweep.nc",
 )
 @click.argument("scenario", type=PATH)
-@click.option(
-    "--vary",
-    "vary",
-    multiple=True,
-    required=True,
-    metavar="KEY=VALUES",
-    help="A key and its values, start:stop:count with both ends, or a,b,c; repeatable.",
-)
+@vary_option(required=True)
 @SET
 @THREADS
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
@@ -63,7 +51,7 @@ def command(
     --out is written after half a second, then every second or more, and on Ctrl-C, so that --resume
     can go on with it after whatever stopped the sweep, without simulating a finished point again.
     """
-    points = _points(scenario, vary, settings)
+    points = swept_points(scenario, vary, settings)
     if resume and out is None:
         raise ScenarioError("--resume: allowed with --out only, the file to go on with")
     if dask is not None and threads is not None:
@@ -90,32 +78,6 @@ def command(
     failure = sweep_failure(data)
     if failure:
         say(f"stickslip: {failure}", err=True)
-
-
-def _points(scenario: Path, vary: tuple[str, ...], settings: tuple[str, ...]) -> Points:
-    values = parse_vary(vary)
-    for key, _ in map(parse_setting, settings):
-        if key in values:
-            raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
-    base = _base(scenario, settings, values)
-    with prefixed("--vary"):
-        if "drive.mode" not in values:
-            refuse_sawtooth(base.drive.mode, values)
-        return grid(base, values)
-
-
-def _base(
-    scenario: Path, settings: tuple[str, ...], values: Mapping[str, Sequence[Value]]
-) -> Scenario:
-    """What the points have in common; a value that is varied is the file's own, if it can be."""
-    try:
-        return read_with(scenario, settings)
-    except ScenarioError:
-        if not scenario.is_file():  # a pipe can be read once
-            raise
-        with prefixed("--vary"):
-            grid(Scenario(), values)
-        return read_with(scenario, settings, {key: each[0] for key, each in values.items()})
 
 
 def _check_out(out: Path, resume: bool, inputs: Inputs) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,7 +42,7 @@ _WORDS = {
     "power_mean": "in all coils",
 }
 
-_MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
+MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
 
 _VELOCITY = "mean_velocity"
 
@@ -56,7 +57,7 @@ _COLUMNS = {
 }
 
 
-def _shown_in(name: str) -> tuple[float, str]:
+def shown_in(name: str) -> tuple[float, str]:
     """Factor and unit in which a number of a summary is shown beside its SI unit."""
     return (100.0, "%") if _UNITS[name] == "1" else handy(_UNITS[name])
 
@@ -69,7 +70,7 @@ def summary_table(summary: dict[str, Any]) -> str:
     rows = [("status", summary["status"], "")]
     for name, unit in _UNITS.items():
         value = summary[name] + 0.0  # no negative zero
-        factor, other = _shown_in(name)
+        factor, other = shown_in(name)
         words = _WORDS.get(name, "")
         handier = f"{value * factor:.5g} {other}{words}" if other != unit else words
         rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
@@ -83,12 +84,12 @@ def summary_table(summary: dict[str, Any]) -> str:
 
 def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """Counts, extremes and the points in order, in the words of a single run's summary."""
-    columns = {**_keys(data), "status": _statuses(data)}
+    columns = {**varied_keys(data["status"]), "status": _statuses(data)}
     if "message" in data:
-        columns["message"] = _listed(data["message"])
+        columns["message"] = listed(data["message"])
     for name in data.data_vars:
         if name not in ("status", "message", "events"):
-            columns[str(name)] = _listed(data[name])
+            columns[str(name)] = listed(data[name])
     kinds = data["event"].values.tolist()
     counts = data["events"].values.reshape(-1, len(kinds)).tolist()
     columns["events"] = [dict(zip(kinds, row, strict=True)) for row in counts]
@@ -113,11 +114,11 @@ def sweep_table(data: xarray.Dataset) -> str:
     for name, point in _extremes(data).items():
         velocity = point.pop(_VELOCITY)
         where = ", ".join(
-            f"{key} = {_text(value)} {_unit(key)}".rstrip() for key, value in point.items()
+            f"{key} = {value_text(value)} {key_unit(key)}".rstrip() for key, value in point.items()
         )
         rows.append((name, f"{velocity * 1e3:.6g} mm/s at {where}"))
     text = "\n".join(f"{name:<10}{value}" for name, value in rows)
-    return f"{_rows(data)}\n\n{text}" if data["status"].size <= _MOST_ROWS else text
+    return f"{_rows(data)}\n\n{text}" if data["status"].size <= MOST_ROWS else text
 
 
 def sweep_failure(data: xarray.Dataset) -> str:
@@ -130,17 +131,16 @@ def sweep_failure(data: xarray.Dataset) -> str:
     return f"{failed} of {messages.size} points failed; the first: {messages[first]}"
 
 
-def _keys(data: xarray.Dataset) -> dict[str, list[Any]]:
+def varied_keys(like: xarray.DataArray) -> dict[str, list[Any]]:
     """For each swept key its value at every point."""
-    status = data["status"]
     return {
-        each.attrs["key"]: _listed(each.broadcast_like(status).transpose(*status.dims))
-        for each in data.coords.values()
+        each.attrs["key"]: listed(each.broadcast_like(like).transpose(*like.dims))
+        for each in like.coords.values()
         if "key" in each.attrs
     }
 
 
-def _listed(array: xarray.DataArray) -> list[Any]:
+def listed(array: xarray.DataArray) -> list[Any]:
     """The value at each point, in the order of the points."""
     values: list[Any] = array.values.ravel().tolist()
     return values
@@ -149,7 +149,7 @@ def _listed(array: xarray.DataArray) -> list[Any]:
 def _statuses(data: xarray.Dataset) -> list[str]:
     about = data["status"].attrs
     names = dict(zip(about["flag_values"].tolist(), about["flag_meanings"].split(), strict=True))
-    return [names[code] for code in _listed(data["status"])]
+    return [names[code] for code in listed(data["status"])]
 
 
 def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
@@ -157,7 +157,7 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
     velocity = data[_VELOCITY].values.ravel()
     if np.isnan(velocity).all():
         return {}
-    columns = {**_keys(data), _VELOCITY: velocity.tolist()}
+    columns = {**varied_keys(data["status"]), _VELOCITY: velocity.tolist()}
     places = {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
     return {
         name: {key: values[index] for key, values in columns.items()}
@@ -168,14 +168,19 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
 def _rows(data: xarray.Dataset) -> str:
     """A table of all points with two lines of heading."""
     columns = [
-        [key.rpartition(".")[2], _unit(key), *map(_text, values)]
-        for key, values in _keys(data).items()
+        [key.rpartition(".")[2], key_unit(key), *map(value_text, values)]
+        for key, values in varied_keys(data["status"]).items()
     ]
     columns.append(["status", "", *_statuses(data)])
     for name, heading in _COLUMNS.items():
-        factor, unit = _shown_in(name)
+        factor, unit = shown_in(name)
         values = data[name].values.ravel() * factor + 0.0  # no negative zero
         columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
+    return aligned(columns)
+
+
+def aligned(columns: Sequence[Sequence[str]]) -> str:
+    """Columns of cells, each as wide as the widest of its cells."""
     widths = [max(map(len, column)) for column in columns]
     lines = zip(*columns, strict=True)
     return "\n".join(
@@ -184,10 +189,12 @@ def _rows(data: xarray.Dataset) -> str:
     )
 
 
-def _unit(key: str) -> str:
+def key_unit(key: str) -> str:
+    """The unit of a key as it is shown; "" for none."""
     known = known_keys()[key]
     return "" if known.kind == "word" or known.unit == "-" else known.unit
 
 
-def _text(value: object) -> str:
+def value_text(value: object) -> str:
+    """A value of a key as it is shown."""
     return f"{value:.9g}" if isinstance(value, float) else str(value)

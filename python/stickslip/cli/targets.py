@@ -10,6 +10,7 @@ from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.toml_file import voltage_file
+from stickslip.simulation.run import SUFFIXES
 
 Inputs = dict[str, Path]
 """Files that the command reads, by what they are."""
@@ -39,6 +40,20 @@ def check_target(
     if suffixes is not None:
         with prefixed(option, ValueError):
             check_suffix(path, suffixes)
+
+
+def check_out_and_plot(out: Path | None, plot: Path | None, inputs: Inputs) -> None:
+    """Say before long simulations what of ``--out`` and ``--plot`` could not be written after."""
+    if out is not None and plot is not None and same_file(out, plot):
+        raise ScenarioError(f"--out and --plot: {out} cannot be both")
+    if out is not None:
+        check_target("--out", out, inputs, SUFFIXES)
+    if plot is not None:
+        check_target("--plot", plot, inputs)
+        from stickslip.plot import check_format
+
+        with prefixed("--plot", ValueError):
+            check_format(plot)
 
 
 def check_folder_target(path: Path, files: Iterable[str]) -> None:

@@ -19,6 +19,7 @@ from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import STATE_COLUMNS
+from stickslip.scenario.uncertain import JointPrior
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,6 @@ CAMERA_UNITS = (1e-3, 1e-3, 1.0, 0.1)
 """The same with a camera; the age is in tenths of a second."""
 
 _FARTHEST = 1e6  # chosen: finite, as libraries want it, and beyond all that moves
-_MOST_DRAWS = 100  # chosen: of priors of which most draws make no scenario something is wrong
 _X, _THETA, _CONTACT = (STATE_COLUMNS.index(name) for name in ("x", "theta", "contact"))
 _STATE = [STATE_COLUMNS.index(name) for name in OBSERVED[1:]]
 
@@ -52,8 +52,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         See `stickslip.control.tasks.TASKS`.
     scenario : Scenario, optional
         The robot; its drive is not played, see `stickslip.Simulator`.
-    uncertain : mapping of str to Prior, optional
-        Keys that are drawn anew for each episode, as `Measurement.uncertain` has them.
+    uncertain : JointPrior, mapping of str to Prior, or Scenario, optional
+        What is drawn anew for each episode, as `Measurement.uncertain` or a scenario has it, see
+        `Scenario.with_uncertain`; if it is not given, what is uncertain in `scenario`.
     camera : Camera, optional
         What the robots are seen through.
     coils : sequence of str
@@ -73,7 +74,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         num_envs: int = 1,
         task: str = "walk",
         scenario: Scenario | None = None,
-        uncertain: Mapping[str, Prior] | None = None,
+        uncertain: JointPrior | Mapping[str, Prior] | Scenario | None = None,
         camera: Camera | None = None,
         coils: Sequence[str] = ("xp", "clamp"),
         voltage: float = 26.0,
@@ -85,8 +86,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     ) -> None:
         self.num_envs = num_envs
         self.task = task_named(task)
-        self.scenario = scenario or Scenario()
-        self.uncertain = dict(uncertain or {})
+        given = scenario or Scenario()
+        given = given.with_uncertain(uncertain) if uncertain else given
+        self.scenario, self.uncertain = given.with_uncertain(None), given.uncertain
         self.camera = camera
         self.voltage, self.period = voltage, period
         self.max_episode_steps = max_episode_steps
@@ -148,19 +150,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
 
     def _drawn(self, random: np.random.Generator) -> Scenario:
         """The scenario with new values of what is uncertain."""
-        if not self.uncertain:
-            return self.scenario
-        for _ in range(_MOST_DRAWS):
-            try:
-                return self.scenario.replace(
-                    {
-                        key: float(prior.value(random.standard_normal()))
-                        for key, prior in self.uncertain.items()
-                    }
-                )
-            except ScenarioError as error:
-                last = error
-        raise ScenarioError(f"{_MOST_DRAWS} draws of the priors make no scenario: {last}")
+        return self.uncertain.draw(self.scenario, random) if self.uncertain else self.scenario
 
     def step(
         self, actions: Array

@@ -17,7 +17,7 @@ from stickslip.control.optimum import Optimum, Rival
 from stickslip.control.sawtooth import POINTS, played, sawtooths
 from stickslip.control.search import Candidate, Key, search
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, shown
+from stickslip.scenario.keys import RECORD_RATE, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.results import NUMBERS
 
@@ -103,7 +103,9 @@ def optimise(
         raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
     limits = limits or {}
     goal = made_goal(maximise, minimise, score, limits)
-    _check_counts(draws=draws, fresh=fresh, evaluations=evaluations)
+    for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
+        check_whole(name, count, 1)
+    check_whole("seed", seed)
     space = design_space(scenario, free or {}, knots, coils, limits.get(VOLTAGE))
     for key in space.keys:
         if scenario.uncertain is not None and key in scenario.uncertain.keys:
@@ -285,9 +287,3 @@ def _draws(scenario: Scenario, count: int, seed: int, stream: int) -> list[Scena
     if scenario.uncertain is None:
         return [quiet]
     return quiet.draws(count, seed=int(np.random.SeedSequence([seed, stream]).generate_state(1)[0]))
-
-
-def _check_counts(**counts: object) -> None:
-    for name, count in counts.items():
-        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-            raise ScenarioError(f"{name} = {shown(count)}: allowed is a whole number from 1")

@@ -12,13 +12,13 @@ from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.measurement_problem import pose_measurement
 from stickslip.diagnosis.model.problem import Cause, Predict, Uncertain
-from stickslip.diagnosis.options import Options, changed, check_whole
+from stickslip.diagnosis.options import Options, changed
 from stickslip.diagnosis.pipeline import run_steps
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.results import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import shown
+from stickslip.scenario.keys import check_whole, shown
 
 
 def diagnose(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -18,7 +17,7 @@ from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.problem import AuxiliaryData, Predict
 from stickslip.errors import ScenarioError
 from stickslip.facts import Fact
-from stickslip.scenario.keys import refuse, suggestion
+from stickslip.scenario.keys import check_whole, refuse, suggestion
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -91,12 +90,6 @@ class Options(OneLine):
         for name in ("condition", "block", "group"):
             if getattr(self, name) is not None:
                 _check_indices(name, getattr(self, name))
-
-
-def check_whole(name: str, value: object) -> None:
-    """Refuse what is not a whole number from 0."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 0:
-        refuse(name, value, "a whole number from 0")
 
 
 def _check_indices(name: str, values: ArrayLike) -> None:

@@ -20,13 +20,12 @@ from stickslip.diagnosis.inference.extended_model import extended_scenario, exte
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
-from stickslip.diagnosis.options import check_whole
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.messages import no_gain_lines, set_lines, table_lines, verdict_lines
 from stickslip.diagnosis.report.plots import OWN_LABELS, Plots, abscissa, refuse_own
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value, refuse
+from stickslip.scenario.keys import Value, check_whole, refuse
 from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import chi2 as chi2_law
 
-from stickslip.diagnosis.fit.fit_result import Fit, Fitted, free_parameters, ranked
+from stickslip.diagnosis.fit.fit_result import (
+    Fit,
+    Fitted,
+    free_parameters,
+    physical_covariance,
+    ranked,
+)
 from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.fit.profile_likelihood import FAR
 from stickslip.diagnosis.inference.findings import Findings
@@ -57,11 +63,8 @@ def covariance_table(found: Findings) -> DataFrame:
     from stickslip.diagnosis.printed_table import PrintedTable
 
     fit, parameters = _fitted(found)
-    slope = np.array([each.slope(fit) for each in parameters])
     names = [each.name for each in parameters]
-    at = [each.position for each in parameters]
-    covariance = slope[:, None] * fit.covariance[np.ix_(at, at)] * slope
-    return PrintedTable(covariance, index=names, columns=names)
+    return PrintedTable(physical_covariance(fit, parameters), index=names, columns=names)
 
 
 def candidate_table(found: Findings) -> DataFrame:

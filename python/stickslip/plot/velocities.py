@@ -1,4 +1,4 @@
-"""Mean velocity against what a sweep varied."""
+"""Mean velocity against what a sweep or a prediction varied."""
 
 from __future__ import annotations
 
@@ -20,8 +20,11 @@ from stickslip.plot.scales import readable
 if TYPE_CHECKING:
     import xarray
 
+    from stickslip.control.prediction import Prediction
+
     _Array = NDArray[np.float64]
 
+_QUANTILE = "quantile"
 _MOST_LINES = 8  # as many as there are styles that can be told apart
 # Values whose ratio is this or more are shown on a logarithmic axis; chosen: two decades.
 _LOG_RATIO = 100.0
@@ -52,17 +55,18 @@ class _Axis:
         )
 
 
-def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
+def velocity(data: xarray.Dataset | Prediction, ax: Axes | None = None) -> Figure:
     """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
 
     Over one key there is a line for each combination of the words that were varied, such as
-    ``drive.mode``. Points that failed are gaps.
+    ``drive.mode``. Points that failed are gaps. Of a prediction the line is the median, and two
+    quantiles that lie as far from it make a band: 10 % and 90 % that of 80 % of the draws.
 
     Parameters
     ----------
-    data : xarray.Dataset
-        What `stickslip.sweep` gave. Take a part with ``.sel`` or ``.isel`` where it varied more
-        than can be drawn.
+    data : xarray.Dataset or Prediction
+        What `stickslip.sweep` or `stickslip.predict` gave. Take a part with ``.sel`` or ``.isel``,
+        of a prediction's `data`, where it varied more than can be drawn.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure, if not given.
 
@@ -76,27 +80,29 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     ValueError
         If the Dataset is not one of a sweep, has no sound point, or varies more than can be drawn.
     """
-    if "mean_velocity" not in data:
+    table: Any = getattr(data, "data", data)  # of a prediction
+    if "mean_velocity" not in table:
         raise ValueError("the Dataset is not one of a sweep: it has no mean_velocity")
-    speeds = data["mean_velocity"].squeeze() * 1e3
+    speeds = table["mean_velocity"].squeeze() * 1e3
     if not bool(np.isfinite(speeds.values).any()):
         raise ValueError("no point of the sweep has a velocity")
-    if speeds.dims == ("point",):
+    if "point" in speeds.dims:
         speeds = _unlisted(speeds)
-    numeric = [str(d) for d in speeds.dims if speeds[d].dtype.kind in "if"]
-    words = [str(d) for d in speeds.dims if str(d) not in numeric]
+    varied = [str(d) for d in speeds.dims if d != _QUANTILE]
+    numeric = [name for name in varied if speeds[name].dtype.kind in "if"]
+    words = [name for name in varied if name not in numeric]
     along = [_axis(speeds, name) for name in numeric]
 
     with drawing(ax, (5.4, 3.6)) as axes:
         if len(along) == 1:
             _draw_lines(axes, speeds, along[0], words)
-        elif len(along) == 2 and not words:
+        elif len(along) == 2 and not words and _QUANTILE not in speeds.dims:
             _draw_map(axes, speeds, *along)
         else:
-            varied = ", ".join([*numeric, *words]) or "nothing"
+            found = ", ".join([*numeric, *words]) or "nothing"
             raise ValueError(
-                f"the sweep varies {varied}: allowed are one number with words, or two numbers; "
-                "take a part of it with .sel"
+                f"the sweep varies {found}: allowed are one number with words, or two numbers "
+                "without bands; take a part of it with .sel"
             )
         readable(axes)
     return root_figure(axes)
@@ -104,7 +110,7 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
 
 def _unlisted(speeds: Any) -> Any:
     """A list of points as a grid of the keys that differ between them."""
-    names = [str(name) for name in speeds.coords if name != "point"]
+    names = [str(name) for name in speeds.coords if name not in ("point", _QUANTILE)]
     index = [name for name in names if np.unique(speeds[name].values).size > 1]
     plain = speeds.drop_vars([name for name in names if name not in index])
     rows = set(zip(*(plain[name].values.tolist() for name in index), strict=True))
@@ -132,8 +138,13 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
         raise ValueError(
             f"{len(choices)} lines: allowed are at most {_MOST_LINES}; take a part with .sel"
         )
+    bands = _QUANTILE in speeds.dims
     for choice, (colour, dashes, marker) in zip(choices, _STYLES, strict=False):
         line = speeds.sel(dict(zip(words, choice, strict=True)))
+        names = [str(word) for word in choice]
+        if bands:
+            line = _draw_bands(axes, line, along, colour, names)
+            names = [*names, "median"]
         axes.plot(
             along.values * along.factor,
             line.values,
@@ -141,14 +152,36 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
             linestyle=dashes,
             marker=marker,
             markersize=3.5,
-            label=", ".join(str(word) for word in choice),
+            label=", ".join(names),
         )
     if along.log:
         axes.set_xscale("log")
     axes.set_xlabel(along.label)
     axes.set_ylabel("mean velocity (mm/s)")
-    if words:
+    if words or bands:
         axes.legend(title=", ".join(words), frameon=False)
+
+
+def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str, names: list[str]) -> Any:
+    """Shade what lies between each two opposite quantiles; return the median."""
+    levels = line[_QUANTILE].values
+    if not np.allclose(levels + levels[::-1], 1.0) or 0.5 not in levels:
+        shown = ", ".join(f"{each:g}" for each in levels)
+        raise ValueError(
+            f"quantiles {shown}: allowed are 0.5 and pairs about it, such as 0.1, 0.5, 0.9; "
+            "take one of them with .sel"
+        )
+    for low, high in zip(levels[: len(levels) // 2], levels[::-1], strict=False):
+        axes.fill_between(
+            along.values * along.factor,
+            line.sel(quantile=low).values,
+            line.sel(quantile=high).values,
+            color=colour,
+            alpha=0.2,
+            linewidth=0.0,
+            label=", ".join([*names, f"{100.0 * (high - low):.4g} % of draws"]),
+        )
+    return line.sel(quantile=0.5)
 
 
 def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:

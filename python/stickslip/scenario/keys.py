@@ -167,6 +167,12 @@ def refuse(key: str, value: object, allowed: str) -> NoReturn:
     raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
 
 
+def check_whole(name: str, value: object, least: int = 0) -> None:
+    """Refuse what is not a whole number from `least`."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < least:
+        refuse(name, value, f"a whole number from {least}")
+
+
 def section_hint(section: str) -> str:
     """The section that was probably meant, or all of them, with the extensions as one."""
     sections = list(dict.fromkeys(key.section for key in known_keys().values()))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import (
+    check_whole,
     checked,
     find_key,
     full_name,
@@ -164,10 +165,8 @@ def parse_priors(table: object) -> dict[str, Prior]:
 
 def draws(scenario: Scenario, count: int, seed: int) -> list[Scenario]:
     """See `Scenario.draws`."""
-    for name, value, least in (("n", count, 1), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            allowed = f"a whole number from {least}"
-            raise ScenarioError(f"{name} = {shown(value)}: allowed is {allowed}")
+    check_whole("n", count, 1)
+    check_whole("seed", seed)
     if scenario.uncertain is None:
         raise ScenarioError("uncertain: there is nothing to draw, as the scenario holds none")
     known = scenario.with_uncertain(None)

@@ -53,14 +53,9 @@ def dataset(points: Points, results: Results) -> xarray.Dataset:
     kinds = ("event", list(EVENTS), {"long_name": "kind of event"})
     return xarray.Dataset(
         variables,
-        coords={**_coordinates(points), "event": kinds},
+        coords={**coordinates(points), "event": kinds},
         attrs={
-            "title": "stick-slip motion of a magnetic micro-robot, parameter sweep",
-            "created_by": f"stickslip {_core.__version__}, sweep",
-            **origin(points.scenario),
-            "arrangement": points.arrangement,
-            "vary": points.vary(),
-            "points": points.count,
+            **about(points, "parameter sweep", "sweep"),
             "finished_points": results.finished,
             "failed_points": int(np.sum(~np.isin(results.status, (OK, NOT_RUN)))),
             "statuses": json.dumps(results.counts()),
@@ -68,14 +63,27 @@ def dataset(points: Points, results: Results) -> xarray.Dataset:
     )
 
 
-def _coordinates(points: Points) -> dict[str, Any]:
-    coordinates = {}
+def about(points: Points, what: str, command: str) -> dict[str, Any]:
+    """Attributes that say where the numbers of some points come from."""
+    return {
+        "title": f"stick-slip motion of a magnetic micro-robot, {what}",
+        "created_by": f"stickslip {_core.__version__}, {command}",
+        **origin(points.scenario),
+        "arrangement": points.arrangement,
+        "vary": points.vary(),
+        "points": points.count,
+    }
+
+
+def coordinates(points: Points) -> dict[str, Any]:
+    """The values along each dimension, as `xarray.Dataset` takes them."""
+    found = {}
     for key in points.keys:
         known = known_keys()[key]
-        about = {"long_name": known.meaning, "key": key}
+        attributes = {"long_name": known.meaning, "key": key}
         if known.kind != "word":
-            about["units"] = "1" if known.unit == "-" else known.unit
+            attributes["units"] = "1" if known.unit == "-" else known.unit
         name = short_name(key)
         dimension = LIST_DIMENSION if points.arrangement == "list" else name
-        coordinates[name] = (dimension, points.labels(key), about)
-    return coordinates
+        found[name] = (dimension, points.labels(key), attributes)
+    return found

@@ -6,6 +6,7 @@ the words that its key takes. That is what the compiled core reads.
 
 from __future__ import annotations
 
+import copy
 import functools
 import json
 import math
@@ -89,6 +90,18 @@ class Points:
         return np.column_stack(
             [values[place] for values, place in zip(self.columns, places, strict=True)]
         )
+
+    def with_draws(self, keys: Sequence[str], values: _Array) -> Points:
+        """A list of these points with the values of each of n draws, shape (n, number of `keys`).
+
+        The draws of a point follow each other.
+        """
+        made = copy.copy(self)
+        made.arrangement = "list"
+        made.keys = (*self.keys, *keys)
+        rows = np.repeat(self.rows(np.arange(self.count)), len(values), axis=0)
+        made.columns = (*rows.T, *np.tile(values.T, self.count))
+        return made
 
     def labels(self, key: str) -> NDArray[Any]:
         """Values of a key as they stand in a scenario: numbers, whole numbers or words."""

@@ -112,7 +112,7 @@ def sweep(
     >>> print(f"{data.mean_velocity.sel(frequency=100, drive_clamp='down').item() * 1e3:.2f} mm/s")
     1.91 mm/s
     """
-    return sweep_points(_points(scenario, vary), threads, executor, out, resume, progress)
+    return sweep_points(points_of(scenario, vary), threads, executor, out, resume, progress)
 
 
 def sweep_points(
@@ -139,7 +139,15 @@ def sweep_points(
     return dataset(points, results)
 
 
-def _points(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Points:
+def simulated(points: Points, threads: int | None, progress: Progress | None) -> Results:
+    """The results of points, which stay in memory."""
+    results = Results(points.count)
+    _run(points, results, LocalThreads(worker_count(threads, "threads")), None, progress)
+    return results
+
+
+def points_of(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Points:
+    """The points that `sweep` simulates."""
     if isinstance(scenario, Scenario):
         if isinstance(vary, Mapping):
             return grid(scenario, vary)

@@ -87,7 +87,10 @@ class Fit(OneLine):
     @property
     def covariance(self) -> Array:
         """Covariance of the free coordinates."""
-        return np.asarray(np.linalg.inv(self.jacobian.T @ self.jacobian))
+        # Without the product of the Jacobian with itself, whose inverse rounding can make no
+        # covariance any more: an eigenvalue falls below zero.
+        root = np.linalg.inv(np.linalg.qr(self.jacobian, mode="r"))
+        return np.asarray(root @ root.T)
 
     @property
     def priced_evidence(self) -> float:
@@ -170,6 +173,13 @@ def free_parameters(problem: Problem, fit: Fit) -> list[Fitted]:
     every = [*problem.uncertain, *problem.parameters]
     free = fit.candidate.free.tolist()
     return [Fitted(every[column], position, column) for position, column in enumerate(free)]
+
+
+def physical_covariance(fit: Fit, parameters: Sequence[Fitted]) -> Array:
+    """Covariance of some free parameters of a fit, in products of their units."""
+    slope = np.array([each.slope(fit) for each in parameters])
+    at = [each.position for each in parameters]
+    return np.asarray(slope[:, None] * fit.covariance[np.ix_(at, at)] * slope)
 
 
 def fitted_parameters(problem: Problem, fit: Fit) -> list[Fitted]:

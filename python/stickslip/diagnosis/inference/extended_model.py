@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from stickslip.diagnosis.fit.fit_result import free_parameters, physical_covariance
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.uncertain import JointPrior
 
 
 def extended_values(found: Findings) -> dict[str, float]:
@@ -23,6 +25,9 @@ def extended_values(found: Findings) -> dict[str, float]:
 def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
     """The scenario with recalibrated constants and, where there is one, the cause.
 
+    Uncertain in it is what was fitted, with the covariance by the curvature at the fit, if fits
+    from several starts agree.
+
     From data that allow no diagnosis nothing is learnt, so the scenario stays as it is. What only a
     channel has, such as a camera's offset, is no part of a scenario.
 
@@ -35,6 +40,16 @@ def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
     values = extended_values(found)
     changes = {name: value for name, value in values.items() if name not in nuisances}
     try:
-        return scenario.replace(changes)
+        return scenario.replace(changes).with_uncertain(_posterior(found, list(changes)))
     except ScenarioError as error:
         raise ScenarioError(f"the extended model makes no scenario: {error}") from None
+
+
+def _posterior(found: Findings, keys: list[str]) -> JointPrior | None:
+    """The covariance of the fitted values of some keys; None where there is none to trust."""
+    fit = found.verdict.fit or found.null
+    fitted = [each for each in free_parameters(found.problem, fit) if each.name in keys]
+    if not fitted or not fit.converged:
+        return None
+    matrix = physical_covariance(fit, fitted).tolist()
+    return JointPrior({}, tuple(each.name for each in fitted), tuple(map(tuple, matrix)))

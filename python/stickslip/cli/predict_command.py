@@ -1,0 +1,130 @@
+"""``stickslip predict``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from stickslip._util.strict_json import json_text
+from stickslip.cli.common import JSON, PATH, SET, THREADS, say, vary_option
+from stickslip.cli.prediction_tables import (
+    prediction_as_dict,
+    prediction_failure,
+    prediction_table,
+)
+from stickslip.cli.progress import ProgressBar
+from stickslip.cli.settings import parse_setting, read_with, swept_points
+from stickslip.cli.targets import check_out_and_plot, input_files
+from stickslip.control.predict import DRAWS, QUANTILES, predicted, single_point
+from stickslip.control.prediction import Prediction
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import full_name, known_keys
+from stickslip.scenario.toml_file import with_uncertain_of
+from stickslip.simulation.simulate import STAGE
+from stickslip.sweeping.points import Points
+
+
+@click.command(
+    "predict",
+    epilog="\b\nExample:\n"
+    "  stickslip predict scenario.toml --uncertain measurement.toml \\\n"
+    "    --vary drive.frequency=20:200:10 --out bands.csv --plot bands.png",
+)
+@click.argument("scenario", type=PATH)
+@click.option(
+    "--uncertain",
+    type=PATH,
+    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
+    "scenario, or the extended.toml of a diagnosis.",
+)
+@vary_option(required=False)
+@SET
+@click.option(
+    "--draws",
+    type=click.IntRange(2),
+    default=DRAWS,
+    show_default=True,
+    help="Simulations of each point, all with other values of what is uncertain.",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the draws.")
+@THREADS
+@click.option("--out", type=PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv.")
+@click.option("--plot", type=PATH, help="Draw velocities with bands: .png, .pdf, .svg and others.")
+@JSON
+def command(
+    scenario: Path,
+    uncertain: Path | None,
+    vary: tuple[str, ...],
+    settings: tuple[str, ...],
+    draws: int,
+    seed: int,
+    threads: int | None,
+    out: Path | None,
+    plot: Path | None,
+    as_json: bool,
+) -> None:
+    """Predict the summary of a SCENARIO (a TOML file) with error bars.
+
+    Prints the quantiles of 10, 50 and 90 % over what is uncertain in it: values that are drawn
+    from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
+    there are is said on standard error.
+    """
+    points = swept_points(scenario, vary, settings) if vary else None
+    points = points or single_point(read_with(scenario, settings))
+    if uncertain is not None:
+        points.scenario = with_uncertain_of(points.scenario, uncertain)
+    _check_settings(points, settings)
+    if plot is not None:
+        _check_drawable(points if vary else None)
+    if out is not None or plot is not None:
+        inputs = input_files(scenario, settings)
+        if uncertain is not None:
+            inputs["--uncertain"] = uncertain
+        check_out_and_plot(out, plot, inputs)
+
+    bar = ProgressBar(STAGE, points.count * draws)
+    try:
+        with bar:
+            found = predicted(points, bool(vary), draws, seed, QUANTILES, threads, bar)
+    except KeyboardInterrupt:
+        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
+        raise
+    try:
+        if out is not None:
+            found.save(out)
+        if plot is not None:
+            _draw(found, plot)
+    finally:  # the table is printed even if a disk was full
+        click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
+        failure = prediction_failure(found)
+        if failure:
+            say(f"stickslip: {failure}", err=True)
+
+
+def _check_settings(points: Points, settings: Sequence[str]) -> None:
+    """Refuse a value that has no influence, as its key is drawn from a prior."""
+    uncertain = points.scenario.uncertain
+    for key, _ in map(parse_setting, settings):
+        if uncertain is not None and full_name(key) in uncertain.priors:
+            raise ScenarioError(f"--set {key}: has no influence, as its prior says where it lies")
+
+
+def _check_drawable(points: Points | None) -> None:
+    """Refuse what `plot.velocity` draws no bands of."""
+    sizes = zip(points.keys, points.shape, strict=True) if points else ()
+    numbers = [key for key, size in sizes if size > 1 and known_keys()[key].kind != "word"]
+    if len(numbers) != 1:
+        raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")
+
+
+def _draw(found: Prediction, path: Path) -> None:
+    from stickslip import plot as drawing
+
+    try:
+        figure = drawing.velocity(found)
+    except ValueError as error:  # for instance if all draws failed
+        say(f"stickslip: --plot: nothing drawn: {error}", err=True)
+        return
+    drawing.save(figure, path)

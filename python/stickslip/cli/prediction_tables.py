@@ -1,0 +1,88 @@
+"""A prediction as a table of text and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from stickslip.cli.tables import (
+    MOST_ROWS,
+    aligned,
+    key_unit,
+    listed,
+    shown_in,
+    value_text,
+    varied_keys,
+)
+from stickslip.control.prediction import Prediction
+
+# Figures of the table, with their headings.
+_COLUMNS = {"mean_velocity": "mean velocity", "airborne_fraction": "airborne"}
+
+
+def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
+    """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
+    data = prediction.data
+    columns = {**varied_keys(data["failed"]), "failed": listed(data["failed"])}
+    for name, values in data.data_vars.items():
+        if "quantile" in values.dims:
+            columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
+    rows = zip(*columns.values(), strict=True)
+    return {
+        "points": data["failed"].size,
+        "draws": prediction.draws,
+        "seed": int(data.attrs["seed"]),
+        "failed": prediction.failed,
+        "status": json.loads(data.attrs["statuses"]),
+        "quantiles": data["quantile"].values.tolist(),
+        "results": [dict(zip(columns, row, strict=True)) for row in rows],
+    }
+
+
+def prediction_table(prediction: Prediction) -> str:
+    """Counts and the precision of the quantiles; the points too if they are few."""
+    data = prediction.data
+    points, draws = data["failed"].size, prediction.draws
+    lowest = float(data["quantile"].values.min())
+    error = math.sqrt(lowest * (1.0 - lowest) / draws)
+    low, high = max(lowest - error, 0.0), lowest + error
+    rows = (
+        ("points", str(points)),
+        ("draws", f"{draws} of each, {prediction.failed} of all failed"),
+        (
+            "precision",
+            f"the quantile of {100 * lowest:.4g} % is one of {100 * low:.3g} to {100 * high:.3g} %",
+        ),
+    )
+    text = "\n".join(f"{name:<11}{value}" for name, value in rows)
+    return f"{_rows(prediction)}\n\n{text}" if points <= MOST_ROWS else text
+
+
+def prediction_failure(prediction: Prediction) -> str:
+    """How many draws failed, and what the first of them says; empty if none did."""
+    if not prediction.failed:
+        return ""
+    data = prediction.data
+    count = data["failed"].size * prediction.draws
+    return (
+        f"{prediction.failed} of {count} draws failed and are in no quantile; the first: "
+        f"{data.attrs['message']}"
+    )
+
+
+def _rows(prediction: Prediction) -> str:
+    """A table of all points with three lines of heading: figure, unit, quantile."""
+    data = prediction.data
+    columns = [
+        [key.rpartition(".")[2], key_unit(key), "", *map(value_text, values)]
+        for key, values in varied_keys(data["failed"]).items()
+    ]
+    for name, heading in _COLUMNS.items():
+        factor, unit = shown_in(name)
+        for level in data["quantile"].values.tolist():
+            values = data[name].sel(quantile=level).values.ravel() * factor + 0.0
+            cells = (f"{value:.4f}" for value in values)
+            columns.append([heading, unit, f"{100.0 * level:.4g} %", *cells])
+    columns.append(["failed", "", "", *map(str, listed(data["failed"]))])
+    return aligned(columns)
