@@ -107,8 +107,9 @@ def optimise(
         check_whole(name, count, 1)
     check_whole("seed", seed)
     space = design_space(scenario, free or {}, knots, coils, limits.get(VOLTAGE))
+    drawn = scenario.uncertain
     for key in space.keys:
-        if scenario.uncertain is not None and key in scenario.uncertain.keys:
+        if drawn is not None and key in (*drawn.priors, *drawn.keys):
             raise ScenarioError(f"{key}: allowed is either free or uncertain, not both")
     trials = _Trials(
         space=space,

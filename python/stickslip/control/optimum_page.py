@@ -40,8 +40,7 @@ def page_text(found: Optimum) -> str:
         limits=[_limit(found, name) for name in found.goal.limits],
         values=[(name, shown(value, _unit(name, found))) for name, value in found.values.items()],
         sawtooth=[
-            (key, shown(value, known_keys()[key].unit))
-            for key, value in (found.rival or {}).items()
+            (key, shown(value, keys[key].unit)) for key, value in (found.rival or {}).items()
         ],
         slices=[
             (each, shown(each.best, each.axis.unit), f"{each.loss:.0%}") for each in found.slices
