@@ -260,8 +260,11 @@ class _Chosen:
         self, drives: Sequence[Mapping[str, Any] | ScenarioError], draws: Sequence[Scenario]
     ) -> int:
         judged = self._trials.judged(drives, draws, "choosing")
-        keys = [each.key(self._trials.goal.sign) for each in judged]
-        return keys.index(min(keys))
+        # What passes a limit in no draw of the search may pass it in one of many others: that is
+        # told, and costs it nothing here, or a drive at its limit would lose to any far from it.
+        sign = self._trials.goal.sign
+        ranks = [(each.failed, -sign * each.score if not each.failed else 0.0) for each in judged]
+        return ranks.index(min(ranks))
 
     def _best_sawtooth(self, choosing: Sequence[Scenario]) -> Rival | None:
         """None where the drive is a program, or no sawtooth satisfies the limits."""

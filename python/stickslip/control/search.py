@@ -71,7 +71,7 @@ class Found:
     leaders : list of Candidate
         The best candidates, the best first.
     centres : list of Candidate
-        Where the strategies that were not given up stood at the end: less by luck than the best.
+        Where the strategies of the arms that were not given up ended: less by luck than the best.
     count : int
         Candidates that were evaluated.
     interrupted : bool
@@ -127,7 +127,7 @@ def search(starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int) 
                     arm.tell(candidates)
             if left > 1:
                 alive = sorted(alive, key=lambda arm: arm.best)[: math.ceil(len(alive) / 2)]
-        centres = [arm.centre() for arm in alive]
+        centres = [arm.centres() for arm in alive]
         found.centres = [
             each for part in _compare(alive, centres, evaluate, found) for each in part
         ]
@@ -147,11 +147,13 @@ class _Arm:
         self._cma = cma
         self._random = np.random.default_rng([seed, index])
         self._strategy: Any = None
+        self._left: list[Array] = []
 
     def ask(self) -> list[Array]:
         if self._strategy is None:
             self._begin(self._padded(self.start), None)
         elif self._strategy.stds.max() < _CONVERGED:
+            self._left.append(self._centre())
             point = self._random.uniform(size=self._strategy.N)
             self._begin(point, 2 * self._strategy.popsize)
         self._asked = self._strategy.ask()
@@ -161,10 +163,12 @@ class _Arm:
         ranks = {key: rank for rank, key in enumerate(sorted({each.key for each in candidates}))}
         self._strategy.tell(self._asked, [float(ranks[each.key]) for each in candidates])
 
-    def centre(self) -> list[Array]:
-        if self._strategy is None:
-            return []
-        return [np.array(self._strategy.result.xfavorite[: len(self.start)])]
+    def centres(self) -> list[Array]:
+        """Of all its strategies, in the order in which they began."""
+        return [*self._left, self._centre()] if self._strategy else []
+
+    def _centre(self) -> Array:
+        return np.array(self._strategy.result.xfavorite[: len(self.start)])
 
     def _begin(self, point: Array, size: int | None) -> None:
         options = {**_SILENT, "randn": lambda *shape: self._random.standard_normal(shape)}
