@@ -12,6 +12,7 @@ import stickslip
 from line_model import SD, SLOPE, WAVE, X, line
 from made_measurement import write
 from stickslip import Options, Scenario, diagnose, diagnose_model, read_measurement
+from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, UNCERTAIN, predict, result, shared_result, trials, truth
 
@@ -95,6 +96,28 @@ def test_predictions_at_new_conditions_have_the_error_of_the_fit(waved):
     variance = np.einsum("ij,jk,ik->i", design, waved.covariance.to_numpy(), design)
     # A height is no linear function of its coordinate, so to some per mille.
     np.testing.assert_allclose(table["extended_sd"], np.sqrt(variance), rtol=0.01)
+
+
+def test_the_extended_scenario_has_the_covariance_of_what_was_fitted(measured):
+    scenario = measured.extended
+    keys = list(scenario.uncertain.keys)
+    assert keys == list(measured.params.index)
+    np.testing.assert_array_equal(scenario.uncertain.matrix, measured.covariance.loc[keys, keys])
+    assert [scenario.get(key) for key in keys] == measured.params["value"].tolist()
+    # Draws scatter as the same covariance makes a linear model: half of the middle 68 % of 400
+    # draws is their standard deviation to within 5 %.
+    column = "recalibrated_sd" if measured.verdict.fit is None else "extended_sd"
+    at = scenario.replace({"drive.frequency": 50.0})
+    low, high = stickslip.predict(at, draws=400, quantiles=[0.1587, 0.8413]).data["mean_velocity"]
+    sd = measured.predict([{"frequency": 50.0}])[column].item()
+    assert 0.5 * (high - low).item() == pytest.approx(sd, rel=0.25)
+    # Fits that do not agree have none that can be trusted.
+    found = measured.findings
+    fit = found.verdict.fit and replace(found.verdict.fit, converged=False)
+    null, verdict = replace(found.null, converged=False), replace(found.verdict, fit=fit)
+    doubtful = replace(found, null=null, verdict=verdict)
+    again = extended_scenario(doubtful, measured.measurement.scenario)
+    assert again == scenario.with_uncertain(None)
 
 
 def test_without_a_finding_there_is_no_extended_model():

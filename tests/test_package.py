@@ -44,7 +44,7 @@ def test_the_library_does_not_need_the_command():
 
 
 ROOMS = ("_util", "scenario", "simulation", "sweeping", "facts", "measurement", "diagnosis")
-ROOMS += ("plot", "reproduction", "cli")
+ROOMS += ("plot", "control", "reproduction", "cli")
 IMPORTED = re.compile(r"^\s*(?:from|import) stickslip\.(\w+)", re.MULTILINE)
 
 

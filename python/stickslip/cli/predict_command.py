@@ -11,7 +11,7 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, SET, THREADS, say, vary_option
 from stickslip.cli.prediction_tables import (
     prediction_as_dict,
-    prediction_failure,
+    prediction_failures,
     prediction_table,
 )
 from stickslip.cli.progress import ProgressBar
@@ -98,8 +98,7 @@ def command(
             _draw(found, plot)
     finally:  # the table is printed even if a disk was full
         click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
-        failure = prediction_failure(found)
-        if failure:
+        for failure in prediction_failures(found):
             say(f"stickslip: {failure}", err=True)
 
 

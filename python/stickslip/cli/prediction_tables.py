@@ -33,6 +33,7 @@ def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
         "points": data["failed"].size,
         "draws": prediction.draws,
         "seed": int(data.attrs["seed"]),
+        "redrawn": prediction.redrawn,
         "failed": prediction.failed,
         "status": json.loads(data.attrs["statuses"]),
         "quantiles": data["quantile"].values.tolist(),
@@ -59,16 +60,22 @@ def prediction_table(prediction: Prediction) -> str:
     return f"{_rows(prediction)}\n\n{text}" if points <= MOST_ROWS else text
 
 
-def prediction_failure(prediction: Prediction) -> str:
-    """How many draws failed, and what the first of them says; empty if none did."""
-    if not prediction.failed:
-        return ""
+def prediction_failures(prediction: Prediction) -> list[str]:
+    """How many draws failed, with what the first of them says, and how many were replaced."""
+    lines = []
     data = prediction.data
-    count = data["failed"].size * prediction.draws
-    return (
-        f"{prediction.failed} of {count} draws failed and are in no quantile; the first: "
-        f"{data.attrs['message']}"
-    )
+    if prediction.redrawn:
+        lines.append(
+            f"note: {prediction.redrawn} more draws made no scenario, and others took their place: "
+            "what is uncertain is cut off where values are not allowed"
+        )
+    if prediction.failed:
+        count = data["failed"].size * prediction.draws
+        lines.append(
+            f"{prediction.failed} of {count} draws failed and are in no quantile; the first: "
+            f"{data.attrs['message']}"
+        )
+    return lines
 
 
 def _rows(prediction: Prediction) -> str:

@@ -13,6 +13,7 @@ from stickslip.control.prediction import Prediction
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_whole, shown
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.uncertain import counted_draws
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
 from stickslip.sweeping.results import NUMBERS, OK, Results
@@ -122,11 +123,12 @@ def predicted(
         raise ScenarioError(
             f"{points.count} points of {draws} draws: allowed are at most {MOST_POINTS} simulations"
         )
-    scenarios = points.scenario.draws(draws, seed)
+    scenarios, refused = counted_draws(points.scenario, draws, seed)
     values = np.array([[each.get(key) for key in uncertain.names] for each in scenarios])
     drawn = points.with_draws(uncertain.names, values)
     results = simulated(drawn, threads, progress)
-    return Prediction(_dataset(points, varied, results, levels, seed))
+    about_draws = {"draws": draws, "redrawn": refused, "seed": seed}
+    return Prediction(_dataset(points, varied, results, levels, about_draws))
 
 
 def _checked_levels(quantiles: object) -> list[float]:
@@ -139,20 +141,20 @@ def _checked_levels(quantiles: object) -> list[float]:
 
 
 def _dataset(
-    points: Points, varied: bool, results: Results, levels: list[float], seed: int
+    points: Points, varied: bool, results: Results, levels: list[float], about_draws: dict[str, int]
 ) -> xarray.Dataset:
     """Quantiles over the draws; `results` has a row for each draw of each point."""
     import xarray
 
     from stickslip.sweeping.dataset import about, coordinates
 
-    draws = len(results.status) // points.count
+    draws = about_draws["draws"]
     found: dict[str, tuple[Any, ...]] = {}
     dimensions = (*points.dimensions, "quantile")
     for name in FIGURES:
         column = NUMBERS[name]
         values = results.numbers[name].reshape(points.count, draws)
-        level, error = _quantiles(values, levels)
+        level, error = quantiles_with_errors(values, levels)
         for full, each, meaning in (
             (name, level, column.meaning),
             (f"{name}_error", error, f"standard error of the quantile: {column.meaning}"),
@@ -167,8 +169,7 @@ def _dataset(
         coords={**coordinates(points), "quantile": below},
         attrs={
             **about(points, "prediction", "predict"),
-            "draws": draws,
-            "seed": seed,
+            **about_draws,
             "failed_draws": int(failed.sum()),
             "statuses": json.dumps(results.counts()),
             "message": results.messages.get(min(results.messages, default=0), ""),
@@ -177,17 +178,18 @@ def _dataset(
     return result if varied else result.isel(point=0, drop=True).assign_attrs(vary="{}")
 
 
-def _quantiles(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
+def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
     """Quantiles of each row and their standard errors, shape (rows, levels); NaN is no value.
 
-    A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n): the error is half
-    of the distance between the quantiles that far below and above, whatever the distribution is.
+    A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n). How much that is
+    in the unit of the figure, the quantiles twice as far below and above say, whatever the
+    distribution is.
     """
     ordered = np.sort(values, axis=1)  # NaN comes last
     count = np.sum(~np.isnan(values), axis=1)
 
     def at(level: Array) -> Array:
-        place = np.clip(level, 0.0, 1.0) * np.maximum(count - 1, 0)
+        place = level * np.maximum(count - 1, 0)
         low = np.floor(place).astype(np.int64)
         high = np.minimum(low + 1, np.maximum(count - 1, 0))
         rows = np.arange(len(values))
@@ -197,6 +199,7 @@ def _quantiles(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
     found, errors = [], []
     for level in levels:
         share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))
+        below, above = np.maximum(level - 2.0 * share, 0.0), np.minimum(level + 2.0 * share, 1.0)
         found.append(at(np.full(len(values), level)))
-        errors.append(0.5 * (at(level + share) - at(level - share)))
+        errors.append(share * (at(above) - at(below)) / (above - below))
     return np.stack(found, axis=1), np.stack(errors, axis=1)

@@ -50,6 +50,14 @@ class Prediction:
         """Number of simulations that failed, of all draws of all points."""
         return int(self.data.attrs["failed_draws"])
 
+    @property
+    def redrawn(self) -> int:
+        """Number of draws that made no scenario, so that others took their place.
+
+        The distribution is cut off there; with many of them the priors are not what was meant.
+        """
+        return int(self.data.attrs["redrawn"])
+
     def to_dataframe(self) -> DataFrame:
         """A row for each point: what was varied, `failed`, and the quantiles of each figure.
 

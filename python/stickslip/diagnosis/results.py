@@ -251,7 +251,9 @@ class Diagnosis:
 
         Of the verdict ambiguous with the first member of the set. Of a measurement a scenario; of a
         model of one's own the values of its parameters by name. From data that allow no diagnosis
-        nothing is learnt: the scenario is as it was given.
+        nothing is learnt: the scenario is as it was given. Uncertain in it is what was fitted, with
+        `covariance`, if fits from several starts agree; `stickslip.predict` draws
+        from that.
 
         Raises
         ------

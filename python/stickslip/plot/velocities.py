@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,8 +19,6 @@ from stickslip.plot.scales import readable
 
 if TYPE_CHECKING:
     import xarray
-
-    from stickslip.control.prediction import Prediction
 
     _Array = NDArray[np.float64]
 
@@ -55,7 +53,15 @@ class _Axis:
         )
 
 
-def velocity(data: xarray.Dataset | Prediction, ax: Axes | None = None) -> Figure:
+class HasQuantiles(Protocol):
+    """A `Prediction`: its room lies above this one."""
+
+    @property
+    def data(self) -> xarray.Dataset:
+        """Quantiles at the points of a sweep."""
+
+
+def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Figure:
     """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
 
     Over one key there is a line for each combination of the words that were varied, such as

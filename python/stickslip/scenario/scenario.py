@@ -260,9 +260,9 @@ class Scenario:
             If nothing is uncertain, a number is not allowed, or a hundred draws in succession make
             no scenario.
         """
-        from stickslip.scenario.uncertain import draws
+        from stickslip.scenario.uncertain import counted_draws
 
-        return draws(self, n, seed)
+        return counted_draws(self, n, seed)[0]
 
     def _changed(self, section: str, values: dict[str, Any]) -> Any:
         """A copy of a section with values that are checked already, but for a program."""

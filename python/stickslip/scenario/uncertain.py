@@ -103,15 +103,19 @@ class JointPrior:
         ScenarioError
             If a hundred draws in succession make none.
         """
+        return self.counted_draw(scenario, random)[0]
+
+    def counted_draw(self, scenario: Scenario, random: np.random.Generator) -> tuple[Scenario, int]:
+        """See `draw`; and how many draws before it made no scenario."""
         middle = np.array([scenario.get(key) for key in self.keys])
         root = _root(self.matrix)
-        for _ in range(MOST_DRAWS):
+        for refused in range(MOST_DRAWS):
             z = random.standard_normal(len(self.names))
             single, joint = z[: len(self.priors)], z[len(self.priors) :]
             drawn = [prior.value(u) for prior, u in zip(self.priors.values(), single, strict=True)]
             values = map(float, [*drawn, *(middle + root @ joint)])
             try:
-                return scenario.replace(dict(zip(self.names, values, strict=True)))
+                return scenario.replace(dict(zip(self.names, values, strict=True))), refused
             except ScenarioError as error:
                 last = error
         raise ScenarioError(
@@ -163,17 +167,18 @@ def parse_priors(table: object) -> dict[str, Prior]:
     return priors
 
 
-def draws(scenario: Scenario, count: int, seed: int) -> list[Scenario]:
-    """See `Scenario.draws`."""
+def counted_draws(scenario: Scenario, count: int, seed: int) -> tuple[list[Scenario], int]:
+    """See `Scenario.draws`; and how many draws besides made no scenario."""
     check_whole("n", count, 1)
     check_whole("seed", seed)
     if scenario.uncertain is None:
         raise ScenarioError("uncertain: there is nothing to draw, as the scenario holds none")
     known = scenario.with_uncertain(None)
-    return [
-        scenario.uncertain.draw(known, np.random.default_rng([int(seed), number]))
+    found = [
+        scenario.uncertain.counted_draw(known, np.random.default_rng([int(seed), number]))
         for number in range(count)
     ]
+    return [each for each, _ in found], sum(refused for _, refused in found)
 
 
 def _constant(name: str, *entry: object) -> str:

@@ -1,0 +1,360 @@
+"""Predictions with error bars: their quantiles, what failed, pictures, files and the command."""
+
+import json
+import math
+import signal
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+from matplotlib.figure import Figure
+from scipy.stats import norm
+
+from command_line import COMMAND, stickslip
+from pictures import assert_legible, visible_text
+from stickslip import (
+    Drive,
+    JointPrior,
+    Scenario,
+    ScenarioError,
+    load,
+    plot,
+    predict,
+    simulate,
+    simulate_batch,
+)
+from stickslip.control.predict import quantiles_with_errors
+
+PRIORS = {
+    "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},
+    "contact.adhesion": {"median": 0.22e-6, "factor": 1.2},
+}
+BASE = Scenario(drive=Drive(base=0.5e-3, pulses=4), uncertain=PRIORS)
+GRID = {"drive.frequency": [30.0, 60.0], "drive.mode": ["OPP", "IPP"]}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return predict(BASE, GRID, draws=24)
+
+
+def voltages(uncertain, draws, levels):
+    """Quantiles of the largest voltage over that of the scenario's own resistance of 10 ohm.
+
+    The drive states fields, so its voltages are proportional to the resistance.
+    """
+    given = BASE.replace({"coil.resistance": 10.0, "drive.pulses": 4})
+    data = predict(given, draws=draws, quantiles=levels, uncertain=uncertain).data
+    return data["voltage_max"].values / simulate(given).summary()["voltage_max"]
+
+
+@pytest.mark.parametrize(
+    "uncertain",
+    [
+        {"coil.resistance": {"mean": 10.0, "sd": 0.5}},
+        JointPrior({}, ("coil.resistance", "drag.linear"), ((0.25, 2.5e-7), (2.5e-7, 1e-12))),
+    ],
+    ids=["prior", "covariance"],
+)
+def test_quantiles_are_those_of_the_law_where_a_figure_is_linear(uncertain):
+    draws, levels = 600, (0.1, 0.25, 0.5, 0.9)
+    expected = norm.ppf(levels, 1.0, 0.05)
+    # The standard error of a sample's quantile is sqrt(q (1 - q) / n) over the density there; five
+    # of them are exceeded once in 2e6 seeds.
+    density = norm.pdf(expected, 1.0, 0.05)
+    error = np.sqrt(np.array(levels) * (1.0 - np.array(levels)) / draws) / density
+    assert (np.abs(voltages(uncertain, draws, levels) - expected) < 5.0 * error).all()
+
+
+def test_quantiles_are_those_of_single_runs_of_the_draws(found):
+    for frequency in GRID["drive.frequency"]:
+        drive = {"drive.frequency": frequency, "drive.mode": "IPP"}
+        runs = simulate_batch([each.replace(drive) for each in BASE.draws(24)])
+        for name in ("mean_velocity", "theta_max", "power_mean"):
+            values = [run.summary()[name] for run in runs]
+            here = found.data[name].sel(frequency=frequency, mode="IPP")
+            np.testing.assert_allclose(here, np.quantile(values, [0.1, 0.5, 0.9]), rtol=1e-12)
+
+
+def test_the_error_of_a_quantile_is_that_of_its_share_of_the_draws():
+    # That of a share q is sqrt(q (1 - q) / n), divided by the density. Quantiles of 60 samples
+    # scatter by it to within 1 / sqrt(2 * 60). The error of one sample is made of at least 24
+    # spacings between draws, so the mean of 60 is right to 3 %; curvature of the law adds 5 %.
+    rows = np.random.default_rng(0).standard_normal((60, 400))
+    level, error = quantiles_with_errors(rows, [0.1, 0.5])
+    for place, q in enumerate((0.1, 0.5)):
+        expected = math.sqrt(q * (1.0 - q) / 400) / norm.pdf(norm.ppf(q))
+        assert np.mean(error[:, place]) == pytest.approx(expected, rel=0.1)
+        assert np.std(level[:, place]) == pytest.approx(expected, rel=4.0 / math.sqrt(120.0))
+    data = predict(BASE, draws=100, quantiles=[0.4, 0.5, 0.6]).data
+    width = (data["mean_velocity"][2] - data["mean_velocity"][0]).item()
+    assert data["mean_velocity_error"][1].item() == pytest.approx(0.25 * width, rel=1e-9)
+
+
+def test_any_number_of_threads_gives_the_same_bits(found):
+    for threads in (1, 3):
+        again = predict(BASE, GRID, draws=24, threads=threads)
+        xarray.testing.assert_identical(again.data, found.data)
+    other = predict(BASE, GRID, draws=24, seed=1)
+    assert not np.array_equal(other.data["mean_velocity"], found.data["mean_velocity"])
+
+
+def test_what_is_uncertain_can_be_given_beside_the_scenario(found):
+    known = BASE.with_uncertain(None)
+    for uncertain in (PRIORS, BASE.uncertain, BASE):
+        again = predict(known, GRID, draws=24, uncertain=uncertain)
+        xarray.testing.assert_identical(again.data, found.data)
+
+
+def test_a_list_of_points_and_a_single_point_are_those_of_the_grid(found):
+    rows = [{"drive.frequency": 60.0, "drive.mode": "IPP"}, {"drive.mode": "OPP"}]
+    listed = predict(BASE.replace({"drive.frequency": 30.0}), rows, draws=24)
+    assert listed.data["mean_velocity"].dims == ("point", "quantile")
+    single = predict(BASE.replace(rows[0]), draws=24)
+    assert single.data["mean_velocity"].dims == ("quantile",)
+    grid = found.data["mean_velocity"]
+    for here, there in (
+        (listed.data["mean_velocity"][0], grid.sel(frequency=60.0, mode="IPP")),
+        (listed.data["mean_velocity"][1], grid.sel(frequency=30.0, mode="OPP")),
+        (single.data["mean_velocity"], grid.sel(frequency=60.0, mode="IPP")),
+    ):
+        np.testing.assert_array_equal(here, there)
+    assert "1 point, 24 draws" in repr(single)
+
+
+def test_draws_that_fail_are_counted_and_in_no_quantile():
+    frictions = [each.contact.kinetic_friction for each in BASE.draws(24)]
+    # A kinetic friction above the static one makes no scenario: of some draws, of all, of none.
+    limit = float(np.median(frictions))
+    statics = [limit, 0.01, 0.5]
+    result = predict(BASE, {"contact.static_friction": statics}, draws=24)
+    sound = [each for each in BASE.draws(24) if each.contact.kinetic_friction <= limit]
+    assert result.data["failed"].values.tolist() == [24 - len(sound), 24, 0]
+    assert result.failed == 48 - len(sound)
+    runs = simulate_batch([each.replace({"contact.static_friction": limit}) for each in sound])
+    expected = np.quantile([run.mean_velocity for run in runs], [0.1, 0.5, 0.9])
+    np.testing.assert_allclose(result.data["mean_velocity"][0], expected, rtol=1e-12)
+    assert np.isnan(result.data["mean_velocity"][1]).all()
+    assert "contact.static_friction" in result.data.attrs["message"]
+    assert f"{result.failed} of 72 failed" in repr(result)
+
+
+def test_the_table_has_a_row_a_point(found):
+    table = found.to_dataframe()
+    assert len(table) == 4
+    assert table["frequency"].tolist() == [30.0, 30.0, 60.0, 60.0]
+    assert table["mode"].tolist() == ["OPP", "IPP"] * 2
+    np.testing.assert_array_equal(
+        table[["mean_velocity_q10", "mean_velocity_q50", "mean_velocity_q90"]],
+        found.data["mean_velocity"].values.reshape(4, 3),
+    )
+    assert (table["failed"] == 0).all()
+    assert repr(found) == (
+        "<Prediction of 4 points, 24 draws each, none failed, quantiles 0.1, 0.5, 0.9>"
+    )
+
+
+def test_a_prediction_survives_its_files(found, tmp_path):
+    found.save(tmp_path / "bands.nc")
+    with xarray.open_dataset(tmp_path / "bands.nc", engine="h5netcdf") as again:
+        xarray.testing.assert_equal(again.load(), found.data)
+        (tmp_path / "again.toml").write_text(again.attrs["scenario"])
+    # Its own scenario, from which it can be made again.
+    assert load(tmp_path / "again.toml").uncertain == BASE.uncertain
+    found.save(tmp_path / "bands.csv")
+    table = pd.read_csv(tmp_path / "bands.csv")
+    assert {"frequency (Hz)", "mode", "failed", "mean_velocity_q10 (m/s)"} < set(table)
+    np.testing.assert_allclose(table.iloc[:, 2:], found.to_dataframe().iloc[:, 2:], rtol=1e-15)
+    with pytest.raises(ValueError, match=r"end in \.nc"):
+        found.save(tmp_path / "bands.txt")
+
+
+def test_bands_are_drawn_about_the_medians(found):
+    figure = plot.velocity(found)
+    (axes,) = figure.axes
+    for line, band, mode in zip(axes.get_lines(), axes.collections, ["OPP", "IPP"], strict=True):
+        here = found.data["mean_velocity"].sel(mode=mode) * 1e3
+        np.testing.assert_allclose(line.get_ydata(), here.sel(quantile=0.5))
+        # The outline goes along the lower quantile and back along the upper one.
+        corners = band.get_paths()[0].vertices
+        for frequency in GRID["drive.frequency"]:
+            edges = [float(y) for x, y in corners if x == frequency]
+            ends = here.sel(frequency=frequency, quantile=[0.1, 0.9]).values.tolist()
+            assert [min(edges), max(edges)] == pytest.approx(ends)
+    words = [text for text, _ in visible_text(figure)]
+    assert {"IPP, median", "IPP, 80 % of draws", "OPP, 80 % of draws"} <= set(words)
+    assert_legible(figure)
+    ax = Figure().subplots()
+    rows = [{"drive.frequency": f} for f in (60.0, 30.0)]
+    nested = predict(BASE, rows, 24, quantiles=[0.05, 0.25, 0.5, 0.75, 0.95])
+    plot.velocity(nested, ax)
+    assert {"90 % of draws", "50 % of draws"} <= set(ax.get_legend_handles_labels()[1])
+    assert ax.get_lines()[0].get_xdata().tolist() == [30.0, 60.0]
+
+
+def test_bands_that_cannot_be_drawn_are_refused(found):
+    lopsided = predict(BASE, {"drive.frequency": [30.0, 60.0]}, 4, quantiles=[0.1, 0.5])
+    with pytest.raises(ValueError, match=r"pairs about it.*\.sel"):
+        plot.velocity(lopsided)
+    assert plot.velocity(lopsided.data.sel(quantile=0.1)).axes
+    two = predict(BASE, {"drive.frequency": [30.0, 60.0], "drive.hold": [1e-3, 2e-3]}, 4)
+    with pytest.raises(ValueError, match="without bands"):
+        plot.velocity(two)
+    assert plot.velocity(two.data.sel(quantile=0.5)).axes
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"vary": {"contact.adhesion": [1e-7]}}, "either varied or uncertain"),
+        ({"vary": {"drive.frequencies": [1.0]}}, 'did you mean "drive.frequency"'),
+        ({"vary": 3}, "allowed is values by key"),
+        ({"draws": 1}, "draws = 1: allowed is a whole number from 2"),
+        ({"draws": 2.0}, "draws = 2.0"),
+        ({"draws": 10**7 + 1}, "at most 10000000 simulations"),
+        ({"seed": -1}, "seed = -1"),
+        ({"quantiles": []}, "between 0 and 1"),
+        ({"quantiles": [0.5, 1.0]}, "between 0 and 1"),
+        ({"quantiles": [0.5, 0.5]}, "each once"),
+        ({"quantiles": 0.5}, "between 0 and 1"),
+        ({"uncertain": 3}, "a section [uncertain]"),
+        ({"uncertain": Scenario()}, "holds nothing"),
+        ({"uncertain": {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}}, "100 draws"),
+    ],
+)
+def test_what_cannot_be_predicted_is_refused_in_one_line(options, said):
+    with pytest.raises(ScenarioError) as error:
+        predict(BASE, **options)
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_scenario_of_which_all_is_known_has_no_band():
+    with pytest.raises(ScenarioError, match="no band"):
+        predict(Scenario())
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "s.toml").write_text("stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n")
+    (tmp_path / "u.toml").write_text(
+        '[uncertain]\n"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }\n'
+        '"contact.adhesion" = { median = 0.22e-6, factor = 1.2 }\n'
+    )
+    return tmp_path
+
+
+VARY = ("--vary", "drive.frequency=30,60", "--vary", "drive.mode=OPP,IPP")
+COMMON = ("s.toml", "--uncertain", "u.toml", "--draws", 24)
+
+
+def test_the_command_gives_what_python_gives(files, found):
+    options = ("--json", "--out", "b.csv", "--plot", "b.png")
+    done = stickslip("predict", *COMMON, *VARY, *options, cwd=files)
+    assert (done.returncode, done.stderr) == (0, "")
+    said = json.loads(done.stdout, parse_constant=pytest.fail)
+    assert (said["points"], said["draws"], said["failed"], said["seed"]) == (4, 24, 0, 0)
+    assert said["quantiles"] == [0.1, 0.5, 0.9]
+    velocities = [each["mean_velocity"] for each in said["results"]]
+    assert velocities == found.data["mean_velocity"].values.reshape(4, 3).tolist()
+    assert [each["drive.mode"] for each in said["results"]] == ["OPP", "IPP"] * 2
+    assert len(pd.read_csv(files / "b.csv")) == 4
+    assert (files / "b.png").stat().st_size > 5000
+
+    table = stickslip("predict", *COMMON, *VARY, cwd=files).stdout
+    assert ["60", "IPP", f"{velocities[3][0] * 1e3:.4f}"] in [
+        line.split()[:3] for line in table.splitlines()
+    ]
+    # The share of 0.1 of 24 draws is known to within sqrt(0.09 / 24).
+    assert f"{100 * (0.1 + math.sqrt(0.09 / 24)):.3g} %" in table
+
+
+def test_the_command_says_what_failed(files):
+    done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.145,0.01", cwd=files)
+    assert done.returncode == 0
+    assert "draws failed and are in no quantile; the first: contact.kinetic_friction" in done.stderr
+
+
+def test_draws_that_were_drawn_again_are_counted(files):
+    # Half of the values of a friction about the static one lie above it.
+    uncertain = {"contact.kinetic_friction": {"mean": 0.2, "sd": 0.01}}
+    given = BASE.with_uncertain(uncertain).replace({"contact.static_friction": 0.2})
+    result = predict(given, draws=200)
+    assert result.failed == 0
+    # As many failures as successes, with the variance of a negative binomial law, n (1 - p) / p^2.
+    assert abs(result.redrawn - 200) < 5.0 * math.sqrt(200 * 0.5 / 0.25)
+    assert predict(BASE, draws=24).redrawn == 0
+    options = ("--set", "contact.static_friction=0.145", "--json")
+    done = stickslip("predict", *COMMON, *options, cwd=files)
+    again = json.loads(done.stdout)["redrawn"]
+    assert again > 0
+    assert f"{again} more draws made no scenario" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["s.toml"], "no band"),
+        (["s.toml", "--uncertain", "s.toml"], "s.toml: there is no section [uncertain]"),
+        (["s.toml", "--uncertain", "none.toml"], "none.toml: cannot be read"),
+        ([*COMMON, "--draws", "1"], "--draws"),
+        ([*COMMON, "--set", "contact.adhesion=1e-7"], "--set contact.adhesion: has no influence"),
+        ([*COMMON, "--vary", "contact.adhesion=1e-7,2e-7"], "either varied or uncertain"),
+        ([*COMMON, "--plot", "b.png"], "one --vary of numbers"),
+        ([*COMMON, *VARY, "--vary", "drive.hold=1e-3,2e-3", "--plot", "b.png"], "one --vary"),
+        ([*COMMON, *VARY, "--plot", "b.xyz"], "--plot: b.xyz"),
+        ([*COMMON, "--out", "b.txt"], "--out: b.txt"),
+        ([*COMMON, "--out", "none/b.csv"], "none"),
+        ([*COMMON, *VARY, "--out", "b.svg", "--plot", "b.svg"], "cannot be both"),
+        (["s.toml", "--uncertain", "u.csv", "--out", "u.csv"], "which it would overwrite"),
+    ],
+)
+def test_the_command_refuses_in_one_line(files, options, said):
+    (files / "u.csv").write_text((files / "u.toml").read_text())
+    done = stickslip("predict", *options, cwd=files)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert sorted(each.name for each in files.iterdir()) == ["s.toml", "u.csv", "u.toml"]
+
+
+def test_an_interrupt_leaves_no_file(files):
+    process = subprocess.Popen(
+        [*COMMAND, "predict", *map(str, COMMON), "--out", "b.csv", "--set", "solver.max_step=1e-7"],
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=files,
+    )
+    # The bar comes once the work has begun.
+    while "%" not in process.stderr.read(1):
+        assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "nothing written" in errors
+    assert not (files / "b.csv").exists()
+
+
+def test_what_a_diagnosis_leaves_is_predicted_with(tilted):
+    folder, said = tilted
+    extended = load(folder / "found" / "extended.toml")
+    keys = extended.uncertain.keys
+    causes = [f"effects.{name}.{each}" for name, own in extended.effects.items() for each in own]
+    assert {"contact.kinetic_friction", "drag.linear", *causes} <= set(keys)
+    for cause in causes:
+        place = keys.index(cause)
+        sd = math.sqrt(extended.uncertain.matrix[place][place])
+        # The error that is printed, of the profile, is no smaller than that of the curvature.
+        assert 0.0 < sd <= said["parameters"][cause.removeprefix("effects.")]["sd"] * (1.0 + 1e-9)
+    options = ("--uncertain", "found/extended.toml", "--vary", "drive.frequency=25,90")
+    done = stickslip("predict", "nominal.toml", *options, "--draws", 20, "--json", cwd=folder)
+    assert done.returncode == 0
+    given = predict(extended, {"drive.frequency": [25.0, 90.0]}, draws=20)
+    for row, velocities in zip(
+        json.loads(done.stdout)["results"], given.data["mean_velocity"].values, strict=True
+    ):
+        # The file of the diagnosis has all of the nominal scenario's values besides.
+        assert row["mean_velocity"] == velocities.tolist()
+        assert row["mean_velocity"][0] < row["mean_velocity"][2]
