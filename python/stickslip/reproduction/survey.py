@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.reproduction.points import COLUMN, SCANS, Array, evaluate, point, varied
-from stickslip.reproduction.settings import MODES, PEAK, Grid, Mode, Setting
+from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
 from stickslip.reproduction.strokes import Strokes, strokes
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import simulate_batch
@@ -82,9 +82,13 @@ class Survey:
         return self.velocity[mode, scan][:, places]
 
 
-def survey(grid: Grid, count: int, threads: int, progress: Progress | None = None) -> Survey:
-    """Simulate every setting of a grid, with `count` small changes for each point."""
-    settings = {mode: grid.settings(mode) for mode in MODES}
+def survey(
+    settings: Mapping[Mode, Sequence[Setting]],
+    count: int,
+    threads: int,
+    progress: Progress | None = None,
+) -> Survey:
+    """Simulate every setting, with `count` small changes for each point."""
     keys = [(mode, name) for mode in MODES for name in SCANNED]
     batches = [
         varied(SCANS[name].points(settings[mode], SCANS[name].values), count) for mode, name in keys
@@ -95,7 +99,7 @@ def survey(grid: Grid, count: int, threads: int, progress: Progress | None = Non
     still = dict(zip(MODES, results[len(keys) :], strict=True))
     tilts = {mode: _tilt_range(settings[mode], scanned[mode, "frequency"]) for mode in MODES}
     found = Survey(
-        settings=settings,
+        settings={mode: list(each) for mode, each in settings.items()},
         velocity={k: np.nanmedian(scanned[k]["mean_velocity"], axis=-1) for k in keys},
         painleve={k: scanned[k]["painleve"].sum(axis=-1) for k in keys},
         count=count,
@@ -107,7 +111,7 @@ def survey(grid: Grid, count: int, threads: int, progress: Progress | None = Non
     )
     for mode in MODES:
         chosen = np.flatnonzero(found.works(mode))
-        scenarios = [stroke_scenario(settings[mode][i]) for i in chosen]
+        scenarios = [stroke_scenario(found.settings[mode][i]) for i in chosen]
         for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
             found.strokes[mode][i] = strokes(run)
     return found
