@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -67,10 +68,14 @@ class Survey:
 
         Forwards at 30 Hz and at 100 Hz, and with the tilt between flat and upright throughout.
         """
-        velocity = self.at(mode, "frequency", WORKING_FREQUENCIES)
-        forwards = np.all(velocity > _MIN_VELOCITY, axis=1)
+        return np.asarray(self.works_margin(mode) > 0.0)
+
+    def works_margin(self, mode: Mode) -> Array:
+        """By how much each setting works, a pure number above zero where it does, shape (n,)."""
+        velocity = self.at(mode, "frequency", WORKING_FREQUENCIES).min(axis=1)
         low, high = self.tilt_low[mode], self.tilt_high[mode]
-        return np.asarray(forwards & (low > -_TILT_TOLERANCE) & (high < 0.5 * np.pi))
+        parts = [velocity / _MIN_VELOCITY - 1.0, low + _TILT_TOLERANCE, 0.5 * np.pi - high]
+        return np.asarray(np.min(parts, axis=0))
 
     def working_pairs(self) -> Flags:
         """Which pairs consist of working settings, shape (settings of IPP, settings of OPP)."""
@@ -100,7 +105,7 @@ def survey(
     tilts = {mode: _tilt_range(settings[mode], scanned[mode, "frequency"]) for mode in MODES}
     found = Survey(
         settings={mode: list(each) for mode, each in settings.items()},
-        velocity={k: np.nanmedian(scanned[k]["mean_velocity"], axis=-1) for k in keys},
+        velocity={k: _median(scanned[k]["mean_velocity"]) for k in keys},
         painleve={k: scanned[k]["painleve"].sum(axis=-1) for k in keys},
         count=count,
         tilt_low={mode: tilts[mode][0] for mode in MODES},
@@ -115,6 +120,13 @@ def survey(
         for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
             found.strokes[mode][i] = strokes(run)
     return found
+
+
+def _median(values: Array) -> Array:
+    """Over the small changes, without those that failed; NaN where all did."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "All-NaN slice", RuntimeWarning)
+        return np.asarray(np.nanmedian(values, axis=-1))
 
 
 def _constant_fields(settings: Sequence[Setting]) -> Array:
