@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @click.command(
     "reproduce",
-    epilog="\b\nExamples:\n  stickslip reproduce --out reproduction --only fig8,fig12\n"
+    epilog="\b\nExample:\n  stickslip reproduce --out reproduction --only fig8,fig12\n"
     "  stickslip reproduce --search --out reproduction",
 )
 @click.option(

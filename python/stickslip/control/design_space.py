@@ -230,7 +230,10 @@ def design_space(
     if wave is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
     axes, words = [], {}
+    drawn = scenario.uncertain
     for key, value in by_name.items():
+        if drawn is not None and key in (*drawn.priors, *drawn.keys):
+            raise ScenarioError(f"{key}: allowed is either free or uncertain, not both")
         if find_key(key).kind == "word":
             words[key] = _words(scenario, key, value)
         else:

@@ -107,24 +107,10 @@ def optimise(
         check_whole(name, count, 1)
     check_whole("seed", seed)
     space = design_space(scenario, free or {}, knots, coils, limits.get(VOLTAGE))
-    drawn = scenario.uncertain
-    for key in space.keys:
-        if drawn is not None and key in (*drawn.priors, *drawn.keys):
-            raise ScenarioError(f"{key}: allowed is either free or uncertain, not both")
-    trials = _Trials(
-        space=space,
-        goal=goal,
-        draws=_draws(scenario, draws, seed, _SEARCHING),
-        threads=worker_count(threads, "threads"),
-        progress=progress,
-        evaluations=evaluations,
-    )
-    found = search(
-        [space.start(arm) for arm in range(len(space.arms))],
-        trials.compared,
-        max(1, evaluations // len(trials.draws)),
-        seed,
-    )
+    drawn = _draws(scenario, draws, seed, _SEARCHING)
+    trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress, evaluations)
+    starts = [space.start(arm) for arm in range(len(space.arms))]
+    found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
     leaders = [each for each in found.leaders + found.centres if feasible(each.key)]
     if not leaders:
         raise ScenarioError(trials.unmet())
@@ -141,7 +127,7 @@ def optimise(
         fresh=chosen.fresh,
         rival=chosen.rival,
         slices=chosen.slices,
-        draws=len(trials.draws),
+        draws=len(drawn),
         runs=trials.runs,
         seed=seed,
         interrupted=chosen.interrupted,

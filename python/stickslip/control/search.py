@@ -25,7 +25,12 @@ Key = tuple[float, ...]
 Evaluate = Callable[[Sequence[tuple[int, Array]]], Sequence[tuple[Key, Any]]]
 """Of candidates, each an arm and a point of the unit cube: their keys, and what else is known."""
 
-_STEP = 0.25  # of the first generation, in parts of a range; chosen: most of the range is seen
+STEP = 0.25
+"""Step of the first generation, in parts of a range. Chosen: most of the range is seen."""
+
+_LEADERS = 24
+"""Best candidates that a search keeps. Chosen: enough to find one among them that is no luck."""
+
 _CONVERGED = 1e-3  # step in parts of a range; chosen: finer than any apparatus is set
 _SILENT = {
     "bounds": [0.0, 1.0],
@@ -34,10 +39,6 @@ _SILENT = {
     "verb_log": 0,
     "verb_disp": 0,
 }
-
-
-_LEADERS = 24
-"""Best candidates that a search keeps. Chosen: enough to find one among them that is no luck."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,9 @@ class Found:
     interrupted: bool = False
 
 
-def search(starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int) -> Found:
+def search(
+    starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int, step: float = STEP
+) -> Found:
     """Look for the point with the least key, from several starts.
 
     All arms advance together, one generation of each in one call of `evaluate`; each time that its
@@ -102,6 +105,8 @@ def search(starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int) 
         Candidates in all; the last generation may pass it.
     seed : int
         Of all draws; the same gives the same result.
+    step : float
+        Of the first generations, in parts of a range.
 
     Returns
     -------
@@ -114,7 +119,7 @@ def search(starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int) 
     """
     cma = _library() if any(len(start) for start in starts) else None
     found = Found()
-    alive = [_Arm(index, start, cma, seed) for index, start in enumerate(starts)]
+    alive = [_Arm(index, start, cma, seed, step) for index, start in enumerate(starts)]
     try:
         _compare(alive, [[arm.start] for arm in alive], evaluate, found)
         for left in range(math.ceil(math.log2(len(alive))) + 1, 0, -1):
@@ -141,10 +146,10 @@ def search(starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int) 
 class _Arm:
     """One start with its strategy."""
 
-    def __init__(self, index: int, start: Array, cma: Any, seed: int) -> None:
+    def __init__(self, index: int, start: Array, cma: Any, seed: int, step: float) -> None:
         self.index, self.start = index, start
         self.best: Key = (math.inf,)
-        self._cma = cma
+        self._cma, self._step = cma, step
         self._random = np.random.default_rng([seed, index])
         self._strategy: Any = None
         self._left: list[Array] = []
@@ -174,7 +179,7 @@ class _Arm:
         options = {**_SILENT, "randn": lambda *shape: self._random.standard_normal(shape)}
         if size is not None:
             options["popsize"] = size
-        self._strategy = self._cma.CMAEvolutionStrategy(point, _STEP, options)
+        self._strategy = self._cma.CMAEvolutionStrategy(point, self._step, options)
 
     @staticmethod
     def _padded(point: Array) -> Array:

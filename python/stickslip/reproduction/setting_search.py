@@ -48,6 +48,7 @@ POINTS = "search.csv"
 _ARMS = 4  # combinations of words that are searched: those of the best pairs of the grid. Chosen
 _VARIATIONS = 3  # small changes of each point, as the study has
 _GRID = 0.1  # part of the time that the grid takes, roughly
+_STEP = 0.1  # of the first generation; chosen: S1 to S4 hold in a small part of the ranges only
 _WORST = -1e3  # in place of a margin that cannot be computed
 
 
@@ -145,8 +146,9 @@ def search_settings(
     """Look for the pair of settings that satisfies most of S5 to S14 with S1 to S4 kept.
 
     First the grid, whose best pairs are the starts, one for each combination of edges and clamps;
-    then `stickslip.control.search`. Pairs are compared by how many of S1 to S4 fail, then of S5 to
-    S14, then by the margins of those that do. A pair in which a mode does not walk comes last.
+    then `stickslip.control.search`. Pairs are compared by how far they are from S1 to S4, then by
+    how many of S5 to S14 fail, then by how far those are from holding. A pair in which a mode does
+    not walk comes last.
 
     Parameters
     ----------
@@ -176,7 +178,7 @@ def search_settings(
     margins, works = _margins(first)
     starts = _starts(first, margins, works)
     trials = _Trials(list(starts), threads, report, pairs)
-    found = search(list(starts.values()), trials.compared, pairs, seed)
+    found = search(list(starts.values()), trials.compared, pairs, seed, _STEP)
     best = found.leaders[0]
     searched = np.array(trials.margins)
     of_the_grid = margins[:, works].T
@@ -200,11 +202,12 @@ def _margins(found: Survey) -> tuple[Array, Flags]:
 
 
 def _key(margins: Array, shortfall: float) -> Key:
-    failing = margins < 0.0
+    """By what lacks to walk, to S1 to S4, and to the others: how many fail, then by how much."""
+    lacking = np.maximum(-margins, 0.0)
     # Each adds less than one, so that a margin that is far off does not hide the others.
-    missing = np.abs(margins[failing])
-    depth = (missing / (1.0 + missing)).sum()
-    return (shortfall, float(failing[:MOTION].sum()), float(failing[MOTION:].sum()), float(depth))
+    depth = lacking / (1.0 + lacking)
+    failing = float((margins[MOTION:] < 0.0).sum())
+    return (shortfall, float(depth[:MOTION].sum()), failing, float(depth[MOTION:].sum()))
 
 
 def _starts(found: Survey, margins: Array, works: Flags) -> dict[Words, Array]:
