@@ -1,9 +1,6 @@
 """Predictions with error bars: their quantiles, what failed, pictures, files and the command."""
 
-import json
 import math
-import signal
-import subprocess
 
 import numpy as np
 import pandas as pd
@@ -12,7 +9,6 @@ import xarray
 from matplotlib.figure import Figure
 from scipy.stats import norm
 
-from command_line import COMMAND, stickslip
 from pictures import assert_legible, visible_text
 from stickslip import (
     Drive,
@@ -141,6 +137,17 @@ def test_draws_that_fail_are_counted_and_in_no_quantile():
     assert f"{result.failed} of 72 failed" in repr(result)
 
 
+def test_draws_that_were_drawn_again_are_counted():
+    # Half of the values of a friction about the static one lie above it.
+    uncertain = {"contact.kinetic_friction": {"mean": 0.2, "sd": 0.01}}
+    given = BASE.with_uncertain(uncertain).replace({"contact.static_friction": 0.2})
+    result = predict(given, draws=200)
+    assert result.failed == 0
+    # As many failures as successes, with the variance of a negative binomial law, n (1 - p) / p^2.
+    assert abs(result.redrawn - 200) < 5.0 * math.sqrt(200 * 0.5 / 0.25)
+    assert predict(BASE, draws=24).redrawn == 0
+
+
 def test_the_table_has_a_row_a_point(found):
     table = found.to_dataframe()
     assert len(table) == 4
@@ -234,127 +241,3 @@ def test_what_cannot_be_predicted_is_refused_in_one_line(options, said):
 def test_a_scenario_of_which_all_is_known_has_no_band():
     with pytest.raises(ScenarioError, match="no band"):
         predict(Scenario())
-
-
-@pytest.fixture
-def files(tmp_path):
-    (tmp_path / "s.toml").write_text("stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n")
-    (tmp_path / "u.toml").write_text(
-        '[uncertain]\n"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }\n'
-        '"contact.adhesion" = { median = 0.22e-6, factor = 1.2 }\n'
-    )
-    return tmp_path
-
-
-VARY = ("--vary", "drive.frequency=30,60", "--vary", "drive.mode=OPP,IPP")
-COMMON = ("s.toml", "--uncertain", "u.toml", "--draws", 24)
-
-
-def test_the_command_gives_what_python_gives(files, found):
-    options = ("--json", "--out", "b.csv", "--plot", "b.png")
-    done = stickslip("predict", *COMMON, *VARY, *options, cwd=files)
-    assert (done.returncode, done.stderr) == (0, "")
-    said = json.loads(done.stdout, parse_constant=pytest.fail)
-    assert (said["points"], said["draws"], said["failed"], said["seed"]) == (4, 24, 0, 0)
-    assert said["quantiles"] == [0.1, 0.5, 0.9]
-    velocities = [each["mean_velocity"] for each in said["results"]]
-    assert velocities == found.data["mean_velocity"].values.reshape(4, 3).tolist()
-    assert [each["drive.mode"] for each in said["results"]] == ["OPP", "IPP"] * 2
-    assert len(pd.read_csv(files / "b.csv")) == 4
-    assert (files / "b.png").stat().st_size > 5000
-
-    table = stickslip("predict", *COMMON, *VARY, cwd=files).stdout
-    assert ["60", "IPP", f"{velocities[3][0] * 1e3:.4f}"] in [
-        line.split()[:3] for line in table.splitlines()
-    ]
-    # The share of 0.1 of 24 draws is known to within sqrt(0.09 / 24).
-    assert f"{100 * (0.1 + math.sqrt(0.09 / 24)):.3g} %" in table
-
-
-def test_the_command_says_what_failed(files):
-    done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.145,0.01", cwd=files)
-    assert done.returncode == 0
-    assert "draws failed and are in no quantile; the first: contact.kinetic_friction" in done.stderr
-
-
-def test_draws_that_were_drawn_again_are_counted(files):
-    # Half of the values of a friction about the static one lie above it.
-    uncertain = {"contact.kinetic_friction": {"mean": 0.2, "sd": 0.01}}
-    given = BASE.with_uncertain(uncertain).replace({"contact.static_friction": 0.2})
-    result = predict(given, draws=200)
-    assert result.failed == 0
-    # As many failures as successes, with the variance of a negative binomial law, n (1 - p) / p^2.
-    assert abs(result.redrawn - 200) < 5.0 * math.sqrt(200 * 0.5 / 0.25)
-    assert predict(BASE, draws=24).redrawn == 0
-    options = ("--set", "contact.static_friction=0.145", "--json")
-    done = stickslip("predict", *COMMON, *options, cwd=files)
-    again = json.loads(done.stdout)["redrawn"]
-    assert again > 0
-    assert f"{again} more draws made no scenario" in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["s.toml"], "no band"),
-        (["s.toml", "--uncertain", "s.toml"], "s.toml: there is no section [uncertain]"),
-        (["s.toml", "--uncertain", "none.toml"], "none.toml: cannot be read"),
-        ([*COMMON, "--draws", "1"], "--draws"),
-        ([*COMMON, "--set", "contact.adhesion=1e-7"], "--set contact.adhesion: has no influence"),
-        ([*COMMON, "--vary", "contact.adhesion=1e-7,2e-7"], "either varied or uncertain"),
-        ([*COMMON, "--plot", "b.png"], "one --vary of numbers"),
-        ([*COMMON, *VARY, "--vary", "drive.hold=1e-3,2e-3", "--plot", "b.png"], "one --vary"),
-        ([*COMMON, *VARY, "--plot", "b.xyz"], "--plot: b.xyz"),
-        ([*COMMON, "--out", "b.txt"], "--out: b.txt"),
-        ([*COMMON, "--out", "none/b.csv"], "none"),
-        ([*COMMON, *VARY, "--out", "b.svg", "--plot", "b.svg"], "cannot be both"),
-        (["s.toml", "--uncertain", "u.csv", "--out", "u.csv"], "which it would overwrite"),
-    ],
-)
-def test_the_command_refuses_in_one_line(files, options, said):
-    (files / "u.csv").write_text((files / "u.toml").read_text())
-    done = stickslip("predict", *options, cwd=files)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert sorted(each.name for each in files.iterdir()) == ["s.toml", "u.csv", "u.toml"]
-
-
-def test_an_interrupt_leaves_no_file(files):
-    process = subprocess.Popen(
-        [*COMMAND, "predict", *map(str, COMMON), "--out", "b.csv", "--set", "solver.max_step=1e-7"],
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=files,
-    )
-    # The bar comes once the work has begun.
-    while "%" not in process.stderr.read(1):
-        assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "nothing written" in errors
-    assert not (files / "b.csv").exists()
-
-
-def test_what_a_diagnosis_leaves_is_predicted_with(tilted):
-    folder, said = tilted
-    extended = load(folder / "found" / "extended.toml")
-    keys = extended.uncertain.keys
-    causes = [f"effects.{name}.{each}" for name, own in extended.effects.items() for each in own]
-    assert {"contact.kinetic_friction", "drag.linear", *causes} <= set(keys)
-    for cause in causes:
-        place = keys.index(cause)
-        sd = math.sqrt(extended.uncertain.matrix[place][place])
-        # The error that is printed, of the profile, is no smaller than that of the curvature.
-        assert 0.0 < sd <= said["parameters"][cause.removeprefix("effects.")]["sd"] * (1.0 + 1e-9)
-    options = ("--uncertain", "found/extended.toml", "--vary", "drive.frequency=25,90")
-    done = stickslip("predict", "nominal.toml", *options, "--draws", 20, "--json", cwd=folder)
-    assert done.returncode == 0
-    given = predict(extended, {"drive.frequency": [25.0, 90.0]}, draws=20)
-    for row, velocities in zip(
-        json.loads(done.stdout)["results"], given.data["mean_velocity"].values, strict=True
-    ):
-        # The file of the diagnosis has all of the nominal scenario's values besides.
-        assert row["mean_velocity"] == velocities.tolist()
-        assert row["mean_velocity"][0] < row["mean_velocity"][2]

@@ -80,6 +80,8 @@ def predict(
     ScenarioError
         If nothing is uncertain, a key is both varied and uncertain, a number is not allowed, or a
         hundred draws in succession make no scenario.
+    ValueError
+        If `threads` is not a whole number above zero.
 
     Examples
     --------

@@ -1,0 +1,136 @@
+"""The command `stickslip predict`: output, files, interrupts, bad input, after a diagnosis."""
+
+import json
+import math
+import signal
+import subprocess
+
+import pandas as pd
+import pytest
+
+from command_line import COMMAND, stickslip
+from stickslip import Prior, load, predict
+
+UNCERTAIN = """[uncertain]
+"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }
+"contact.adhesion" = { median = 0.22e-6, factor = 1.2 }
+"""
+PRIORS = {
+    "contact.kinetic_friction": Prior("normal", 0.145, 0.01),
+    "contact.adhesion": Prior("log-normal", 0.22e-6, 1.2),
+}
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "s.toml").write_text("stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n")
+    (tmp_path / "u.toml").write_text(UNCERTAIN)
+    return tmp_path
+
+
+VARY = ("--vary", "drive.frequency=30,60", "--vary", "drive.mode=OPP,IPP")
+COMMON = ("s.toml", "--uncertain", "u.toml", "--draws", 24)
+
+
+def test_the_command_gives_what_python_gives(files):
+    vary = {"drive.frequency": [30.0, 60.0], "drive.mode": ["OPP", "IPP"]}
+    found = predict(load(files / "s.toml"), vary, 24, uncertain=PRIORS)
+    options = ("--json", "--out", "b.csv", "--plot", "b.png")
+    done = stickslip("predict", *COMMON, *VARY, *options, cwd=files)
+    assert (done.returncode, done.stderr) == (0, "")
+    said = json.loads(done.stdout, parse_constant=pytest.fail)
+    assert (said["points"], said["draws"], said["failed"], said["seed"]) == (4, 24, 0, 0)
+    assert said["quantiles"] == [0.1, 0.5, 0.9]
+    velocities = [each["mean_velocity"] for each in said["results"]]
+    assert velocities == found.data["mean_velocity"].values.reshape(4, 3).tolist()
+    assert [each["drive.mode"] for each in said["results"]] == ["OPP", "IPP"] * 2
+    assert len(pd.read_csv(files / "b.csv")) == 4
+    assert (files / "b.png").stat().st_size > 5000
+
+    table = stickslip("predict", *COMMON, *VARY, cwd=files).stdout
+    assert ["60", "IPP", f"{velocities[3][0] * 1e3:.4f}"] in [
+        line.split()[:3] for line in table.splitlines()
+    ]
+    # The share of 0.1 of 24 draws is known to within sqrt(0.09 / 24).
+    assert f"{100 * (0.1 + math.sqrt(0.09 / 24)):.3g} %" in table
+
+
+def test_the_command_says_what_failed(files):
+    done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.145,0.01", cwd=files)
+    assert done.returncode == 0
+    assert "draws failed and are in no quantile; the first: contact.kinetic_friction" in done.stderr
+
+
+def test_the_command_says_what_was_drawn_again(files):
+    options = ("--set", "contact.static_friction=0.145", "--json")
+    done = stickslip("predict", *COMMON, *options, cwd=files)
+    again = json.loads(done.stdout)["redrawn"]
+    assert again > 0
+    assert f"{again} more draws made no scenario" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["s.toml"], "no band"),
+        (["s.toml", "--uncertain", "s.toml"], "s.toml: there is no section [uncertain]"),
+        (["s.toml", "--uncertain", "none.toml"], "none.toml: cannot be read"),
+        ([*COMMON, "--draws", "1"], "--draws"),
+        ([*COMMON, "--set", "contact.adhesion=1e-7"], "--set contact.adhesion: has no influence"),
+        ([*COMMON, "--vary", "contact.adhesion=1e-7,2e-7"], "either varied or uncertain"),
+        ([*COMMON, "--plot", "b.png"], "one --vary of numbers"),
+        ([*COMMON, *VARY, "--vary", "drive.hold=1e-3,2e-3", "--plot", "b.png"], "one --vary"),
+        ([*COMMON, *VARY, "--plot", "b.xyz"], "--plot: b.xyz"),
+        ([*COMMON, "--out", "b.txt"], "--out: b.txt"),
+        ([*COMMON, "--out", "none/b.csv"], "none"),
+        ([*COMMON, *VARY, "--out", "b.svg", "--plot", "b.svg"], "cannot be both"),
+        (["s.toml", "--uncertain", "u.csv", "--out", "u.csv"], "which it would overwrite"),
+    ],
+)
+def test_the_command_refuses_in_one_line(files, options, said):
+    (files / "u.csv").write_text((files / "u.toml").read_text())
+    done = stickslip("predict", *options, cwd=files)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert sorted(each.name for each in files.iterdir()) == ["s.toml", "u.csv", "u.toml"]
+
+
+def test_an_interrupt_leaves_no_file(files):
+    process = subprocess.Popen(
+        [*COMMAND, "predict", *map(str, COMMON), "--out", "b.csv", "--set", "solver.max_step=1e-7"],
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=files,
+    )
+    # The bar comes once the work has begun.
+    while "%" not in process.stderr.read(1):
+        assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "nothing written" in errors
+    assert not (files / "b.csv").exists()
+
+
+def test_what_a_diagnosis_leaves_is_predicted_with(tilted):
+    folder, said = tilted
+    extended = load(folder / "found" / "extended.toml")
+    keys = extended.uncertain.keys
+    causes = [f"effects.{name}.{each}" for name, own in extended.effects.items() for each in own]
+    assert {"contact.kinetic_friction", "drag.linear", *causes} <= set(keys)
+    for cause in causes:
+        place = keys.index(cause)
+        sd = math.sqrt(extended.uncertain.matrix[place][place])
+        # The error that is printed, of the profile, is no smaller than that of the curvature.
+        assert 0.0 < sd <= said["parameters"][cause.removeprefix("effects.")]["sd"] * (1.0 + 1e-9)
+    options = ("--uncertain", "found/extended.toml", "--vary", "drive.frequency=25,90")
+    done = stickslip("predict", "nominal.toml", *options, "--draws", 20, "--json", cwd=folder)
+    assert done.returncode == 0
+    given = predict(extended, {"drive.frequency": [25.0, 90.0]}, draws=20)
+    for row, velocities in zip(
+        json.loads(done.stdout)["results"], given.data["mean_velocity"].values, strict=True
+    ):
+        # The file of the diagnosis has all of the nominal scenario's values besides.
+        assert row["mean_velocity"] == velocities.tolist()
+        assert row["mean_velocity"][0] < row["mean_velocity"][2]
