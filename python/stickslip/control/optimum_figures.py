@@ -33,18 +33,25 @@ COMPARED = {"start": DARK_GREY, "sawtooth": ORANGE, "best": BLUE}
 """Colours of the drives that are compared."""
 
 
-def png(figure: Figure) -> str:
-    """The figure in base64."""
+def png(figure: Figure | None) -> str:
+    """The figure in base64; empty if there is none."""
+    if figure is None:
+        return ""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
     return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
-def waveform(found: Optimum) -> Figure:
-    """Voltages asked for, currents and field of the best drive, over its last periods."""
+def waveform(found: Optimum) -> Figure | None:
+    """Voltages asked for, currents and field of the best drive, over its last periods.
+
+    None where its simulation fails with the values of the scenario, which were none of the draws.
+    """
     frequency = found.frequency
     played = found.scenario.replace({RECORD_RATE: _SAMPLES * frequency})
     run = simulate(played)
+    if not run.ok:
+        return None
     end = played.window[1]
     shown = run.t >= max(end - _PERIODS / frequency, 0.0)
     t = run.t[shown]
