@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 @click.option(
     "--pairs",
     type=click.IntRange(1),
-    help="Pairs of settings that --search tries.  [default: 800, some ten minutes]",
+    help="Pairs of settings that --search tries.  [default: 2400, some six minutes]",
 )
 @click.option("--seed", type=click.IntRange(0), help="Of the draws of --search.  [default: 0]")
 @THREADS
