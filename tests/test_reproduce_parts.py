@@ -10,14 +10,14 @@ from stickslip import Coils, Drive, Scenario, ScenarioError, reproduce, simulate
 from stickslip.reproduction.curves import MeasuredPoint, read_measured
 from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.points import variations
-from stickslip.reproduction.settings import Grid, Setting
+from stickslip.reproduction.settings import MODES, Grid, Setting
 from stickslip.reproduction.strokes import strokes
 from stickslip.reproduction.survey import stroke_scenario, survey
 
 
 def test_the_survey_is_that_of_single_simulations():
     grid = Grid(("rise",), ("up",), (1e-3,), (2e-3,))
-    found = survey(grid, 1, 2)
+    found = survey({mode: grid.settings(mode) for mode in MODES}, 1, 2)
     (setting,) = found.settings["OPP"]
     assert setting == Setting("OPP", "rise", "up", 1e-3, 2e-3)
     run = simulate(stroke_scenario(setting))

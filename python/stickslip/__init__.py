@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from stickslip import plot
     from stickslip._core import __version__
+    from stickslip.control.optimise import optimise
+    from stickslip.control.optimum import Optimum
     from stickslip.control.predict import predict
     from stickslip.control.prediction import Prediction
     from stickslip.diagnosis.api import diagnose, diagnose_model
@@ -56,6 +58,8 @@ _HOME = {
     name: module
     for module, names in {
         "_core": ("__version__",),
+        "control.optimise": ("optimise",),
+        "control.optimum": ("Optimum",),
         "control.predict": ("predict",),
         "control.prediction": ("Prediction",),
         "diagnosis.api": ("diagnose", "diagnose_model"),
@@ -106,6 +110,7 @@ __all__ = [
     "Environment",
     "JointPrior",
     "Measurement",
+    "Optimum",
     "Options",
     "Prediction",
     "Prior",
@@ -128,6 +133,7 @@ __all__ = [
     "effects",
     "load",
     "open_run",
+    "optimise",
     "plot",
     "predict",
     "read_measurement",

@@ -6,7 +6,10 @@ import importlib
 
 import click
 
-_COMMANDS = ("diagnose", "effects", "init", "keys", "predict", "reproduce", "run", "sweep")
+_COMMANDS = (
+    *("diagnose", "effects", "init", "keys", "optimise", "predict", "reproduce", "run"),
+    "sweep",
+)
 
 
 class LazyGroup(click.Group):

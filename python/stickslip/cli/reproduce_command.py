@@ -9,7 +9,7 @@ import click
 
 from stickslip._util.plain_text import printable
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, THREADS
+from stickslip.cli.common import JSON, PATH, THREADS, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 @click.command(
     "reproduce",
-    epilog="\b\nExample:\n  stickslip reproduce --out reproduction --only fig8,fig12",
+    epilog="\b\nExample:\n  stickslip reproduce --out reproduction --only fig8,fig12\n"
+    "  stickslip reproduce --search --out reproduction",
 )
 @click.option(
     "--out",
@@ -35,16 +36,49 @@ if TYPE_CHECKING:
     type=PATH,
     help="CSV file of digitised points: columns figure, mode, x, y, in SI units.",
 )
+@click.option(
+    "--search",
+    is_flag=True,
+    help="Search continuously for the pair of settings that satisfies most statements, instead.",
+)
+@click.option(
+    "--pairs",
+    type=click.IntRange(1),
+    help="Pairs of settings that --search tries.  [default: 2400, some six minutes]",
+)
+@click.option("--seed", type=click.IntRange(0), help="Of the draws of --search.  [default: 0]")
 @THREADS
 @JSON
 def command(
-    out: Path, only: str | None, measured: Path | None, threads: int | None, as_json: bool
+    out: Path,
+    only: str | None,
+    measured: Path | None,
+    search: bool,
+    pairs: int | None,
+    seed: int | None,
+    threads: int | None,
+    as_json: bool,
 ) -> None:
     """Redo the paper's simulations and test its statements.
 
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
     reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
+
+    With --search it looks, over continuous base, hold, ramp, edge time and damping, for the pair of
+    settings that satisfies most of S5 to S14 with S1 to S4 kept, says which statements cannot hold
+    together, and writes all pairs that it tried to search.csv.
     """
+    for option, given, needed in (
+        ("--only", only, not search),
+        ("--measured", measured, not search),
+        ("--pairs", pairs, search),
+        ("--seed", seed, search),
+    ):
+        if given is not None and not needed:
+            raise ScenarioError(f"{option}: not allowed {'with' if search else 'without'} --search")
+    if search:
+        _search(out, pairs, seed or 0, threads, as_json)
+        return
     from stickslip.reproduction.study import FIGURES, PAGE, SETTINGS, reproduce
 
     names = None if only is None else [name.strip() for name in only.split(",") if name.strip()]
@@ -55,6 +89,22 @@ def command(
     with ProgressBar("trying settings") as bar:
         result = reproduce(out, only=names, measured=measured, threads=threads, progress=bar)
     click.echo(json_text(result.as_dict()) if as_json else _table(result))
+
+
+def _search(out: Path, pairs: int | None, seed: int, threads: int | None, as_json: bool) -> None:
+    from stickslip.reproduction.setting_search import PAIRS, POINTS, search_settings
+    from stickslip.reproduction.tables import write_table
+
+    check_folder_target(out, [POINTS])
+    with ProgressBar("grid") as bar:
+        found = search_settings(pairs or PAIRS, seed=seed, threads=threads, progress=bar)
+    out.mkdir(parents=True, exist_ok=True)
+    write_table(found.points, out / POINTS)
+    click.echo(json_text(found.as_dict()) if as_json else found.summary())
+    say(f"{found.tried} pairs: {out / POINTS}", err=as_json)
+    if found.interrupted:
+        say("stickslip: interrupted, this is the best so far", err=True)
+        raise KeyboardInterrupt
 
 
 def _table(result: Reproduction) -> str:

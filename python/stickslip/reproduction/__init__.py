@@ -5,5 +5,6 @@ simulates; `survey` goes through all settings, `strokes` looks into single runs;
 what a statement is, `motion_criteria` and `curve_criteria` turn the paper's sentences into such;
 `verdicts` and `statements` judge, `reference` chooses, `findings` and `flaws` say what else was
 found; `curves` and `motions` make the figures, `page` writes it all up, and `study` is the function
-`stickslip.reproduce`.
+`stickslip.reproduce`. `free_settings`, `setting_search` and `setting_evidence` search the settings
+continuously.
 """

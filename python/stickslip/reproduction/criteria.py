@@ -15,19 +15,41 @@ from stickslip.reproduction.survey import Flags, Survey
 
 
 class Outcome(NamedTuple):
-    """Where the parts of a statement hold, and the values behind them, both by name.
+    """By how much the parts of a statement hold, and the values behind them, both by name.
 
+    A margin is a pure number, from zero where the part holds, and below zero where it does not.
     Arrays broadcast to all pairs of settings, shape (settings of IPP, settings of OPP); they have
     length 1 along a mode that is not spoken of.
     """
 
-    parts: Mapping[str, Flags]
+    margins: Mapping[str, NDArray[Any]]
     values: Mapping[str, NDArray[Any]]
+
+    @property
+    def parts(self) -> dict[str, Flags]:
+        """Where each part holds; not where its margin is NaN."""
+        return {name: np.asarray(margin >= 0.0) for name, margin in self.margins.items()}
 
     @property
     def holds(self) -> Flags:
         """Where all parts hold."""
         return functools.reduce(np.logical_and, self.parts.values())
+
+    @property
+    def margin(self) -> NDArray[Any]:
+        """The least of all parts."""
+        return functools.reduce(np.minimum, self.margins.values())
+
+
+def above(value: Any, limit: Any) -> Any:
+    """The margin of a value that is to be above a limit: their difference over their sum."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (value - limit) / (np.abs(value) + np.abs(limit))
+
+
+def if_also(margin: Any, condition: Any) -> Any:
+    """A margin where a condition is met, and -1 at most where it is not."""
+    return np.minimum(margin, np.where(condition, np.inf, -1.0))
 
 
 @dataclass(frozen=True)

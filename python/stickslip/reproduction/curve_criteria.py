@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stickslip.reproduction.criteria import Outcome, by_mode, criterion
+from stickslip.reproduction.criteria import Outcome, above, by_mode, criterion, if_also
 from stickslip.reproduction.points import SCANS, Array
 from stickslip.reproduction.settings import MODES, Mode
-from stickslip.reproduction.survey import Flags, Survey, pairwise
+from stickslip.reproduction.survey import Survey, pairwise
 
 MIN_R_SQUARED = 0.95
 """Part of the variance that a line must explain to count as linear."""
@@ -122,7 +122,7 @@ def linear_in_frequency(found: Survey) -> Outcome:
         values[f"{mode}_slope"] = fit.slope * 1e6
         values[f"{mode}_explained"] = fit.explained
         values[f"{mode}_worst"] = fit.worst
-    return Outcome({mode: fit.explained >= MIN_R_SQUARED for mode, fit in fits.items()}, values)
+    return Outcome({mode: fit.explained - MIN_R_SQUARED for mode, fit in fits.items()}, values)
 
 
 @criterion(
@@ -136,7 +136,7 @@ def roll_off(found: Survey) -> Outcome:
     places = [SCANS["frequency"].values.index(each) for each in (100.0, 120.0, 150.0)]
     left = {mode: _frequency_fit(found, mode)[1][..., places] for mode in MODES}
     return Outcome(
-        {mode: np.all(each < 1.0 - MAX_CHANGE, axis=-1) for mode, each in left.items()},
+        {mode: 1.0 - MAX_CHANGE - each.max(axis=-1) for mode, each in left.items()},
         {f"{mode}_100": each[..., 0] for mode, each in left.items()}
         | {f"{mode}_150": each[..., -1] for mode, each in left.items()},
     )
@@ -150,7 +150,7 @@ def roll_off(found: Survey) -> Outcome:
 )
 def low_friction(found: Survey) -> Outcome:
     ipp, opp = _means(found, "friction", LOW_FRICTION)
-    return Outcome({"OPP faster": opp > ipp}, {"ipp": ipp * 1e3, "opp": opp * 1e3})
+    return Outcome({"OPP faster": above(opp, ipp)}, {"ipp": ipp * 1e3, "opp": opp * 1e3})
 
 
 @criterion(
@@ -164,7 +164,7 @@ def middle_friction(found: Survey) -> Outcome:
     mean = 0.5 * (np.abs(ipp) + np.abs(opp)).mean(axis=-1)
     apart = ratio(np.abs(opp - ipp).mean(axis=-1), mean)
     speeds = {"ipp": ipp.mean(axis=-1) * 1e3, "opp": opp.mean(axis=-1) * 1e3}
-    return Outcome({"similar": apart <= MAX_DIFFERENCE}, {**speeds, "apart": apart})
+    return Outcome({"similar": MAX_DIFFERENCE - apart}, {**speeds, "apart": apart})
 
 
 @criterion(
@@ -175,7 +175,7 @@ def middle_friction(found: Survey) -> Outcome:
 )
 def high_friction(found: Survey) -> Outcome:
     ipp, opp = _means(found, "friction", HIGH_FRICTION)
-    return Outcome({"IPP faster": ipp > opp}, {"ipp": ipp * 1e3, "opp": opp * 1e3})
+    return Outcome({"IPP faster": above(ipp, opp)}, {"ipp": ipp * 1e3, "opp": opp * 1e3})
 
 
 @criterion(
@@ -191,8 +191,8 @@ def adhesion(found: Survey) -> Outcome:
     left = {"ipp_left": ratio(ipp_high, ipp), "opp_left": ratio(opp_high, opp)}
     return Outcome(
         {
-            "OPP faster at low adhesion": opp > ipp,
-            "OPP loses more": left["opp_left"] < left["ipp_left"],
+            "OPP faster at low adhesion": above(opp, ipp),
+            "OPP loses more": left["ipp_left"] - left["opp_left"],
         },
         {"ipp": ipp * 1e3, "opp": opp * 1e3, **left},
     )
@@ -205,10 +205,10 @@ def _over_first(found: Survey, scan: str) -> tuple[Array, Array, Array]:
     return x, ratio(ipp, ipp[..., :1]), ratio(opp, opp[..., :1])
 
 
-def _level(*left: Array) -> Flags:
-    """Where both modes stay at their first value."""
-    ipp, opp = (np.all(np.abs(each - 1.0) <= MAX_CHANGE, axis=-1) for each in left)
-    return np.asarray(ipp & opp)
+def _level(*left: Array) -> Array:
+    """The margin of both modes staying at their first value."""
+    ipp, opp = (np.abs(each - 1.0).max(axis=-1) for each in left)
+    return np.asarray(MAX_CHANGE - np.maximum(ipp, opp))
 
 
 @criterion(
@@ -222,19 +222,19 @@ def _level(*left: Array) -> Flags:
 def linear_damping(found: Survey) -> Outcome:
     x, ipp, opp = _over_first(found, "linear")
     low = x <= 1e-6
-    falls = [np.all(np.diff(left, axis=-1) <= MAX_CHANGE, axis=-1) for left in (ipp, opp)]
-    frozen = [np.abs(left[..., -1]) <= MAX_SUPPRESSED for left in (ipp, opp)]
-    parts = {
+    rises = [np.diff(left, axis=-1).max(axis=-1) for left in (ipp, opp)]
+    frozen = [np.abs(left[..., -1]) for left in (ipp, opp)]
+    margins = {
         "level to 1e-6 N s/m": _level(ipp[..., low], opp[..., low]),
-        "slower with more damping": falls[0] & falls[1],
-        "frozen at 1e-2 N s/m": frozen[0] & frozen[1],
+        "slower with more damping": MAX_CHANGE - np.maximum(*rises),
+        "frozen at 1e-2 N s/m": MAX_SUPPRESSED - np.maximum(*frozen),
     }
     values = {
         f"{mode}_{percent}": np.apply_along_axis(crossing, -1, left, x, percent / 100)
         for mode, left in (("IPP", ipp), ("OPP", opp))
         for percent in (90, 10)
     }
-    return Outcome(parts, values)
+    return Outcome(margins, values)
 
 
 @criterion(
@@ -249,13 +249,12 @@ def rotational_damping(found: Survey) -> Outcome:
     x, ipp, opp = _over_first(found, "rotational")
     low, high = x <= 3e-17, x >= 1e-15
     apart = np.abs(ipp[..., high] - opp[..., high]).mean(axis=-1)
-    slower = [left[..., -1] < 1.0 - MAX_CHANGE for left in (ipp, opp)]
-    parts = {
+    margins = {
         "little effect to 3e-17 N m s²": _level(ipp[..., low], opp[..., low]),
-        "slower at 1e-13": slower[0] & slower[1],
-        "modes lose alike": apart <= 0.5 * MAX_DIFFERENCE,
+        "slower at 1e-13": 1.0 - MAX_CHANGE - np.maximum(ipp[..., -1], opp[..., -1]),
+        "modes lose alike": 0.5 * MAX_DIFFERENCE - apart,
     }
-    return Outcome(parts, {"ipp": ipp[..., -1], "opp": opp[..., -1], "apart": apart})
+    return Outcome(margins, {"ipp": ipp[..., -1], "opp": opp[..., -1], "apart": apart})
 
 
 @criterion(
@@ -273,13 +272,13 @@ def growth_with_field(found: Survey) -> Outcome:
     for mode in MODES:
         x, y = _curves(found, mode, "field")
         fit = straight(x, y)
-        linear[mode] = (fit.slope > 0.0) & (fit.explained >= MIN_R_SQUARED)
+        linear[mode] = if_also(fit.explained - MIN_R_SQUARED, fit.slope > 0.0)
         values[f"{mode}_slope"] = fit.slope
         values[f"{mode}_explained"] = fit.explained
         values[f"{mode}_bend"] = bend(x, y)
-    parts = {
+    margins = {
         "IPP linear": linear["IPP"],
-        "IPP rolls off": values["IPP_bend"] < 1.0 - MAX_CHANGE,
+        "IPP rolls off": 1.0 - MAX_CHANGE - values["IPP_bend"],
         "OPP linear": linear["OPP"],
     }
-    return Outcome(parts, values)
+    return Outcome(margins, values)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.reproduction.criteria import Criterion, Outcome, criterion
+from stickslip.reproduction.criteria import Criterion, Outcome, above, criterion, if_also
 from stickslip.reproduction.points import Array
 from stickslip.reproduction.settings import MODES, Mode
 from stickslip.reproduction.survey import Survey, pairwise
@@ -35,8 +35,8 @@ def _slips_on(name: str, mode: Mode, stroke: str) -> Criterion:
         up = _of_strokes(found, mode, "share_up")
         share = up if stroke == "up" else 1.0 - up
         forwards = _of_strokes(found, mode, f"slip_{stroke}") > 0.0
-        holds = (share >= SLIP_SHARE) & forwards
-        return Outcome({f"{mode} slips on the {stroke}stroke": holds}, {"share": share})
+        margin = if_also(share - SLIP_SHARE, forwards)
+        return Outcome({f"{mode} slips on the {stroke}stroke": margin}, {"share": share})
 
     return Criterion(
         name,
@@ -60,8 +60,8 @@ slip_on_the_upstroke = _slips_on("S2", "OPP", "up")
 )
 def normal_force_in_the_strokes(found: Survey) -> Outcome:
     ipp, opp = _of_strokes(found, "IPP", "normal_down"), _of_strokes(found, "OPP", "normal_up")
-    parts = {"IPP less than at rest": ipp < 1.0, "OPP more": opp > 1.0}
-    return Outcome(parts, {"ipp": ipp, "opp": opp})
+    margins = {"IPP less than at rest": above(1.0, ipp), "OPP more": above(opp, 1.0)}
+    return Outcome(margins, {"ipp": ipp, "opp": opp})
 
 
 @criterion(
@@ -74,12 +74,12 @@ def normal_force_in_the_strokes(found: Survey) -> Outcome:
 def steady_angle(found: Survey) -> Outcome:
     ipp, opp = (_of_strokes(found, mode, "tilt") for mode in MODES)
     still_ipp, still_opp = (pairwise(mode, found.still_tilt[mode]) for mode in MODES)
-    parts = {
-        "larger before the pulses": still_ipp >= MUCH_LARGER * still_opp,
-        "larger in the mean": ipp >= MUCH_LARGER * opp,
+    margins = {
+        "larger before the pulses": above(still_ipp, MUCH_LARGER * still_opp),
+        "larger in the mean": above(ipp, MUCH_LARGER * opp),
     }
     angles = {"still_ipp": still_ipp, "still_opp": still_opp, "ipp": ipp, "opp": opp}
-    return Outcome(parts, {name: np.degrees(each) for name, each in angles.items()})
+    return Outcome(margins, {name: np.degrees(each) for name, each in angles.items()})
 
 
 @criterion(
@@ -92,6 +92,6 @@ def steady_angle(found: Survey) -> Outcome:
 def no_motion_in_constant_fields(found: Survey) -> Outcome:
     speed = {mode: pairwise(mode, found.still_velocity[mode]) for mode in MODES}
     return Outcome(
-        {mode: each < MIN_SPEED for mode, each in speed.items()},
+        {mode: 1.0 - each / MIN_SPEED for mode, each in speed.items()},
         {mode: each * 1e9 for mode, each in speed.items()},
     )

@@ -26,7 +26,10 @@ Array = NDArray[np.float64]
 KEYS = tuple(
     f"{section}.{name}"
     for section, names in {
-        "drive": ("mode", "edge", "clamp", "base", "hold", "peak", "frequency", "pulses"),
+        "drive": (
+            *("mode", "edge", "clamp", "base", "hold", "peak", "frequency", "pulses"),
+            *("edge_time", "ramp"),
+        ),
         "contact": ("static_friction", "kinetic_friction", "adhesion"),
         "drag": ("linear", "rotational"),
         "robot": ("mass",),
@@ -81,7 +84,8 @@ def evaluate(
     flat = np.concatenate([batch.reshape(-1, len(KEYS)) for batch in batches])
     base = Scenario().replace({"solver.rtol": RTOL})
     pulses, frequency = flat[:, COLUMN["drive.pulses"]], flat[:, COLUMN["drive.frequency"]]
-    report = fraction_of(float((base.drive.ramp + pulses / frequency).sum()), progress)
+    ramp = flat[:, COLUMN["drive.ramp"]]
+    report = fraction_of(float((ramp + pulses / frequency).sum()), progress)
     columns, _ = _core.sweep(base.to_core(), list(KEYS), flat, threads, report)
     failed = columns["status"] != 0
     for values in columns.values():

@@ -178,7 +178,7 @@ def reproduce(
     report = progress or (lambda fraction, stage: None)
 
     found = survey(
-        effort.grid,
+        {mode: effort.grid.settings(mode) for mode in MODES},
         effort.survey_variations,
         threads,
         lambda done, _: report(_SURVEY * done, "trying settings"),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.reproduction.points import COLUMN, SCANS, Array, evaluate, point, varied
-from stickslip.reproduction.settings import MODES, PEAK, Grid, Mode, Setting
+from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
 from stickslip.reproduction.strokes import Strokes, strokes
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import simulate_batch
@@ -67,10 +68,14 @@ class Survey:
 
         Forwards at 30 Hz and at 100 Hz, and with the tilt between flat and upright throughout.
         """
-        velocity = self.at(mode, "frequency", WORKING_FREQUENCIES)
-        forwards = np.all(velocity > _MIN_VELOCITY, axis=1)
+        return np.asarray(self.works_margin(mode) > 0.0)
+
+    def works_margin(self, mode: Mode) -> Array:
+        """By how much each setting works, a pure number above zero where it does, shape (n,)."""
+        velocity = self.at(mode, "frequency", WORKING_FREQUENCIES).min(axis=1)
         low, high = self.tilt_low[mode], self.tilt_high[mode]
-        return np.asarray(forwards & (low > -_TILT_TOLERANCE) & (high < 0.5 * np.pi))
+        parts = [velocity / _MIN_VELOCITY - 1.0, low + _TILT_TOLERANCE, 0.5 * np.pi - high]
+        return np.asarray(np.min(parts, axis=0))
 
     def working_pairs(self) -> Flags:
         """Which pairs consist of working settings, shape (settings of IPP, settings of OPP)."""
@@ -82,9 +87,13 @@ class Survey:
         return self.velocity[mode, scan][:, places]
 
 
-def survey(grid: Grid, count: int, threads: int, progress: Progress | None = None) -> Survey:
-    """Simulate every setting of a grid, with `count` small changes for each point."""
-    settings = {mode: grid.settings(mode) for mode in MODES}
+def survey(
+    settings: Mapping[Mode, Sequence[Setting]],
+    count: int,
+    threads: int,
+    progress: Progress | None = None,
+) -> Survey:
+    """Simulate every setting, with `count` small changes for each point."""
     keys = [(mode, name) for mode in MODES for name in SCANNED]
     batches = [
         varied(SCANS[name].points(settings[mode], SCANS[name].values), count) for mode, name in keys
@@ -95,8 +104,8 @@ def survey(grid: Grid, count: int, threads: int, progress: Progress | None = Non
     still = dict(zip(MODES, results[len(keys) :], strict=True))
     tilts = {mode: _tilt_range(settings[mode], scanned[mode, "frequency"]) for mode in MODES}
     found = Survey(
-        settings=settings,
-        velocity={k: np.nanmedian(scanned[k]["mean_velocity"], axis=-1) for k in keys},
+        settings={mode: list(each) for mode, each in settings.items()},
+        velocity={k: _median(scanned[k]["mean_velocity"]) for k in keys},
         painleve={k: scanned[k]["painleve"].sum(axis=-1) for k in keys},
         count=count,
         tilt_low={mode: tilts[mode][0] for mode in MODES},
@@ -107,10 +116,17 @@ def survey(grid: Grid, count: int, threads: int, progress: Progress | None = Non
     )
     for mode in MODES:
         chosen = np.flatnonzero(found.works(mode))
-        scenarios = [stroke_scenario(settings[mode][i]) for i in chosen]
+        scenarios = [stroke_scenario(found.settings[mode][i]) for i in chosen]
         for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
             found.strokes[mode][i] = strokes(run)
     return found
+
+
+def _median(values: Array) -> Array:
+    """Over the small changes, without those that failed; NaN where all did."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "All-NaN slice", RuntimeWarning)
+        return np.asarray(np.nanmedian(values, axis=-1))
 
 
 def _constant_fields(settings: Sequence[Setting]) -> Array:

@@ -1,0 +1,192 @@
+"""``stickslip optimise``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stickslip._util.plain_text import printable_lines
+from stickslip._util.strict_json import json_text
+from stickslip.cli.common import JSON, PATH, SET, THREADS, say
+from stickslip.cli.progress import ProgressBar
+from stickslip.cli.settings import parse_value, read_with
+from stickslip.cli.targets import check_folder_target, input_files, same_file
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.toml_file import with_uncertain_of
+
+_FREE = "allowed is key=low:high or key=word,word, such as drive.frequency=5:300"
+_LIMIT = "allowed is figure=value, such as field_max=2.5e-3"
+
+
+@click.command(
+    "optimise",
+    epilog="""\b
+Examples:
+  stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
+    --free drive.frequency=5:300 --free drive.base=-2e-3:2e-3 --free drive.edge=rise,fall
+  stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
+    --knots 12 --coils xp,clamp --free drive.frequency=50:300 --out best""",
+)
+@click.argument("scenario", type=PATH)
+@click.option("--maximise", metavar="FIGURE", help="A number of the summary, as large as may be.")
+@click.option("--minimise", metavar="FIGURE", help="The same, as small as may be.")
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="FIGURE=VALUE",
+    help="Greatest value of a number of the summary, in every draw; repeatable.",
+)
+@click.option(
+    "--free",
+    multiple=True,
+    metavar="KEY=VALUES",
+    help="A key and its range, low:high, or words to try, a,b; repeatable.",
+)
+@click.option(
+    "--knots",
+    type=click.IntRange(2, 200),
+    help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
+)
+@click.option(
+    "--coils", default="xp,clamp", show_default=True, help="Coils that a free waveform drives."
+)
+@click.option(
+    "--uncertain",
+    type=PATH,
+    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
+    "scenario, or the extended.toml of a diagnosis.",
+)
+@click.option(
+    "--score",
+    default="q10",
+    show_default=True,
+    help="What of the draws counts: q10 for the 10 % quantile, mean or worst.",
+)
+@click.option(
+    "--draws", type=click.IntRange(1), default=8, show_default=True, help="Draws in the search."
+)
+@click.option(
+    "--fresh",
+    type=click.IntRange(1),
+    default=64,
+    show_default=True,
+    help="Other draws, to judge what was found.",
+)
+@click.option(
+    "--evaluations",
+    type=click.IntRange(1),
+    default=10_000,
+    show_default=True,
+    help="Simulations of the search.",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for best.toml, best.csv and report.html.  [default: best; with --json none]",
+)
+@SET
+@THREADS
+@JSON
+def command(
+    scenario: Path,
+    limits: tuple[str, ...],
+    free: tuple[str, ...],
+    coils: str,
+    uncertain: Path | None,
+    out: Path | None,
+    settings: tuple[str, ...],
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Find the drive of a SCENARIO (a TOML file) that is best under limits.
+
+    What is uncertain is drawn, the same draws for every drive, and a limit has to hold in all of
+    them. The result is compared with the start and with the best sawtooth of a grid, on fresh
+    draws. Without anything uncertain the scenario is the one draw.
+
+    A field that a drive states, such as drive.peak, is what its voltage would make if it were held
+    for ever; of a fast pulse the coil lets little through. To limit the field, limit field_max.
+
+    Ctrl-C ends the search, and writes the best so far.
+    """
+    from stickslip.control.optimum import FILES
+
+    base = _start(scenario, settings, uncertain)
+    given = {
+        "free": _free(free),
+        "limits": _limits(limits),
+        "coils": [name.strip() for name in coils.split(",")],
+    }
+    if out is None and not as_json:
+        out = Path("best")
+    if out is not None:
+        check_folder_target(out, FILES)
+        inputs = input_files(scenario, settings)
+        for what, read in inputs.items():
+            for name in FILES:
+                if same_file(out / name, read):
+                    raise ScenarioError(f"--out: {out / name} is {what}, which it would overwrite")
+    found = _found(base, given | options, out)
+    click.echo(json_text(found.as_dict()) if as_json else printable_lines(found.summary()))
+    if found.interrupted:
+        kept = "nothing written" if out is None else f"the best so far is in {out}"
+        say(f"stickslip: interrupted, {kept}", err=True)
+        raise KeyboardInterrupt
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(each for each in FILES if (out / each).exists())}")
+
+
+def _found(base: Scenario, given: dict[str, Any], out: Path | None) -> Any:
+    from stickslip.control.optimise import optimise
+
+    bar = ProgressBar("searching")
+    try:
+        with bar:
+            found = optimise(base, progress=bar, **given)
+            if out is not None:
+                bar(1.0, "report")
+                found.save_report(out)
+    except KeyboardInterrupt:
+        say(f"stickslip: interrupted at the stage '{bar.stage}', nothing written", err=True)
+        raise
+    return found
+
+
+def _start(scenario: Path, settings: tuple[str, ...], uncertain: Path | None) -> Scenario:
+    base = read_with(scenario, settings)
+    return base if uncertain is None else with_uncertain_of(base, uncertain)
+
+
+def _free(texts: tuple[str, ...]) -> dict[str, Any]:
+    free: dict[str, Any] = {}
+    for text in texts:
+        key, equals, values = (part.strip() for part in text.partition("="))
+        with prefixed(f'--free "{text}"'):
+            if not equals or not key or not values:
+                raise ScenarioError(_FREE)
+            if key in free:
+                raise ScenarioError(f"{key} is there twice")
+            separator = ":" if ":" in values else ","
+            free[key] = [parse_value(part.strip()) for part in values.split(separator)]
+            if separator == ":" and len(free[key]) != 2:
+                raise ScenarioError(_FREE)
+    return free
+
+
+def _limits(texts: tuple[str, ...]) -> dict[str, float]:
+    limits: dict[str, float] = {}
+    for text in texts:
+        name, _, value = (part.strip() for part in text.partition("="))
+        with prefixed(f'--limit "{text}"'):
+            number = parse_value(value) if name and value else ""
+            if isinstance(number, str):
+                raise ScenarioError(_LIMIT)
+            if name in limits:
+                raise ScenarioError(f"{name} is there twice")
+            limits[name] = number
+    return limits

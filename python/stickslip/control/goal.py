@@ -1,0 +1,202 @@
+"""What a drive is judged by: a figure of the summary over draws, under limits on other figures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.control.search import Key
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.simulate import simulate_batch
+from stickslip.sweeping.results import NUMBERS
+
+if TYPE_CHECKING:
+    from stickslip.simulation.run import Run
+    from stickslip.simulation.simulate import Progress
+
+Array = NDArray[np.float64]
+
+_QUANTILE = re.compile(r"q([1-9]\d?)")
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is best.
+
+    Attributes
+    ----------
+    figure : str
+        Name of a number of the summary.
+    sign : {1.0, -1.0}
+        Of a figure that is maximised, or minimised.
+    score : str
+        What of the draws counts: ``"q10"`` for the 10 % quantile and other whole per cents,
+        ``"mean"`` or ``"worst"``. Of a figure that is minimised the quantile is counted from its
+        greatest value, so that the score is always on the bad side.
+    limits : dict of float
+        Greatest value that is allowed of a number of the summary, in every draw, by its name.
+    """
+
+    figure: str
+    sign: float
+    score: str
+    limits: Mapping[str, float]
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the figure."""
+        return NUMBERS[self.figure].unit
+
+    def scored(self, values: Array) -> Array:
+        """Scores of figures, shape (..., draws) to (...), in the figure's unit; NaN where a draw
+        has none."""
+        good = self.sign * values
+        if self.score == "mean":
+            return np.asarray(self.sign * good.mean(axis=-1))
+        share = 0.0 if self.score == "worst" else int(self.score[1:]) / 100.0
+        return np.asarray(self.sign * np.quantile(good, share, axis=-1))
+
+    def excess(self, worst: Mapping[str, float]) -> float:
+        """By how much the greatest values pass the limits, relative to them, summed."""
+        return sum(
+            max(worst[name] - limit, 0.0) / (abs(limit) or 1.0)
+            for name, limit in self.limits.items()
+        )
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One drive in several draws.
+
+    Attributes
+    ----------
+    figures : numpy.ndarray, shape (draws,)
+        The goal's figure; NaN where the simulation failed.
+    score : float
+        NaN if one failed.
+    worst : dict of float
+        Greatest value of each figure that has a limit; NaN if a simulation failed.
+    exceeding : int
+        Draws that failed or pass a limit.
+    excess : float
+        See `Goal.excess`.
+    failed : int
+        Draws whose simulation failed.
+    message : str
+        Of the first that failed.
+    """
+
+    figures: Array
+    score: float
+    worst: dict[str, float]
+    exceeding: int
+    excess: float
+    failed: int
+    message: str = ""
+
+    @property
+    def feasible(self) -> bool:
+        """Whether every draw came to its end within all limits."""
+        return self.exceeding == 0
+
+    def key(self, sign: float) -> Key:
+        """What it is sorted by: failures, then what passes the limits, then the score."""
+        if self.failed:
+            return (float(self.failed), 0.0, 0.0)
+        return (0.0, self.excess, 0.0 if self.excess else -sign * self.score)
+
+
+def feasible(key: Key) -> bool:
+    """Whether a `Judged.key` is of a drive within all limits."""
+    return key[:2] == (0.0, 0.0)
+
+
+def judge(goal: Goal, runs: Sequence[Run]) -> Judged:
+    """One drive by its runs, one a draw."""
+    summaries = [run.summary() if run.ok else {} for run in runs]
+    numbers = {
+        name: np.array([summary.get(name, math.nan) for summary in summaries])
+        for name in (goal.figure, *goal.limits)
+    }
+    figures = numbers[goal.figure]
+    limited = {name: numbers[name] for name in goal.limits}
+    worst = {name: float(values.max()) for name, values in limited.items()}
+    within = np.isfinite(figures)
+    for name, values in limited.items():
+        within &= values <= goal.limits[name]
+    failed = int(np.sum(~np.isfinite(figures)))
+    message = next((r.message for r in runs if not r.ok), "")
+    return Judged(
+        figures=figures,
+        score=float(goal.scored(figures)),
+        worst=worst,
+        exceeding=int(np.sum(~within)),
+        excess=math.nan if failed else goal.excess(worst),
+        failed=failed,
+        message=message,
+    )
+
+
+def judge_all(
+    goal: Goal,
+    draws: Sequence[Scenario],
+    changes: Sequence[Mapping[str, Any] | ScenarioError],
+    threads: int,
+    progress: Progress | None = None,
+) -> list[Judged]:
+    """Drives, each given by its changes of every draw, in one batch.
+
+    In the place of changes may stand the error which says that they make no scenario; such a drive
+    has failed in every draw.
+    """
+    made: list[list[Scenario] | str] = []
+    for each in changes:
+        try:
+            if isinstance(each, ScenarioError):
+                raise each
+            made.append([draw.replace(each) for draw in draws])
+        except ScenarioError as error:
+            made.append(str(error))
+    batch = [one for each in made if not isinstance(each, str) for one in each]
+    runs = iter(simulate_batch(batch, threads, progress))
+    nothing = np.full(len(draws), np.nan)
+    lost = dict.fromkeys(goal.limits, math.nan)
+    count = len(draws)
+    return [
+        Judged(nothing, math.nan, lost, count, math.nan, count, each)
+        if isinstance(each, str)
+        else judge(goal, [next(runs) for _ in each])
+        for each in made
+    ]
+
+
+def made_goal(
+    maximise: str | None, minimise: str | None, score: str, limits: Mapping[str, float]
+) -> Goal:
+    """The goal, once all is checked."""
+    if (maximise is None) == (minimise is None):
+        raise ScenarioError("allowed is either maximise or minimise, with a figure of the summary")
+    figure = maximise if minimise is None else minimise
+    for name in (figure, *limits):
+        if name not in NUMBERS:
+            raise ScenarioError(
+                f"figure {shown(name)}: there is no such number in a summary; "
+                f"{suggestion(str(name), NUMBERS)}"
+            )
+    for name, limit in limits.items():
+        if isinstance(limit, bool) or not isinstance(limit, int | float) or math.isnan(limit):
+            raise ScenarioError(f"limit on {name} = {shown(limit)}: allowed is a number")
+    if not isinstance(score, str) or not (score in ("mean", "worst") or _QUANTILE.fullmatch(score)):
+        raise ScenarioError(
+            f'score = {shown(score)}: allowed is "q10" or another of "q1" to "q99", "mean", "worst"'
+        )
+    assert figure is not None
+    return Goal(figure, 1.0 if minimise is None else -1.0, score, dict(limits))

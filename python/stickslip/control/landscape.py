@@ -1,0 +1,113 @@
+"""The score about the best drive, along one free number at a time: a peak or a plateau?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.control.design_space import Axis, DesignSpace
+from stickslip.control.goal import Judged
+from stickslip.control.search import Candidate
+from stickslip.errors import ScenarioError
+
+Array = NDArray[np.float64]
+
+OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
+"""Steps from the best, in parts of a number's range; chosen: from a good setting to a bad one."""
+
+NEAR = 0.05
+"""Steps up to this decide between peak and plateau; chosen: as well as a lab repeats a setting."""
+
+PLATEAU = 0.1
+"""Part of the score that is lost within `NEAR` on a plateau at most; chosen."""
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """The score along one free number, all others as in the best drive.
+
+    Attributes
+    ----------
+    axis : Axis
+        The number.
+    best : float
+        Its value in the best drive.
+    values : numpy.ndarray, shape (n,)
+        Values that were tried, and the best, in order.
+    scores : numpy.ndarray, shape (n,)
+        In the draws of the search; NaN where one failed.
+    feasible : numpy.ndarray of bool, shape (n,)
+        Whether all limits hold.
+    loss : float
+        Greatest part of the best score that is lost within `NEAR` of the range; infinite where a
+        simulation fails there.
+    """
+
+    axis: Axis
+    best: float
+    values: Array
+    scores: Array
+    feasible: NDArray[np.bool_]
+    loss: float
+
+    @property
+    def kind(self) -> Literal["peak", "plateau"]:
+        """Whether a small change costs more than `PLATEAU` of the score."""
+        return "peak" if self.loss > PLATEAU else "plateau"
+
+    @property
+    def at_end(self) -> Literal["low", "high", ""]:
+        """The end of the range at which the best is, within a hundredth of it."""
+        place = self.axis.coordinate(self.best)
+        return "low" if place < 0.01 else "high" if place > 0.99 else ""
+
+
+def neighbours(point: Array) -> list[tuple[int, Array]]:
+    """Points about one, each with the axis along which it differs; all within the unit cube."""
+    found = []
+    for k in range(len(point)):
+        for place in dict.fromkeys(np.clip(point[k] + np.array(OFFSETS), 0.0, 1.0).tolist()):
+            if place != point[k]:
+                other = point.copy()
+                other[k] = place
+                found.append((k, other))
+    return found
+
+
+def slices(
+    space: DesignSpace,
+    best: Candidate,
+    sign: float,
+    evaluate: Callable[[Sequence[dict[str, Any] | ScenarioError]], Sequence[Judged]],
+) -> list[Slice]:
+    """One slice for each free number; `evaluate` judges drives by their changes, in one batch."""
+    about = neighbours(best.point)
+    judged = evaluate([space.changes_or_error(best.arm, other) for _, other in about])
+    found = []
+    for k, axis in enumerate(space.axes):
+        own = [(best.point[k], best.known)]
+        own += [(p[k], j) for (which, p), j in zip(about, judged, strict=True) if which == k]
+        own.sort(key=lambda pair: float(pair[0]))
+        found.append(_slice(axis, float(best.point[k]), best.known, own, sign))
+    return found
+
+
+def _slice(
+    axis: Axis, best: float, judged: Judged, own: Sequence[tuple[float, Judged]], sign: float
+) -> Slice:
+    places = np.array([place for place, _ in own])
+    scores = np.array([each.score for _, each in own])
+    near = np.abs(places - best) <= NEAR * (1.0 + 1e-9)  # but for rounding
+    lost = sign * (judged.score - scores[near]) / (abs(judged.score) or 1.0)
+    return Slice(
+        axis=axis,
+        best=axis.value(best),
+        values=np.array([axis.value(float(place)) for place in places]),
+        scores=scores,
+        feasible=np.array([each.feasible for _, each in own]),
+        loss=float(np.where(np.isnan(lost), np.inf, lost).max()),
+    )

@@ -1,0 +1,94 @@
+"""The rival of an optimised drive: the best sawtooth of a grid, under the same limits."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.control.design_space import DesignSpace, as_long, as_program, drive_waveform
+from stickslip.control.goal import Goal, Judged
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value
+
+# Chosen: from pulses that the field follows to such as the coil lets little through of; base and
+# hold in parts of the top.
+_FREQUENCIES = np.geomspace(50.0, 300.0, 4).round(1).tolist()  # Hz
+_BASES = (-0.4, 0.0, 0.2, 0.4)
+_HOLDS = (0.2, 0.4, 0.7, 1.0)
+_WORDS = {"mode": ("IPP", "OPP"), "edge": ("rise", "fall"), "clamp": ("down", "up")}
+_FIELDS = ("drive.peak", "drive.base", "drive.hold")
+
+POINTS = 512
+"""Sawtooths of the grid."""
+
+# Power of the voltages with which a figure grows.
+_GROWTH = {"voltage_max": 1.0, "current_max": 1.0, "field_max": 1.0, "power_mean": 2.0}
+_BELOW = 0.999  # chosen: a field is not quite proportional where the robot moves
+
+Evaluate = Callable[[Sequence[Mapping[str, Any] | ScenarioError]], Sequence[Judged]]
+"""Drives by their changes of a scenario, judged in one batch."""
+
+
+def sawtooths(space: DesignSpace, goal: Goal, once: Evaluate) -> list[dict[str, Value]]:
+    """All sawtooths of the grid as values of keys.
+
+    They last as long as the start's drive. Limits on voltage, current, field and power decide how
+    high each is; without them all have the top of the peaks that are free, or the start's peak.
+    `once` judges drives in one draw.
+    """
+    ends = [axis.high for axis in space.axes if axis.name == "drive.peak"]
+    top = max([*ends, 0.0]) or space.scenario.drive.peak
+    grid = [
+        as_long(
+            space.scenario,
+            {
+                **{f"drive.{name}": word for name, word in zip(_WORDS, words, strict=True)},
+                "drive.frequency": frequency,
+                "drive.peak": top,
+                "drive.base": base * top,
+                "drive.hold": hold * top,
+            },
+        )
+        for *words, frequency, base, hold in itertools.product(
+            *_WORDS.values(), _FREQUENCIES, _BASES, _HOLDS
+        )
+    ]
+    growing = [name for name in goal.limits if name in _GROWTH]
+    if not growing:
+        return grid
+    measured = once([played(space, values) for values in grid])
+    return [
+        _scaled(values, min(_room(goal, each, name) for name in growing), *ends)
+        for values, each in zip(grid, measured, strict=True)
+    ]
+
+
+def _room(goal: Goal, judged: Judged, name: str) -> float:
+    """Factor by which the voltages may grow until a figure is at its limit."""
+    room = max(goal.limits[name], 0.0) / judged.worst[name] if judged.worst[name] > 0.0 else 1.0
+    return _BELOW * float(room ** (1.0 / _GROWTH[name]))
+
+
+def _scaled(values: dict[str, Value], factor: float, *highest: float) -> dict[str, Value]:
+    """All fields of a sawtooth times a factor, up to a highest peak; as it is if that is none."""
+    peak = float(values["drive.peak"])
+    if not np.isfinite(factor):
+        return values
+    factor = min([factor, *(each / peak for each in highest)])
+    return {**values, **{name: factor * float(values[name]) for name in _FIELDS}}
+
+
+def played(space: DesignSpace, values: Mapping[str, Value]) -> dict[str, Any] | ScenarioError:
+    """Changes for a draw that plays a pulsed drive, as a program where that is compared with one.
+
+    A program is measured over all of it, and a pulsed drive after its third pulse only.
+    """
+    if space.wave is None:
+        return dict(values)
+    try:
+        return as_program(drive_waveform(space.scenario.replace(values)), values)
+    except ScenarioError as error:
+        return error

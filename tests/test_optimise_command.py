@@ -1,0 +1,142 @@
+"""The command ``stickslip optimise``: its files, its page, interrupts, refusals."""
+
+import json
+import re
+
+import pytest
+
+import stickslip.control.optimise as module
+from command_line import stickslip
+from stickslip import load, simulate
+
+TEXT = """stickslip = 1
+[drive]
+base = 0.5e-3
+pulses = 6
+ramp = 0.02
+[uncertain]
+"contact.adhesion" = { mean = 0.22e-6, sd = 0.03e-6 }
+"""
+FEW = ("--evaluations", 60, "--draws", 3, "--fresh", 5)
+WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    path = tmp_path / "scenario.toml"
+    path.write_text(TEXT)
+    return path
+
+
+def test_the_files_are_a_scenario_its_voltages_and_a_page(scenario, tmp_path):
+    out = tmp_path / "found"
+    done = stickslip("optimise", scenario, *WAVE, *FEW, "--out", out)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(each.name for each in out.iterdir()) == ["best.csv", "best.toml", "report.html"]
+    best = load(out / "best.toml")
+    assert best.uncertain == load(scenario).uncertain
+    run = simulate(best)
+    assert run.ok
+    assert run.summary()["voltage_max"] <= 26.0
+    page = (out / "report.html").read_text()
+    assert page.count("data:image/png;base64,") == 3
+    assert "http" not in page.replace("http-equiv", "")
+    for words in ("fresh draws", "held\nfor ever", "clamp 4", "What limits it", "plateau"):
+        assert re.search(words.replace("\n", r"\s"), page), words
+    for name in ("start", "sawtooth", "best"):
+        assert re.search(rf"  {name} +\S+ on 5 fresh draw", done.stdout)
+
+
+def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
+    done = stickslip(
+        "optimise", scenario, "--minimise", "power_mean", "--free", "drive.hold=0.5e-3:2e-3",
+        "--free", "drive.edge=rise,fall", "--set", "drive.frequency=60", *FEW,
+        "--evaluations", 300, "--json", "--out", tmp_path / "found",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    best = load(tmp_path / "found" / "best.toml")
+    assert best.drive.frequency == 60.0
+    assert best.drive.hold == found["values"]["drive.hold"] == pytest.approx(0.5e-3, rel=0.05)
+    assert not (tmp_path / "found" / "best.csv").exists()
+    assert found["maximise"] is False
+    assert [each["name"] for each in found["landscape"]] == ["drive.hold"]
+    assert found["landscape"][0]["at_end"] == "low"
+
+
+def test_json_alone_writes_nothing(scenario, tmp_path):
+    done = stickslip("optimise", scenario, *WAVE, *FEW, "--json", cwd=tmp_path)
+    assert set(json.loads(done.stdout)["fresh"]) == {"start", "best", "sawtooth"}
+    assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
+
+
+def test_ctrl_c_writes_the_best_so_far(scenario, tmp_path, monkeypatch):
+    judge_all, calls = module.judge_all, []
+
+    def interrupted(*arguments):
+        calls.append(arguments)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return judge_all(*arguments)
+
+    monkeypatch.setattr(module, "judge_all", interrupted)
+    out = tmp_path / "found"
+    done = stickslip("optimise", scenario, *WAVE, *FEW, "--out", out)
+    assert done.returncode == 130
+    assert done.stderr.strip() == f"stickslip: interrupted, the best so far is in {out}"
+    assert simulate(load(out / "best.toml")).ok
+    assert "was interrupted" in (out / "report.html").read_text()
+
+
+def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "judge_all", interrupted)
+    done = stickslip("optimise", scenario, *WAVE, *FEW, "--out", tmp_path / "found")
+    assert done.returncode == 130
+    assert "nothing written" in done.stderr
+    assert not (tmp_path / "found").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (("--free", "drive.frequency"), "key=low:high"),
+        (("--free", "drive.frequency=5:10:300"), "key=low:high"),
+        (("--free", "drive.frequency=5:300", "--free", "drive.frequency=5:30"), "there twice"),
+        (("--free", "drive.frequency=5Hz:300Hz"), "without its unit"),
+        (("--free", "drive.frequency=low:high"), "drive.frequency"),
+        (("--limit", "voltage_max"), "figure=value"),
+        (("--limit", "voltage_max=26V"), "without its unit"),
+        (("--limit", "voltage_max=26", "--limit", "voltage_max=20"), "there twice"),
+        (("--limit", "voltage_max=-1", "--free", "drive.hold=1e-3:2e-3"), "least value found"),
+        (("--knots", "8"), "voltage_max"),
+        (("--knots", "8", "--limit", "voltage_max=26", "--coils", "xp,up"), "up"),
+        (("--free", "drive.hold=1e-3:2e-3", "--uncertain", "none.toml"), "none.toml"),
+        ((), "nothing is free"),
+    ],
+)
+def test_what_is_not_allowed_is_refused_in_one_line(scenario, tmp_path, options, word):
+    done = stickslip(
+        "optimise", scenario, "--maximise", "mean_velocity", *options, "--evaluations", 20,
+        "--out", tmp_path / "found", cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert word in done.stderr
+    assert not (tmp_path / "found").exists()
+
+
+def test_the_scenario_is_not_overwritten(tmp_path):
+    path = tmp_path / "best.toml"
+    path.write_text(TEXT)
+    done = stickslip("optimise", path, *WAVE, *FEW, "--out", tmp_path)
+    assert done.returncode == 2
+    assert "which it would overwrite" in done.stderr
+    assert path.read_text() == TEXT
+
+
+def test_the_help_says_that_a_stated_peak_is_not_the_field():
+    done = stickslip("optimise", "--help")
+    assert "limit field_max" in " ".join(done.stdout.split())
