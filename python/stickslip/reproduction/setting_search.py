@@ -148,8 +148,8 @@ def search_settings(
 
     First the grid, whose best pairs are the starts, one for each combination of edges and clamps;
     then `stickslip.control.search`. Pairs are compared by how far they are from S1 to S4, then by
-    how many of S5 to S14 fail, then by how far those are from holding. A pair in which a mode does
-    not walk comes last.
+    how many of S5 to S14 fail, then by how far the nearest of those is from holding. A pair in
+    which a mode does not walk comes last.
 
     Parameters
     ----------
@@ -203,12 +203,22 @@ def _margins(found: Survey) -> tuple[Array, Flags]:
 
 
 def _key(margins: Array, shortfall: float) -> Key:
-    """By what lacks to walk, to S1 to S4, and to the others: how many fail, then by how much."""
+    """By what lacks to walk, to S1 to S4, and to the others: how many fail, then by how much.
+
+    Of those that fail the nearest counts first: it is the next that could hold.
+    """
     lacking = np.maximum(-margins, 0.0)
     # Each adds less than one, so that a margin that is far off does not hide the others.
     depth = lacking / (1.0 + lacking)
-    failing = float((margins[MOTION:] < 0.0).sum())
-    return (shortfall, float(depth[:MOTION].sum()), failing, float(depth[MOTION:].sum()))
+    failing = depth[MOTION:][margins[MOTION:] < 0.0]
+    nearest = float(failing.min(initial=1.0))
+    return (
+        shortfall,
+        float(depth[:MOTION].sum()),
+        float(len(failing)),
+        nearest,
+        float(failing.sum()),
+    )
 
 
 def _starts(found: Survey, margins: Array, works: Flags) -> dict[Words, Array]:
