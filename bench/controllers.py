@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from stickslip import STATE_COLUMNS, Scenario, rollout
 from stickslip.control import Camera, Film
-from stickslip.scenario.priors import Prior
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -25,11 +24,11 @@ X, THETA = STATE_COLUMNS.index("x"), STATE_COLUMNS.index("theta")
 
 # [robots]
 PRIORS = {
-    "contact.kinetic_friction": Prior("normal", 0.145, 0.01),
-    "contact.static_friction": Prior("normal", 0.2, 0.014),
-    "contact.adhesion": Prior("normal", 0.22e-6, 0.03e-6),
-    "drag.linear": Prior("log-uniform", 3e-6, 3e-5),
-    "drag.rotational": Prior("log-normal", 9e-17, 2.0),
+    "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},
+    "contact.static_friction": {"mean": 0.2, "sd": 0.014},
+    "contact.adhesion": {"mean": 0.22e-6, "sd": 0.03e-6},
+    "drag.linear": {"low": 3e-6, "high": 3e-5},
+    "drag.rotational": {"median": 9e-17, "factor": 2.0},
 }
 STEP, WINDOW = 1e-3, 20  # s; steps from one decision to the next
 PERIOD = STEP * WINDOW
@@ -38,13 +37,7 @@ REST, CLAMP = 13.0, -10.0  # V, of xp and the clamp while a robot stands
 
 def drawn(count: int, seed: int) -> list[Scenario]:
     """Robots with their own friction, adhesion and drag."""
-    random, robots = np.random.default_rng(seed), []
-    while len(robots) < count:
-        draws = zip(PRIORS.items(), random.standard_normal(len(PRIORS)), strict=True)
-        own = {key: float(prior.value(z)) for (key, prior), z in draws}
-        if own["contact.static_friction"] >= own["contact.kinetic_friction"]:
-            robots.append(Scenario().replace(own))
-    return robots
+    return Scenario(uncertain=PRIORS).draws(count, seed)
 
 
 def play(robots: Sequence[Scenario], states: Array | None, xp: Array) -> Array:
