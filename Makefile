@@ -123,7 +123,7 @@ blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND
 DROPS ?= tests/data/square_drops.csv.gz
 
 drops: install ## real drops beside the core, into bench/results/ (DROPS=<file>)
-	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m bench.real.drops $(DROPS)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONPATH=bench $(RUN) -m real.drops $(DROPS)
 
 FUZZ_ARGS ?= --minutes 5 --seed 0
 

@@ -262,7 +262,8 @@ def test_where_the_disk_is_full_the_summary_is_printed_and_the_record_kept(
     printed = json.loads(done.stdout)
     assert printed["mean_velocity"] == whole.mean_velocity
     kept = f"; it has the record up to {whole.t[samples - 1]:.6g} s" if samples else ""
-    assert done.stderr == f"stickslip: cannot write {path}: File too large{kept}\n"
+    # A slow machine shows a progress bar before.
+    assert done.stderr.endswith(f"stickslip: cannot write {path}: File too large{kept}\n")
     assert [each.name for each in out.iterdir()] == (["run.nc"] if samples else [])
     if samples:
         run = open_run(path)

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
-from bench.real import drops as bench
-from bench.real.contacts import ABOUT, ContactGeometry
-from bench.real.flights import NOISE, Drops, FlightConstants, find_flights, read_drops
-from bench.real.prediction import ImpactConstants, Model, Starts, predict
+from real import drops as bench
+from real.contacts import ABOUT, ContactGeometry
+from real.flights import NOISE, Drops, FlightConstants, find_flights, read_drops
+from real.prediction import ImpactConstants, Model, Starts, predict
 
 DATA = Path(__file__).parent / "data" / "square_drops.csv.gz"
 

@@ -1,4 +1,4 @@
-"""``python -m bench.real.drops FILE``: drops of a real square, fitted and predicted by the core.
+"""``python -m real.drops FILE``: drops of a real square, fitted and predicted by the core.
 
 Constants are fitted on one half of the drops and the other half is predicted from its free frames,
 both ways; with --fit they come from all drops of another file. Prints tables, writes JSON.
@@ -14,7 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from bench.measure import machine
+from measure import machine
 
 import stickslip
 
@@ -225,7 +225,7 @@ def study(drops: Drops, fitted: Drops | None = None) -> tuple[dict[str, object],
 
 def main(arguments: list[str] | None = None) -> int:
     """Read, fit, predict; the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m bench.real.drops", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m real.drops", description=__doc__)
     parser.add_argument("file", type=Path, help="drops to predict, CSV, possibly compressed")
     parser.add_argument("--fit", type=Path, help="drops to fit; else the other half of FILE")
     parser.add_argument("--out", type=Path, default=Path("bench/results/drops.json"))
