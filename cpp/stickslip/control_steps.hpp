@@ -37,7 +37,12 @@ public:
         PerCoil held_voltage = {};
     };
     const Memory& memory() const { return memory_; }
-    void restore(const Memory& memory) { memory_ = memory; }
+    /// Between two steps; what a failed one left is not played.
+    void restore(const Memory& memory) {
+        memory_ = memory;
+        pending_.clear();
+        left_ = 0;
+    }
 
 private:
     double steps_since() const { return static_cast<double>(memory_.steps); }

@@ -25,6 +25,7 @@ public:
     /// A stretch that has ended with the robot at `body`, in its own frame.
     void stretch(const VoltageSegment& voltages, const CurrentSegment& segment,
                  const Dynamics& dynamics, const BodyState& body, bool in_window) {
+        leaves_plane_ = false;
         for (std::size_t k = 0; k < kCoilCount; ++k) {
             voltage_max_ =
                 std::max({voltage_max_, std::abs(voltages.first[k]), std::abs(voltages.last[k])});
@@ -57,7 +58,7 @@ public:
         return gain[static_cast<std::size_t>(Coil::yp)] != 0.0 ||
                gain[static_cast<std::size_t>(Coil::ym)] != 0.0;
     }
-    /// Whether the field would have turned the robot out of the plane by now.
+    /// Whether the field of the last stretch would have turned the robot out of the plane.
     bool leaves_plane() const { return leaves_plane_; }
 
 private:

@@ -55,6 +55,11 @@ public:
         source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
     }
     ControlSteps& steps() { return source_.steps(); }
+    /// Counts anew what solver.max_steps limits.
+    void reset_counts() {
+        integrator_.reset_counts();
+        segment_count_ = 0;
+    }
     Status status() const { return result_.status; }
     /// At the end of the last stretch.
     SimulationState state() const;
@@ -142,6 +147,7 @@ private:
     double tau_ = 0.0;  // s, in the segment
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
+    bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
     bool touches_down_ = false;              // as the run begins
     HybridState state_;
     ContactTransitions transitions_;
@@ -254,7 +260,7 @@ bool HybridLoop<Integrator>::next_segment() {
         result_.status = Status::interrupted;
         return false;
     }
-    if (begun_) end_stretch();
+    if (stretch_is_open_) end_stretch();
     if (result_.status != Status::ok) return false;
     if (!source_.next(voltages_)) return false;
     if (++segment_count_ > integrator_.options().most_steps) {
@@ -274,6 +280,7 @@ bool HybridLoop<Integrator>::next_segment() {
 
 template <class Integrator>
 void HybridLoop<Integrator>::end_stretch() {
+    stretch_is_open_ = false;
     // A run that is stepped has no summary: what counts is whether it leaves the plane.
     if (source_.is_stepped() && !DriveObserver::drives_across(dynamics_.field().gain())) return;
     drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
@@ -369,11 +376,13 @@ void HybridLoop<Integrator>::restore(const LoopMemory& memory) {
     source_.restore(memory.steps);
     segment_.duration = tau_ = memory.stretch;
     begun_ = memory.begun;
+    stretch_is_open_ = false;
     result_.status = Status::ok;
 }
 
 template <class Integrator>
 void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
+    stretch_is_open_ = true;
     dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
     segment_ = circuit_.advance(voltages);
     tau_ = 0.0;

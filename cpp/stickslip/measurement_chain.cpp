@@ -13,7 +13,7 @@ void scale(std::vector<double>& column, double factor) {
 }  // namespace
 
 void MeasurementChain::apply(Summary& summary) const {
-    if (!is_exact()) {
+    if (!scales_nothing()) {
         for (double* velocity : {&summary.mean_velocity, &summary.finished_velocity,
                                  &summary.slip_up, &summary.slip_down, &summary.slip_flat}) {
             *velocity *= length_factor() / time_factor();
@@ -26,7 +26,7 @@ void MeasurementChain::apply(Summary& summary) const {
 }
 
 void MeasurementChain::apply(Recording& recording) const {
-    if (!is_exact()) {
+    if (!scales_nothing()) {
         const double length = length_factor(), time = time_factor();
         scale(recording.t, time);
         for (auto* column : {&recording.x, &recording.z, &recording.contact_x}) {

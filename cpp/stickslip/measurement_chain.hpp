@@ -15,7 +15,7 @@ struct MeasurementChain {
     double length_factor() const { return 1.0 + length_scale; }
     double time_factor() const { return 1.0 + clock_scale; }
 
-    bool is_exact() const { return length_scale == 0.0 && clock_scale == 0.0; }
+    bool scales_nothing() const { return length_scale == 0.0 && clock_scale == 0.0; }
     void apply(Summary& summary) const;
     void apply(Recording& recording) const;
 };

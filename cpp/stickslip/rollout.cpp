@@ -111,7 +111,7 @@ void SimulatorBatch::step(const double* voltages, double duration, bool linear, 
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
         Lane::Loop& loop = lanes_[run]->loop;
         if (loop.status() != Status::ok) continue;
-        loop.integrator().reset_counts();
+        loop.reset_counts();
         loop.steps().give(voltages + run * kCoilCount, 1, duration, linear);
     }
     play_all(

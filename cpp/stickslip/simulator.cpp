@@ -120,7 +120,7 @@ struct Simulator::RunnerOf : Simulator::Runner {
         loop.play_steps([] {});
     }
     void step(const PerCoil& voltages, double duration, bool linear) override {
-        loop.integrator().reset_counts();
+        loop.reset_counts();
         loop.steps().give(voltages.data(), 1, duration, linear);
         loop.go();
         if (loop.status() != Status::ok) failure = stickslip::message(loop.take_result());

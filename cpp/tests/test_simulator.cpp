@@ -127,6 +127,34 @@ TEST_CASE("simulator: a restored snapshot goes on with the same bits, in another
     }
 }
 
+TEST_CASE("simulator: a restored snapshot goes on with the same bits after a step that failed") {
+    Scenario scenario;
+    scenario.effects.sample_hold_period = 1e-4;  // so that the failed step leaves stretches
+    const PerCoil allowed = {20.0, 0.0, 0.01, 0.0, -10.0}, refused = {20.0, 0.0, 20.0, 0.0, -10.0};
+    Simulator whole(scenario), failing(scenario);
+    whole.step(allowed, 5e-3, false);
+    failing.step(allowed, 5e-3, false);
+    const SimulatorSnapshot before = failing.snapshot();
+    failing.step(refused, 5e-3, false);
+    REQUIRE(failing.status() == Status::leaves_plane);
+    failing.restore(before);
+    for (int step = 0; step < 3; ++step) {
+        whole.step(allowed, 5e-3, false);
+        failing.step(allowed, 5e-3, false);
+        REQUIRE(failing.status() == Status::ok);
+        CHECK(failing.time() == whole.time());
+        check_bits(failing.state(), whole.state());
+    }
+}
+
+TEST_CASE("simulator: the limit on steps of the integrator is one for each step") {
+    Scenario scenario;
+    scenario.solver.max_steps = 500;
+    Simulator simulator(scenario);
+    for (int step = 0; step < 1000; ++step) simulator.step({}, 1e-3, false);
+    CHECK(simulator.status() == Status::ok);
+}
+
 TEST_CASE("simulator: a coil that the drive does not use may be stepped") {
     const Scenario scenario;  // xp and clamp
     Simulator simulator(scenario);

@@ -38,8 +38,8 @@ TEST_CASE("corner impact: the slip is reversed in part, or friction is at its li
             ++reduced;
         }
         const double slip = corner_velocity_x(pose, after.vx, after.omega);
-        const double target = -part * model.tangential_restitution *
-                              corner_velocity_x(pose, before.vx, before.omega);
+        const double target =
+            -part * model.tangential_restitution * corner_velocity_x(pose, before.vx, before.omega);
         CHECK(std::abs(slip - result.slip_velocity) <= kSpeedTolerance);
         const double limit =
             model.friction.kinetic_coefficient * model.mass * (after.vz - before.vz);
