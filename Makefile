@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-before blind fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-before blind drops fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -112,10 +112,18 @@ bench-before: install ## speed beside an earlier commit, which is built into bui
 bench-stepping: install ## restores without a changed bit, cost of steps and rollouts
 	@OPENBLAS_NUM_THREADS=1 $(RUN) bench/stepping.py
 
+bench-controllers: install ## a coarse and a fine controller, judged on fresh draws of 256 robots
+	@OPENBLAS_NUM_THREADS=1 $(RUN) bench/controllers.py
+
 BLIND_ARGS ?= --seeds 4
 
 blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--seeds 200 --minutes 600")
 	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m blind $(BLIND_ARGS)
+
+DROPS ?= tests/data/square_drops.csv.gz
+
+drops: install ## real drops beside the core, into bench/results/ (DROPS=<file>)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m bench.real.drops $(DROPS)
 
 FUZZ_ARGS ?= --minutes 5 --seed 0
 

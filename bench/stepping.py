@@ -62,6 +62,13 @@ def random_scenario(rng: np.random.Generator, rows: np.ndarray) -> Scenario:
         "effects.adhesion_ageing.rate": rng.choice([0.0, 0.2]),
         "record.rate": "events",
     }
+    if rng.random() < 0.3:  # friction that rises as a slide slows, up to where it has no solution
+        changes |= {
+            "contact.static_friction": rng.uniform(2.0, 3.0),
+            "contact.kinetic_friction": rng.uniform(0.3, 0.8),
+            "contact.restitution": 0.0,
+            "effects.stribeck_friction.velocity": 10.0 ** rng.uniform(-3.0, -1.5),
+        }
     scenario = Scenario(drive=Drive(mode="program", program=program(rows)))
     return scenario.replace(changes).with_state(State(theta=float(rng.uniform(-0.4, 0.4))))
 

@@ -81,7 +81,7 @@ SCENARIOS = {
     "zero rate": (HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
     "nan rate": (HEAD + "[record]\nrate = nan\n", ["record.rate = nan", "above 0"]),
     "rate as word": (HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),
-    "too many samples": (HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e7"]),
+    "too many samples": (HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e9"]),
     "program without file": (HEAD + 'mode = "program"\n', ["drive.mode", "drive.file"]),
     "file without program": (HEAD + 'file = "v.csv"\n', ['drive.mode = "IPP"', '"program"']),
     "sawtooth beside a file": (PROGRAM + "pulses = 3\n", ["drive.pulses", "drive.file"]),

@@ -172,10 +172,11 @@ def test_a_run_of_twelve_pulses_is_read_back(run, tmp_path):
 
 def test_a_saved_run_is_opened_and_drawn(run, tmp_path):
     run.save(tmp_path / "run.nc")
-    data = open_run(tmp_path / "run.nc")
-    assert data.identical(run.to_xarray())
+    opened = open_run(tmp_path / "run.nc")
+    assert opened.to_xarray().identical(run.to_xarray())
     (tmp_path / "run.nc").unlink()
-    assert plot.fields(data).axes
+    assert plot.run(opened).axes
+    assert plot.fields(opened.to_xarray()).axes
     with pytest.raises(ScenarioError, match=r"run\.nc: cannot be read: No such file"):
         open_run(tmp_path / "run.nc")
     for draw in (plot.run, plot.fields):

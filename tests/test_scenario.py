@@ -44,6 +44,9 @@ def every_key_changed():
             "solver.planar": "force",
             "solver.max_step": 1e-3,
             "record.rate": 1234.5,
+            "record.from": 0.1,
+            "record.fields": "x, theta",
+            "record.dtype": "float32",
             "effects.surface_tilt.angle": 0.02,
             "effects.ambient_field.Bz": -4e-5,
             # In flight all of them may differ.
@@ -65,7 +68,8 @@ def test_defaults_are_those_of_the_core():
         if section.name not in ("effects", "uncertain"):
             for field in dataclasses.fields(getattr(scenario, section.name)):
                 if field.name != "program":
-                    assert f"{section.name}.{field.name}" in known_keys()
+                    # `from` is a word of Python, so its field is `from_`.
+                    assert f"{section.name}.{field.name.removesuffix('_')}" in known_keys()
 
 
 def test_toml_and_python_give_the_same_object(tmp_path):
@@ -149,6 +153,7 @@ ONE_OF_EACH_KIND = {
     "contact.kinetic_friction": 0.1,
     "effects.surface_tilt.angle": 0.03,
     "solver.rtol": 1e-6,
+    "record.from": 0.06,
     "record.rate": "events",
 }
 
@@ -164,6 +169,7 @@ def test_a_replaced_scenario_simulates_as_one_that_is_made_anew(key):
         assert repr(anew) == repr(changed)
         assert simulate(anew).summary() == simulate(changed).summary()
         assert simulate(anew).recorded == simulate(changed).recorded
+        assert repr(simulate(anew).recorded_until) == repr(simulate(changed).recorded_until)
 
 
 def test_a_program_can_be_set_and_removed():

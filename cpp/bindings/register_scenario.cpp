@@ -1,13 +1,17 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <bitset>
 #include <stdexcept>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "register.hpp"
 #include "stickslip/assembly.hpp"
 #include "stickslip/parameters.hpp"
+#include "stickslip/recording.hpp"
 
 namespace py = pybind11;
 
@@ -129,6 +133,17 @@ PerCoil asked_voltages(const Scenario& scenario) {
                                                          : turned(program).largest_voltage();
 }
 
+const std::vector<std::string> kEveryColumn(kColumnNames.begin(), kColumnNames.end());
+
+/// The columns that are not among `fields`, t never among them.
+std::bitset<kColumns> all_but(const std::vector<std::string>& fields) {
+    std::bitset<kColumns> dropped;
+    for (std::size_t k = 1; k < kColumns; ++k) {
+        dropped[k] = std::find(fields.begin(), fields.end(), kColumnNames[k]) == fields.end();
+    }
+    return dropped;
+}
+
 }  // namespace
 
 void register_scenario(py::module_& module) {
@@ -154,20 +169,19 @@ void register_scenario(py::module_& module) {
             "set_program",
             [](Scenario& self, const py::list& blocks) { self.program = program_from(blocks); },
             py::arg("blocks"))
-        .def("record_nothing",
-             [](Scenario& self) {
-                 self.record = {RecordKind::none, 0.0};
-             })
-        .def("record_events",
-             [](Scenario& self) {
-                 self.record = {RecordKind::events, 0.0};
-             })
+        .def("record_nothing", [](Scenario& self) { self.record = {}; })
+        .def(
+            "record_events",
+            [](Scenario& self, double start, const std::vector<std::string>& fields) {
+                self.record = {RecordKind::events, 0.0, start, all_but(fields), {}};
+            },
+            py::arg("start") = 0.0, py::arg("fields") = kEveryColumn)
         .def(
             "record_uniform",
-            [](Scenario& self, double rate) {
-                self.record = {RecordKind::uniform, rate};
+            [](Scenario& self, double rate, double start, const std::vector<std::string>& fields) {
+                self.record = {RecordKind::uniform, rate, start, all_but(fields), {}};
             },
-            py::arg("rate"))
+            py::arg("rate"), py::arg("start") = 0.0, py::arg("fields") = kEveryColumn)
         .def("check", &check)
         .def("program", [](const Scenario& self) { return blocks_of(world_program(self)); })
         .def("asked_voltages", &asked_voltages)

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "register.hpp"
 #include "report_progress.hpp"
@@ -45,25 +49,11 @@ py::array_t<double> as_array(std::vector<PerCoil>&& values) {
     return py::array_t<double>({count, py::ssize_t{kCoilCount}}, data, free);
 }
 
-py::dict recording_dict(Recording&& r) {
+py::dict recording_dict(Recording&& recording) {
     py::dict result;
-    result["t"] = as_array(std::move(r.t));
-    result["x"] = as_array(std::move(r.x));
-    result["z"] = as_array(std::move(r.z));
-    result["theta"] = as_array(std::move(r.theta));
-    result["vx"] = as_array(std::move(r.vx));
-    result["vz"] = as_array(std::move(r.vz));
-    result["omega"] = as_array(std::move(r.omega));
-    result["normal_force"] = as_array(std::move(r.normal_force));
-    result["friction_force"] = as_array(std::move(r.friction_force));
-    result["contact_x"] = as_array(std::move(r.contact_x));
-    result["slip_velocity"] = as_array(std::move(r.slip_velocity));
-    result["bx"] = as_array(std::move(r.bx));
-    result["by"] = as_array(std::move(r.by));
-    result["bz"] = as_array(std::move(r.bz));
-    result["current"] = as_array(std::move(r.current));
-    result["contact"] = as_array(std::move(r.contact));
-    result["event"] = as_array(std::move(r.event));
+    recording.for_each_column([&](std::size_t index, auto& column) {
+        result[kColumnNames[index]] = as_array(std::move(column));
+    });
     return result;
 }
 
@@ -71,6 +61,8 @@ py::dict summary_dict(const RunResult& run) {
     const Summary& s = run.summary;
     py::dict result;
     result["mean_velocity"] = s.mean_velocity;
+    result["finished_pulses"] = s.finished_pulses;
+    result["finished_velocity"] = s.finished_velocity;
     result["theta_min"] = s.theta_min;
     result["theta_max"] = s.theta_max;
     result["slip_up"] = s.slip_up;
@@ -98,19 +90,39 @@ py::dict summary_dict(const RunResult& run) {
     return result;
 }
 
-/// until: of (quantity, whether it is met from below, value), or none.
+/// Quantity, whether it is met from below, and value.
+using Until = std::optional<std::tuple<std::string, bool, double>>;
+
+std::optional<StopCondition> stop_condition(const Until& until) {
+    if (!until) return std::nullopt;
+    const auto& [quantity, from_below, value] = *until;
+    return StopCondition{quantity_named(quantity), from_below, value};
+}
+
 std::vector<RunResult> batch(const std::vector<Scenario>& scenarios, int threads,
-                             const py::object& progress,
-                             const std::optional<std::tuple<std::string, bool, double>>& until) {
+                             const py::object& progress, const Until& until) {
     RunControl control;
-    std::optional<StopCondition> stop;
-    if (until) {
-        const auto& [quantity, from_below, value] = *until;
-        stop = StopCondition{quantity_named(quantity), from_below, value};
-    }
+    const std::optional<StopCondition> stop = stop_condition(until);
     const auto poll = [&] { report(control, progress); };
     const py::gil_scoped_release release;
     return simulate_batch(scenarios, threads, control, poll, stop);
+}
+
+/// Simulates one scenario whose record goes to `sink` chunk by chunk, as a dictionary. `result`
+/// then has the rest, also where Ctrl-C, `progress` or `sink` ended the run with an exception.
+void stream(RunResult& result, Scenario scenario, const py::object& sink,
+            const py::object& progress, const Until& until) {
+    RunControl control;
+    const std::optional<StopCondition> stop = stop_condition(until);
+    scenario.record.sink = [&sink](Recording&& chunk) {
+        const py::gil_scoped_acquire acquire;
+        sink(recording_dict(std::move(chunk)));
+    };
+    result.status = Status::interrupted;  // until it has ended
+    const auto poll = [&] { report(control, progress); };
+    const py::gil_scoped_release release;
+    run_workers(
+        1, control, [&] { result = simulate(scenario, &control, stop); }, poll);
 }
 
 /// A column of a sweep's points.
@@ -172,6 +184,7 @@ py::tuple sweep_columns(
 
 void register_simulation(py::module_& module) {
     py::class_<RunResult>(module, "RunResult")
+        .def(py::init<>())
         .def_property_readonly("status", [](const RunResult& self) { return name(self.status); })
         .def_property_readonly("message", &message)
         .def_property_readonly("mean_velocity",
@@ -185,6 +198,8 @@ void register_simulation(py::module_& module) {
 
     module.def("simulate_batch", &batch, py::arg("scenarios"), py::arg("threads") = 1,
                py::arg("progress") = py::none(), py::arg("until") = py::none());
+    module.def("stream", &stream, py::arg("result"), py::arg("scenario"), py::arg("sink"),
+               py::arg("progress") = py::none(), py::arg("until") = py::none());
     module.def("sweep", &sweep_columns, py::arg("base"), py::arg("keys"), py::arg("values"),
                py::arg("threads") = 1, py::arg("progress") = py::none());
     py::list contact_names, event_names, status_names;
@@ -197,6 +212,7 @@ void register_simulation(py::module_& module) {
     }
     module.attr("stop_quantities") = py::cast(kStopQuantities);
     module.attr("status_names") = py::tuple(status_names);
+    module.attr("record_columns") = py::tuple(py::cast(kColumnNames));
     module.attr("contact_names") = py::tuple(contact_names);
     module.attr("event_names") = py::tuple(event_names);
 }

@@ -109,7 +109,7 @@ StepperSnapshot from_bytes(const std::string& bytes) {
 void set_state(Scenario& scenario, const double* row) {
     for (std::size_t k = 0; k < kStateColumns.size(); ++k) {
         const std::string key = std::string("initial.") + kStateColumns[k];
-        if (const Parameter* parameter = find_parameter(key)) {
+        if (find_parameter(key) != nullptr) {
             set_parameter(scenario, key, row[k]);
             continue;
         }

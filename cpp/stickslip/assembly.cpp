@@ -15,8 +15,8 @@ namespace {
 // Pulses after which the motion counts as steady, section VII.
 constexpr std::int64_t kSettlingPulses = 3;
 
-// Of a recording, at some 170 bytes each.
-constexpr double kMostSamples = 1e7;
+// Of a recording, at some 170 bytes each. What memory can take, less of them, is another limit.
+constexpr double kMostSamples = 1e9;
 
 // Of solver.max_step, s.
 constexpr double kLeastMaxStep = 1e-9;
@@ -101,7 +101,11 @@ void check(const Scenario& s) {
     const double highest_rate = kMostSamples / longest;
     if (s.record.kind == RecordKind::uniform && s.record.rate > highest_rate) {
         refuse("record.rate", s.record.rate,
-               "at most 1e7 samples in all, here " + highest(highest_rate) + " Hz");
+               "at most 1e9 samples in all, here " + highest(highest_rate) + " Hz");
+    }
+    if (s.record.from > longest * (1.0 + 1e-12)) {  // rounding of the last sample's time
+        refuse("record.from", s.record.from,
+               "from 0 to " + highest(longest) + " s, the duration of the run");
     }
 }
 
@@ -145,6 +149,7 @@ Model make_model(const Scenario& s) {
     model.adhesion = {s.contact.adhesion, s.contact.adhesion_range, e.angle_adhesion_strength,
                       e.adhesion_ageing_rate, e.adhesion_ageing_time};
     model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.tangential_restitution = s.contact.tangential_restitution;
     model.frame_sign = frame_sign(s);
     for (const UserSetting& each : s.user_effects) {
         if (!each.absent()) model.user_effects.push_back(each);
@@ -244,6 +249,10 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
                                 std::min(rtol, kLeastTolerance));
     result.stop = stop;
     return result;
+}
+
+double pulse_period(const Scenario& s) {
+    return s.drive.mode == DriveMode::program ? 0.0 : 1.0 / s.drive.frequency;
 }
 
 Window measuring_window(const Scenario& s) {

@@ -51,6 +51,9 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);
 
+/// Time from pulse to pulse, s; zero for a free program.
+double pulse_period(const Scenario& scenario);
+
 /// Times (s) between which the mean velocity is taken: from the end of the third pulse (of the
 /// ramp, with three pulses or fewer) to the end of the last (section VII); all of a free program.
 struct Window {

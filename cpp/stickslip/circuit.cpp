@@ -50,13 +50,14 @@ PerCoil squared_integrals(const CurrentSegment& segment) {
     return result;
 }
 
-Circuit::Circuit(const CircuitParameters& p) : resistance_(p.resistance), lag_(p.lag) {
+Circuit::Circuit(const CircuitParameters& p)
+    : resistance_(p.resistance), is_coupled_(p.coupling != 0.0), lag_(p.lag) {
     Vector per_root;  // R^(-1/2)
     for (int k = 0; k < kCoilCount; ++k) {
         per_root(k) = 1.0 / std::sqrt(p.resistance[static_cast<std::size_t>(k)]);
     }
     Matrix modes = Matrix::Identity();
-    if (p.coupling == 0.0) {
+    if (!is_coupled_) {
         time_constant_ = p.inductance * per_root.cwiseAbs2();
     } else {
         const Matrix inductance = p.inductance * mutual_inductance(p.coupling);
@@ -89,7 +90,7 @@ Circuit::Circuit(const CircuitParameters& p) : resistance_(p.resistance), lag_(p
 
 PerCoil Circuit::currents() const {
     PerCoil result;
-    Eigen::Map<Vector>(result.data()) = from_modes_ * mode_;
+    Eigen::Map<Vector>(result.data()) = product(from_modes_, mode_);
     return result;
 }
 
@@ -118,28 +119,43 @@ void Circuit::restore(const Memory& memory) {
     lagging_ = memory.lagging;
 }
 
+// The matrices of coils that are not coupled are diagonal.
+Circuit::Vector Circuit::product(const Matrix& modes, const Vector& vector) const {
+    if (is_coupled_) return modes * vector;
+    return modes.diagonal().cwiseProduct(vector);
+}
+
 CurrentSegment Circuit::advance(const VoltageSegment& segment) {
     CurrentSegment result;
     result.start = segment.start;
     result.duration = segment.end - segment.start;
     result.exponentials = groups_;
-    const Vector first = to_modes_ * Eigen::Map<const Vector>(segment.first.data());
-    const Vector last = to_modes_ * Eigen::Map<const Vector>(segment.last.data());
+    const Vector first = product(to_modes_, Eigen::Map<const Vector>(segment.first.data()));
+    const Vector last = product(to_modes_, Eigen::Map<const Vector>(segment.last.data()));
     const Vector slope = (last - first) / result.duration;
     const Vector level = first - slope.cwiseProduct(time_constant_);
     const Vector transient = mode_ - level;
 
+    const auto add = [&](int m, int k, std::size_t j) {
+        const auto coil = static_cast<std::size_t>(k);
+        result.coil[0][coil] += from_modes_(k, m) * level(m);
+        result.coil[1][coil] += from_modes_(k, m) * slope(m);
+        result.coil[2 + j][coil] += from_modes_(k, m) * transient(m);
+    };
+    double decay = 0.0;
     for (int m = 0; m < kCoilCount; ++m) {
         const std::size_t j = group_[static_cast<std::size_t>(m)];
         result.rate[j] = 1.0 / time_constant_(m);
-        for (int k = 0; k < kCoilCount; ++k) {
-            const auto coil = static_cast<std::size_t>(k);
-            result.coil[0][coil] += from_modes_(k, m) * level(m);
-            result.coil[1][coil] += from_modes_(k, m) * slope(m);
-            result.coil[2 + j][coil] += from_modes_(k, m) * transient(m);
+        if (is_coupled_) {
+            for (int k = 0; k < kCoilCount; ++k) add(m, k, j);
+        } else {
+            add(m, m, j);
         }
-        mode_(m) = level(m) + slope(m) * result.duration +
-                   transient(m) * std::exp(-result.duration / time_constant_(m));
+        // Equal coils share one exponential.
+        if (m == 0 || time_constant_(m) != time_constant_(m - 1)) {
+            decay = std::exp(-result.duration / time_constant_(m));
+        }
+        mode_(m) = level(m) + slope(m) * result.duration + transient(m) * decay;
     }
     result.field = result.coil;
     if (lag_ > 0.0) add_lag(result);

@@ -80,6 +80,7 @@ private:
     using Matrix = Eigen::Matrix<double, kCoilCount, kCoilCount>;
 
     void add_lag(CurrentSegment& segment);
+    Vector product(const Matrix& modes, const Vector& vector) const;
 
     PerCoil resistance_;                              // ohm
     Matrix to_modes_;                                 // of voltages
@@ -87,6 +88,7 @@ private:
     Vector time_constant_;                            // s, of each mode
     std::array<std::size_t, kCoilCount> group_ = {};  // modes of one time constant share a function
     int groups_ = 0;
+    bool is_coupled_;
     double lag_;
     Vector mode_ = Vector::Zero();  // modal currents at the end of the last stretch
     PerCoil lagging_ = {};          // A, the currents of the field at the end of the last stretch

@@ -52,6 +52,11 @@ public:
         summary.voltage_max = voltage_max_;
     }
 
+    /// Whether a field across the plane is driven at all. gain: as of a LocalField.
+    static bool drives_across(const PerCoil& gain) {
+        return gain[static_cast<std::size_t>(Coil::yp)] != 0.0 ||
+               gain[static_cast<std::size_t>(Coil::ym)] != 0.0;
+    }
     /// Whether the field would have turned the robot out of the plane by now.
     bool leaves_plane() const { return leaves_plane_; }
 

@@ -303,4 +303,19 @@ private:
     }
 };
 
+/// Where in a step one function falls through zero, from a start above it. `value(s)` is had on the
+/// dense output.
+EventHit find_fall(auto&& value) {
+    using Finder = EventFinder<1>;
+    const auto at = [&](std::size_t, double s) { return value(s); };
+    EventSamples<1> samples;
+    samples.start = {value(0.0)};
+    samples.early = {value(Finder::kEarly)};
+    samples.late = {value(Finder::kLate)};
+    samples.end = {value(1.0)};
+    samples.lowest = {std::min({samples.start[0], samples.early[0], samples.late[0]})};
+    std::array<bool, 1> armed = {true};
+    return Finder::find(samples, armed, false, at);
+}
+
 }  // namespace stickslip

@@ -11,7 +11,6 @@
 
 #include "stickslip/assembly.hpp"
 #include "stickslip/contact_transitions.hpp"
-#include "stickslip/control_steps.hpp"
 #include "stickslip/drive_observer.hpp"
 #include "stickslip/hybrid_state.hpp"
 #include "stickslip/initial_state.hpp"
@@ -19,6 +18,7 @@
 #include "stickslip/recording.hpp"
 #include "stickslip/simulation.hpp"
 #include "stickslip/stepping.hpp"
+#include "stickslip/stretch_source.hpp"
 
 namespace stickslip {
 
@@ -51,11 +51,17 @@ public:
 
     /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
     /// how strong the fields are. `on_step` is called at the end of each step.
-    void play_steps(std::function<void()> on_step);
-    ControlSteps& steps() { return *steps_; }
+    void play_steps(std::function<void()> on_step) {
+        source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
+    }
+    ControlSteps& steps() { return source_.steps(); }
     Status status() const { return result_.status; }
     /// At the end of the last stretch.
     SimulationState state() const;
+    /// The same without currents.
+    SimulationState motion() const {
+        return world_state(state_, dynamics_.contact_age() + tau_, sign_);
+    }
     LoopMemory loop_memory() const;
     void restore(const LoopMemory& memory);
 
@@ -88,7 +94,7 @@ public:
 
 private:
     bool next_segment();
-    bool next_voltages(VoltageSegment& voltages);
+    void drive_further_coils();
     void end_stretch();
     void watch_window(double time);
     void close_window(double time);
@@ -130,16 +136,13 @@ private:
     const std::optional<StopCondition> stop_;
     const double max_check_interval_;  // s, at rest
 
-    SegmentStream segments_;
+    StretchSource source_;
     VoltageSegment voltages_;
-    std::optional<ControlSteps> steps_;
-    std::function<void()> on_step_;
     CurrentSegment segment_;
     double tau_ = 0.0;  // s, in the segment
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     bool touches_down_ = false;              // as the run begins
-    bool step_is_open_ = false;              // whether a step is played
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;
@@ -166,14 +169,14 @@ HybridLoop<Integrator>::HybridLoop(const Scenario& scenario, RunControl* control
       dynamics_(model_, make_local_field(scenario, program_, coils_)),
       integrator_(make_stepper_options(scenario, model_, program_, coils_,
                                        control ? &control->stop : nullptr)),
-      recorder_(scenario.record.kind == RecordKind::uniform ? scenario.record.rate : 0.0,
-                scenario.record.kind == RecordKind::events, sign_),
+      recorder_(scenario.record, chain_, sign_),
+      observer_(pulse_period(scenario)),
       drive_(coils_, circuit_),
       stays_planar_(scenario.solver.planar == Planar::refuse),
       control_(control),
       stop_(stop),
       max_check_interval_(max_check_interval(model_, integrator_.options())),
-      segments_(program_, hold_period_, marks()),
+      source_(program_, hold_period_, marks()),
       transitions_(dynamics_, state_),
       // Fifty free swings.
       watch_(50.0 * 2.0 * std::numbers::pi / integrator_.options().swing_rate),
@@ -212,8 +215,9 @@ RunResult HybridLoop<Integrator>::take_result() {
     drive_.write(result_.summary);
     result_.steps = integrator_.counts();
     result_.summary.events = transitions_.counts();
+    observer_.write(sign_, result_.summary);
+    chain_.apply(result_.summary);
     result_.recording = recorder_.take();
-    chain_.apply(result_.summary, result_.recording);
     result_.final_body = state_.body;
     result_.final_state = state();
     effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
@@ -234,7 +238,7 @@ bool HybridLoop<Integrator>::next_phase() {
             return true;
         }
     }
-    if (result_.status == Status::ok && !steps_) finish();
+    if (result_.status == Status::ok && !source_.is_stepped()) finish();
     return false;
 }
 
@@ -247,43 +251,38 @@ bool HybridLoop<Integrator>::next_segment() {
     }
     if (begun_) end_stretch();
     if (result_.status != Status::ok) return false;
-    VoltageSegment& voltages = voltages_;
-    if (!next_voltages(voltages)) return false;
+    if (!source_.next(voltages_)) return false;
     if (++segment_count_ > integrator_.options().most_steps) {
         effort_.stretches = segment_count_;
         result_.status = Status::too_many_steps;
         return false;
     }
-    if (!steps_) watch_window(voltages.start);
+    if (source_.is_stepped())
+        drive_further_coils();
+    else
+        watch_window(voltages_.start);
     if (result_.stopped) return false;
-    begin_segment(voltages);
+    begin_segment(voltages_);
     if (!begun_) begin();
     return !result_.stopped;
 }
 
 template <class Integrator>
 void HybridLoop<Integrator>::end_stretch() {
+    // A run that is stepped has no summary: what counts is whether it leaves the plane.
+    if (source_.is_stepped() && !DriveObserver::drives_across(dynamics_.field().gain())) return;
     drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
     if (stays_planar_ && drive_.leaves_plane()) result_.status = Status::leaves_plane;
 }
 
+// Coils that the scenario's drive does not use, and a step does.
 template <class Integrator>
-bool HybridLoop<Integrator>::next_voltages(VoltageSegment& voltages) {
-    if (!steps_) return segments_.next(voltages);
-    // A stretch has ended here, but for the very first call.
-    if (begun_ && step_is_open_ && steps_->ends_step()) {
-        step_is_open_ = false;
-        on_step_();
-    }
-    if (!steps_->next(voltages)) return false;
-    step_is_open_ = true;
-    // A coil that the scenario's drive does not use.
+void HybridLoop<Integrator>::drive_further_coils() {
     PerCoil gain = dynamics_.field().gain();
     for (std::size_t k = 0; k < kCoilCount; ++k) {
-        if (voltages.first[k] != 0.0 || voltages.last[k] != 0.0) gain[k] = field_gain_[k];
+        if (voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0) gain[k] = field_gain_[k];
     }
     if (gain != dynamics_.field().gain()) dynamics_.field().set_gain(gain);
-    return true;
 }
 
 // Boundaries of stretches carry rounding; the window's ends, and a stop's time, are some of them.
@@ -294,6 +293,7 @@ void HybridLoop<Integrator>::watch_window(double time) {
         observer_.open(time, state_.body.x);
         measured_ = true;
     }
+    if (observer_.is_open()) observer_.pass(time, state_.body.x);
     if (observer_.is_open() && time >= window_.end - slack) {
         close_window(time);
     }
@@ -326,14 +326,8 @@ void HybridLoop<Integrator>::begin() {
 }
 
 template <class Integrator>
-void HybridLoop<Integrator>::play_steps(std::function<void()> on_step) {
-    steps_.emplace(hold_period_, amplifier_limit_, sign_ < 0.0);
-    on_step_ = std::move(on_step);
-}
-
-template <class Integrator>
 SimulationState HybridLoop<Integrator>::state() const {
-    SimulationState result = world_state(state_, dynamics_.contact_age() + tau_, sign_);
+    SimulationState result = motion();
     // Within a stretch the circuit is at its end already.
     PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
     if (tau_ < segment_.duration) {
@@ -354,7 +348,7 @@ LoopMemory HybridLoop<Integrator>::loop_memory() const {
             memory_,
             state_,
             watch_,
-            steps_->memory(),
+            source_.steps().memory(),
             segment_.duration,
             begun_};
 }
@@ -367,10 +361,9 @@ void HybridLoop<Integrator>::restore(const LoopMemory& memory) {
     memory_ = memory.phase;
     state_ = memory.state;
     watch_ = memory.watch;
-    steps_->restore(memory.steps);
+    source_.restore(memory.steps);
     segment_.duration = tau_ = memory.stretch;
     begun_ = memory.begun;
-    step_is_open_ = false;
     result_.status = Status::ok;
 }
 
@@ -381,7 +374,8 @@ void HybridLoop<Integrator>::begin_segment(const VoltageSegment& voltages) {
     tau_ = 0.0;
     dynamics_.set_start(segment_.start);
     dynamics_.field().set_segment(segment_);
-    fastest_decay_ = *std::max_element(segment_.rate.begin(), segment_.rate.end());
+    fastest_decay_ =
+        *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
 }
 
 template <class Integrator>
@@ -438,7 +432,7 @@ void HybridLoop<Integrator>::after_event(double tau) {
     memory_.stalled = watch_.stalled();
     // A face that has landed may lie still from now on, so that no step looks.
     if (stop_ && distance(absolute(tau), state_.body) <= 0.0) result_.stopped = true;
-    if (!recorder_.at_events()) return;
+    if (!recorder_.at_event(absolute(tau))) return;
     // One sample for each change at this instant, with the state after all of them.
     for (const EventKind kind : transitions_.changes()) {
         record(absolute(tau), tau, snapshot(dynamics_, state_, tau));
@@ -491,20 +485,11 @@ auto HybridLoop<Integrator>::observer(Phase& phase) {
 template <class Integrator>
 double HybridLoop<Integrator>::find_stop(auto& phase, const auto& step, double s) const {
     if (stop_->quantity == StopCondition::Quantity::time) return kGoesOn;
-    using Finder = EventFinder<1>;
-    const auto value = [&](std::size_t, double part) {
+    const EventHit hit = find_fall([&](double part) {
         const double at = part * s;
         return distance(absolute(step.start + at * step.width),
                         phase.body(at == 0.0 ? step.first : step.dense(at)));
-    };
-    EventSamples<1> samples;
-    samples.start = {value(0, 0.0)};
-    samples.early = {value(0, Finder::kEarly)};
-    samples.late = {value(0, Finder::kLate)};
-    samples.end = {value(0, 1.0)};
-    samples.lowest = {std::min({samples.start[0], samples.early[0], samples.late[0]})};
-    std::array<bool, 1> armed = {true};
-    const EventHit hit = Finder::find(samples, armed, false, value);
+    });
     return hit ? hit.s * s : kGoesOn;
 }
 

@@ -114,8 +114,17 @@ private:
         return body.vx - body.omega * height_;
     }
 
+    // Tangential velocity after the impact where friction suffices: none, unless all rebound.
+    double tangential_target(const std::array<bool, 2>& acting) const {
+        if (model_.tangential_restitution == 0.0) return 0.0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (acting[i] && contacts_[i].restitution == 0.0) return 0.0;
+        }
+        return -part_ * model_.tangential_restitution * tangential_velocity(before_);
+    }
+
     // Unknowns: both normal impulses and the tangential one. slip 0: the tangential velocity ends
-    // at zero; +-1: friction is at its limit.
+    // at its target; +-1: friction is at its limit.
     Impulse impulse(const std::array<bool, 2>& acting, int slip) const {
         const double per_mass = 1.0 / model_.mass, per_inertia = 1.0 / model_.inertia;
         Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
@@ -138,7 +147,8 @@ private:
         }
         if (slip == 0) {
             a(2, 2) = per_mass + height_ * height_ * per_inertia;
-            b(2) = -tangential_velocity(before_);
+            // In this order: without a target the bits are those of stopping, signed zeros too.
+            b(2) = -(tangential_velocity(before_) - tangential_target(acting));
         }
         const Eigen::Vector3d p = a.partialPivLu().solve(b);
         return {{p(0), p(1)}, p(2)};
@@ -156,7 +166,8 @@ private:
             return true;
         }
         const Impulse sliding = impulse(acting, slip);
-        if (admissible(sliding, acting) && slip * tangential_velocity(apply(sliding)) >= 0.0) {
+        const double beyond = tangential_velocity(apply(sliding)) - tangential_target(acting);
+        if (admissible(sliding, acting) && slip * beyond >= 0.0) {
             accept(sliding, acting, false);
             return true;
         }
@@ -177,7 +188,7 @@ private:
     void accept(const Impulse& impulse, const std::array<bool, 2>& acting, bool sticks) {
         after_ = apply(impulse);
         acting_ = acting;
-        slip_velocity_ = sticks ? 0.0 : tangential_velocity(after_);
+        slip_velocity_ = sticks ? tangential_target(acting) : tangential_velocity(after_);
     }
 
     const Model& model_;
@@ -185,7 +196,7 @@ private:
     BodyState before_;
     std::array<ImpactContact, 2> contacts_ = {};
     std::size_t count_ = 0;
-    double part_ = 1.0;  // of the restitution
+    double part_ = 1.0;  // of both restitutions
     std::array<bool, 2> acting_ = {};
     BodyState after_;
     double slip_velocity_ = 0.0;

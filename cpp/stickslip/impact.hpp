@@ -22,8 +22,9 @@ struct ImpactResult {
 };
 
 /// Impact of the quadrant's lowest corner out of flight: Newton restitution with impulsive Coulomb
-/// friction (kinetic coefficient). Where that would raise the kinetic energy, the restitution is
-/// reduced to the largest for which it does not.
+/// friction (kinetic coefficient), which reverses a part of the slip where the tangential restitution
+/// says so. Where that would raise the kinetic energy, both restitutions are reduced to the largest
+/// part for which it does not.
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before);
 
 /// Impact of a face at angle 0 of `before.quadrant`, both corners solved together as one

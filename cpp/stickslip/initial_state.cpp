@@ -8,6 +8,7 @@
 #include "stickslip/assembly.hpp"
 #include "stickslip/number_text.hpp"
 #include "stickslip/parameters.hpp"
+#include "stickslip/recording.hpp"
 
 namespace stickslip {
 namespace {

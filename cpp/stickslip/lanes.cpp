@@ -47,13 +47,15 @@ public:
     /// One step of the fullest pack.
     void step() {
         const auto leave = [this](Lane& lane) { play(lane); };
+        const auto end = [this](Lane& lane) { this->end(lane); };
+        const bool stay = !is_few();
         const std::size_t stick = stick_.count(), slip = slip_.count(), flight = flight_.count();
         if (stick >= slip && stick >= flight) {
-            stick_.step(leave);
+            stick_.step(leave, end, stay);
         } else if (slip >= flight) {
-            slip_.step(leave);
+            slip_.step(leave, end, stay);
         } else {
-            flight_.step(leave);
+            flight_.step(leave, end, stay);
         }
     }
 
@@ -66,7 +68,7 @@ private:
                 using Phase = decltype(phase);
                 Lane::Loop& loop = lane.loop;
                 constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase>;
-                if (kNever || (is_last_ && lanes_.size() < kLeast)) {
+                if (kNever || is_few()) {
                     loop.end_phase(phase, loop.integrator().advance(
                                               phase, loop.memory(), loop.tau(), loop.tau_end(),
                                               phase.begin(loop.body()), loop.observer(phase)));
@@ -77,9 +79,16 @@ private:
             });
             if (added) return;
         }
+        end(lane);
+    }
+
+    void end(Lane& lane) {
         std::erase(lanes_, &lane);
         done_(lane);
     }
+
+    // Whether so few runs are left that they are quicker one by one.
+    bool is_few() const { return is_last_ && lanes_.size() < kLeast; }
 
     auto& pack_of(const CornerStickPhase&) { return stick_; }
     auto& pack_of(const CornerSlipPhase&) { return slip_; }

@@ -69,8 +69,12 @@ void LocalField::restore(const Memory& memory) {
 }
 
 void LocalField::set_segment(const CurrentSegment& segment) {
-    segment_ = segment;
-    min_time_constant_ = 0.5 / *std::max_element(segment.rate.begin(), segment.rate.end());
+    // Without the currents in the coils and what is zero: stretches may be short.
+    segment_.exponentials = segment.exponentials;
+    segment_.rate = segment.rate;
+    std::copy_n(segment.field.begin(), 2 + segment.exponentials, segment_.field.begin());
+    min_time_constant_ =
+        0.5 / *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
     stretch_.rate = segment.rate[0];
     if (expanded_) combine();
 }

@@ -1,5 +1,8 @@
 #include "stickslip/measurement_chain.hpp"
 
+#include "stickslip/recording.hpp"
+#include "stickslip/summary.hpp"
+
 namespace stickslip {
 namespace {
 
@@ -9,13 +12,22 @@ void scale(std::vector<double>& column, double factor) {
 
 }  // namespace
 
-void MeasurementChain::apply(Summary& summary, Recording& recording) const {
-    const double length = length_factor(), time = time_factor();
-    if (length_scale != 0.0 || clock_scale != 0.0) {
-        for (double* velocity :
-             {&summary.mean_velocity, &summary.slip_up, &summary.slip_down, &summary.slip_flat}) {
-            *velocity *= length / time;
+void MeasurementChain::apply(Summary& summary) const {
+    if (!is_exact()) {
+        for (double* velocity : {&summary.mean_velocity, &summary.finished_velocity,
+                                 &summary.slip_up, &summary.slip_down, &summary.slip_flat}) {
+            *velocity *= length_factor() / time_factor();
         }
+    }
+    if (angle_offset != 0.0) {
+        summary.theta_min += angle_offset;
+        summary.theta_max += angle_offset;
+    }
+}
+
+void MeasurementChain::apply(Recording& recording) const {
+    if (!is_exact()) {
+        const double length = length_factor(), time = time_factor();
         scale(recording.t, time);
         for (auto* column : {&recording.x, &recording.z, &recording.contact_x}) {
             scale(*column, length);
@@ -26,8 +38,6 @@ void MeasurementChain::apply(Summary& summary, Recording& recording) const {
         scale(recording.omega, 1.0 / time);
     }
     if (angle_offset != 0.0) {
-        summary.theta_min += angle_offset;
-        summary.theta_max += angle_offset;
         for (double& theta : recording.theta) theta += angle_offset;
     }
 }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "stickslip/recording.hpp"
-#include "stickslip/summary.hpp"
-
 namespace stickslip {
+
+struct Recording;
+struct Summary;
 
 /// What the laboratory's instruments make of the motion: named effects of the measurement. They
 /// change what a run reports, not how the robot moves.
@@ -15,7 +15,9 @@ struct MeasurementChain {
     double length_factor() const { return 1.0 + length_scale; }
     double time_factor() const { return 1.0 + clock_scale; }
 
-    void apply(Summary& summary, Recording& recording) const;
+    bool is_exact() const { return length_scale == 0.0 && clock_scale == 0.0; }
+    void apply(Summary& summary) const;
+    void apply(Recording& recording) const;
 };
 
 }  // namespace stickslip

@@ -30,6 +30,7 @@ struct Model {
     FrictionLaw friction;
     Adhesion adhesion;
     double restitution = 0.0;
+    double tangential_restitution = 0.0;
     double frame_sign = 1.0;                ///< world x = frame sign times the robot's x
     std::vector<UserSetting> user_effects;  ///< that are not absent
 

@@ -73,6 +73,10 @@ std::vector<Parameter> make_parameters() {
          STICKSLIP_MEMBER(contact.adhesion_range)},
         {.key = "contact.restitution", .unit = "-", .low = 0, .high = 1,
          .meaning = "Newton restitution of a touch-down", STICKSLIP_MEMBER(contact.restitution)},
+        {.key = "contact.tangential_restitution", .unit = "-", .low = 0, .high = 1,
+         .meaning = "part of its slip that a corner which rebounds reverses, as far as friction "
+                    "can",
+         STICKSLIP_MEMBER(contact.tangential_restitution)},
         {.key = "drag.linear", .unit = "N s/m", .low = 0, .high = 1e3,
          .meaning = "drag force by velocity at the centre of mass, Eq. (18)",
          STICKSLIP_MEMBER(drag.linear)},

@@ -24,19 +24,28 @@ public:
     std::size_t count() const { return filled_ + waiting_.size(); }
     void add(Lane& lane) { waiting_.push_back(&lane); }
 
-    /// One step of all runs of the pack. `leave(lane)` is called for a run whose phase has ended.
-    void step(const std::function<void(Lane&)>& leave) {
+    /// One step of all runs of the pack. `leave(lane)` is called for a run whose phase has ended,
+    /// `end(lane)` for one that is over. With `stay`, a run keeps its place where only the stretch
+    /// of voltage has ended.
+    void step(const std::function<void(Lane&)>& leave, const std::function<void(Lane&)>& end,
+              bool stay) {
         fill();
         const LaneRound round = kernel_(memory_.data());
         for (std::size_t place = 0; place < size_; ++place) {
             if (!(round.flagged >> place & 1u) || places_[place] == nullptr) continue;
             Lane& lane = *places_[place];
             const bool far = round.far >> place & 1u, to_end = round.to_end >> place & 1u;
-            if (finish(lane, place, far, to_end)) {
-                places_[place] = nullptr;
-                --filled_;
-                leave(lane);
+            const Finish found = finish(lane, place, far, to_end);
+            if (found == Finish::step) continue;
+            const bool same = stay && found == Finish::stretch;
+            const bool over = same && !lane.loop.next_phase();
+            if (same && !over) {
+                enter(lane, place, {kBegin, kStartEvents, kOnward});
+                continue;
             }
+            places_[place] = nullptr;
+            --filled_;
+            over ? end(lane) : leave(lane);
         }
     }
 
@@ -45,78 +54,6 @@ private:
     using N = LaneNumbers<PhaseOf, Dynamics>;
     static constexpr std::size_t kNumbers = sizeof(N) / sizeof(double);
     static constexpr std::size_t kMostPlaces = 8;
-
-    void fill() {
-        for (std::size_t place = 0; place < size_ && !waiting_.empty(); ++place) {
-            if (places_[place] != nullptr) continue;
-            Lane& lane = *waiting_.front();
-            waiting_.pop_front();
-            enter(lane, place);
-            places_[place] = &lane;
-            ++filled_;
-        }
-    }
-
-    void enter(Lane& lane, std::size_t place) {
-        Loop& loop = lane.loop;
-        loop.with_phase([&](auto phase) {
-            if constexpr (std::is_same_v<decltype(phase), Phase>) {
-                N numbers;
-                numbers.progress = loop.integrator().begin(
-                    phase, loop.memory(), loop.tau(), loop.tau_end(), phase.begin(loop.body()));
-                numbers.robot = loop.dynamics().robot();
-                numbers.field = loop.dynamics().field().stretch();
-                numbers.contact_x = phase.contact_x(numbers.progress.step.first);
-                numbers.slip = loop.slip();
-                numbers.workspace = loop.dynamics().field().workspace();
-                set_memory(numbers, loop.memory());
-                write(numbers, place, {kAll});
-            }
-        });
-    }
-
-    static void set_memory(N& numbers, const PhaseMemory& memory) {
-        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            numbers.unarmed[i] = memory.armed[i] ? 0.0 : 1.0;
-        }
-        numbers.stalled = memory.stalled ? 1.0 : 0.0;
-    }
-
-    // What only one run can do: accepts the attempt or not, looks for events. True if the phase has
-    // ended.
-    bool finish(Lane& lane, std::size_t place, bool far, bool to_end) {
-        Loop& loop = lane.loop;
-        N numbers = read(place, {kProgress, kBase, kCentre, kUnarmed});
-        loop.dynamics().set_base(numbers.robot.base);
-        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            loop.memory().armed[i] = numbers.unarmed[i] == 0.0;
-        }
-        bool ended = false;
-        loop.with_phase([&](auto phase) {
-            if constexpr (std::is_same_v<decltype(phase), Phase>) {
-                if (far) numbers.progress.attempt(phase);
-                PhaseEnd<Phase> end;
-                ended = loop.integrator().finish(phase, loop.memory(), numbers.progress, to_end,
-                                                 loop.observer(phase), end);
-                if (ended)
-                    loop.end_phase(phase, end);
-                else
-                    go_on(loop, numbers, place);
-            }
-        });
-        return ended;
-    }
-
-    void go_on(Loop& loop, N& numbers, std::size_t place) {
-        const FieldStretch<double>& field = loop.dynamics().field().stretch();
-        numbers.robot.base = loop.dynamics().robot().base;
-        set_memory(numbers, loop.memory());
-        write(numbers, place, {kState, kStart, kStartEvents, kBase, kUnarmed});
-        if (field.centre_x != numbers.field.centre_x || field.centre_z != numbers.field.centre_z) {
-            numbers.field = field;
-            write(numbers, place, {kField});
-        }
-    }
 
     /// The places of some numbers among all.
     struct Range {
@@ -134,10 +71,91 @@ private:
                 offsetof(N, progress.step.slope) + sizeof(typename Phase::State));
     static constexpr Range kStartEvents =
         between(offsetof(N, progress.samples.start), offsetof(N, progress.samples.end));
+    // What changes as a phase goes on over the next stretch.
+    static constexpr Range kBegin =
+        between(0, offsetof(N, progress.step.slope) + sizeof(typename Phase::State));
+    static constexpr Range kOnward = between(offsetof(N, robot.base), sizeof(N));
     static constexpr Range kBase = between(offsetof(N, robot.base), offsetof(N, field));
     static constexpr Range kCentre = between(offsetof(N, field.centre_x), offsetof(N, field.rate));
     static constexpr Range kField = between(offsetof(N, field), offsetof(N, contact_x));
     static constexpr Range kUnarmed = between(offsetof(N, unarmed), sizeof(N));
+
+    void fill() {
+        for (std::size_t place = 0; place < size_ && !waiting_.empty(); ++place) {
+            if (places_[place] != nullptr) continue;
+            Lane& lane = *waiting_.front();
+            waiting_.pop_front();
+            enter(lane, place, {kAll});
+            places_[place] = &lane;
+            ++filled_;
+        }
+    }
+
+    // Writes the ranges of the numbers that its next phase begins with.
+    void enter(Lane& lane, std::size_t place, std::initializer_list<Range> ranges) {
+        Loop& loop = lane.loop;
+        loop.with_phase([&](auto phase) {
+            if constexpr (std::is_same_v<decltype(phase), Phase>) {
+                N numbers;
+                numbers.progress = loop.integrator().begin(
+                    phase, loop.memory(), loop.tau(), loop.tau_end(), phase.begin(loop.body()));
+                numbers.robot = loop.dynamics().robot();
+                numbers.field = loop.dynamics().field().stretch();
+                numbers.contact_x = phase.contact_x(numbers.progress.step.first);
+                numbers.slip = loop.slip();
+                numbers.workspace = loop.dynamics().field().workspace();
+                set_memory(numbers, loop.memory());
+                write(numbers, place, ranges);
+            }
+        });
+    }
+
+    static void set_memory(N& numbers, const PhaseMemory& memory) {
+        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+            numbers.unarmed[i] = memory.armed[i] ? 0.0 : 1.0;
+        }
+        numbers.stalled = memory.stalled ? 1.0 : 0.0;
+    }
+
+    // What an attempt comes to; after a stretch of voltage the phase goes on.
+    enum class Finish { step, stretch, phase };
+
+    // What only one run can do: accepts the attempt or not, looks for events.
+    Finish finish(Lane& lane, std::size_t place, bool far, bool to_end) {
+        Loop& loop = lane.loop;
+        N numbers = read(place, {kProgress, kBase, kCentre, kUnarmed});
+        loop.dynamics().set_base(numbers.robot.base);
+        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+            loop.memory().armed[i] = numbers.unarmed[i] == 0.0;
+        }
+        Finish found = Finish::step;
+        loop.with_phase([&](auto phase) {
+            if constexpr (std::is_same_v<decltype(phase), Phase>) {
+                if (far) numbers.progress.attempt(phase);
+                PhaseEnd<Phase> end;
+                if (!loop.integrator().finish(phase, loop.memory(), numbers.progress, to_end,
+                                              loop.observer(phase), end)) {
+                    go_on(loop, numbers, place);
+                    return;
+                }
+                const bool goes_on = end.status == Status::ok && end.event == Event::none;
+                found = goes_on ? Finish::stretch : Finish::phase;
+                loop.end_phase(phase, end);
+            }
+        });
+        return found;
+    }
+
+    void go_on(Loop& loop, N& numbers, std::size_t place) {
+        const FieldStretch<double>& field = loop.dynamics().field().stretch();
+        numbers.robot.base = loop.dynamics().robot().base;
+        set_memory(numbers, loop.memory());
+        write(numbers, place, {kState, kStart, kStartEvents, kBase, kUnarmed});
+        if (field.centre_x != numbers.field.centre_x || field.centre_z != numbers.field.centre_z) {
+            numbers.field = field;
+            write(numbers, place, {kField});
+        }
+    }
 
     void write(const N& numbers, std::size_t place, std::initializer_list<Range> ranges) {
         const auto* values = reinterpret_cast<const double*>(&numbers);

@@ -1,5 +1,7 @@
 #include "stickslip/recording.hpp"
 
+#include <cmath>
+
 namespace stickslip {
 
 const char* name(EventKind kind) {
@@ -15,25 +17,53 @@ std::int8_t contact_code(const ContactMode& mode, double frame_sign) {
     return static_cast<std::int8_t>((mode.touch == Touch::corner ? 1 : 4) + slip);
 }
 
+Recorder::Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign)
+    : settings_(settings), chain_(chain), sign_(frame_sign) {
+    if (!on_grid()) return;
+    // The product is rounded: the first sample is not before `from`, and none is left out.
+    count_ = static_cast<std::int64_t>(std::floor(settings.from * settings.rate));
+    if (next_time() < settings.from) ++count_;
+}
+
+void Recorder::hand_over() {
+    chain_.apply(recording_);
+    settings_.sink(std::exchange(recording_, {}));
+}
+
+Recording Recorder::take() {
+    if (settings_.sink) {
+        if (!recording_.t.empty()) hand_over();
+        return {};
+    }
+    chain_.apply(recording_);
+    return std::move(recording_);
+}
+
 void Recorder::add(double t, const Snapshot& s, const ContactMode& mode, const PlanarField& field,
                    double across, const PerCoil& current) {
+    // Not as it fills: the event of the last sample comes after it.
+    if (settings_.sink && recording_.t.size() == kChunk) hand_over();
     Recording& r = recording_;
-    r.t.push_back(t);
-    r.x.push_back(sign_ * s.body.x);
-    r.z.push_back(s.body.z);
-    r.theta.push_back(s.body.theta());
-    r.vx.push_back(sign_ * s.body.vx);
-    r.vz.push_back(s.body.vz);
-    r.omega.push_back(s.body.omega);
-    r.normal_force.push_back(s.reaction.normal);
-    r.friction_force.push_back(sign_ * s.reaction.friction);
-    r.contact_x.push_back(sign_ * s.contact_x);
-    r.slip_velocity.push_back(sign_ * s.slip_velocity);
-    r.bx.push_back(sign_ * field.bx);
-    r.by.push_back(sign_ * across);
-    r.bz.push_back(field.bz);
-    r.current.push_back(sign_ > 0.0 ? current : turned(current));
-    r.contact.push_back(contact_code(mode, sign_));
+    std::size_t index = 0;
+    const auto put = [&](auto& column, const auto& value) {
+        if (!settings_.dropped[index++]) column.push_back(value);
+    };
+    put(r.t, t);
+    put(r.x, sign_ * s.body.x);
+    put(r.z, s.body.z);
+    put(r.theta, s.body.theta());
+    put(r.vx, sign_ * s.body.vx);
+    put(r.vz, s.body.vz);
+    put(r.omega, s.body.omega);
+    put(r.normal_force, s.reaction.normal);
+    put(r.friction_force, sign_ * s.reaction.friction);
+    put(r.contact_x, sign_ * s.contact_x);
+    put(r.slip_velocity, sign_ * s.slip_velocity);
+    put(r.bx, sign_ * field.bx);
+    put(r.by, sign_ * across);
+    put(r.bz, field.bz);
+    put(r.current, sign_ > 0.0 ? current : turned(current));
+    put(r.contact, contact_code(mode, sign_));
     ++count_;
 }
 

@@ -2,9 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <utility>
 #include <vector>
 
+#include "stickslip/measurement_chain.hpp"
 #include "stickslip/phase_types.hpp"
+#include "stickslip/scenario.hpp"
 
 namespace stickslip {
 
@@ -30,8 +34,27 @@ inline constexpr std::array<const char*, 7> kContactNames = {
     "face_stick", "face_slip_forward", "face_slip_backward"};
 std::int8_t contact_code(const ContactMode& mode, double frame_sign);
 
+/// Names of the columns of a `Recording`, in their order.
+inline constexpr std::array<const char*, kColumns> kColumnNames = {"t",
+                                                                   "x",
+                                                                   "z",
+                                                                   "theta",
+                                                                   "vx",
+                                                                   "vz",
+                                                                   "omega",
+                                                                   "normal_force",
+                                                                   "friction_force",
+                                                                   "contact_x",
+                                                                   "slip_velocity",
+                                                                   "bx",
+                                                                   "by",
+                                                                   "bz",
+                                                                   "current",
+                                                                   "contact",
+                                                                   "event"};
+
 /// Recorded columns, in the world's frame and SI units, one entry a sample. theta, omega: nose-down
-/// positive in the robot's own frame.
+/// positive in the robot's own frame. A column that is not kept is empty.
 struct Recording {
     std::vector<double> t, x, z, theta, vx, vz, omega;
     std::vector<double> normal_force, friction_force;     ///< N; zero in flight
@@ -40,33 +63,53 @@ struct Recording {
     std::vector<std::array<double, kCoilCount>> current;  ///< A
     std::vector<std::int8_t> contact;
     std::vector<std::int8_t> event;  ///< EventKind; "events" only
+
+    /// Calls `use(index, column)` for each column, in the order of `kColumnNames`.
+    void for_each_column(auto&& use) {
+        std::size_t index = 0;
+        const auto each = [&](auto&... columns) { (use(index++, columns), ...); };
+        each(t, x, z, theta, vx, vz, omega, normal_force, friction_force, contact_x, slip_velocity,
+             bx, by, bz, current, contact, event);
+    }
 };
 
-/// Writes samples on a uniform grid or at events.
+/// Writes samples on a uniform grid or at events, as the instruments of `chain` read them.
 class Recorder {
 public:
-    /// rate in Hz; zero records no grid.
-    Recorder(double rate, bool at_events, double frame_sign)
-        : rate_(rate), at_events_(at_events), sign_(frame_sign) {}
+    /// Samples that a sink gets at a time: 11 MB, and enough for a chunk to compress well.
+    static constexpr std::size_t kChunk = 65536;
 
-    bool at_events() const { return at_events_; }
-    bool on_grid() const { return rate_ > 0.0; }
+    Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign);
+
+    /// Whether an event at `t`, s, is recorded.
+    bool at_event(double t) const {
+        return settings_.kind == RecordKind::events && t >= settings_.from;
+    }
+    bool on_grid() const { return settings_.kind == RecordKind::uniform; }
     /// Time of the next sample of the grid, s; infinite without a grid.
     double next_time() const {
-        return rate_ > 0.0 ? static_cast<double>(count_) / rate_
-                           : std::numeric_limits<double>::infinity();
+        return on_grid() ? static_cast<double>(count_) / settings_.rate
+                         : std::numeric_limits<double>::infinity();
     }
     /// across: B_y, T.
     void add(double t, const Snapshot& snapshot, const ContactMode& mode, const PlanarField& field,
              double across, const PerCoil& current);
-    void add_event(EventKind kind) { recording_.event.push_back(static_cast<std::int8_t>(kind)); }
-    Recording take() { return std::move(recording_); }
+    /// Of the sample that was added last.
+    void add_event(EventKind kind) {
+        if (!settings_.dropped[kColumns - 1]) {
+            recording_.event.push_back(static_cast<std::int8_t>(kind));
+        }
+    }
+    /// What no sink has taken; with a sink, nothing.
+    Recording take();
 
 private:
-    double rate_;
-    bool at_events_;
+    void hand_over();
+
+    RecordSettings settings_;
+    MeasurementChain chain_;
     double sign_;
-    std::int64_t count_ = 0;
+    std::int64_t count_ = 0;  // of the grid's samples, those before `from` among them
     Recording recording_;
 };
 

@@ -56,6 +56,8 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
     std::mutex mutex;
     std::map<const Lane*, std::unique_ptr<Lane>> lanes;
     const std::size_t columns = output.columns.size();
+    const bool with_currents =
+        std::any_of(output.columns.begin(), output.columns.end(), is_current);
     const auto begin = [&](std::size_t index) -> Lane* {
         const Scenario own = without_record(scenario(index));
         require_tsit5(own);
@@ -63,8 +65,8 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
         auto lane = std::make_unique<Lane>(index, own, control);
         Lane* const key = lane.get();
         double* to = output.values + index * rows.steps * columns;
-        key->loop.play_steps([&output, key, to]() mutable {
-            const StateRow state = row_of(key->loop.state());
+        key->loop.play_steps([&output, with_currents, key, to]() mutable {
+            const StateRow state = row_of(with_currents ? key->loop.state() : key->loop.motion());
             for (const std::size_t column : output.columns) *to++ = state[column];
         });
         key->loop.steps().give(rows.voltages + index * rows.run_stride, rows.steps, rows.duration,

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <bitset>
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "stickslip/coil_set.hpp"
@@ -31,6 +34,7 @@ struct ContactParameters {
     double adhesion = 0.22e-6;    ///< N
     double adhesion_range = 0.0;  ///< m
     double restitution = 0.0;
+    double tangential_restitution = 0.0;
 };
 
 struct DragParameters {
@@ -93,9 +97,19 @@ struct SolverSettings {
 
 enum class RecordKind { none, events, uniform };
 
+/// Number of the columns of a `Recording`.
+inline constexpr std::size_t kColumns = 17;
+
+struct Recording;
+
 struct RecordSettings {
     RecordKind kind = RecordKind::none;
-    double rate = 0.0;  ///< Hz, of the uniform grid
+    double rate = 0.0;                   ///< Hz, of the uniform grid
+    double from = 0.0;                   ///< s, simulated time before which nothing is recorded
+    std::bitset<kColumns> dropped = {};  ///< columns that are not kept, see `kColumnNames`
+    /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
+    /// it the record is kept to the end.
+    std::function<void(Recording&&)> sink = nullptr;
 };
 
 /// All that defines one simulation.

@@ -54,6 +54,10 @@ inline constexpr std::array<const char*, 18> kStateColumns = {"x",
                                                               "field_lag_clamp",
                                                               "contact",
                                                               "contact_age"};
+/// Whether a column is of the coils.
+inline bool is_current(std::size_t column) {
+    return column >= 6 && column < 16;
+}
 using StateRow = std::array<double, kStateColumns.size()>;
 
 inline StateRow row_of(const SimulationState& s) {

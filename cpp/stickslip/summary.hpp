@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -16,8 +17,12 @@ struct Summary {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // not measured
 
     double mean_velocity = kNone;  ///< m/s, section VII
-    double theta_min = kNone;      ///< rad
-    double theta_max = kNone;      ///< rad
+    /// Pulses of the window that were finished, which are all of them in a run to its end, and the
+    /// mean velocity over these, m/s. None for a free program.
+    std::int64_t finished_pulses = 0;
+    double finished_velocity = kNone;
+    double theta_min = kNone;  ///< rad
+    double theta_max = kNone;  ///< rad
     double slip_up = kNone;  ///< m/s, slip of the contact while theta rises, over the window's span
     double slip_down = kNone;  ///< m/s, the same while theta falls
     double slip_flat = kNone;  ///< m/s, the same of a face
@@ -34,12 +39,27 @@ struct Summary {
 /// Gathers a summary phase by phase, in memory that does not grow.
 class SummaryObserver {
 public:
+    /// period: s, from pulse to pulse; zero without pulses.
+    explicit SummaryObserver(double period) : period_(period) {}
+
     void open(double t, double x) {
         open_ = true;
         start_ = t;
         start_x_ = x;
     }
+    /// Where a stretch of voltage ends within the window; a pulse ends with a stretch.
+    void pass(double t, double x) {
+        if (!(period_ > 0.0)) return;
+        // Ends of stretches carry rounding.
+        const auto pulses =
+            static_cast<std::int64_t>(std::floor((t - start_) / period_ + kRounding));
+        if (pulses <= pulses_) return;
+        pulses_ = pulses;
+        pulses_end_ = t;
+        pulses_x_ = x;
+    }
     void close(double t, double x, double frame_sign, Summary& summary) {
+        pass(t, x);
         open_ = false;
         const double span = t - start_;
         if (!(span > 0.0)) return;
@@ -50,6 +70,12 @@ public:
         summary.slip_down = frame_sign * falling_ / span;
         summary.slip_flat = frame_sign * flat_ / span;
         summary.airborne_fraction = airborne_ / span;
+    }
+    /// What is known without the window's end, which a run that fails does not come to.
+    void write(double frame_sign, Summary& summary) const {
+        if (pulses_ == 0) return;
+        summary.finished_pulses = pulses_;
+        summary.finished_velocity = frame_sign * (pulses_x_ - start_x_) / (pulses_end_ - start_);
     }
     bool is_open() const { return open_; }
     double start() const { return start_; }  ///< s
@@ -82,7 +108,12 @@ private:
     void add_slip(double omega, double distance) {
         (omega > 0.0 ? rising_ : omega < 0.0 ? falling_ : flat_) += distance;
     }
+    static constexpr double kRounding = 1e-6;  // part of a pulse; chosen
+
+    double period_;
     bool open_ = false;
+    std::int64_t pulses_ = 0;
+    double pulses_end_ = 0.0, pulses_x_ = 0.0;
     double start_ = 0.0, start_x_ = 0.0;
     double lowest_ = std::numeric_limits<double>::infinity();
     double highest_ = -std::numeric_limits<double>::infinity();

@@ -254,7 +254,7 @@ TEST_CASE("user effect: an exception of the function leaves the simulation, also
         if (state[0] > 0.06) throw Fault{};
     });
     for (const Method method : methods()) {
-        for (const RecordSettings record : {RecordSettings{}, {RecordKind::uniform, 1e5}}) {
+        for (const RecordSettings& record : {RecordSettings{}, {RecordKind::uniform, 1e5}}) {
             Scenario scenario = pulses();
             scenario.solver.method = method;
             scenario.record = record;

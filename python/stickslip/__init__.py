@@ -45,11 +45,11 @@ if TYPE_CHECKING:
     from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
     from stickslip.scenario.waveform import Waveform, volts_per_tesla
     from stickslip.simulation.coils import Coils
-    from stickslip.simulation.netcdf import open_run
     from stickslip.simulation.rollout import STATE_UNITS, Rollout, rollout
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import simulate, simulate_batch
     from stickslip.simulation.simulator import Simulator, Snapshot
+    from stickslip.simulation.stored_run import open_run
     from stickslip.sweeping.run_sweep import sweep
     from stickslip.versions import show_versions
 
@@ -82,11 +82,11 @@ _HOME = {
         "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
         "scenario.waveform": ("Waveform", "volts_per_tesla"),
         "simulation.coils": ("Coils",),
-        "simulation.netcdf": ("open_run",),
         "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),
         "simulation.run": ("Run",),
         "simulation.simulate": ("simulate", "simulate_batch"),
         "simulation.simulator": ("Simulator", "Snapshot"),
+        "simulation.stored_run": ("open_run",),
         "sweeping.run_sweep": ("sweep",),
         "versions": ("show_versions",),
     }.items()

@@ -8,9 +8,9 @@ writes to it leaves a file whose checksum is wrong or gone.
 from __future__ import annotations
 
 import hashlib
-import io
 import os
 from os import PathLike
+from typing import BinaryIO
 
 from stickslip.errors import ScenarioError
 
@@ -19,11 +19,13 @@ _LENGTH = len(_MARK) + 2 * hashlib.sha256().digest_size + 1
 _PIECE = 1 << 20  # bytes read at a time; chosen: files of any size need little memory
 
 
-def append_checksum(image: io.BytesIO) -> None:
-    """Add the line to the bytes of a file."""
-    digest = hashlib.sha256(image.getbuffer())
-    image.seek(0, io.SEEK_END)
-    image.write(_line(digest.hexdigest()))
+def append_checksum(file: BinaryIO) -> None:
+    """Add the line to a file that is open to be read and written, on a disk or in memory."""
+    digest = hashlib.sha256()
+    file.seek(0)
+    while piece := file.read(_PIECE):
+        digest.update(piece)
+    file.write(_line(digest.hexdigest()))
 
 
 def check_checksum(path: str | PathLike[str]) -> bool:

@@ -14,10 +14,12 @@ from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
 from stickslip.cli.tables import summary_table
 from stickslip.cli.targets import check_out_and_plot, input_files
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields, shown
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
+    from stickslip.simulation.recording_to_file import RecordNotWritten
     from stickslip.simulation.run import Run
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
@@ -57,7 +59,7 @@ Example:
 @click.option(
     "--out",
     type=PATH,
-    help="Write the recorded motion: .nc (netCDF; also .nc4, .h5) or .csv.",
+    help="Write the recorded motion while the run goes on: .nc (netCDF; also .nc4, .h5) or .csv.",
 )
 @click.option(
     "--until",
@@ -84,19 +86,22 @@ def command(
     Velocity, angles and slip are those of the measuring window, which is printed with them: from
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
-    --out and --plot record on a uniform grid if the scenario's record.rate is "none". The exit
-    status is 1 if the simulation failed, with the reason on standard error.
+    --out and --plot record on a uniform grid if the scenario's record.rate is "none". What --out
+    recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation failed, with
+    the reason on standard error.
     """
     loaded = read_with(scenario, settings)
     _check_stretch(loaded, plot, start, stop)
     if out is not None or plot is not None:
         check_out_and_plot(out, plot, input_files(scenario, settings))
         loaded = _with_record(loaded, for_plot=plot is not None)
-    run = _simulated(loaded, until)
+    if plot is not None:
+        _check_drawn(loaded)
+    run, failure = _simulated(loaded, until, out)
 
     try:
-        if out is not None:
-            run.save(out)
+        if failure is not None:
+            raise failure
         if plot is not None:
             _draw(run, plot, start, stop)
     finally:  # the summary is printed even if a disk was full
@@ -106,15 +111,22 @@ def command(
     return 0 if run.ok else 1
 
 
-def _simulated(scenario: Scenario, until: str | None) -> Run:
+def _simulated(
+    scenario: Scenario, until: str | None, out: Path | None
+) -> tuple[Run, RecordNotWritten | None]:
+    """The run, and what kept its record from being written, if anything did."""
+    from stickslip.simulation.recording_to_file import RecordNotWritten
     from stickslip.simulation.simulate import STAGE, simulate
 
     bar = ProgressBar(STAGE)
     try:
         with bar:
-            return simulate(scenario, progress=bar, until=until)
-    except KeyboardInterrupt:
-        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
+            return simulate(scenario, progress=bar, until=until, out=out), None
+    except RecordNotWritten as error:
+        return error.run, error
+    except KeyboardInterrupt as error:
+        written = error.args[0] if error.args else "nothing written"
+        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, {written}", err=True)
         raise
 
 
@@ -154,6 +166,22 @@ def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
             f'wrongly; {_FEWEST_PER_PULSE} or more are needed, or record.rate = "none"'
         )
     return scenario
+
+
+def _check_drawn(scenario: Scenario) -> None:
+    """Say before a long simulation that its record cannot be drawn after it."""
+    from stickslip.plot.motion import DRAWN
+    from stickslip.simulation.simulate import check_memory
+
+    fields = str(scenario.record.fields)
+    missing = [name for name in DRAWN if name not in recorded_fields(fields)]
+    if missing:
+        raise ScenarioError(
+            f"--plot: {RECORD_FIELDS} = {shown(fields)}: allowed is what has all that is drawn, "
+            f"also {', '.join(missing)}"
+        )
+    with prefixed("--plot"):
+        check_memory(scenario)
 
 
 def _note(text: str) -> None:

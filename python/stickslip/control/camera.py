@@ -54,7 +54,10 @@ class Camera:
 
 
 class Film:
-    """What a camera has seen of one robot since its episode began."""
+    """What a camera has seen since an episode began: of one robot, or of many in one image.
+
+    A pose is x (m) and theta (rad), of shape (2,), or (n, 2) for n robots.
+    """
 
     def __init__(self, camera: Camera, period: float, pose: NDArray[np.float64]) -> None:
         self._camera = camera
@@ -63,7 +66,7 @@ class Film:
         self._exposed: deque[NDArray[np.float64]] = deque(maxlen=exposed)
         self._coming: deque[tuple[float, NDArray[np.float64]]] = deque()
         self.pose, self.taken = pose.copy(), 0.0
-        """The newest x (m) and theta (rad) that have arrived, and when they were taken (s)."""
+        """The newest pose that has arrived, and when it was taken (s)."""
 
     def watch(
         self, time: float, pose: NDArray[np.float64], random: np.random.Generator
@@ -73,10 +76,10 @@ class Film:
         self._exposed.append(pose.copy())
         if time + slack >= self._next / camera.frame_rate:
             self._next = math.floor((time + slack) * camera.frame_rate) + 1
-            noise = random.standard_normal(2) * (camera.noise_x, camera.noise_theta)
+            noise = random.standard_normal(pose.shape) * (camera.noise_x, camera.noise_theta)
             seen = np.mean(self._exposed, axis=0) + noise
             if camera.pixel > 0.0:
-                seen[0] = camera.pixel * round(seen[0] / camera.pixel)
+                seen[..., 0] = camera.pixel * np.round(seen[..., 0] / camera.pixel)
             if random.random() >= camera.dropped:
                 self._coming.append((time, seen))
         while self._coming and self._coming[0][0] + camera.latency <= time + slack:

@@ -23,10 +23,11 @@ if TYPE_CHECKING:
 Data: TypeAlias = "Run | xarray.Dataset"
 Array = NDArray[np.float64]
 
-_DRAWN = (
+DRAWN = (
     *("t", "x", "z", "theta", "omega", "normal_force", "slip_velocity"),
     *("bx", "by", "bz", "contact"),
 )
+"""Quantities that the pictures of one motion need."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ class Motion:
         chosen = (self.t >= first) & (self.t <= last)
         if np.count_nonzero(chosen) < 2:
             raise ValueError(f"there are less than two samples from {first:g} s to {last:g} s")
-        return replace(self, **{name: getattr(self, name)[chosen] for name in _DRAWN})
+        return replace(self, **{name: getattr(self, name)[chosen] for name in DRAWN})
 
     def sample(self, time: float) -> int:
         """Index of the sample that is nearest to a time, s."""
@@ -71,7 +72,7 @@ def motion(data: Data) -> Motion:
     else:
         if not hasattr(data, "variables"):
             refuse("data", data, "a Run, as simulate(scenario) makes it, or the Dataset of one")
-        missing = [name for name in _DRAWN if name not in data.variables]
+        missing = [name for name in DRAWN if name not in data.variables]
         if missing:
             raise ValueError(f"the Dataset is not one of a run: it has no {', '.join(missing)}")
         events = "event" in data.variables
@@ -80,7 +81,7 @@ def motion(data: Data) -> Motion:
     if events:
         raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
     return Motion(
-        **{name: np.asarray(getattr(data, name)) for name in _DRAWN},
+        **{name: np.asarray(getattr(data, name)) for name in DRAWN},
         length=robot["length"],
         height=robot["height"],
         heading=1.0 if direction == "+x" else -1.0,

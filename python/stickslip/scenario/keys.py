@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import functools
 import json
+import keyword
 import math
 import numbers
 from collections.abc import Callable, Iterable, Mapping
@@ -24,6 +25,11 @@ Value = float | int | str
 
 RECORD_RATE = "record.rate"
 RECORD_WORDS = ("none", "events")
+RECORD_FIELDS = "record.fields"
+ALL_FIELDS = "all"
+"""The value of `RECORD_FIELDS` that keeps all."""
+
+DTYPES = ("float64", "float32")
 
 PROGRAM = "drive.program"
 """The waveform of a drive: in Python only, as a file has `FILE`."""
@@ -62,8 +68,8 @@ class Key:
     ----------
     name : str
         Dotted key, such as ``"drive.frequency"``.
-    kind : {"real", "whole", "word", "rate"}
-        What it holds; ``"rate"`` is a number or a word.
+    kind : {"real", "whole", "word", "rate", "fields"}
+        What it holds; ``"rate"`` is a number or a word, ``"fields"`` names of recorded quantities.
     unit : str
         SI unit; ``"-"`` for none.
     low, high : float
@@ -77,7 +83,7 @@ class Key:
     """
 
     name: str
-    kind: Literal["real", "whole", "word", "rate"]
+    kind: Literal["real", "whole", "word", "rate", "fields"]
     unit: str
     low: float
     high: float
@@ -89,6 +95,57 @@ class Key:
     def section(self) -> str:
         """Everything before the last dot."""
         return self.name.rpartition(".")[0]
+
+
+_RECORD_KEYS = (
+    Key(
+        RECORD_RATE,
+        "rate",
+        "Hz",
+        0.0,
+        math.inf,
+        'a number above 0 Hz, "events" or "none"',
+        "none",
+        "rate of the uniform output grid, or one record an event, or no record",
+    ),
+    Key(
+        "record.from",
+        "real",
+        "s",
+        0.0,
+        math.inf,
+        "a number from 0 s to the run's duration",
+        0.0,
+        "simulated time before which nothing is recorded",
+    ),
+    Key(
+        RECORD_FIELDS,
+        "fields",
+        "-",
+        math.nan,
+        math.nan,
+        '"all", or some of ' + ", ".join(_core.record_columns),
+        ALL_FIELDS,
+        "recorded quantities, with commas between them; t is always there",
+    ),
+    Key(
+        "record.dtype",
+        "word",
+        "-",
+        math.nan,
+        math.nan,
+        "one of " + ", ".join(map(json.dumps, DTYPES)),
+        DTYPES[0],
+        "precision of the recorded numbers; t always has float64",
+    ),
+)
+"""Keys that the core has no table of."""
+
+
+def field_of(key: str) -> str:
+    """The field of a section's class that holds a key: ``from`` is a word of Python."""
+    name = key.rpartition(".")[2]
+    return f"{name}_" if keyword.iskeyword(name) else name
 
 
 @until_registration
@@ -113,16 +170,7 @@ def known_keys() -> dict[str, Key]:
             int(default) if whole else default,
             number["meaning"],
         )
-    keys[RECORD_RATE] = Key(
-        RECORD_RATE,
-        "rate",
-        "Hz",
-        0.0,
-        math.inf,
-        'a number above 0 Hz, "events" or "none"',
-        "none",
-        "rate of the uniform output grid, or one record an event, or no record",
-    )
+    keys |= {key.name: key for key in _RECORD_KEYS}
     sections = list(dict.fromkeys(row["key"].rpartition(".")[0] for row in _core.parameters()))
     sections.insert(sections.index("solver") + 1, "record")
     in_order = sorted(keys.values(), key=lambda key: sections.index(key.section))
@@ -207,14 +255,12 @@ def find_key(name: str, *value: object) -> Key:
 def checked(name: str, value: object, core: _core.Scenario | None = None) -> Value:
     """The value of a key, converted to float, int or str, if the core allows it.
 
-    `core`, if given, gets it too.
+    `core`, if given, gets it too, but for those of the record.
     """
     core = _core.Scenario() if core is None else core
     key = find_key(name, value)
-    if key.kind == "rate":
-        rate = _checked_rate(key, value)
-        set_rate(core, rate)
-        return rate
+    if key.section == "record":  # the core takes them together: `set_record`
+        return _checked_record(key, value)
     if key.kind == "word":
         if not isinstance(value, str):
             refuse(name, value, key.allowed)
@@ -228,12 +274,20 @@ def checked(name: str, value: object, core: _core.Scenario | None = None) -> Val
     return int(converted) if key.kind == "whole" else converted
 
 
-def set_rate(core: _core.Scenario, rate: Value) -> None:
-    """Give the core what `RECORD_RATE` holds."""
+def recorded_fields(fields: str) -> tuple[str, ...]:
+    """The quantities that a checked value of `RECORD_FIELDS` keeps, t first."""
+    if fields == ALL_FIELDS:
+        return _core.record_columns
+    kept = {"t", *fields.split(", ")}
+    return tuple(name for name in _core.record_columns if name in kept)
+
+
+def set_record(core: _core.Scenario, rate: Value, start: float, fields: str) -> None:
+    """Give the core the keys of the record."""
     if rate == "events":
-        core.record_events()
+        core.record_events(start, recorded_fields(fields))
     elif isinstance(rate, float):
-        core.record_uniform(rate)
+        core.record_uniform(rate, start, recorded_fields(fields))
     else:
         core.record_nothing()
 
@@ -245,6 +299,36 @@ def _as_number(key: Key, value: object) -> float:
         return float(value)
     except OverflowError:
         refuse(key.name, value, key.allowed)
+
+
+def _checked_record(key: Key, value: object) -> Value:
+    if key.kind == "rate":
+        return _checked_rate(key, value)
+    if key.kind == "fields":
+        return _checked_fields(key, value)
+    if key.kind == "word":
+        if value not in DTYPES:
+            refuse(key.name, value, key.allowed)
+        return str(value)
+    start = _as_number(key, value)
+    if not (math.isfinite(start) and start >= 0.0):
+        refuse(key.name, value, key.allowed)
+    return start
+
+
+def _checked_fields(key: Key, value: object) -> str:
+    """Names with commas between them, each once and in the order of the columns."""
+    names = value.split(",") if isinstance(value, str) else value
+    if not isinstance(names, list | tuple) or not all(isinstance(each, str) for each in names):
+        refuse(key.name, value, key.allowed)
+    names = {each.strip() for each in names}
+    if names == {ALL_FIELDS}:
+        return ALL_FIELDS
+    unknown = sorted(names - {*_core.record_columns})
+    if unknown or not names:
+        hint = suggestion(unknown[0], _core.record_columns) if unknown else "it names nothing"
+        refuse(key.name, value, f"{key.allowed}; {hint}")
+    return ", ".join(name for name in _core.record_columns if name in names)
 
 
 def _checked_rate(key: Key, value: object) -> Value:

@@ -17,13 +17,13 @@ from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     PROGRAM,
-    RECORD_RATE,
     Value,
     checked,
+    field_of,
     find_key,
     full_name,
     known_keys,
-    set_rate,
+    set_record,
     shown,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
@@ -66,7 +66,7 @@ class Scenario:
     ------
     ScenarioError
         If the values make no sense together: kinetic above static friction, a sawtooth whose top
-        is below its bottom, an edge longer than a period, more than 1e7 samples.
+        is below its bottom, an edge longer than a period, more than 1e9 samples.
 
     Examples
     --------
@@ -177,8 +177,7 @@ class Scenario:
         if key.startswith(PREFIX):
             _, name, parameter = key.split(".", 2)
             return self.effects.get(name, {}).get(parameter, known.default)
-        section, name = key.split(".", 1)
-        value: Value = getattr(getattr(self, section), name)
+        value: Value = getattr(getattr(self, known.section), field_of(key))
         return value
 
     def replace(self, changes: Mapping[str, Any]) -> Scenario:
@@ -210,10 +209,14 @@ class Scenario:
         for key, value in changes.items():
             section, name = key.split(".", 1)
             given = value if key == PROGRAM else checked(key, value, core)
-            by_section.setdefault(section, {})[name] = given
+            by_section.setdefault(section, {})[field_of(key) if section != "effects" else name] = (
+                given
+            )
         parts = {section: self._changed(section, values) for section, values in by_section.items()}
         made = object.__new__(type(self))
         vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)
+        if "record" in parts:
+            _set_record(core, made.record)
         if PROGRAM not in changes:
             vars(made)[_KEPT] = (known_keys(), core)
         made._check()
@@ -313,8 +316,12 @@ class Scenario:
             checked(key, value, core)  # an effect of the user may be gone
         if self.drive.program is not None:
             core.set_program(self.drive.program.to_core())
-        set_rate(core, self.record.rate)
+        _set_record(core, self.record)
         return core
+
+
+def _set_record(core: _core.Scenario, record: Record) -> None:
+    set_record(core, record.rate, record.from_, str(record.fields))
 
 
 _FIELDS = dataclasses.fields(Scenario)
@@ -329,7 +336,7 @@ def _core_keys() -> tuple[tuple[str, str, str], ...]:
     return tuple(
         (key, *key.split(".", 1))  # type: ignore[misc]
         for key in known_keys()
-        if key != RECORD_RATE and not key.startswith(PREFIX)
+        if not key.startswith(("record.", PREFIX))
     )
 
 

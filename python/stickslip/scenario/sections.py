@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
@@ -45,7 +45,8 @@ class Section:
     def __post_init__(self) -> None:
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
             if each.name != "program":
-                value = checked(f"{self._key}.{each.name}", getattr(self, each.name))
+                key = f"{self._key}.{each.name.removesuffix('_')}"
+                value = checked(key, getattr(self, each.name))
                 object.__setattr__(self, each.name, value)
 
 
@@ -175,6 +176,9 @@ class Contact(Section):
         Gap at which adhesion has faded to nothing, m; 0: at contact only.
     restitution : float
         Newton restitution of a touch-down, 0 to 1.
+    tangential_restitution : float
+        Part of its slip that a corner which rebounds reverses, as far as friction can, 0 to 1;
+        what the surfaces' tangential elasticity gives back (Walton, 1993).
     """
 
     static_friction: float = 0.2
@@ -182,6 +186,7 @@ class Contact(Section):
     adhesion: float = 0.22e-6
     adhesion_range: float = 0.0
     restitution: float = 0.0
+    tangential_restitution: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,6 +255,17 @@ class Record(Section):
     ----------
     rate : float or {"none", "events"}
         Rate of a uniform grid of samples, Hz; or one sample at each event of the contact; or none.
+    from_ : float
+        Simulated time before which nothing is recorded, s; the key is ``record.from``.
+    fields : str or sequence of str
+        Which quantities are kept, of the arrays of a `Run`: names, or a text of them with commas
+        between them, or ``"all"``. `t` is always kept.
+    dtype : {"float64", "float32"}
+        Precision of what is kept. `t` always has float64: in float32 the samples of a run of some
+        minutes would share times.
     """
 
     rate: float | Literal["none", "events"] = "none"
+    from_: float = 0.0
+    fields: str | Sequence[str] = "all"
+    dtype: Literal["float64", "float32"] = "float64"

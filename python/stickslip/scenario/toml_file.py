@@ -17,6 +17,7 @@ from stickslip.scenario.keys import (
     PROGRAM,
     PROGRAM_HINT,
     Value,
+    field_of,
     known_keys,
     shown,
     suggestion,
@@ -77,6 +78,12 @@ def read_parts(path: str | PathLike[str], changes: Mapping[str, Any]) -> dict[st
         raise ScenarioError(f"{path}: {error}") from None
 
 
+def scenario_of(text: str, program: Waveform | None) -> Scenario:
+    """The scenario of what `scenario_text` gave, whose voltages are apart from it."""
+    changes = {} if program is None else {PROGRAM: program, "drive.mode": "program"}
+    return Scenario(**_parts(parse_toml(text), Path(), changes))
+
+
 def voltage_file(path: Path) -> Path | None:
     """The CSV file that an ordinary scenario file takes its voltages from, if it does."""
     try:
@@ -124,7 +131,7 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
         own = {key.partition(".")[2]: changes[key] for key in changes if key.startswith(f"{name}.")}
         if name == "drive":
             values = _drive(values, own, folder)
-        parts[name] = section(**(values | own))
+        parts[name] = section(**{field_of(key): value for key, value in (values | own).items()})
     parts["effects"] = EffectSettings(_effects(document.get("effects"), changes))
     parts["uncertain"] = document.get("uncertain")
     return parts
@@ -231,10 +238,11 @@ def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
             continue
         lines += ["", f"[{section}]"]
         for field in dataclasses.fields(kind):
-            key = f"{section}.{field.name}"
+            name = field.name.removesuffix("_")
+            key = f"{section}.{name}"
             idle = scenario.drive.mode == "program" and key in SAWTOOTH
             if key != PROGRAM and not idle:
-                lines.append(_line(field.name, scenario.get(key), known_keys()[key].unit))
+                lines.append(_line(name, scenario.get(key), known_keys()[key].unit))
         if section == "drive" and scenario.drive.program is not None:
             lines.append(_line("file", voltages, "-"))
     for name, parameters in scenario.effects.items():

@@ -14,3 +14,8 @@ def voltage_blocks(program: Waveform | None) -> str:
     return json.dumps(
         [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
     )
+
+
+def program_of(blocks: str) -> Waveform:
+    """The program of what `voltage_blocks` gave."""
+    return Waveform([(each["t"], each["V"], each["repeats"]) for each in json.loads(blocks)])

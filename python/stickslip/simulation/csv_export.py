@@ -1,28 +1,81 @@
-"""A run as a CSV file."""
+"""A run as a CSV file, with a second file beside it that has what no column says."""
 
 from __future__ import annotations
 
+import contextlib
+import io
+from collections.abc import Iterator
 from os import PathLike
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from stickslip._util.atomic_files import replacing
+from stickslip._util.strict_json import json_text
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.simulation.run import WORDS, Run, recorded_columns
+from stickslip.simulation.run import COLUMNS, WORDS, Run
+
+if TYPE_CHECKING:
+    from stickslip.simulation.record_blocks import Block
 
 
-def write_csv(run: Run, path: str | PathLike[str]) -> None:
-    """See `Run.to_csv`."""
-    columns: dict[str, Any] = {}
-    for name, column in recorded_columns(run).items():
-        values = getattr(run, name)
-        if name == "current":
-            for place, coil in enumerate(COIL_NAMES):
-                columns[f"current {coil} ({column.unit})"] = values[:, place]
-        elif name in WORDS:
-            columns[name] = pd.Categorical.from_codes(values, list(WORDS[name]))
-        else:
-            columns[f"{name} ({column.unit})"] = values
-    with replacing(path) as temporary:
-        pd.DataFrame(columns).to_csv(temporary, index=False)
+def beside(path: str | PathLike[str]) -> Path:
+    """The file with scenario and summary of a CSV file, whose readers take no comments."""
+    path = Path(path)
+    return path.with_name(f"{path.name}.json")
+
+
+def headings(name: str) -> list[str]:
+    """Headings of the columns of a quantity."""
+    if name in WORDS:
+        return [name]
+    unit = COLUMNS[name].unit
+    if name == "current":
+        return [f"current {coil} ({unit})" for coil in COIL_NAMES]
+    return [f"{name} ({unit})"]
+
+
+class _CsvFile:
+    """A `RecordFile` that is CSV."""
+
+    def __init__(self, file: io.FileIO, side: Path) -> None:
+        self._file = file
+        self._side = side
+        self._samples = 0
+
+    def write(self, block: Block) -> None:
+        columns: dict[str, Any] = {}
+        for name, values in block.items():
+            if name in WORDS:
+                columns[name] = pd.Categorical.from_codes(values, list(WORDS[name]))
+            else:
+                parts = values.T if values.ndim == 2 else [values]
+                columns |= dict(zip(headings(name), parts, strict=True))
+        table = pd.DataFrame(columns)
+        text = table.to_csv(index=False, header=self._samples == 0).encode()
+        end = self._file.tell()
+        try:
+            while text:
+                text = text[self._file.write(text) :]
+        except OSError:
+            self._file.truncate(end)
+            raise
+        self._samples += len(table)
+
+    def finish(self, run: Run) -> None:
+        from stickslip.simulation.netcdf import attributes
+
+        about = {"stickslip_run": 1, "samples": self._samples, **attributes(run)}
+        self._side.write_text(json_text(about) + "\n", encoding="utf-8")
+
+
+@contextlib.contextmanager
+def csv_file(path: str | PathLike[str]) -> Iterator[_CsvFile]:
+    """See `record_file`."""
+    with (
+        replacing(beside(path)) as side,
+        replacing(path) as temporary,  # within: an error of either names this file
+        open(temporary, "x+b", buffering=0) as file,
+    ):
+        yield _CsvFile(file, side)

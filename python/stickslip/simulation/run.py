@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
 from stickslip.scenario.state import State, made_state
+from stickslip.simulation.record_blocks import is_csv, recorded_names, write_run
 from stickslip.simulation.run_notes import run_notes
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from stickslip.scenario.scenario import Scenario
+    from stickslip.simulation.stored_run import StoredRecord
 
     _Array = NDArray[np.float64]
 
@@ -54,12 +56,6 @@ WORDS = {"contact": _core.contact_names, "event": _core.event_names}
 """What the numbers of a quantity stand for, where they stand for words."""
 
 
-def recorded_columns(run: Run) -> dict[str, Column]:
-    """The quantities of a run's record; events have one more."""
-    events = run.scenario.record.rate == "events"
-    return {name: column for name, column in COLUMNS.items() if name != "event" or events}
-
-
 def resting_force(scenario: Scenario) -> float:
     """Normal force on a body that lies still without field: weight and adhesion, N."""
     weight = scenario.robot.mass * scenario.environment.gravity
@@ -70,10 +66,36 @@ SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 """Suffixes of the files that a run can be saved as."""
 
 
+class Outcome(NamedTuple):
+    """What a run comes to, beside its record: see `Run`."""
+
+    status: str
+    message: str
+    summary: Mapping[str, Any]
+    final_state: State
+    condition_met: bool
+    complete: bool
+    recorded_until: float
+
+    @staticmethod
+    def of(result: _core.RunResult, recorded_until: float, cut: bool = False) -> Outcome:
+        """What the core found; `cut`: whether the record could not be kept to its end."""
+        return Outcome(
+            result.status,
+            result.message,
+            result.summary(),
+            made_state(result.final_state),
+            result.stopped,
+            result.status == "ok" and not cut,
+            recorded_until,
+        )
+
+
 class Run:
     """One simulation's result. SI units and radians; x and velocities in the world's frame.
 
-    Arrays have one entry for each recorded sample; n is the number of samples.
+    Arrays have one entry for each recorded sample; n is the number of samples. Those of a run that
+    was recorded into a file, or is read back from one, are read when they are first asked for.
 
     Attributes
     ----------
@@ -87,6 +109,11 @@ class Run:
         Where the run ended; a scenario can begin there.
     condition_met : bool
         Whether the run ended where its condition `until` was met.
+    complete : bool
+        Whether the run came to its end, and its record too: not after a failure or Ctrl-C, or where
+        a file could not be written on.
+    recorded_until : float
+        Time of the last recorded sample, s; NaN without one.
     t, x, z, theta, vx, vz, omega : numpy.ndarray, shape (n,)
         Time (s); position (m), tilt (rad) and their rates, at the centre of mass, Eqs. (10)-(14).
     normal_force, friction_force : numpy.ndarray, shape (n,)
@@ -121,6 +148,8 @@ class Run:
     condition_met: bool
     status: str
     message: str
+    complete: bool
+    recorded_until: float
     t: _Array
     x: _Array
     z: _Array
@@ -139,19 +168,25 @@ class Run:
     contact: NDArray[np.int8]
     event: NDArray[np.int8]
 
-    def __init__(self, scenario: Scenario, result: _core.RunResult) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        outcome: Outcome,
+        record: Mapping[str, NDArray[Any]] | StoredRecord | None,
+    ) -> None:
         self.scenario = scenario
-        self.status = result.status
-        self.message = result.message
-        self.final_state = made_state(result.final_state)
-        self.condition_met = result.stopped
-        self._summary = result.summary()
-        # Empty arrays would cost a run without a record the import of numpy.
-        if scenario.record.rate != "none":
-            recording: dict[str, Any] = {**result.take_recording()}
-            if scenario.record.rate != "events":
-                del recording["event"]
-            vars(self).update(recording)
+        self.status = outcome.status
+        self.message = outcome.message
+        self.final_state = outcome.final_state
+        self.condition_met = outcome.condition_met
+        self.complete = outcome.complete
+        self.recorded_until = outcome.recorded_until
+        self._summary = outcome.summary
+        self._stored: StoredRecord | None = None
+        if isinstance(record, Mapping):
+            vars(self).update(record)
+        else:
+            self._stored = record
 
     # Hidden from type checkers, which would else take any name for an attribute.
     if not TYPE_CHECKING:
@@ -159,11 +194,20 @@ class Run:
         def __getattr__(self, name: str) -> Any:
             if name not in COLUMNS:
                 raise AttributeError(f"a Run has no attribute {name!r}")
-            needed = '"events"' if name == "event" else 'a number of Hz, or "events"'
-            raise AttributeError(f"this run did not record {name}: set record.rate to {needed}")
+            record = self.scenario.record
+            if self._stored is not None and name in recorded_names(self.scenario):
+                vars(self)[name] = self._stored.read(name)
+                return vars(self)[name]
+            needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
+            if record.rate == "none":
+                needed = 'record.rate to a number of Hz, or "events"'
+            raise AttributeError(f"this run did not record {name}: set {needed}")
 
     def __repr__(self) -> str:
-        samples = f"{len(self.t)} samples" if self.recorded else "no record"
+        count = len(self.t) if self._stored is None and self.recorded else 0
+        if self._stored is not None:
+            count = self._stored.samples
+        samples = f"{count} samples" if self.recorded else "no record"
         return f"<Run: {self.status}, {self.mean_velocity:.6g} m/s, {samples}>"
 
     @property
@@ -174,12 +218,13 @@ class Run:
     @property
     def recorded(self) -> bool:
         """Whether there are arrays."""
-        return "t" in vars(self)
+        return self._stored is not None or "t" in vars(self)
 
     @property
     def mean_velocity(self) -> float:
         """dx/dt over the measuring window, m/s (section VII of the paper); NaN if not measured."""
-        return self._summary["mean_velocity"]
+        velocity: float = self._summary["mean_velocity"]
+        return velocity
 
     @property
     def notes(self) -> list[str]:
@@ -188,7 +233,12 @@ class Run:
         A robot that never moved or rolled over, fewer than four pulses, high voltages, a loose
         tolerance.
         """
-        return run_notes(self.scenario, {**self._summary})
+        notes = run_notes(self.scenario, {**self._summary})
+        if self.ok and not self.complete and self.recorded:
+            notes.append(
+                f"the record ends at {self.recorded_until:.6g} s: it could not be written on"
+            )
+        return notes
 
     def summary(self) -> dict[str, Any]:
         """What the run comes to.
@@ -204,7 +254,9 @@ class Run:
             the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T, of |B|
             at the robot), `current_max` (A) and `voltage_max` (V, both of any coil), `events`
             (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
-            integrator). What was never measured is NaN.
+            integrator). What was never measured is NaN. A run that ends before the window does has
+            no mean velocity, but `finished_velocity` (m/s), that over the `finished_pulses` (a
+            count) of the window's pulses that were finished; in other runs these are all of them.
         """
         core: dict[str, Any] = {**self._summary}
         core["events"] = dict(core["events"])
@@ -238,19 +290,22 @@ class Run:
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
         """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
-        from stickslip.simulation.netcdf import write_netcdf
+        from stickslip.simulation.netcdf import netcdf_file
 
-        write_netcdf(self.to_xarray(), path)
+        with netcdf_file(path, self.scenario) as file:
+            write_run(self, file)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the recorded columns to a CSV file, whole or not at all.
 
         The headings name the units, such as ``t (s)``; contact and event are words. A cell without
-        a value, such as the slip of a contact in flight, is empty. Errors are those of `save`.
+        a value, such as the slip of a contact in flight, is empty. What no column says, scenario
+        and summary, goes beside it, to ``<name>.csv.json``. Errors are those of `save`.
         """
-        from stickslip.simulation.csv_export import write_csv
+        from stickslip.simulation.csv_export import csv_file
 
-        write_csv(self, path)
+        with csv_file(path) as file:
+            write_run(self, file)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.
@@ -270,7 +325,7 @@ class Run:
             If the file cannot be written; an older file of that name is then untouched.
         """
         check_suffix(path, SUFFIXES)
-        if Path(path).suffix.lower() == ".csv":
+        if is_csv(path):
             self.to_csv(path)
         else:
             self.to_netcdf(path)

@@ -30,7 +30,25 @@ def counts_start_up(scenario: Scenario) -> bool:
 
 def run_notes(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     """Facts about a run, a line each; none for most runs."""
-    return [*_of_motion(summary), *_of_drive(scenario), *_of_solver(scenario)]
+    return [
+        *_of_end(scenario, summary),
+        *_of_motion(summary),
+        *_of_drive(scenario),
+        *_of_solver(scenario),
+    ]
+
+
+def _of_end(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
+    finished = summary["finished_pulses"]
+    if not finished or not math.isnan(summary["mean_velocity"]):
+        return []
+    start, end = scenario.window
+    pulses = round((end - start) * scenario.drive.frequency)
+    return [
+        f"the run ended after {finished} of the {pulses} pulses of the measuring window: there is "
+        "no mean_velocity; over the pulses that were finished it is "
+        f"{summary['finished_velocity'] * 1e3:.5g} mm/s (finished_velocity)"
+    ]
 
 
 def _of_motion(summary: dict[str, Any]) -> list[str]:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable
+from os import PathLike
 
 from stickslip import _core
+from stickslip._util.number_text import highest
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.run import Run
+from stickslip.simulation.record_blocks import kept, recorded_names
+from stickslip.simulation.run import Outcome, Run
 
 Progress = Callable[[float, str], object]
 """Called some twenty times a second with the fraction that is done, 0 to 1, and the stage."""
@@ -46,8 +49,28 @@ def parsed_condition(until: str) -> tuple[str, bool, float]:
     )
 
 
+MOST_IN_MEMORY = 10_000_000
+"""Samples that a record without a file can have, at some 170 bytes each."""
+
+
+def check_memory(scenario: Scenario) -> None:
+    """Refuse a record that memory is not meant to hold."""
+    rate = scenario.record.rate
+    span = scenario.duration - scenario.record.from_
+    if isinstance(rate, float) and rate * span > MOST_IN_MEMORY:
+        raise ScenarioError(
+            f"record.rate = {rate!r}: allowed is at most 1e7 samples in memory, "
+            f"here {highest(MOST_IN_MEMORY / span)} Hz; a file that is written as the run goes on, "
+            "with --out or simulate(out=...), takes more"
+        )
+
+
 def simulate(
-    scenario: Scenario, progress: Progress | None = None, *, until: str | None = None
+    scenario: Scenario,
+    progress: Progress | None = None,
+    *,
+    until: str | None = None,
+    out: str | PathLike[str] | None = None,
 ) -> Run:
     """Simulate one scenario: from its initial state to the end of its drive.
 
@@ -67,6 +90,11 @@ def simulate(
         Ends the run earlier where a condition is met, which is located like any other event:
         ``"x >= 3e-3"``, or another of time (s), x, z (m, of the centre of mass), theta (rad) or
         turns (theta over 2 pi) with ``>=`` or ``<=``. See `Run.condition_met`.
+    out : path-like, optional
+        Write the record to this file while the run goes on, with memory that does not grow: a
+        netCDF file (``.nc``, ``.nc4``, ``.h5``) or ``.csv``, as `Run.save` writes them. What was
+        recorded before Ctrl-C, another exception or a failure of the simulation is kept, and
+        marked as incomplete. The run's arrays are read from the file when they are first asked for.
 
     Returns
     -------
@@ -77,7 +105,11 @@ def simulate(
     Raises
     ------
     ScenarioError
-        If `scenario` is not a Scenario, or `until` no condition.
+        If `scenario` is not a Scenario, or `until` no condition; if the record is too long for
+        memory, or there is none for `out`.
+    OSError
+        If `out` cannot be written. If that shows during the run, as where the disk is full, the run
+        goes on without its record and is the error's attribute `run`.
     KeyboardInterrupt
         On Ctrl-C, within a fraction of a second.
 
@@ -88,7 +120,13 @@ def simulate(
     >>> print(f"{run.mean_velocity * 1e3:.2f} mm/s")
     1.91 mm/s
     """
-    return simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
+    if out is None:
+        return simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
+    from stickslip.simulation.recording_to_file import simulate_into
+
+    _check_scenario(0, scenario)
+    condition = None if until is None else parsed_condition(until)
+    return simulate_into(scenario, out, fraction_of(scenario.duration, progress), condition)
 
 
 def simulate_batch(
@@ -118,7 +156,8 @@ def simulate_batch(
     Raises
     ------
     ScenarioError
-        If one of `scenarios` is not a Scenario, or `until` no condition.
+        If one of `scenarios` is not a Scenario, or its record too long for memory, or `until` no
+        condition.
     ValueError
         If `threads` is not a whole number above zero.
     KeyboardInterrupt
@@ -126,12 +165,26 @@ def simulate_batch(
     """
     scenarios = list(scenarios)
     for index, scenario in enumerate(scenarios):
-        if not isinstance(scenario, Scenario):
-            raise ScenarioError(f"scenario {index} = {shown(scenario)}: allowed is a Scenario")
+        _check_scenario(index, scenario)
+        check_memory(scenario)
     threads = worker_count(threads, "threads")
     condition = None if until is None else parsed_condition(until)
 
     cores = [scenario.to_core() for scenario in scenarios]
     report = fraction_of(sum(core.duration for core in cores), progress)
     results = _core.simulate_batch(cores, threads, report, condition)
-    return [Run(*pair) for pair in zip(scenarios, results, strict=True)]
+    return [_run_of(*pair) for pair in zip(scenarios, results, strict=True)]
+
+
+def _check_scenario(index: int, scenario: object) -> None:
+    if not isinstance(scenario, Scenario):
+        raise ScenarioError(f"scenario {index} = {shown(scenario)}: allowed is a Scenario")
+
+
+def _run_of(scenario: Scenario, result: _core.RunResult) -> Run:
+    # Empty arrays would cost a run without a record the import of numpy.
+    if not recorded_names(scenario):
+        return Run(scenario, Outcome.of(result, math.nan), None)
+    record = kept(scenario, result.take_recording())
+    until = float(record["t"][-1]) if len(record["t"]) else math.nan
+    return Run(scenario, Outcome.of(result, until), record)

@@ -207,7 +207,7 @@ def _check_key(key: object) -> None:
         raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
     if key in (PROGRAM, "drive.file"):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages")
-    if key == RECORD_RATE:
+    if isinstance(key, str) and key.startswith("record."):
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
 
 

@@ -1,0 +1,1 @@
+"""The core beside motions that were measured."""

@@ -1,0 +1,153 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "stickslip/recording.hpp"
+#include "stickslip/simulation.hpp"
+
+using namespace stickslip;
+
+namespace {
+
+// A sample whose x is `x`, m.
+void add(Recorder& recorder, double t, double x) {
+    Snapshot snapshot;
+    snapshot.body.x = x;
+    recorder.add(t, snapshot, ContactMode{}, PlanarField{}, 0.0, PerCoil{});
+}
+
+// The chunks that a recorder of `samples` events hands over, each x a number of its own.
+std::vector<Recording> chunks_of(std::int64_t samples) {
+    std::vector<Recording> chunks;
+    RecordSettings settings;
+    settings.kind = RecordKind::events;
+    settings.sink = [&](Recording&& chunk) { chunks.push_back(std::move(chunk)); };
+    Recorder recorder(settings, MeasurementChain{}, 1.0);
+    for (std::int64_t k = 0; k < samples; ++k) {
+        add(recorder, static_cast<double>(k), static_cast<double>(k));
+        recorder.add_event(static_cast<EventKind>(k % 7));
+    }
+    CHECK(recorder.take().t.empty());
+    return chunks;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "recording: a sink gets each sample once, in full chunks and a rest, events with theirs") {
+    const auto chunk = static_cast<std::int64_t>(Recorder::kChunk);
+    for (const std::int64_t samples :
+         {std::int64_t{0}, std::int64_t{1}, chunk, chunk + 1, 2 * chunk + 3}) {
+        const std::vector<Recording> chunks = chunks_of(samples);
+        std::int64_t next = 0;
+        for (const Recording& each : chunks) {
+            REQUIRE(!each.t.empty());
+            if (&each != &chunks.back()) CHECK(each.t.size() == Recorder::kChunk);
+            REQUIRE(each.x.size() == each.t.size());
+            REQUIRE(each.event.size() == each.t.size());
+            for (std::size_t i = 0; i < each.x.size(); ++i, ++next) {
+                REQUIRE(each.x[i] == static_cast<double>(next));
+                REQUIRE(each.event[i] == next % 7);
+            }
+        }
+        CHECK(next == samples);
+    }
+}
+
+TEST_CASE("recording: the grid begins with its first sample that is not before `from`") {
+    // 0.1 and 0.3 have no finite binary form: their products with the rate are rounded either way.
+    for (const double rate : {3.0, 10.0, 7e3, 5e4, 1e5 / 3.0}) {
+        for (const double from : {0.0, 0.1, 0.3, 0.7, 1.0 / 3.0, 2.0, 123.4567}) {
+            RecordSettings settings;
+            settings.kind = RecordKind::uniform;
+            settings.rate = rate;
+            settings.from = from;
+            const double first = Recorder(settings, MeasurementChain{}, 1.0).next_time();
+            const double number = std::round(first * rate);
+            CHECK(first == number / rate);
+            CHECK(first >= from);
+            if (number > 0.0) CHECK((number - 1.0) / rate < from);
+        }
+    }
+}
+
+TEST_CASE(
+    "recording: what a sink gets are the bits of a record in memory, as instruments read it") {
+    Scenario scenario;
+    scenario.drive.pulses = 4;
+    scenario.effects.clock_scale_fraction = 1e-3;
+    scenario.effects.angle_offset_angle = 0.01;
+    scenario.record.kind = RecordKind::uniform;
+    scenario.record.rate = 1e6;  // 90 000 samples: two chunks
+    const Recording whole = simulate(scenario).recording;
+    REQUIRE(whole.t.size() > Recorder::kChunk);
+
+    // A few columns, from a time on; the grid's samples are those of the whole.
+    constexpr std::size_t kX = 1;
+    scenario.record.dropped.set(kX);
+    scenario.record.from = 0.01;
+    Recording streamed;
+    scenario.record.sink = [&](Recording&& chunk) {
+        streamed.t.insert(streamed.t.end(), chunk.t.begin(), chunk.t.end());
+        streamed.theta.insert(streamed.theta.end(), chunk.theta.begin(), chunk.theta.end());
+        streamed.current.insert(streamed.current.end(), chunk.current.begin(), chunk.current.end());
+        CHECK(chunk.x.empty());
+    };
+    CHECK(simulate(scenario).recording.t.empty());
+    const std::size_t skipped = whole.t.size() - streamed.t.size();
+    CHECK(skipped == 10'000);
+    const auto tail = [&](const auto& column) {
+        return std::vector(column.begin() + static_cast<std::ptrdiff_t>(skipped), column.end());
+    };
+    CHECK(streamed.t == tail(whole.t));
+    CHECK(streamed.theta == tail(whole.theta));
+    CHECK(streamed.current == tail(whole.current));
+}
+
+TEST_CASE("recording: events before `from` are counted, but not recorded") {
+    Scenario scenario;
+    scenario.drive.pulses = 4;
+    scenario.record.kind = RecordKind::events;
+    const RunResult whole = simulate(scenario);
+    REQUIRE(whole.recording.t.size() > 4);
+    // Between two events, so that none is at the limit.
+    const std::vector<double>& times = whole.recording.t;
+    std::size_t later = times.size() / 2;
+    while (times[later] == times[later - 1]) ++later;
+    scenario.record.from = 0.5 * (times[later - 1] + times[later]);
+    const RunResult part = simulate(scenario);
+    CHECK(part.recording.t.size() == times.size() - later);
+    CHECK(part.recording.event.size() == part.recording.t.size());
+    CHECK(part.summary.events == whole.summary.events);
+}
+
+TEST_CASE("simulation: a run that ends early has the mean velocity of its finished pulses") {
+    Scenario scenario;
+    scenario.drive.base = 0.5e-3;
+    scenario.drive.pulses = 12;
+    const RunResult whole = simulate(scenario);
+    CHECK(whole.summary.finished_pulses == 9);  // the window begins after the third
+    CHECK(whole.summary.finished_velocity == whole.summary.mean_velocity);
+
+    // The same motion, ended by its budget of steps somewhere within a pulse.
+    scenario.record.kind = RecordKind::uniform;
+    scenario.record.rate = 1e3;
+    const Recording path = simulate(scenario).recording;
+    scenario.solver.max_steps = whole.steps.accepted * 2 / 3;
+    const RunResult part = simulate(scenario);
+    REQUIRE(part.status == Status::too_many_steps);
+    CHECK(std::isnan(part.summary.mean_velocity));
+    const std::int64_t pulses = part.summary.finished_pulses;
+    REQUIRE(pulses > 0);
+    REQUIRE(pulses < 9);
+    // At 1 kHz: the ramp has 50 samples, a pulse 10.
+    const auto at = [&](std::int64_t pulse) {
+        return path.x[static_cast<std::size_t>(50 + 10 * pulse)];
+    };
+    const double velocity = (at(3 + pulses) - at(3)) / (0.01 * static_cast<double>(pulses));
+    CHECK(part.summary.finished_velocity == doctest::Approx(velocity).epsilon(1e-9));
+    CHECK(part.summary.simulated_time < 0.05 + 0.01 * static_cast<double>(4 + pulses));
+}

@@ -1,0 +1,80 @@
+"""The blocks of samples in which a record goes into a file, and what a file of one has to do."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from stickslip import _core
+from stickslip.scenario.keys import recorded_fields
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from stickslip.scenario.scenario import Scenario
+    from stickslip.simulation.run import Run
+
+Block = Mapping[str, "NDArray[Any]"]
+"""Arrays of the recorded quantities by name, all of one length."""
+
+BLOCK = 65536
+"""Samples of a block that is cut from arrays: as many as the core hands over at a time."""
+
+
+class RecordFile(Protocol):
+    """A file that takes a record block by block."""
+
+    def write(self, block: Block) -> None:
+        """Add samples; none of them, with an OSError, where there is no room for all."""
+
+    def finish(self, run: Run) -> None:
+        """Add what is known at the end: scenario, summary and how far the record goes."""
+
+
+def recorded_names(scenario: Scenario) -> tuple[str, ...]:
+    """The quantities that a run of a scenario keeps; none without a record."""
+    record = scenario.record
+    if record.rate == "none":
+        return ()
+    names = recorded_fields(str(record.fields))
+    return names if record.rate == "events" else tuple(name for name in names if name != "event")
+
+
+def kept(scenario: Scenario, recording: _core._Recording) -> dict[str, NDArray[Any]]:
+    """What the core recorded, in the precision that the scenario asks for."""
+    arrays: Mapping[str, Any] = recording
+    return {
+        name: arrays[name].astype(scenario.record.dtype, copy=False)
+        if name != "t" and arrays[name].dtype.kind == "f"
+        else arrays[name]
+        for name in recorded_names(scenario)
+    }
+
+
+def write_run(run: Run, file: RecordFile) -> None:
+    """Write a run whose arrays are at hand."""
+    arrays = {name: getattr(run, name) for name in recorded_names(run.scenario) or ("t",)}
+    for start in range(0, max(len(arrays["t"]), 1), BLOCK):  # a block at least, for the columns
+        file.write({name: array[start : start + BLOCK] for name, array in arrays.items()})
+    file.finish(run)
+
+
+def is_csv(path: str | PathLike[str]) -> bool:
+    """Whether a name is that of a CSV file; others are netCDF."""
+    return Path(path).suffix.lower() == ".csv"
+
+
+def record_file(
+    path: str | PathLike[str], scenario: Scenario
+) -> contextlib.AbstractContextManager[RecordFile]:
+    """A file of the format that the suffix names, which takes its name as the block ends."""
+    if is_csv(path):
+        from stickslip.simulation.csv_export import csv_file
+
+        return csv_file(path)
+    from stickslip.simulation.netcdf import netcdf_file
+
+    return netcdf_file(path, scenario)

@@ -1,0 +1,122 @@
+"""A run whose record goes into a file while it is simulated."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from os import PathLike
+from typing import TYPE_CHECKING
+
+from stickslip import _core
+from stickslip._util.atomic_files import NotWritten, check_suffix
+from stickslip.errors import ScenarioError
+from stickslip.simulation.record_blocks import RecordFile, kept, record_file
+from stickslip.simulation.run import SUFFIXES, Outcome, Run
+from stickslip.simulation.stored_run import StoredRecord
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
+
+class RecordNotWritten(NotWritten):
+    """The record of a run could not be written, or not to its end; `run` is the run."""
+
+    def __init__(self, text: str, run: Run) -> None:
+        super().__init__(text)
+        self.run = run
+
+
+class _NothingToKeep(Exception):
+    """Nothing was recorded before the end: there is to be no file."""
+
+
+class _Recording:
+    """A simulation whose record goes into a file; what happens to either is kept, not raised."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.samples = 0
+        self.stop: BaseException | None = None  # what ended the simulation
+        self.failure: OSError | None = None  # what ended the record
+        self._scenario = scenario
+        self._until = math.nan
+        self._result = _core.RunResult()
+
+    def play(
+        self,
+        file: RecordFile,
+        report: Callable[[float], object] | None,
+        condition: tuple[str, bool, float] | None,
+    ) -> None:
+        """Simulate, and fill the file with what there is."""
+        core = self._scenario.to_core()
+        take = functools.partial(self._take, file)
+        try:
+            _core.stream(self._result, core, take, report, condition)
+        except BaseException as error:
+            self.stop = error
+        if not self.samples:
+            if self.stop is not None or self.failure is not None:
+                raise _NothingToKeep
+            take(self._result.take_recording())  # the columns of a record without samples
+        file.finish(self.run(None))
+
+    def _take(self, file: RecordFile, recording: _core._Recording) -> None:
+        if self.failure is not None:  # the run goes on without
+            return
+        block = kept(self._scenario, recording)
+        try:
+            file.write(block)
+        except OSError as error:
+            self.failure = error
+            return
+        self.samples += len(block["t"])
+        if self.samples:
+            self._until = float(block["t"][-1])
+
+    def run(self, record: StoredRecord | None) -> Run:
+        cut = self.stop is not None or self.failure is not None
+        return Run(self._scenario, Outcome.of(self._result, self._until, cut), record)
+
+    @property
+    def extent(self) -> str:
+        return f"has the record up to {self._until:.6g} s"
+
+
+def simulate_into(
+    scenario: Scenario,
+    path: str | PathLike[str],
+    report: Callable[[float], object] | None,
+    condition: tuple[str, bool, float] | None,
+) -> Run:
+    """See `simulate`, with its argument `out`."""
+    check_suffix(path, SUFFIXES)
+    if scenario.record.rate == "none":
+        raise ScenarioError('record.rate = "none": allowed with out is a number of Hz, or "events"')
+    recording = _Recording(scenario)
+    begun = written = False
+    try:
+        with record_file(path, scenario) as file:
+            begun = True
+            recording.play(file, report, condition)
+        written = True
+    except _NothingToKeep:
+        pass
+    except NotWritten as error:
+        if not begun:
+            raise
+        recording.failure = recording.failure or error
+    if recording.stop is not None:
+        if isinstance(recording.stop, KeyboardInterrupt) and written:
+            raise KeyboardInterrupt(f"{path} {recording.extent}") from None
+        raise recording.stop
+    run = recording.run(StoredRecord(path, scenario, recording.samples) if written else None)
+    if recording.failure is not None:
+        reason = recording.failure.strerror or str(recording.failure)
+        text = (
+            reason
+            if isinstance(recording.failure, NotWritten)
+            else f"cannot write {path}: {reason}"
+        )
+        raise RecordNotWritten(f"{text}; it {recording.extent}" if written else text, run)
+    return run

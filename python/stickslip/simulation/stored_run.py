@@ -1,0 +1,202 @@
+"""Runs that are read back from the files that `Run.save` and ``--out`` write."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip import _core
+from stickslip._util.atomic_files import read_bytes
+from stickslip._util.checksum import check_checksum
+from stickslip.errors import ScenarioError
+from stickslip.scenario.state import State
+from stickslip.scenario.toml_file import scenario_of
+from stickslip.scenario.waveform_json import program_of
+from stickslip.simulation.csv_export import beside, headings
+from stickslip.simulation.record_blocks import is_csv, recorded_names
+from stickslip.simulation.run import WORDS, Outcome, Run
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from stickslip.scenario.scenario import Scenario
+
+_YES_OR_NO = {0: False, 1: True}
+
+_ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
+
+# Of the file beside a CSV file, bytes; chosen: voltages of two million rows and more fit into it.
+_MOST_BYTES = 1 << 30
+
+
+class StoredRecord:
+    """The record of a run in its file, of which each quantity is read when it is wanted."""
+
+    def __init__(self, path: str | PathLike[str], scenario: Scenario, samples: int) -> None:
+        self.samples = samples
+        self._path = Path(path).absolute()
+        self._dtype = scenario.record.dtype
+        self._identity = self._identified()
+
+    def read(self, name: str) -> NDArray[Any]:
+        """The array of a quantity; a ScenarioError if the file is not the one that it was."""
+        try:
+            if self._identified() != self._identity:
+                raise ScenarioError(f"{self._path}: has changed since this run was opened")
+            if is_csv(self._path):
+                return _csv_column(self._path, name, self._dtype)
+            import h5py
+
+            with h5py.File(self._path) as file:
+                array: NDArray[Any] = file[name][()]
+                return array
+        except OSError as error:
+            raise ScenarioError(
+                f"{self._path}: cannot be read: {error.strerror or error}"
+            ) from None
+
+    def _identified(self) -> tuple[int, int, int]:
+        found = os.stat(self._path)
+        return found.st_ino, found.st_size, found.st_mtime_ns
+
+
+def open_run(path: str | PathLike[str]) -> Run:
+    """Read a run from a file that `Run.save`, `simulate` or ``stickslip run --out`` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+        A netCDF file; or a CSV file, with the ``.csv.json`` that was written beside it.
+
+    Returns
+    -------
+    Run
+        As it was, with scenario, summary and arrays. These are read when they are first asked for,
+        so the file has to stay as it is until then.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read, holds no run, or is not as it was written; also when a quantity
+        is read later.
+    """
+    about = _read(path, _csv_attributes if is_csv(path) else _netcdf_attributes)
+    try:
+        scenario = _scenario(about)
+        outcome = _outcome(about)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    except (KeyError, TypeError, ValueError):
+        raise ScenarioError(f"{path}: is no run of this version; {_ALLOWED}") from None
+    missing = [name for name in recorded_names(scenario) if name not in about["columns"]]
+    if missing:
+        raise ScenarioError(f"{path}: is no whole run: it has no {', '.join(missing)}")
+    return Run(scenario, outcome, StoredRecord(path, scenario, about["samples"]))
+
+
+def _read(
+    path: str | PathLike[str], read: Callable[[str | PathLike[str]], dict[str, Any]]
+) -> dict[str, Any]:
+    """What a file says beside its samples, with the names of its `columns` and its `samples`."""
+    try:
+        return read(path)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+def _netcdf_attributes(path: str | PathLike[str]) -> dict[str, Any]:
+    import h5py
+
+    check_checksum(path)
+    try:
+        with h5py.File(path) as file:
+            about = {name: _plain(value) for name, value in file.attrs.items()}
+            columns = {name: len(item) for name, item in file.items()}
+    except Exception:  # whatever HDF5 and its readers raise for another file
+        raise ScenarioError(f"is no netCDF file; {_ALLOWED}") from None
+    if "t" not in columns or "scenario" not in about:
+        raise ScenarioError(f"is no run; {_ALLOWED}")
+    return {**about, "columns": columns, "samples": columns["t"]}
+
+
+def _plain(value: Any) -> Any:
+    """A number or a text of an attribute, which netCDF keeps as an array of one."""
+    return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+
+
+def _csv_attributes(path: str | PathLike[str]) -> dict[str, Any]:
+    with open(path, "rb") as file:
+        first = file.readline().decode("utf-8", "replace").rstrip("\r\n").split(",")
+        pieces = iter(lambda: file.read(1 << 20), b"")
+        rows = sum(piece.count(b"\n") for piece in pieces)
+    side = beside(path)
+    if not side.exists():
+        raise ScenarioError(
+            f"{side.name} is missing beside it: allowed is a CSV file of a run with the file of "
+            "scenario and summary that was written with it"
+        )
+    try:
+        about = json.loads(read_bytes(side, _MOST_BYTES, "file of a run"))
+        if about["stickslip_run"] != 1:
+            raise ValueError
+    except ScenarioError as error:
+        raise ScenarioError(f"{side.name} {error}") from None
+    except (ValueError, TypeError, KeyError):
+        raise ScenarioError(f"{side.name} beside it is no file of a run") from None
+    if rows != about["samples"]:
+        raise ScenarioError(
+            f"has {rows} samples, but {side.name} is of a record of {about['samples']}"
+        )
+    columns = [name for name in _core.record_columns if {*headings(name)} <= {*first}]
+    return {**about, "columns": columns}
+
+
+def _csv_column(path: Path, name: str, dtype: str) -> NDArray[Any]:
+    import pandas as pd
+
+    titles = headings(name)
+    try:
+        # As text: what pandas makes of numbers is not always the nearest one.
+        table = pd.read_csv(path, usecols=titles, dtype=str)[titles].to_numpy(object)
+        if name in WORDS:
+            codes = {word: code for code, word in enumerate(WORDS[name])}
+            return np.array([codes[word] for word in table[:, 0]], dtype=np.int8)
+        array = table.astype("float64" if name == "t" else dtype)
+    except (KeyError, ValueError):
+        raise ScenarioError(f"{path}: its columns of {name} cannot be read") from None
+    return array if name == "current" else array[:, 0]
+
+
+def _scenario(about: Mapping[str, Any]) -> Scenario:
+    voltages = about.get("voltage_blocks")
+    return scenario_of(about["scenario"], program_of(voltages) if voltages else None)
+
+
+def _outcome(about: Mapping[str, Any]) -> Outcome:
+    summary: dict[str, Any] = {}
+    empty: dict[str, Any] = {**_core.RunResult().summary()}
+    for name, like in empty.items():
+        value = about[name]
+        if isinstance(like, dict):
+            summary[name] = json.loads(value)
+        else:
+            summary[name] = math.nan if value is None else type(like)(value)
+    until = about["recorded_until"]
+    return Outcome(
+        status=about["status"],
+        message=about["message"],
+        summary=summary,
+        final_state=State(**json.loads(about["final_state"])),
+        condition_met=_YES_OR_NO[about["condition_met"]],
+        complete=_YES_OR_NO[about["complete"]],
+        recorded_until=math.nan if until is None else until,
+    )
