@@ -40,9 +40,9 @@ template <class Real>
 struct FieldStretch {
     using Terms = typename ExpansionOf<Real>::Terms;
 
-    std::array<Terms, 3> basis = {};  ///< of a, b and c
-    Real centre_x = 0.0, centre_z = 0.0;
-    Real rate = 0.0;  ///< 1/s
+    std::array<Terms, 3> basis;  ///< of a, b and c
+    Real centre_x, centre_z;
+    Real rate;  ///< 1/s
 
     [[gnu::always_inline]] ExpansionOf<Real> at(Real tau) const {
         ExpansionOf<Real> result;
@@ -150,7 +150,7 @@ private:
     bool expanded_ = false;
     bool outside_ = false;
     std::array<Terms, kCoilCount> unit_ = {};  // per ampere of each coil
-    FieldStretch<double> stretch_;
+    FieldStretch<double> stretch_ = {};
     // Of the second exponential and those after it.
     std::array<Terms, kMaxExponentials - 1> further_basis_ = {};
 };

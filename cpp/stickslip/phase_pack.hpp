@@ -161,6 +161,7 @@ private:
         const auto* values = reinterpret_cast<const double*>(&numbers);
         double* to = memory_.data() + place;
         for (const Range& range : ranges) {
+#pragma GCC unroll 8
             for (std::size_t k = range.begin; k < range.end; ++k) to[k * size_] = values[k];
         }
     }
@@ -169,6 +170,7 @@ private:
         auto* to = reinterpret_cast<double*>(&numbers);
         const double* from = memory_.data() + place;
         for (const Range& range : ranges) {
+#pragma GCC unroll 8
             for (std::size_t k = range.begin; k < range.end; ++k) to[k] = from[k * size_];
         }
         return numbers;
