@@ -17,7 +17,7 @@ NAMES = tuple(each.name for each in CRITERIA)
 """The statements that depend on settings, S1 to S14."""
 
 
-class Standing(NamedTuple):
+class StatementScore(NamedTuple):
     """One statement among all pairs for which S1 to S4 hold."""
 
     name: str
@@ -41,7 +41,7 @@ class Evidence(NamedTuple):
     kept: int  # such pairs
     most: int  # statements that hold together
     failing: dict[tuple[str, ...], int]  # what fails where the most hold, and for how many pairs
-    standings: list[Standing]
+    scores: list[StatementScore]
     conflicts: list[Conflict]
 
 
@@ -56,8 +56,8 @@ def evidence(margins: Array) -> Evidence:
         names = tuple(name for name, held in zip(NAMES, row, strict=True) if not held)
         failing[names] = failing.get(names, 0) + 1
     trends = range(MOTION, len(NAMES))
-    standings = [
-        Standing(
+    scores = [
+        StatementScore(
             NAMES[k],
             int(holds[:, k].sum()),
             float(kept[:, k].max(initial=-np.inf)),
@@ -72,4 +72,4 @@ def evidence(margins: Array) -> Evidence:
         for a, b in itertools.combinations(trends, 2)
         if holds[:, a].any() and holds[:, b].any() and not (holds[:, a] & holds[:, b]).any()
     ]
-    return Evidence(len(kept), most, failing, standings, conflicts)
+    return Evidence(len(kept), most, failing, scores, conflicts)

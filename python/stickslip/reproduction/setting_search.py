@@ -106,7 +106,7 @@ class SettingSearch:
             "with S1 to S4  pairs  best margin  most that hold with it",
             *(
                 f"  {each.name:<13}{each.pairs:>5}  {each.margin:>+11.3f}  {each.most or 'never'}"
-                for each in said.standings
+                for each in said.scores
             ),
             "",
             "never both with S1 to S4, with the best margin of each where the other holds:",
@@ -128,7 +128,7 @@ class SettingSearch:
             "kept": said.kept,
             "most": said.most,
             "failing": [{"statements": [*names], "pairs": n} for names, n in said.failing.items()],
-            "standings": [each._asdict() for each in said.standings],
+            "scores": [each._asdict() for each in said.scores],
             "conflicts": [each._asdict() for each in said.conflicts],
             "tried": self.tried,
             "seed": self.seed,
