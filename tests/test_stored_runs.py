@@ -88,8 +88,12 @@ def test_csv_files_that_are_no_runs_are_refused_in_one_line(tmp_path):
     digests = [hashlib.sha256(each).hexdigest() for each in (text.encode(), changed)]
     side.write_text(about.replace(*digests))
     assert "it has no x" in refusal_of(path)
-    for text in ("", "[]", "{}", about.replace('"stickslip_run": 1', '"stickslip_run": 2')):
-        side.write_text(text)
+    for old, new in (
+        ('"stickslip_run": 1', '"stickslip_run": 2'),
+        ("sha256", "md5"),
+        (about, "[]"),
+    ):
+        side.write_text(about.replace(old, new))
         assert "run.csv.json beside it is no file of a run" in refusal_of(path)
     side.unlink()
     assert "run.csv.json is missing beside it" in refusal_of(path)

@@ -148,11 +148,12 @@ def _csv_attributes(path: str | PathLike[str]) -> dict[str, Any]:
         about = json.loads(read_bytes(side, _MOST_BYTES, "file of a run"))
         if about["stickslip_run"] != 1:
             raise ValueError
+        expected = about["sha256"]
     except ScenarioError as error:
         raise ScenarioError(f"{side.name} {error}") from None
     except (ValueError, TypeError, KeyError):
         raise ScenarioError(f"{side.name} beside it is no file of a run") from None
-    if checksum != about["sha256"]:
+    if checksum != expected:
         raise ScenarioError(
             f"its checksum is not that of {side.name}: it has been changed, or one of the two is "
             "of another run"
