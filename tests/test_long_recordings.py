@@ -28,6 +28,7 @@ from stickslip import (
     unregister_effect,
 )
 from stickslip.simulation.record_blocks import BLOCK
+from stickslip.simulation.simulate import MOST_IN_MEMORY
 
 
 @pytest.fixture(scope="module")
@@ -294,7 +295,7 @@ def test_a_record_of_any_length_has_to_go_into_a_file(tmp_path):
     with pytest.raises(ScenarioError) as refusal:
         simulate(ENDLESS)
     assert "\n" not in str(refusal.value)
-    for word in ("record.rate = 50000.0", "1e7 samples in memory", "--out"):
+    for word in ("record.rate = 50000.0", f"{MOST_IN_MEMORY} samples in memory", "--out"):
         assert word in str(refusal.value)
     with pytest.raises(ScenarioError, match=r'record\.rate = "none": allowed with out'):
         simulate(COARSE.replace({"record.rate": "none"}), out=tmp_path / "run.nc")

@@ -89,6 +89,19 @@ def test_the_error_of_a_quantile_is_that_of_its_share_of_the_draws():
     assert data["mean_velocity_error"][1].item() == pytest.approx(0.25 * width, rel=1e-9)
 
 
+def test_a_quantile_has_no_error_where_the_draws_are_too_few_to_know_it():
+    # sqrt(q (1 - q) / n) is 0.05 for q = 0.1 and 36 draws, and that of 0.9 as well; for 0.5 it is
+    # a quarter of 1 with four draws.
+    rows = np.random.default_rng(0).standard_normal((6, 37))
+    for row, count in zip(rows, (0, 1, 3, 5, 35, 37), strict=True):
+        row[count:] = np.nan
+    level, error = quantiles_with_errors(rows, [0.1, 0.5, 0.9])
+    assert (np.isfinite(level) == [[count > 0] * 3 for count in (0, 1, 3, 5, 35, 37)]).all()
+    few, half, many = [False] * 3, [False, True, False], [True] * 3
+    assert np.isfinite(error).tolist() == [few, few, few, half, half, many]
+    assert (error[-1] > 0.0).all()
+
+
 def test_any_number_of_threads_gives_the_same_bits(found):
     for threads in (1, 3):
         again = predict(BASE, GRID, draws=24, threads=threads)

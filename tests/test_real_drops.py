@@ -9,6 +9,7 @@ import pytest
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from real import drops as bench
+from real import fits
 from real.contacts import ABOUT, ContactGeometry
 from real.flights import NOISE, Drops, FlightConstants, find_flights, read_drops
 from real.prediction import ImpactConstants, Model, Starts, predict
@@ -35,8 +36,8 @@ def made_by_the_core(number, seed):
 
 def test_the_constants_of_drops_that_the_core_made_come_back():
     drops = made_by_the_core(28, seed=1)
-    found = bench.fit(drops, tries=100)
-    spread = bench.deviations(drops, found.model, tries=40)
+    found = fits.fit(drops, tries=100)
+    spread = fits.deviations(drops, found.model, tries=40)
     geometry, impact = found.model.geometry, found.model.impact
     offset = geometry.angle_offset - TRUTH.geometry.angle_offset
     # The bounds say something: the errors that are found are small beside the constants.
@@ -53,8 +54,8 @@ def test_the_constants_of_drops_that_the_core_made_come_back():
 def test_half_of_some_real_drops_is_predicted_from_the_other():
     drops = read_drops(DATA)
     fitted, other = (drops.some(np.arange(len(drops)) % 2 == half) for half in (0, 1))
-    found = bench.fit(fitted, tries=60)
-    error = bench.errors(other, found.model)
+    found = fits.fit(fitted, tries=60)
+    error = fits.errors(other, found.model)
     assert len(error) == 14
     # All 250 drops: 4.1 mm, 3.3 mm and 0.21 rad. Fourteen drops give a median that scatters by a
     # third and constants that are worse; a throw without contact would be 70 mm too low.

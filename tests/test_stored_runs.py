@@ -1,9 +1,14 @@
 """Runs that are read back from files, files that hold none, and the keys of a record."""
 
+import hashlib
+import subprocess
+import sys
+import tracemalloc
+
 import pytest
 
 from command_line import stickslip
-from recorded_runs import COARSE, assert_same_record
+from recorded_runs import COARSE, DENSE, assert_same_record
 from stickslip import (
     Drive,
     Record,
@@ -16,6 +21,7 @@ from stickslip import (
     simulate,
     sweep,
 )
+from stickslip.simulation.record_blocks import BLOCK
 
 
 @pytest.mark.parametrize("name", ["run.nc", "run.csv"])
@@ -69,23 +75,62 @@ def test_files_that_are_no_runs_are_refused_in_one_line(tmp_path):
 def test_csv_files_that_are_no_runs_are_refused_in_one_line(tmp_path):
     path, side = tmp_path / "run.csv", tmp_path / "run.csv.json"
     simulate(COARSE, out=path)
-    lines = path.read_text().splitlines(keepends=True)
+    text, about = path.read_text(), side.read_text()
     opened = open_run(path)
-    path.write_text("".join(lines[:-1]))
-    assert "has 340 samples, but run.csv.json is of a record of 341" in refusal_of(path)
+    # A digit of a sample, and a sample less.
+    for damaged in (text.replace("1", "2", 1), text[: text.rindex("\n", 0, -1) + 1]):
+        path.write_text(damaged)
+        assert "its checksum is not that of run.csv.json" in refusal_of(path)
     with pytest.raises(ScenarioError, match="has changed since this run was opened"):
         _ = opened.x
-    path.write_text("".join([lines[0].replace("x (m)", "x (mm)"), *lines[1:]]))
+    changed = text.replace("x (m)", "x (mm)").encode()
+    path.write_bytes(changed)
+    digests = [hashlib.sha256(each).hexdigest() for each in (text.encode(), changed)]
+    side.write_text(about.replace(*digests))
     assert "it has no x" in refusal_of(path)
-    path.write_text("".join([*lines[:-1], lines[-1].replace("corner", "edge")]))
-    with pytest.raises(ScenarioError, match="its columns of contact cannot be read"):
-        _ = open_run(path).contact
-    about = side.read_text()
-    for text in ("", "[]", "{}", about.replace('"stickslip_run": 1', '"stickslip_run": 2')):
-        side.write_text(text)
+    for old, new in (
+        ('"stickslip_run": 1', '"stickslip_run": 2'),
+        ("sha256", "md5"),
+        (about, "[]"),
+    ):
+        side.write_text(about.replace(old, new))
         assert "run.csv.json beside it is no file of a run" in refusal_of(path)
     side.unlink()
     assert "run.csv.json is missing beside it" in refusal_of(path)
+
+
+def test_a_csv_file_is_not_opened_with_the_summary_of_another_run(tmp_path):
+    # What is left where the process ends after the first of the two files took its name.
+    for name, base in (("run.csv", 0.0), ("other.csv", 0.5e-3)):
+        simulate(COARSE.replace({"drive.base": base}), out=tmp_path / name)
+    (tmp_path / "other.csv.json").replace(tmp_path / "run.csv.json")
+    assert "one of the two is of another run" in refusal_of(tmp_path / "run.csv")
+
+
+def test_csv_files_need_no_library_of_netcdf(tmp_path):
+    code = (
+        "import sys\nfrom stickslip import Record, Scenario, open_run, simulate\n"
+        "sys.modules |= dict.fromkeys(['xarray', 'h5py', 'h5netcdf'])\n"
+        "run = simulate(Scenario(record=Record(rate=100.0)), out='run.csv')\n"
+        "assert (open_run('run.csv').x == run.x).all()"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+
+
+def test_a_column_of_a_csv_file_is_read_with_little_more_memory_than_its_numbers(tmp_path):
+    peaks = []
+    for blocks in (2, 5):  # while one is read, the text of the one before is still there
+        path = tmp_path / f"{blocks}.csv"
+        # The last sample is at the end of the run, which takes 0.17 s.
+        record = {"record.rate": (blocks * BLOCK - 1) / 0.17, "record.fields": "x"}
+        simulate(DENSE.replace(record), out=path)
+        run = open_run(path)
+        tracemalloc.start()
+        assert len(run.x) == blocks * BLOCK
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    # Eight bytes a number, twice while its blocks are joined; a text takes more than fifty.
+    assert peaks[1] - peaks[0] < 20 * 3 * BLOCK
 
 
 @pytest.mark.parametrize(

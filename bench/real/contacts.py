@@ -18,9 +18,21 @@ from .flights import FRAME, Drops, Flight, FlightConstants, state_of
 SIDE = 60e-3
 """Side of the square, m."""
 ABOUT = -0.6
-"""x at which the plate's height is given, m: the middle of the impacts."""
+"""x at which the plate's height is given, m. Chosen: near the impacts, of which most are at -0.25
+to -0.6 m, so that height and slope of the plate depend little on each other."""
 
+_LEAST_RISE = 0.4
+"""Change of the upward velocity by an impact, m/s. Chosen: seven frames on each side, with `NOISE`,
+tell to 0.14 ms when the heights of two parabolas cross."""
+_LEAST_TURN = 6.0
+"""Change of the spin, rad/s. Chosen: the angles then tell the time as well as the heights do."""
+_MOST_APART = 0.5e-3
+"""Between these two times, s. Chosen: two and a half standard deviations of their difference."""
+_HEIGHT_ERROR = 0.2e-3
+"""Error of a height at contact from which on the loss flattens, m. Chosen: below the scatter that
+is left, 0.3 mm, so that outliers hardly count."""
 _GROUPS = 10
+"""Of drops, for a jackknife. Chosen: each costs a fit of a fraction of a second."""
 _QUARTER = np.pi / 2
 
 
@@ -83,12 +95,12 @@ def single_impacts(drops: Drops, flights: list[Flight], constants: FlightConstan
         before = state_of(drops, one, constants, middle, at_end=True)
         after = state_of(drops, other, constants, middle, at_end=False)
         gain = after[3:] - before[3:]
-        if gain[1] < 0.4:
+        if gain[1] < _LEAST_RISE:
             continue
         when = -(after[:3] - before[:3])[1:] / gain[1:]
         half = 0.5 * FRAME * (other.first - end + 1)
-        turns = abs(gain[2]) > 6.0
-        if abs(when[0]) > half or (turns and abs(when[1] - when[0]) > 0.5e-3):
+        turns = abs(gain[2]) > _LEAST_TURN
+        if abs(when[0]) > half or (turns and abs(when[1] - when[0]) > _MOST_APART):
             continue
         found.append((one.drop, middle + when[0], one, other))
     states = [
@@ -139,7 +151,7 @@ def _fit(impacts: Impacts, which: np.ndarray) -> np.ndarray:
 
     def misfit(values: np.ndarray) -> np.ndarray:
         # The middle is the centre of mass within a millimetre or so, whatever the data say.
-        return np.concatenate([_gap(some, unit * values) / 0.2e-3, values[3:5]])
+        return np.concatenate([_gap(some, unit * values) / _HEIGHT_ERROR, values[3:5]])
 
     return unit * least_squares(misfit, np.full(6, 1e-3), loss="cauchy").x
 

@@ -24,11 +24,15 @@ from .flights import FRAME, Drops, Flight, FlightConstants, state_of
 AFTER = 52e-3
 """Time after the first contact at which predictions are judged, s."""
 SCALE = np.array([5e-3, 4e-3, 0.25])
-"""Errors of x, z (m) and theta (rad) that count as one in the fit."""
+"""Errors of x, z (m) and theta (rad) that count as one in the fit. Chosen: about the medians at
+`AFTER` of the best fit, so that half of the drops count nearly by their squares."""
 
 _MASS = 1.0  # kg; without forces but weight and a drag by mass it does not matter
 _FITTED_FRAMES = 14
+"""After the last free frame. Chosen: 56 ms, the frames up to `AFTER`."""
 _LATEST = 3
+"""Frame in which the first flight begins at the latest. Chosen: a bad frame or two at the beginning
+may be left out, while a flight after a contact begins later by the window of `find_flights`."""
 _STILL = Drive(mode="program", program=Waveform.hold(1.0, {}))
 
 

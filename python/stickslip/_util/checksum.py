@@ -1,4 +1,4 @@
-"""A line with the checksum of a netCDF file at its end, where HDF5 does not look.
+"""Checksums of files: of a netCDF file, in a line at its end, where HDF5 does not look.
 
 HDF5 trusts what it opens: damaged bytes make it loop for ever, or pass as other values. A file is
 therefore compared with its checksum before HDF5 sees it. Other programs read it as it is; one that
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 from os import PathLike
 from typing import BinaryIO
 
@@ -19,18 +20,23 @@ _LENGTH = len(_MARK) + 2 * hashlib.sha256().digest_size + 1
 _PIECE = 1 << 20  # bytes read at a time; chosen: files of any size need little memory
 
 
+def sha256_of(file: BinaryIO, most: int = sys.maxsize) -> str:
+    """The SHA-256 of an open file from where it stands, or of so many bytes; hexadecimal."""
+    digest = hashlib.sha256()
+    while piece := file.read(min(_PIECE, most)):
+        digest.update(piece)
+        most -= len(piece)
+    return digest.hexdigest()
+
+
 def append_checksum(file: BinaryIO) -> None:
     """Add the line to a file that is open to be read and written, on a disk or in memory."""
-    digest = hashlib.sha256()
     file.seek(0)
-    while piece := file.read(_PIECE):
-        digest.update(piece)
-    file.write(_line(digest.hexdigest()))
+    file.write(_line(sha256_of(file)))
 
 
 def check_checksum(path: str | PathLike[str]) -> bool:
     """Whether the file has the line; a ScenarioError, without its name, if it is not its own."""
-    digest = hashlib.sha256()
     with open(path, "rb") as file:
         left = max(os.fstat(file.fileno()).st_size - _LENGTH, 0)
         file.seek(left)
@@ -38,13 +44,8 @@ def check_checksum(path: str | PathLike[str]) -> bool:
         if not line.startswith(_MARK):
             return False
         file.seek(0)
-        while left:
-            piece = file.read(min(_PIECE, left))
-            if not piece:
-                break
-            digest.update(piece)
-            left -= len(piece)
-    if line != _line(digest.hexdigest()):
+        digest = sha256_of(file, left)
+    if line != _line(digest):
         raise ScenarioError(
             "its checksum does not match: it is damaged, or a program has changed it"
         )

@@ -185,7 +185,8 @@ def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array
 
     A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n). How much that is
     in the unit of the figure, the quantiles twice as far below and above say, whatever the
-    distribution is.
+    distribution is. Where these are no shares, below 0 or above 1, or there are fewer than two
+    values, the error is NaN: as that of the quantile 0.1 of fewer than 36 draws.
     """
     ordered = np.sort(values, axis=1)  # NaN comes last
     count = np.sum(~np.isnan(values), axis=1)
@@ -201,7 +202,9 @@ def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array
     found, errors = [], []
     for level in levels:
         share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))
-        below, above = np.maximum(level - 2.0 * share, 0.0), np.minimum(level + 2.0 * share, 1.0)
+        below, above = level - 2.0 * share, level + 2.0 * share
+        known = (count > 1) & (below >= 0.0) & (above <= 1.0)
         found.append(at(np.full(len(values), level)))
-        errors.append(share * (at(above) - at(below)) / (above - below))
+        width = at(np.where(known, above, level)) - at(np.where(known, below, level))
+        errors.append(np.where(known, 0.25 * width, np.nan))
     return np.stack(found, axis=1), np.stack(errors, axis=1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,6 +94,18 @@ class JointPrior:
         """All keys that are uncertain."""
         return (*self.priors, *self.keys)
 
+    @cached_property
+    def _root(self) -> Array:
+        """What takes independent standard normal numbers to those of the covariance.
+
+        By the symmetric root of the correlations, as it is the only one of its kind: no choice of
+        eigenvectors has an influence on the draws.
+        """
+        covariance = np.array(self.matrix, dtype=float).reshape(len(self.keys), len(self.keys))
+        values, vectors = np.linalg.eigh(_correlation(covariance))
+        root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+        return np.asarray(np.sqrt(np.diag(covariance))[:, None] * root)
+
     def draw(self, scenario: Scenario, random: np.random.Generator) -> Scenario:
         """The scenario with drawn values in place of what is uncertain.
 
@@ -108,12 +121,11 @@ class JointPrior:
     def counted_draw(self, scenario: Scenario, random: np.random.Generator) -> tuple[Scenario, int]:
         """See `draw`; and how many draws before it made no scenario."""
         middle = np.array([scenario.get(key) for key in self.keys])
-        root = _root(self.matrix)
         for refused in range(MOST_DRAWS):
             z = random.standard_normal(len(self.names))
             single, joint = z[: len(self.priors)], z[len(self.priors) :]
             drawn = [prior.value(u) for prior, u in zip(self.priors.values(), single, strict=True)]
-            values = map(float, [*drawn, *(middle + root @ joint)])
+            values = map(float, [*drawn, *(middle + self._root @ joint)])
             try:
                 return scenario.replace(dict(zip(self.names, values, strict=True))), refused
             except ScenarioError as error:
@@ -258,15 +270,3 @@ def _correlation(covariance: Array) -> Array:
     sd = np.sqrt(np.diag(covariance))
     scale = np.divide(1.0, sd, out=np.zeros_like(sd), where=sd > 0.0)
     return np.asarray(covariance * np.outer(scale, scale))
-
-
-def _root(matrix: Matrix) -> Array:
-    """What takes independent standard normal numbers to those of the covariance.
-
-    By the symmetric root of the correlations, as it is the only one of its kind: no choice of
-    eigenvectors has an influence on the draws.
-    """
-    covariance = np.array(matrix, dtype=float).reshape(len(matrix), len(matrix))
-    values, vectors = np.linalg.eigh(_correlation(covariance))
-    root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-    return np.asarray(np.sqrt(np.diag(covariance))[:, None] * root)

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.atomic_files import replacing
+from stickslip._util.checksum import sha256_of
 from stickslip._util.strict_json import json_text
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.run import COLUMNS, WORDS, Run
+from stickslip.simulation.run_attributes import attributes
 
 if TYPE_CHECKING:
     from stickslip.simulation.record_blocks import Block
@@ -64,9 +66,13 @@ class _CsvFile:
         self._samples += len(table)
 
     def finish(self, run: Run) -> None:
-        from stickslip.simulation.netcdf import attributes
-
-        about = {"stickslip_run": 1, "samples": self._samples, **attributes(run)}
+        self._file.seek(0)
+        about = {
+            "stickslip_run": 1,
+            "samples": self._samples,
+            "sha256": sha256_of(self._file),
+            **attributes(run),
+        }
         self._side.write_text(json_text(about) + "\n", encoding="utf-8")
 
 

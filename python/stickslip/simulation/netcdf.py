@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import json
 from collections.abc import Iterator
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -15,14 +14,13 @@ import numpy as np
 import xarray
 from xarray.backends import H5NetCDFStore
 
-from stickslip import _core
 from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import append_checksum
 from stickslip._util.sheltered_file import ShelteredFile
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.scenario.waveform_json import voltage_blocks
 from stickslip.simulation.record_blocks import recorded_names
 from stickslip.simulation.run import COLUMNS, WORDS, Run
+from stickslip.simulation.run_attributes import attributes, origin
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -66,38 +64,6 @@ def _about(name: str) -> dict[str, Any]:
         about["flag_values"] = np.arange(len(WORDS[name]), dtype=np.int8)
         about["flag_meanings"] = " ".join(WORDS[name])
     return about
-
-
-def attributes(run: Run) -> dict[str, Any]:
-    """What a file says of a run beside its record: all that makes it a `Run` again."""
-    summary = run.summary()
-    numbers = {name: value for name, value in summary.items() if not isinstance(value, dict | list)}
-    return {
-        "title": "stick-slip motion of a magnetic micro-robot",
-        "source": f"stickslip {_core.__version__}",
-        **origin(run.scenario),
-        **numbers,
-        "notes": json.dumps(summary["notes"]),
-        "events": json.dumps(summary["events"]),
-        "steps": json.dumps(summary["steps"]),
-        "condition_met": int(run.condition_met),
-        "final_state": json.dumps(vars(run.final_state)),
-        "complete": int(run.complete),
-        "recorded_until": run.recorded_until,
-    }
-
-
-def origin(scenario: Scenario) -> dict[str, str]:
-    """What a file says of where its numbers come from: versions, scenario and its voltages."""
-    about = {
-        "stickslip_version": _core.__version__,
-        "xarray_version": xarray.__version__,
-        "numpy_version": np.__version__,
-        "scenario": scenario.to_toml(),
-    }
-    # A scenario's text names a file in place of the voltages.
-    voltages = voltage_blocks(scenario.drive.program)
-    return {**about, "voltage_blocks": voltages} if voltages else about
 
 
 class _NetcdfFile:

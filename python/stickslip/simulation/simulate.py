@@ -59,7 +59,7 @@ def check_memory(scenario: Scenario) -> None:
     span = scenario.duration - scenario.record.from_
     if isinstance(rate, float) and rate * span > MOST_IN_MEMORY:
         raise ScenarioError(
-            f"record.rate = {rate!r}: allowed is at most 1e7 samples in memory, "
+            f"record.rate = {rate!r}: allowed is at most {MOST_IN_MEMORY} samples in memory, "
             f"here {highest(MOST_IN_MEMORY / span)} Hz; a file that is written as the run goes on, "
             "with --out or simulate(out=...), takes more"
         )

@@ -14,13 +14,13 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.atomic_files import read_bytes
-from stickslip._util.checksum import check_checksum
+from stickslip._util.checksum import check_checksum, sha256_of
 from stickslip.errors import ScenarioError
 from stickslip.scenario.state import State
 from stickslip.scenario.toml_file import scenario_of
 from stickslip.scenario.waveform_json import program_of
 from stickslip.simulation.csv_export import beside, headings
-from stickslip.simulation.record_blocks import is_csv, recorded_names
+from stickslip.simulation.record_blocks import BLOCK, is_csv, recorded_names
 from stickslip.simulation.run import WORDS, Outcome, Run
 
 if TYPE_CHECKING:
@@ -136,8 +136,8 @@ def _plain(value: Any) -> Any:
 def _csv_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     with open(path, "rb") as file:
         first = file.readline().decode("utf-8", "replace").rstrip("\r\n").split(",")
-        pieces = iter(lambda: file.read(1 << 20), b"")
-        rows = sum(piece.count(b"\n") for piece in pieces)
+        file.seek(0)
+        checksum = sha256_of(file)
     side = beside(path)
     if not side.exists():
         raise ScenarioError(
@@ -148,13 +148,15 @@ def _csv_attributes(path: str | PathLike[str]) -> dict[str, Any]:
         about = json.loads(read_bytes(side, _MOST_BYTES, "file of a run"))
         if about["stickslip_run"] != 1:
             raise ValueError
+        expected = about["sha256"]
     except ScenarioError as error:
         raise ScenarioError(f"{side.name} {error}") from None
     except (ValueError, TypeError, KeyError):
         raise ScenarioError(f"{side.name} beside it is no file of a run") from None
-    if rows != about["samples"]:
+    if checksum != expected:
         raise ScenarioError(
-            f"has {rows} samples, but {side.name} is of a record of {about['samples']}"
+            f"its checksum is not that of {side.name}: it has been changed, or one of the two is "
+            "of another run"
         )
     columns = [name for name in _core.record_columns if {*headings(name)} <= {*first}]
     return {**about, "columns": columns}
@@ -164,15 +166,18 @@ def _csv_column(path: Path, name: str, dtype: str) -> NDArray[Any]:
     import pandas as pd
 
     titles = headings(name)
-    try:
-        # As text: what pandas makes of numbers is not always the nearest one.
-        table = pd.read_csv(path, usecols=titles, dtype=str)[titles].to_numpy(object)
-        if name in WORDS:
-            codes = {word: code for code, word in enumerate(WORDS[name])}
-            return np.array([codes[word] for word in table[:, 0]], dtype=np.int8)
-        array: NDArray[Any] = table.astype("float64" if name == "t" else dtype)
-    except (KeyError, ValueError):
-        raise ScenarioError(f"{path}: its columns of {name} cannot be read") from None
+    codes = {word: code for code, word in enumerate(WORDS.get(name, ()))}
+
+    def parsed(cells: NDArray[Any]) -> NDArray[Any]:
+        if codes:
+            return np.array([[codes[word]] for (word,) in cells], dtype=np.int8).reshape(-1, 1)
+        return cells.astype("float64" if name == "t" else dtype)
+
+    # As text, of which little is held at a time, as it takes ten times the room of the numbers:
+    # what pandas before 3.1 makes of numbers is not always the nearest one, and its option for
+    # that is to be removed.
+    with pd.read_csv(path, usecols=titles, dtype=str, chunksize=BLOCK) as chunks:
+        array = np.concatenate([parsed(chunk[titles].to_numpy(object)) for chunk in chunks])
     return array if name == "current" else array[:, 0]
 
 

@@ -14,7 +14,8 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.checksum import check_checksum
 from stickslip.errors import ScenarioError
-from stickslip.simulation.netcdf import origin, write_netcdf
+from stickslip.simulation.netcdf import write_netcdf
+from stickslip.simulation.run_attributes import origin
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import NOT_RUN, Results

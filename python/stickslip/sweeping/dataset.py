@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.netcdf import origin
+from stickslip.simulation.run_attributes import origin
 from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
 from stickslip.sweeping.results import EVENTS, NOT_RUN, NUMBERS, OK, STATUSES, Results
 

@@ -1,0 +1,48 @@
+"""What the files of runs and sweeps say beside their numbers."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip import _core
+from stickslip.scenario.waveform_json import voltage_blocks
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+    from stickslip.simulation.run import Run
+
+
+def attributes(run: Run) -> dict[str, Any]:
+    """What a file says of a run beside its record: all that makes it a `Run` again."""
+    summary = run.summary()
+    numbers = {name: value for name, value in summary.items() if not isinstance(value, dict | list)}
+    return {
+        "title": "stick-slip motion of a magnetic micro-robot",
+        "source": f"stickslip {_core.__version__}",
+        **origin(run.scenario),
+        **numbers,
+        "notes": json.dumps(summary["notes"]),
+        "events": json.dumps(summary["events"]),
+        "steps": json.dumps(summary["steps"]),
+        "condition_met": int(run.condition_met),
+        "final_state": json.dumps(vars(run.final_state)),
+        "complete": int(run.complete),
+        "recorded_until": run.recorded_until,
+    }
+
+
+def origin(scenario: Scenario) -> dict[str, str]:
+    """What a file says of where its numbers come from: versions, scenario and its voltages."""
+    about = {
+        "stickslip_version": _core.__version__,
+        "xarray_version": importlib.metadata.version("xarray"),
+        "numpy_version": np.__version__,
+        "scenario": scenario.to_toml(),
+    }
+    # A scenario's text names a file in place of the voltages.
+    voltages = voltage_blocks(scenario.drive.program)
+    return {**about, "voltage_blocks": voltages} if voltages else about
