@@ -89,6 +89,19 @@ def test_the_error_of_a_quantile_is_that_of_its_share_of_the_draws():
     assert data["mean_velocity_error"][1].item() == pytest.approx(0.25 * width, rel=1e-9)
 
 
+def test_a_quantile_has_no_error_where_the_draws_are_too_few_for_it():
+    # Two errors of the share, 2 sqrt(q (1 - q) / n), reach below 0 up to n = 4 (1 - q) / q: 36 at
+    # a tenth. One value has no scatter.
+    for count, known in ((1, [False, False]), (35, [False, True]), (37, [True, True])):
+        row = np.full((1, 40), np.nan)
+        row[0, :count] = np.random.default_rng(0).standard_normal(count)
+        level, error = quantiles_with_errors(row, [0.1, 0.5])
+        assert np.isfinite(level).all()
+        assert np.isfinite(error)[0].tolist() == known
+        _, mirrored = quantiles_with_errors(-row, [0.5, 0.9])
+        np.testing.assert_allclose(mirrored[:, ::-1], error)
+
+
 def test_any_number_of_threads_gives_the_same_bits(found):
     for threads in (1, 3):
         again = predict(BASE, GRID, draws=24, threads=threads)

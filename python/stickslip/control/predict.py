@@ -58,7 +58,8 @@ def predict(
         The points, as for `sweep`; the scenario alone, if not given.
     draws : int
         From 2. A quantile q is estimated to within sqrt(q (1 - q) / draws), as a share of the
-        draws; the result has the error of each in the unit of its figure.
+        draws; the result has the error of each in the unit of its figure, NaN where the draws are
+        too few for it: 37 are enough at 0.1 and 0.9.
     seed : int
         From 0. More draws of one seed keep those that there were.
     quantiles : sequence of float
@@ -185,7 +186,8 @@ def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array
 
     A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n). How much that is
     in the unit of the figure, the quantiles twice as far below and above say, whatever the
-    distribution is.
+    distribution is. Where these are none, as one lies below 0 or above 1, and with fewer than two
+    draws, the error is NaN.
     """
     ordered = np.sort(values, axis=1)  # NaN comes last
     count = np.sum(~np.isnan(values), axis=1)
@@ -201,7 +203,9 @@ def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array
     found, errors = [], []
     for level in levels:
         share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))
-        below, above = np.maximum(level - 2.0 * share, 0.0), np.minimum(level + 2.0 * share, 1.0)
+        below, above = level - 2.0 * share, level + 2.0 * share
+        sound = (count > 1) & (below >= 0.0) & (above <= 1.0)
         found.append(at(np.full(len(values), level)))
-        errors.append(share * (at(above) - at(below)) / (above - below))
+        width = at(np.where(sound, above, 1.0)) - at(np.where(sound, below, 0.0))
+        errors.append(np.where(sound, 0.25 * width, np.nan))
     return np.stack(found, axis=1), np.stack(errors, axis=1)
