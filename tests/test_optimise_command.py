@@ -114,6 +114,7 @@ def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, mon
         (("--knots", "8"), "voltage_max"),
         (("--knots", "8", "--limit", "voltage_max=26", "--coils", "xp,up"), "up"),
         (("--free", "drive.hold=1e-3:2e-3", "--uncertain", "none.toml"), "none.toml"),
+        (("--free", "drive.hold=1e-3:2e-3", "--set", "contact.adhesion=1e-7"), "has no influence"),
         ((), "nothing is free"),
     ],
 )
@@ -128,15 +129,12 @@ def test_what_is_not_allowed_is_refused_in_one_line(scenario, tmp_path, options,
     assert not (tmp_path / "found").exists()
 
 
-def test_the_scenario_is_not_overwritten(tmp_path):
+@pytest.mark.parametrize("uncertain", [False, True])
+def test_a_file_that_is_read_is_not_overwritten(scenario, tmp_path, uncertain):
     path = tmp_path / "best.toml"
     path.write_text(TEXT)
-    done = stickslip("optimise", path, *WAVE, *FEW, "--out", tmp_path)
+    files = (scenario, "--uncertain", path) if uncertain else (path,)
+    done = stickslip("optimise", *files, *WAVE, *FEW, "--out", tmp_path)
     assert done.returncode == 2
     assert "which it would overwrite" in done.stderr
     assert path.read_text() == TEXT
-
-
-def test_the_help_says_that_a_stated_peak_is_not_the_field():
-    done = stickslip("optimise", "--help")
-    assert "limit field_max" in " ".join(done.stdout.split())
