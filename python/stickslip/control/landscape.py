@@ -26,6 +26,10 @@ PLATEAU = 0.1
 """Part of the score that is lost within `NEAR` on a plateau at most; chosen."""
 
 
+ABOUT = 32
+"""Draws in which the landscape is judged; chosen: enough for differences, not for its level."""
+
+
 @dataclass(frozen=True, eq=False)
 class Slice:
     """The score along one free number, all others as in the best drive.
@@ -80,7 +84,7 @@ def neighbours(point: Array) -> list[tuple[int, Array]]:
 
 def slices(
     space: DesignSpace,
-    best: Candidate,
+    best: Candidate[Judged],
     sign: float,
     evaluate: Callable[[Sequence[dict[str, Any] | ScenarioError]], Sequence[Judged]],
 ) -> list[Slice]:

@@ -12,10 +12,10 @@ import numpy as np
 from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import Array, DesignSpace, design_space
 from stickslip.control.goal import Goal, Judged, judge_all, made_goal
-from stickslip.control.landscape import OFFSETS, Slice, slices
+from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
 from stickslip.control.optimum import Optimum
 from stickslip.control.sawtooth import POINTS, played, sawtooths
-from stickslip.control.search import Candidate, Key, search
+from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import RECORD_RATE, Value, check_whole, shown
 from stickslip.scenario.scenario import Scenario
@@ -28,8 +28,6 @@ VOLTAGE = "voltage_max"
 """The figure whose limit is the range of a free waveform's knots."""
 
 _SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
-
-_ABOUT = 32  # draws of the landscape; chosen: other ones than the best was chosen in, and few
 
 
 def optimise(
@@ -112,7 +110,8 @@ def optimise(
     check_whole("seed", seed)
     space = design_space(scenario, free or {}, knots, coils, limits.get(VOLTAGE))
     drawn = _draws(scenario, draws, seed, _SEARCHING)
-    trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress, evaluations)
+    trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress)
+    trials.expect(evaluations, fresh)
     starts = [space.start(arm) for arm in range(len(space.arms))]
     found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
     leaders = [each for each in found.leaders + found.centres if each.known.feasible]
@@ -149,7 +148,6 @@ class _Trials:
         draws: Sequence[Scenario],
         threads: int,
         progress: Progress | None,
-        evaluations: int,
     ) -> None:
         self.space, self.goal, self.draws, self.threads = space, goal, draws, threads
         self.nearest: Judged | None = None
@@ -157,9 +155,13 @@ class _Trials:
         self.message = ""
         self.runs = 0  # of the search
         self._progress = progress
-        self._done = 0
-        after = 2 * POINTS * len(draws) + len(space.axes) * len(OFFSETS) * _ABOUT
-        self._total = max(1, evaluations + after)
+        self._done, self._total = 0, 1
+
+    def expect(self, evaluations: int, fresh: int) -> None:
+        """Count what is to be done, for `progress`."""
+        self._total = evaluations + 2 * POINTS * len(self.draws)
+        if self.space.scenario.uncertain is not None:
+            self._total += 2 * LEADERS * fresh + len(self.space.axes) * len(OFFSETS) * ABOUT
 
     def compared(self, candidates: Sequence[tuple[int, Array]]) -> list[tuple[Key, Judged]]:
         """Candidates of the search, as `search.Evaluate` has them."""
@@ -217,7 +219,9 @@ class _Selection:
     their own, and what is best there is judged in others again. Ctrl-C leaves what there is.
     """
 
-    def __init__(self, trials: _Trials, leaders: Sequence[Candidate], interrupted: bool) -> None:
+    def __init__(
+        self, trials: _Trials, leaders: Sequence[Candidate[Judged]], interrupted: bool
+    ) -> None:
         self.leader = leaders[0]
         self.interrupted = interrupted
         self.sawtooth: dict[str, Value] | None = None
@@ -234,7 +238,7 @@ class _Selection:
             self.leader = self._leaders[place]
             if not self.interrupted:
                 self.sawtooth = self._best_sawtooth(choosing)
-                about = _draws(space.scenario, _ABOUT, seed, _LANDSCAPE)
+                about = _draws(space.scenario, ABOUT, seed, _LANDSCAPE)
                 self.slices = slices(
                     space,
                     self.leader,

@@ -11,7 +11,7 @@ from stickslip import _core
 from stickslip._util.handy_units import handy
 from stickslip._util.plain_text import printable
 from stickslip.control import optimum_figures as figures
-from stickslip.control.landscape import NEAR, PLATEAU
+from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
 from stickslip.control.optimum import ACTIVE, Optimum
 from stickslip.control.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
@@ -47,6 +47,7 @@ def page_text(found: Optimum) -> str:
             (each, shown(each.best, each.axis.unit), f"{each.loss:.0%}") for each in found.slices
         ],
         grid=POINTS,
+        about=ABOUT,
         near=f"{NEAR:.0%}",
         plateau=f"{PLATEAU:.0%}",
         active=f"{ACTIVE:.0%}",
