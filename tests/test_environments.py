@@ -63,6 +63,12 @@ def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(camera):
     assert not np.array_equal(played(again, 70, seed=2), one)
 
 
+def test_an_empty_mapping_says_that_nothing_is_uncertain():
+    given = Scenario(uncertain=UNCERTAIN)
+    assert RobotVectorEnv(scenario=given).uncertain == given.uncertain
+    assert RobotVectorEnv(scenario=given, uncertain={}).uncertain is None
+
+
 def test_a_robot_of_many_moves_as_a_simulator():
     envs = gymnasium.make_vec("stickslip/Walk-v0", num_envs=3)
     assert isinstance(envs, RobotVectorEnv)

@@ -1,44 +1,55 @@
-"""Design of drives: known optima, limits in every draw, seeds, the rival, refusals."""
+"""Design of drives: known optima, limits in every draw, seeds, the reference sawtooth, refusals."""
 
+import dataclasses
+import functools
 import sys
 
 import numpy as np
 import pytest
 
 import stickslip.control.optimise as module
-from helpers import HELD
+from helpers import HELD, NO_FIELD
 from stickslip import (
     Coils,
     Drive,
     Scenario,
     ScenarioError,
-    Waveform,
     optimise,
     simulate,
-    simulate_batch,
 )
-from stickslip.control.design_space import Axis, design_space, drive_waveform
-from stickslip.control.goal import feasible, judge_all, made_goal
-from stickslip.control.landscape import slices
-from stickslip.control.sawtooth import POINTS, played, sawtooths
-from stickslip.control.search import Candidate
+from stickslip.control.design_space import drive_waveform
+from stickslip.control.goal import judge_all, made_goal
+from stickslip.control.sawtooth import GRID, sawtooths
+from stickslip.simulation.simulate import MOST_IN_MEMORY
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 WALK = {"maximise": "mean_velocity", "free": {"drive.frequency": (40.0, 160.0)}}
 LITTLE = {"draws": 3, "fresh": 5, "evaluations": 90}
+TWO = {  # modes only
+    **{key: values[:1] for key, values in GRID.items()},
+    "drive.mode": ("IPP", "OPP"), "drive.frequency": (80.0,), "drive.base": (0.2,),
+}  # fmt: skip
+RESISTANCE = {"coil.resistance": {"mean": 10.0, "sd": 0.5}}
 SURFACE = {"contact.adhesion": {"mean": 0.22e-6, "sd": 0.03e-6}}
 
 
 @pytest.fixture
 def few(monkeypatch):
     """A grid of two sawtooths: what is tested is no study."""
-    monkeypatch.setattr("stickslip.control.sawtooth._FREQUENCIES", (80.0,))
-    monkeypatch.setattr("stickslip.control.sawtooth._BASES", (0.2,))
-    monkeypatch.setattr("stickslip.control.sawtooth._HOLDS", (0.4,))
-    monkeypatch.setattr(
-        "stickslip.control.sawtooth._WORDS",
-        {"mode": ("IPP", "OPP"), "edge": ("rise",), "clamp": ("down",)},
-    )
+    monkeypatch.setattr(module, "sawtooths", functools.partial(sawtooths, grid=TWO))
+
+
+@pytest.fixture
+def batches(monkeypatch):
+    """Draws and drives of every batch that is judged."""
+    judged = []
+
+    def recorded(goal, draws, drives, *more):
+        judged.append((draws, drives))
+        return judge_all(goal, draws, drives, *more)
+
+    monkeypatch.setattr(module, "judge_all", recorded)
+    return judged
 
 
 def test_the_largest_field_is_where_both_currents_are_at_their_limit(few):
@@ -84,17 +95,23 @@ def test_a_seed_gives_the_same_bits_on_any_number_of_threads(few, more):
     assert one.scenario == two.scenario
 
 
-def test_limits_hold_in_every_draw_of_the_search(few):
-    start = START.with_uncertain({"coil.resistance": {"mean": 10.0, "sd": 0.5}})
+def test_limits_hold_in_every_draw_of_the_search(few, batches):
+    start = START.with_uncertain(RESISTANCE)
     limits = {"field_max": 2.2e-3, "power_mean": 15.0}
     free = {"drive.peak": (1e-3, 4e-3), "drive.hold": (0.2e-3, 3e-3)}
-    found = optimise(start, maximise="mean_velocity", free=free, limits=limits, **LITTLE)
-    draws = module._draws(start, LITTLE["draws"], 0, module._SEARCHING)
-    assert len({each.coil.resistance for each in draws}) == len(draws)
+    found = optimise(start, maximise="mean_velocity", free=free, limits=limits, seed=3, **LITTLE)
+    draws, _ = batches[0]
+    resistances = [each.coil.resistance for each in draws]
+    assert resistances[0] < max(resistances)  # one draw alone does not tell
+    assert len(set(resistances)) == LITTLE["draws"]
     for draw in draws:
         run = simulate(draw.replace(found.values))
         for name, limit in limits.items():
             assert run.summary()[name] <= limit
+    # The sawtooth too is as strong as the coil of the most resistance allows, but for the
+    # thousandth that is left, and what the moving robot changes.
+    (judged,) = judge_all(found.goal, draws, [found.sawtooth], 1)
+    assert 0.98 < max(judged.worst[name] / limit for name, limit in limits.items()) <= 1.0
 
 
 def test_the_score_is_that_of_the_scenario_that_is_found(few):
@@ -112,99 +129,42 @@ def test_the_score_is_that_of_the_scenario_that_is_found(few):
     assert not asked[:, 1:4].any()  # no coil is driven but those that are named
 
 
-def test_a_pulsed_drive_is_the_same_as_a_program():
-    for direction in ("+x", "-x"):
-        start = START.replace({"drive.direction": direction})
-        space = design_space(start, {}, 4, ("xp",), 26.0)
-        program = start.replace(played(space, {}))
-        assert program.drive.mode == "program"
-        assert simulate(program).final_state == simulate(start).final_state
+def test_every_stage_has_draws_of_its_own(few, batches):
+    found = optimise(START.with_uncertain(RESISTANCE), **WALK, **LITTLE)
+    resistances = [{each.coil.resistance for each in draws} for draws, _ in batches]
+    # Searching, choosing, the landscape about the best, and the fresh draws.
+    assert len(set(map(frozenset, resistances))) == 4
+    about = next(k for k, (_, drives) in enumerate(batches) if len(drives) == 1 + 8)
+    assert not resistances[about] & set().union(*resistances[:about])
+    centre = found.slices[0].scores[found.slices[0].values == found.slices[0].best]
+    judged = judge_all(found.goal, *batches[about], 1)
+    assert centre == judged[0].score
 
 
-def test_minimising_scores_the_greatest_values():
-    goal = made_goal(None, "power_mean", "q10", {})
-    values = np.arange(11.0)
-    assert goal.scored(values) == pytest.approx(9.0)
-    assert made_goal("power_mean", None, "q10", {}).scored(values) == pytest.approx(1.0)
-    assert made_goal("power_mean", None, "worst", {}).scored(values) == 0.0
-    assert made_goal(None, "power_mean", "mean", {}).scored(values) == pytest.approx(5.0)
-
-
-def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not():
-    goal = made_goal("mean_velocity", None, "worst", {"voltage_max": 26.0})
-    out_of_plane = Waveform.hold(0.3, {"yp": 20.0})
-    drives = [
-        {"drive.mode": "program", "drive.program": out_of_plane},
-        {"drive.base": 9e-3},  # above the peak: no scenario
-        {"drive.peak": 4e-3},
-        {"drive.peak": 3e-3},
-        {"drive.peak": 2.4e-3},
-    ]
-    judged = judge_all(goal, [START], drives, 1)
-    keys = [each.key(goal.sign) for each in judged]
-    assert keys[0] == keys[1]
-    assert keys[1:] == sorted(keys[1:], reverse=True)
-    assert len(set(keys[1:])) == 4
-    assert [feasible(key) for key in keys] == [False] * 4 + [True]
-    assert "peak" in judged[1].message
-
-
-def test_every_sawtooth_of_the_grid_is_as_strong_as_the_limit_allows():
-    limit = 1.5e-3
-    goal = made_goal("mean_velocity", None, "mean", {"field_max": limit})
-    space = design_space(START, {"drive.peak": (1e-3, 20e-3)}, None, (), None)
-    points = sawtooths(space, goal, lambda drives: judge_all(goal, [START], drives, 2))
-    assert len(points) == POINTS
-    runs = simulate_batch([START.replace(each) for each in points[::16]])
-    fields = np.array([run.summary()["field_max"] for run in runs if run.ok])
-    assert fields.max() <= limit
-    # A hundredth below it are those whose field differs where a stronger one moves the robot.
-    assert np.median(fields) > 0.98 * limit
-
-
-def test_a_slice_tells_a_peak_from_a_plateau():
-    space = design_space(
-        START, {"drive.frequency": (50.0, 100.0), "drive.hold": (1e-3, 2e-3)}, None, (), None
+def test_a_sawtooth_that_is_better_than_the_best_is_told(few):
+    found = optimise(START, **WALK, **LITTLE)
+    best, sawtooth = found.fresh["best"], found.fresh["sawtooth"]
+    exchanged = dataclasses.replace(
+        found, fresh={**found.fresh, "best": sawtooth, "sawtooth": best}
     )
-    goal = made_goal("mean_velocity", None, "mean", {})
-
-    def evaluate(drives):
-        # Falls to half within a tenth of the range of the frequency, and not at all with hold.
-        return [_judged(goal, 1.0 - 0.1 * abs(each["drive.frequency"] - 75.0)) for each in drives]
-
-    best = Candidate((0.0, 0.0, -1.0), 0, np.array([0.5, 1.0]), _judged(goal, 1.0))
-    peak, plateau = slices(space, best, goal.sign, evaluate)
-    assert (peak.kind, plateau.kind) == ("peak", "plateau")
-    assert peak.loss == pytest.approx(0.25)  # at 2.5 Hz, a twentieth of the range
-    assert plateau.loss == 0.0
-    assert (peak.at_end, plateau.at_end) == ("", "high")
-    assert plateau.values.max() == 2e-3
+    least = dataclasses.replace(found, goal=made_goal(None, "mean_velocity", "q10", {}))
+    assert found.beaten == (sawtooth.score > best.score)
+    assert [exchanged.beaten, least.beaten] == [best.score > sawtooth.score] * 2
+    assert found.beaten != exchanged.beaten
+    lines = [len(each.summary().splitlines()) for each in (found, exchanged)]
+    assert lines[1] - lines[0] == exchanged.beaten - found.beaten
 
 
-def _judged(goal, score):
-    run = simulate(START)
-    run._summary = {**run._summary, goal.figure: score}
-    return module.judge_all.__globals__["judge"](goal, [run])
+def test_the_waveform_of_a_long_drive_is_drawn(few):
+    from stickslip.control.optimum_figures import waveform
 
-
-def test_a_range_of_a_decade_is_searched_in_its_logarithm():
-    wide, narrow = Axis("a", "Hz", 10.0, 1000.0), Axis("b", "Hz", 10.0, 50.0)
-    assert (wide.logarithmic, narrow.logarithmic) == (True, False)
-    assert wide.value(0.5) == pytest.approx(100.0)
-    assert narrow.value(0.5) == pytest.approx(30.0)
-    for axis in (wide, narrow, Axis("c", "V", -5.0, 5.0)):
-        assert (axis.value(0.0), axis.value(1.0)) == (axis.low, axis.high)
-        assert axis.value(axis.coordinate(axis.value(0.3))) == pytest.approx(axis.value(0.3))
-
-
-def test_a_free_waveform_begins_as_the_start_drives():
-    space = design_space(START, {}, 10, ("xp", "clamp"), 26.0)
-    point = space.start(0)
-    period = 1.0 / START.drive.frequency
-    times = START.drive.ramp + period * np.arange(10) / 10
-    given = drive_waveform(START).voltages(times)
-    made = START.replace(space.changes(0, point)).drive.program.voltages(times)
-    assert made == pytest.approx(given)
+    found = optimise(START, **WALK, draws=1, fresh=1, evaluations=10)
+    still = START.replace({**HELD, **NO_FIELD, "drive.pulses": 26_000})
+    figure = waveform(dataclasses.replace(found, scenario=still))
+    times = figure.axes[2].get_lines()[0].get_xdata()
+    assert still.duration * 400 * found.frequency > MOST_IN_MEMORY
+    shown = (times[-1] - times[0]) * found.frequency
+    assert shown == pytest.approx(3.0, abs=0.01)
 
 
 def test_ctrl_c_keeps_the_best_so_far(few, monkeypatch):
@@ -225,25 +185,53 @@ def test_ctrl_c_keeps_the_best_so_far(few, monkeypatch):
     )
     assert found.judged.score == best
     assert simulate(found.scenario).mean_velocity == best
-    assert found.rival is None
+    assert found.sawtooth is None
     assert found.slices == []
 
 
-@pytest.mark.parametrize(
-    ("limits", "words"),
-    [
-        ({"voltage_max": 1.0}, ["limit voltage_max = 1 V", "none of the", "least value found"]),
-        ({"voltage_max": 14.0, "theta_max": 0.3}, ["limit"]),
-    ],
-)
-def test_a_limit_that_nothing_satisfies_is_named_with_the_least_value(limits, words):
+def test_ctrl_c_while_fresh_draws_are_made_keeps_the_best(few, monkeypatch):
+    made = []
+
+    def draws(self, *arguments, **named):
+        made.append(arguments)
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        return given(self, *arguments, **named)
+
+    given = Scenario.draws
+    monkeypatch.setattr(Scenario, "draws", draws)
+    found = optimise(START.with_uncertain(SURFACE), **WALK, **LITTLE)
+    assert found.interrupted
+    assert np.isfinite(found.judged.score)
+    assert not found.fresh
+
+
+def refusal(limits, free):
     with pytest.raises(ScenarioError) as refused:
-        optimise(START, maximise="mean_velocity", free={"drive.base": (0.0, 2e-3)}, limits=limits,
-                 evaluations=30)  # fmt: skip
-    text = str(refused.value)
-    assert "\n" not in text
-    for word in words:
-        assert word in text
+        optimise(START, maximise="mean_velocity", free=free, limits=limits, evaluations=30)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def test_a_limit_that_nothing_satisfies_is_named_with_the_least_value():
+    # The voltage is that of the field at the top, whatever the base is.
+    text = refusal({"voltage_max": 1.0}, {"drive.base": (0.0, 2e-3)})
+    assert "limit voltage_max = 1 V" in text
+    assert f"{simulate(START).summary()['voltage_max']:.6g}" in text
+
+
+def test_of_limits_that_exclude_each_other_the_nearest_drive_is_told(batches):
+    # A higher base takes more power and leaves the robot less room to rock.
+    limits = {"power_mean": 35.0, "theta_max": 0.6}
+    text = refusal(limits, {"drive.base": (0.0, 2e-3)})
+    goal = made_goal("mean_velocity", None, "q10", limits)
+    tried = [each for batch in batches for each in judge_all(goal, *batch, 1)]
+    for name, limit in limits.items():
+        assert min(each.worst[name] for each in tried) <= limit
+    nearest = min(tried, key=lambda each: each.excess)
+    assert nearest.excess > 0.0
+    for name, value in nearest.worst.items():
+        assert f"{name} = {value:.6g}" in text
 
 
 @pytest.mark.parametrize(
@@ -262,7 +250,8 @@ def test_a_limit_that_nothing_satisfies_is_named_with_the_least_value(limits, wo
         ({"free": {"drive.edge": ["rise", "drop"]}}, "drop"),
         ({"free": {"drive.mode": ["IPP", "program"]}}, "knots"),
         ({"limits": {"voltage": 3.0}}, "voltage_max"),
-        ({"limits": {"voltage_max": "much"}}, "allowed is a number"),
+        ({"limits": {"voltage_max": "much"}}, "allowed is a finite number"),
+        ({"limits": {"voltage_max": np.inf}, "knots": 3}, "allowed is a finite number"),
         ({"score": "q0"}, '"q10"'),
         ({"score": "best"}, '"q10"'),
         ({"draws": 0}, "draws = 0"),
@@ -294,7 +283,7 @@ def test_a_program_has_no_sawtooth_and_no_period_for_knots():
         optimise(program, maximise="mean_velocity", knots=4, limits={"voltage_max": 26.0})
     found = optimise(program, maximise="mean_velocity", free={"robot.length": (2e-4, 3e-4)},
                      evaluations=20)  # fmt: skip
-    assert found.rival is None
+    assert found.sawtooth is None
     assert set(found.fresh) == {"start", "best"}
 
 

@@ -96,6 +96,22 @@ def test_the_command_refuses_in_one_line(files, options, said):
     assert sorted(each.name for each in files.iterdir()) == ["s.toml", "u.csv", "u.toml"]
 
 
+def test_a_value_of_a_covariance_can_be_set_where_the_other_file_has_none(files):
+    about = '[uncertain.covariance]\nkeys = ["drag.linear"]\nmatrix = [[1e-12]]\n'
+    (files / "c.toml").write_text(about)
+    (files / "extended.toml").write_text("stickslip = 1\n[drive]\n[drag]\nlinear = 3e-5\n" + about)
+    said = {}
+    for value in ("1e-5", "9e-5"):
+        options = ("--set", f"drag.linear={value}", "--draws", 5)
+        own = stickslip("predict", "s.toml", *options, "--uncertain", "c.toml", cwd=files)
+        assert own.returncode == 0, own.stderr
+        said[value] = own.stdout
+        done = stickslip("predict", "s.toml", *options, "--uncertain", "extended.toml", cwd=files)
+        assert done.returncode == 2
+        assert "--set drag.linear: has no influence, as extended.toml has" in done.stderr
+    assert said["1e-5"] != said["9e-5"]
+
+
 def test_an_interrupt_leaves_no_file(files):
     process = subprocess.Popen(
         [*COMMAND, "predict", *map(str, COMMON), "--out", "b.csv", "--set", "solver.max_step=1e-7"],

@@ -11,11 +11,10 @@ from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, SET, THREADS, say
 from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import parse_value, read_with
+from stickslip.cli.settings import parse_value, read_with, with_uncertain_file
 from stickslip.cli.targets import check_folder_target, input_files, same_file
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import with_uncertain_of
 
 _FREE = "allowed is key=low:high or key=word,word, such as drive.frequency=5:300"
 _LIMIT = "allowed is figure=value, such as field_max=2.5e-3"
@@ -116,7 +115,7 @@ def command(
     """
     from stickslip.control.optimum import FILES
 
-    base = _start(scenario, settings, uncertain)
+    base = with_uncertain_file(read_with(scenario, settings), uncertain, settings)
     given = {
         "free": _free(free),
         "limits": _limits(limits),
@@ -126,8 +125,7 @@ def command(
         out = Path("best")
     if out is not None:
         check_folder_target(out, FILES)
-        inputs = input_files(scenario, settings)
-        for what, read in inputs.items():
+        for what, read in input_files(scenario, settings, uncertain).items():
             for name in FILES:
                 if same_file(out / name, read):
                     raise ScenarioError(f"--out: {out / name} is {what}, which it would overwrite")
@@ -155,11 +153,6 @@ def _found(base: Scenario, given: dict[str, Any], out: Path | None) -> Any:
         say(f"stickslip: interrupted at the stage '{bar.stage}', nothing written", err=True)
         raise
     return found
-
-
-def _start(scenario: Path, settings: tuple[str, ...], uncertain: Path | None) -> Scenario:
-    base = read_with(scenario, settings)
-    return base if uncertain is None else with_uncertain_of(base, uncertain)
 
 
 def _free(texts: tuple[str, ...]) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -15,13 +14,12 @@ from stickslip.cli.prediction_tables import (
     prediction_table,
 )
 from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import parse_setting, read_with, swept_points
+from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
 from stickslip.cli.targets import check_out_and_plot, input_files
 from stickslip.control.predict import DRAWS, QUANTILES, predicted, single_point
 from stickslip.control.prediction import Prediction
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import full_name, known_keys
-from stickslip.scenario.toml_file import with_uncertain_of
+from stickslip.scenario.keys import known_keys
 from stickslip.simulation.simulate import STAGE
 from stickslip.sweeping.points import Points
 
@@ -73,16 +71,11 @@ def command(
     """
     points = swept_points(scenario, vary, settings) if vary else None
     points = points or single_point(read_with(scenario, settings))
-    if uncertain is not None:
-        points.scenario = with_uncertain_of(points.scenario, uncertain)
-    _check_settings(points, settings)
+    points.scenario = with_uncertain_file(points.scenario, uncertain, settings)
     if plot is not None:
         _check_drawable(points if vary else None)
     if out is not None or plot is not None:
-        inputs = input_files(scenario, settings)
-        if uncertain is not None:
-            inputs["--uncertain"] = uncertain
-        check_out_and_plot(out, plot, inputs)
+        check_out_and_plot(out, plot, input_files(scenario, settings, uncertain))
 
     bar = ProgressBar(STAGE, points.count * draws)
     try:
@@ -100,14 +93,6 @@ def command(
         click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
         for failure in prediction_failures(found):
             say(f"stickslip: {failure}", err=True)
-
-
-def _check_settings(points: Points, settings: Sequence[str]) -> None:
-    """Refuse a value that has no influence, as its key is drawn from a prior."""
-    uncertain = points.scenario.uncertain
-    for key, _ in map(parse_setting, settings):
-        if uncertain is not None and full_name(key) in uncertain.priors:
-            raise ScenarioError(f"--set {key}: has no influence, as its prior says where it lies")
 
 
 def _check_drawable(points: Points | None) -> None:

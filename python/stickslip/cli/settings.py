@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value, checked
+from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value, checked, full_name
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
-from stickslip.scenario.toml_file import read_parts
+from stickslip.scenario.toml_file import read_parts, with_uncertain_of
 from stickslip.scenario.waveform import Waveform
 from stickslip.sweeping.points import MOST_POINTS, Points, grid
 
@@ -92,6 +92,22 @@ def read_with(
     with prefixed(f"{path} with {' and '.join(options)}" if options else path):
         refuse_sawtooth(parts["drive"].mode, changes)
         return Scenario(**parts)
+
+
+def with_uncertain_file(scenario: Scenario, path: Path | None, settings: Sequence[str]) -> Scenario:
+    """The scenario with what is uncertain in a file, if there is one.
+
+    A ScenarioError names an option ``--set`` without influence: its key has a prior, or the file
+    is a scenario whose own value takes its place.
+    """
+    made = scenario if path is None else with_uncertain_of(scenario, path)
+    drawn = made.uncertain
+    for key in (full_name(split_setting(text)[0]) for text in settings):
+        if drawn is not None and key in drawn.priors:
+            raise ScenarioError(f"--set {key}: has no influence, as its prior says where it lies")
+        if drawn is not None and key in drawn.keys and made.get(key) != scenario.get(key):
+            raise ScenarioError(f"--set {key}: has no influence, as {path} has its own value")
+    return made
 
 
 def parse_vary(texts: Sequence[str]) -> dict[str, list[Value]]:

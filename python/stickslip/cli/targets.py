@@ -16,9 +16,11 @@ Inputs = dict[str, Path]
 """Files that the command reads, by what they are."""
 
 
-def input_files(scenario: Path, settings: Sequence[str]) -> Inputs:
-    """The scenario, and the voltages of its drive, by file or by --set."""
+def input_files(scenario: Path, settings: Sequence[str], uncertain: Path | None = None) -> Inputs:
+    """The scenario, the voltages of its drive, by file or by --set, and --uncertain."""
     files = {"the scenario": scenario}
+    if uncertain is not None:
+        files["--uncertain"] = uncertain
     voltages = voltage_file(scenario)
     if voltages is not None:
         files[f"the scenario's {FILE}"] = voltages

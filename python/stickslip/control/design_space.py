@@ -29,6 +29,9 @@ less, both scales put about as much of the range on either side of its middle.""
 OF_A_PROGRAM = ("drive.frequency", "drive.ramp")
 """Keys of the drive that a free waveform uses: its repeats a second, and the rise to its start."""
 
+FEWEST = 4
+"""Pulses of a drive whose frequency is free: its speed is measured after the third."""
+
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
 _ALLOWED = "(low, high) of a number, or a list of words"
 
@@ -74,7 +77,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Wave:
+class PeriodicWaveform:
     """A periodic voltage program, linear between knots that are evenly spaced in a period.
 
     Coils that are not named have no voltage: a coil is not mirrored in the one across from it, so
@@ -126,28 +129,23 @@ class DesignSpace:
         The numbers, the knots of a waveform last.
     arms : tuple of dict
         Every combination of the words that are free; that of the scenario first.
-    wave : Wave or None
+    periodic : PeriodicWaveform or None
     """
 
     scenario: Scenario
     axes: tuple[Axis, ...]
     arms: tuple[Mapping[str, Value], ...]
-    wave: Wave | None
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """Keys that are free."""
-        return (*self.arms[0], *(axis.name for axis in self.axes[: self._numbers]))
+    periodic: PeriodicWaveform | None
 
     @property
     def _numbers(self) -> int:
-        return len(self.axes) - (len(self.wave.axes()) if self.wave else 0)
+        return len(self.axes) - (len(self.periodic.axes()) if self.periodic else 0)
 
     def start(self, arm: int) -> Array:
         """Coordinates of the scenario with the words of an arm, shape (number of axes,)."""
         values = [float(self.scenario.get(each.name)) for each in self.axes[: self._numbers]]
-        if self.wave:
-            values += self.wave.sampled(self.scenario.replace(self.arms[arm])).tolist()
+        if self.periodic:
+            values += self.periodic.sampled(self.scenario.replace(self.arms[arm])).tolist()
         return np.array([a.coordinate(v) for a, v in zip(self.axes, values, strict=True)])
 
     def values(self, arm: int, point: Array) -> dict[str, Value]:
@@ -163,10 +161,10 @@ class DesignSpace:
         values = self.values(arm, point)
         names = [axis.name for axis in self.axes]
         knots = np.array([values.pop(name) for name in names[self._numbers :]])
-        if self.wave is None:
+        values = as_long(self.scenario, values)
+        if self.periodic is None:
             return values
-        own = as_long(self.scenario, values)
-        return as_program(self.wave.waveform(self.scenario.replace(own), knots), values)
+        return as_program(self.periodic.waveform(self.scenario.replace(values), knots), values)
 
     def changes_or_error(self, arm: int, point: Array) -> dict[str, Any] | ScenarioError:
         """The same, with the error in place of what makes no scenario."""
@@ -177,13 +175,16 @@ class DesignSpace:
 
 
 def as_long(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
-    """The values with as many pulses as take the time of those of a scenario.
+    """The values; where they have a frequency, with as many pulses as take a scenario's time.
 
-    Of drives that are equally long the rise to the first pulse is the same part.
+    Of drives that are equally long the rise to the first pulse is the same part. They have at
+    least `FEWEST` pulses.
     """
     drive = scenario.drive
-    frequency = float(values.get("drive.frequency", drive.frequency))
-    return {**values, "drive.pulses": max(1, round(drive.pulses * frequency / drive.frequency))}
+    if "drive.frequency" not in values:
+        return dict(values)
+    pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
+    return {**values, "drive.pulses": max(FEWEST, pulses)}
 
 
 def as_program(waveform: Waveform, others: Mapping[str, Value]) -> dict[str, Any]:
@@ -226,8 +227,8 @@ def design_space(
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
     by_name = {full_name(key): value for key, value in free.items()}
-    wave = None if knots is None else _wave(scenario, by_name, knots, coils, volts)
-    if wave is None:
+    periodic = None if knots is None else _periodic(scenario, by_name, knots, coils, volts)
+    if periodic is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
     axes, words = [], {}
     drawn = scenario.uncertain
@@ -239,7 +240,7 @@ def design_space(
         else:
             axes.append(_axis(key, value))
     arms = tuple(dict(zip(words, each, strict=True)) for each in itertools.product(*words.values()))
-    return DesignSpace(scenario, (*axes, *(wave.axes() if wave else ())), arms, wave)
+    return DesignSpace(scenario, (*axes, *(periodic.axes() if periodic else ())), arms, periodic)
 
 
 def _axis(key: str, given: Any) -> Axis:
@@ -263,13 +264,13 @@ def _words(scenario: Scenario, key: str, given: Any) -> list[Value]:
     return sorted(words, key=lambda word: word != scenario.get(key))
 
 
-def _wave(
+def _periodic(
     scenario: Scenario,
     free: Mapping[str, Any],
     knots: object,
     coils: Sequence[str],
     volts: float | None,
-) -> Wave:
+) -> PeriodicWaveform:
     if isinstance(knots, bool) or not isinstance(knots, int) or not 2 <= knots <= _MOST_KNOTS:
         raise ScenarioError(f"knots = {shown(knots)}: allowed is from 2 to {_MOST_KNOTS}")
     if scenario.drive.mode == "program":
@@ -293,4 +294,4 @@ def _wave(
         raise ScenarioError(
             "knots: a limit on voltage_max above 0 V is missing, within which the knots are placed"
         )
-    return Wave(knots, chosen, volts)
+    return PeriodicWaveform(knots, chosen, volts)

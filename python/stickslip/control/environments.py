@@ -54,7 +54,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         The robot; its drive is not played, see `stickslip.Simulator`.
     uncertain : JointPrior, mapping of str to Prior, or Scenario, optional
         What is drawn anew for each episode, as `Measurement.uncertain` or a scenario has it, see
-        `Scenario.with_uncertain`; if it is not given, what is uncertain in `scenario`.
+        `Scenario.with_uncertain`; an empty mapping is nothing. If it is not given, what is
+        uncertain in `scenario`.
     camera : Camera, optional
         What the robots are seen through.
     coils : sequence of str
@@ -87,7 +88,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.num_envs = num_envs
         self.task = task_named(task)
         given = scenario or Scenario()
-        given = given.with_uncertain(uncertain) if uncertain else given
+        given = given if uncertain is None else given.with_uncertain(uncertain or None)
         self.scenario, self.uncertain = given.with_uncertain(None), given.uncertain
         self.camera = camera
         self.voltage, self.period = voltage, period

@@ -107,16 +107,11 @@ class Judged:
         """Whether every draw came to its end within all limits."""
         return self.exceeding == 0
 
-    def key(self, sign: float) -> Key:
+    def rank(self, sign: float) -> Key:
         """What it is sorted by: failures, then what passes the limits, then the score."""
         if self.failed:
             return (float(self.failed), 0.0, 0.0)
         return (0.0, self.excess, 0.0 if self.excess else -sign * self.score)
-
-
-def feasible(key: Key) -> bool:
-    """Whether a `Judged.key` is of a drive within all limits."""
-    return key[:2] == (0.0, 0.0)
 
 
 def judge(goal: Goal, runs: Sequence[Run]) -> Judged:
@@ -192,8 +187,12 @@ def made_goal(
                 f"{suggestion(str(name), NUMBERS)}"
             )
     for name, limit in limits.items():
-        if isinstance(limit, bool) or not isinstance(limit, int | float) or math.isnan(limit):
-            raise ScenarioError(f"limit on {name} = {shown(limit)}: allowed is a number")
+        if (
+            isinstance(limit, bool)
+            or not isinstance(limit, int | float)
+            or not math.isfinite(limit)
+        ):
+            raise ScenarioError(f"limit on {name} = {shown(limit)}: allowed is a finite number")
     if not isinstance(score, str) or not (score in ("mean", "worst") or _QUANTILE.fullmatch(score)):
         raise ScenarioError(
             f'score = {shown(score)}: allowed is "q10" or another of "q1" to "q99", "mean", "worst"'

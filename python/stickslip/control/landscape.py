@@ -26,6 +26,10 @@ PLATEAU = 0.1
 """Part of the score that is lost within `NEAR` on a plateau at most; chosen."""
 
 
+ABOUT = 32
+"""Draws in which the landscape is judged; chosen: enough for differences, not for its level."""
+
+
 @dataclass(frozen=True, eq=False)
 class Slice:
     """The score along one free number, all others as in the best drive.
@@ -39,7 +43,7 @@ class Slice:
     values : numpy.ndarray, shape (n,)
         Values that were tried, and the best, in order.
     scores : numpy.ndarray, shape (n,)
-        In the draws of the search; NaN where one failed.
+        In draws of their own; NaN where one failed.
     feasible : numpy.ndarray of bool, shape (n,)
         Whether all limits hold.
     loss : float
@@ -80,19 +84,20 @@ def neighbours(point: Array) -> list[tuple[int, Array]]:
 
 def slices(
     space: DesignSpace,
-    best: Candidate,
+    best: Candidate[Judged],
     sign: float,
     evaluate: Callable[[Sequence[dict[str, Any] | ScenarioError]], Sequence[Judged]],
 ) -> list[Slice]:
     """One slice for each free number; `evaluate` judges drives by their changes, in one batch."""
     about = neighbours(best.point)
-    judged = evaluate([space.changes_or_error(best.arm, other) for _, other in about])
+    points = [best.point, *(other for _, other in about)]
+    centre, *judged = evaluate([space.changes_or_error(best.arm, point) for point in points])
     found = []
     for k, axis in enumerate(space.axes):
-        own = [(best.point[k], best.known)]
+        own = [(best.point[k], centre)]
         own += [(p[k], j) for (which, p), j in zip(about, judged, strict=True) if which == k]
         own.sort(key=lambda pair: float(pair[0]))
-        found.append(_slice(axis, float(best.point[k]), best.known, own, sign))
+        found.append(_slice(axis, float(best.point[k]), centre, own, sign))
     return found
 
 

@@ -11,13 +11,13 @@ import numpy as np
 
 from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import Array, DesignSpace, design_space
-from stickslip.control.goal import Goal, Judged, feasible, judge_all, made_goal
-from stickslip.control.landscape import OFFSETS, Slice, slices
-from stickslip.control.optimum import Optimum, Rival
+from stickslip.control.goal import Goal, Judged, judge_all, made_goal
+from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
+from stickslip.control.optimum import Optimum
 from stickslip.control.sawtooth import POINTS, played, sawtooths
-from stickslip.control.search import Candidate, Key, search
+from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, check_whole, shown
+from stickslip.scenario.keys import RECORD_RATE, Value, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.results import NUMBERS
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 VOLTAGE = "voltage_max"
 """The figure whose limit is the range of a free waveform's knots."""
 
-_SEARCHING, _CHOOSING, _FRESH = range(3)  # streams of draws of one seed
+_SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
 
 
 def optimise(
@@ -66,7 +66,9 @@ def optimise(
         Name of a number of `Run.summary`; one of the two.
     free : mapping, optional
         By key ``(low, high)`` of a number, or a list of words; each combination of words is a
-        restart. A positive range of a decade or more is searched in its logarithm.
+        restart. A positive range of a decade or more is searched in its logarithm. Where
+        ``drive.frequency`` is free, the pulses change with it, so that all drives last as long as
+        the start, but at least four pulses.
     limits : mapping, optional
         Greatest value of numbers of the summary, SI.
     knots : int, optional
@@ -108,14 +110,15 @@ def optimise(
     check_whole("seed", seed)
     space = design_space(scenario, free or {}, knots, coils, limits.get(VOLTAGE))
     drawn = _draws(scenario, draws, seed, _SEARCHING)
-    trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress, evaluations)
+    trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress)
+    trials.expect(evaluations, fresh)
     starts = [space.start(arm) for arm in range(len(space.arms))]
     found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
-    leaders = [each for each in found.leaders + found.centres if feasible(each.key)]
+    leaders = [each for each in found.leaders + found.centres if each.known.feasible]
     if not leaders:
         raise ScenarioError(trials.unmet())
-    chosen = _Chosen(trials, leaders, found.interrupted)
-    chosen.judge(*(_draws(scenario, fresh, seed, stream) for stream in (_CHOOSING, _FRESH)))
+    chosen = _Selection(trials, leaders, found.interrupted)
+    chosen.judge(fresh, seed)
     arm, point = chosen.leader.arm, chosen.leader.point
     return Optimum(
         scenario=scenario.replace(space.changes(arm, point)),
@@ -125,7 +128,7 @@ def optimise(
         goal=goal,
         judged=chosen.leader.known,
         fresh=chosen.fresh,
-        rival=chosen.rival,
+        sawtooth=chosen.sawtooth,
         slices=chosen.slices,
         draws=len(drawn),
         runs=trials.runs,
@@ -145,7 +148,6 @@ class _Trials:
         draws: Sequence[Scenario],
         threads: int,
         progress: Progress | None,
-        evaluations: int,
     ) -> None:
         self.space, self.goal, self.draws, self.threads = space, goal, draws, threads
         self.nearest: Judged | None = None
@@ -153,23 +155,28 @@ class _Trials:
         self.message = ""
         self.runs = 0  # of the search
         self._progress = progress
-        self._done = 0
-        after = POINTS + len(space.axes) * len(OFFSETS)
-        self._total = max(1, evaluations + after * len(draws))
+        self._done, self._total = 0, 1
+
+    def expect(self, evaluations: int, fresh: int) -> None:
+        """Count what is to be done, for `progress`."""
+        self._total = evaluations + 2 * POINTS * len(self.draws)
+        if self.space.scenario.uncertain is not None:
+            self._total += 2 * LEADERS * fresh + len(self.space.axes) * len(OFFSETS) * ABOUT
 
     def compared(self, candidates: Sequence[tuple[int, Array]]) -> list[tuple[Key, Judged]]:
         """Candidates of the search, as `search.Evaluate` has them."""
         changes = [self.space.changes_or_error(arm, point) for arm, point in candidates]
         judged = self.judged(changes, self.draws, "searching")
+        sign = self.goal.sign
         self.runs += len(candidates) * len(self.draws)
         for each in judged:
-            if self.nearest is None or each.key(self.goal.sign) < self.nearest.key(self.goal.sign):
+            if self.nearest is None or each.rank(sign) < self.nearest.rank(sign):
                 self.nearest = each
             self.message = each.message or self.message
             for name, value in each.worst.items():
                 if value < self.least[name]:
                     self.least[name] = value
-        return [(each.key(self.goal.sign), each) for each in judged]
+        return [(each.rank(sign), each) for each in judged]
 
     def judged(
         self,
@@ -205,39 +212,44 @@ class _Trials:
         return f"limits: none of the {tried} satisfies all in every draw; the nearest has {nearest}"
 
 
-class _Chosen:
+class _Selection:
     """The candidate that is taken, and what it is compared with.
 
     The best of a search is the best in its draws, in part by luck. So the leaders meet draws of
     their own, and what is best there is judged in others again. Ctrl-C leaves what there is.
     """
 
-    def __init__(self, trials: _Trials, leaders: Sequence[Candidate], interrupted: bool) -> None:
+    def __init__(
+        self, trials: _Trials, leaders: Sequence[Candidate[Judged]], interrupted: bool
+    ) -> None:
         self.leader = leaders[0]
         self.interrupted = interrupted
-        self.rival: Rival | None = None
+        self.sawtooth: dict[str, Value] | None = None
         self.slices: list[Slice] = []
         self.fresh: dict[str, Judged] = {}
         self._trials, self._leaders = trials, leaders
 
-    def judge(self, choosing: Sequence[Scenario], fresh: Sequence[Scenario]) -> None:
+    def judge(self, fresh: int, seed: int) -> None:
         trials, space = self._trials, self._trials.space
         try:
+            choosing = _draws(space.scenario, fresh, seed, _CHOOSING)
             changes = [space.changes(each.arm, each.point) for each in self._leaders]
             place = self._best(changes, choosing)
             self.leader = self._leaders[place]
             if not self.interrupted:
-                self.rival = self._best_sawtooth(choosing)
+                self.sawtooth = self._best_sawtooth(choosing)
+                about = _draws(space.scenario, ABOUT, seed, _LANDSCAPE)
                 self.slices = slices(
                     space,
                     self.leader,
                     trials.goal.sign,
-                    lambda drives: trials.judged(drives, trials.draws, "landscape"),
+                    lambda drives: trials.judged(drives, about, "landscape"),
                 )
             compared: dict[str, Any] = {"start": played(space, {}), "best": changes[place]}
-            if self.rival is not None:
-                compared["sawtooth"] = played(space, self.rival)
-            judged = trials.judged(list(compared.values()), fresh, "fresh draws")
+            if self.sawtooth is not None:
+                compared["sawtooth"] = played(space, self.sawtooth)
+            others = _draws(space.scenario, fresh, seed, _FRESH)
+            judged = trials.judged(list(compared.values()), others, "fresh draws")
             self.fresh = dict(zip(compared, judged, strict=True))
         except KeyboardInterrupt:
             self.interrupted = True
@@ -252,19 +264,19 @@ class _Chosen:
         ranks = [(each.failed, -sign * each.score if not each.failed else 0.0) for each in judged]
         return ranks.index(min(ranks))
 
-    def _best_sawtooth(self, choosing: Sequence[Scenario]) -> Rival | None:
+    def _best_sawtooth(self, choosing: Sequence[Scenario]) -> dict[str, Value] | None:
         """None where the drive is a program, or no sawtooth satisfies the limits."""
         trials, space = self._trials, self._trials.space
         if space.scenario.drive.mode == "program":
             return None
         stage = "sawtooths"
         points = sawtooths(
-            space, trials.goal, lambda drives: trials.judged(drives, trials.draws[:1], stage)
+            space, trials.goal, lambda drives: trials.judged(drives, trials.draws, stage)
         )
         drives = [played(space, each) for each in points]
         judged = trials.judged(drives, trials.draws, stage)
-        keys = [each.key(trials.goal.sign) for each in judged]
-        order = sorted(range(len(points)), key=lambda place: keys[place])[: len(self._leaders)]
+        ranks = [each.rank(trials.goal.sign) for each in judged]
+        order = sorted(range(len(points)), key=lambda place: ranks[place])[: len(self._leaders)]
         leading = [place for place in order if judged[place].feasible]
         if not leading:
             return None

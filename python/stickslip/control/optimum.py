@@ -14,7 +14,7 @@ from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.one_line import OneLine
 from stickslip.control.design_space import DesignSpace
 from stickslip.control.goal import Goal, Judged
-from stickslip.control.landscape import Slice
+from stickslip.control.landscape import NEAR, PLATEAU, Slice
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_text
@@ -25,10 +25,6 @@ BEST, VOLTAGES, PAGE = FILES = "best.toml", "best.csv", "report.html"
 
 ACTIVE = 0.02
 """Part of a limit up to which its figure counts as at it; chosen."""
-
-
-Rival = dict[str, Value]
-"""A sawtooth by its keys."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,11 +47,11 @@ class Optimum(OneLine):
     fresh : dict of Judged
         ``"start"``, ``"sawtooth"`` and ``"best"`` in fresh draws; without the sawtooth where there
         is none, and empty after Ctrl-C twice.
-    rival : Rival or None
-        The best sawtooth of the grid; None where none satisfies the limits, the start is a program
-        of voltages, or Ctrl-C came before.
+    sawtooth : dict or None
+        The reference sawtooth by its keys, the best of a grid; None where none satisfies the
+        limits, the start is a program of voltages, or Ctrl-C came before.
     slices : list of Slice
-        The landscape about the best; empty after Ctrl-C.
+        The landscape about the best, in draws that chose nothing; empty after Ctrl-C.
     draws, runs : int
         Draws in the search, and its simulations.
     seed : int
@@ -72,7 +68,7 @@ class Optimum(OneLine):
     goal: Goal
     judged: Judged
     fresh: dict[str, Judged]
-    rival: Rival | None
+    sawtooth: dict[str, Value] | None
     slices: list[Slice]
     draws: int
     runs: int
@@ -99,6 +95,14 @@ class Optimum(OneLine):
         """Free numbers that are best at an end of their range."""
         return [each for each in self.slices if each.at_end]
 
+    @property
+    def beaten(self) -> bool:
+        """Whether the reference sawtooth is better on fresh draws than the best of the search."""
+        if "sawtooth" not in self.fresh:
+            return False
+        ahead = self.fresh["sawtooth"].score - self.fresh["best"].score
+        return self.goal.sign * ahead > 0.0
+
     def summary(self) -> str:
         """What was found, in some lines."""
         goal, unit = self.goal, self.goal.unit
@@ -108,8 +112,10 @@ class Optimum(OneLine):
         for name in ("start", "sawtooth", "best"):
             if name in self.fresh:
                 lines.append(f"  {name:<9} {self._on_fresh(self.fresh[name])}")
-        if self.rival is None:
+        if self.sawtooth is None:
             lines.append("  no sawtooth to compare with")
+        if self.beaten:
+            lines.append("  the sawtooth is better than the best that the search found")
         for name, limit in goal.limits.items():
             worst = self.judged.worst[name]
             active = ", active" if name in self.active else ""
@@ -117,7 +123,8 @@ class Optimum(OneLine):
         if self.slices:
             peaks = [each.axis.name for each in self.slices if each.kind == "peak"]
             shown = ", ".join(peaks) or "none"
-            lines.append(f"  a change of 5 % of its range costs over 10 %: {shown}")
+            step, cost = 100.0 * NEAR, 100.0 * PLATEAU
+            lines.append(f"  a change of {step:g} % of its range costs over {cost:g} %: {shown}")
         lines.append(f"  {self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
 
@@ -136,7 +143,7 @@ class Optimum(OneLine):
             "values": self.values,
             "search": self._judged(self.judged),
             "fresh": {name: self._judged(each) for name, each in self.fresh.items()},
-            "sawtooth": self.rival,
+            "sawtooth": self.sawtooth,
             "limits": dict(self.goal.limits),
             "active": self.active,
             "landscape": [

@@ -48,21 +48,21 @@ def waveform(found: Optimum) -> Figure | None:
     None where its simulation fails with the values of the scenario, which were none of the draws.
     """
     frequency = found.frequency
-    played = found.scenario.replace({RECORD_RATE: _SAMPLES * frequency})
+    begin = max(found.scenario.window[1] - _PERIODS / frequency, 0.0)
+    record = {RECORD_RATE: _SAMPLES * frequency, "record.from": begin}
+    played = found.scenario.replace(record)
     run = simulate(played)
     if not run.ok:
         return None
-    end = played.window[1]
-    shown = run.t >= max(end - _PERIODS / frequency, 0.0)
-    t = run.t[shown]
+    t = run.t
     asked = drive_waveform(played).voltages(np.minimum(t, drive_waveform(played).duration))
     with matplotlib.rc_context(style.RC):
         figure = Figure(figsize=(8.0, 6.2), layout="constrained")
         above, middle, below = figure.subplots(3, 1, sharex=True)
         _coils(above, t, asked, "voltage asked for (V)")
         legend_above(above, above.get_lines())
-        _coils(middle, t, run.current[shown], "current (A)")
-        draw_fields(below, motion(run).between(float(t[0]), None))
+        _coils(middle, t, run.current, "current (A)")
+        draw_fields(below, motion(run))
         below.set_xlabel("time (s)")
         below.set_xlim(t[0], t[-1])
     return figure
@@ -96,7 +96,7 @@ def scores(found: Optimum) -> Figure:
 
 
 def landscape(found: Optimum) -> Figure:
-    """A slice for each free number: the score in the draws of the search."""
+    """A slice for each free number: the score in draws that chose nothing."""
     factor, label = in_handy_units(f"{found.goal.score} of {found.goal.figure}", found.goal.unit)
     rows = -(-len(found.slices) // _COLUMNS)
     with matplotlib.rc_context(style.RC):

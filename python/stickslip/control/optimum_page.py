@@ -11,8 +11,9 @@ from stickslip import _core
 from stickslip._util.handy_units import handy
 from stickslip._util.plain_text import printable
 from stickslip.control import optimum_figures as figures
-from stickslip.control.landscape import NEAR, PLATEAU
+from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
 from stickslip.control.optimum import ACTIVE, Optimum
+from stickslip.control.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
 from stickslip.sweeping.results import NUMBERS
 
@@ -40,11 +41,13 @@ def page_text(found: Optimum) -> str:
         limits=[_limit(found, name) for name in found.goal.limits],
         values=[(name, shown(value, _unit(name, found))) for name, value in found.values.items()],
         sawtooth=[
-            (key, shown(value, keys[key].unit)) for key, value in (found.rival or {}).items()
+            (key, shown(value, keys[key].unit)) for key, value in (found.sawtooth or {}).items()
         ],
         slices=[
             (each, shown(each.best, each.axis.unit), f"{each.loss:.0%}") for each in found.slices
         ],
+        grid=POINTS,
+        about=ABOUT,
         near=f"{NEAR:.0%}",
         plateau=f"{PLATEAU:.0%}",
         active=f"{ACTIVE:.0%}",
@@ -81,8 +84,8 @@ def _gain(found: Optimum) -> str:
     """Ratio of the best's score to the sawtooth's on fresh draws, where it says something."""
     if "sawtooth" not in found.fresh or found.goal.sign < 0.0:
         return ""
-    rival = found.fresh["sawtooth"].score
-    return f"{found.fresh['best'].score / rival:.2f}" if rival > 0.0 else ""
+    reference = found.fresh["sawtooth"].score
+    return f"{found.fresh['best'].score / reference:.2f}" if reference > 0.0 else ""
 
 
 def _limit(found: Optimum, name: str) -> dict[str, Any]:

@@ -25,7 +25,8 @@ class Prediction:
         Dimensions and coordinates of the points, as `sweep` has them, and ``quantile``. For each
         number of a summary, such as `mean_velocity`, its quantiles over the draws that did not
         fail, and as `mean_velocity_error` the standard errors that they have because the draws are
-        no more; NaN where the draws that did not fail are too few. `failed` counts the draws that failed, at each point.
+        no more; NaN where too few draws did not fail. `failed` counts the draws that failed, at
+        each point.
         Attributes hold scenario, values, seed, versions, and what the first failure says.
     """
 

@@ -1,8 +1,9 @@
-"""The rival of an optimised drive: the best sawtooth of a grid, under the same limits."""
+"""The reference sawtooth of an optimised drive: the best of a grid, under the same limits."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -13,16 +14,23 @@ from stickslip.control.goal import Goal, Judged
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
 
-# Chosen: from pulses that the field follows to such as the coil lets little through of; base and
-# hold in parts of the top.
-_FREQUENCIES = np.geomspace(50.0, 300.0, 4).round(1).tolist()  # Hz
-_BASES = (-0.4, 0.0, 0.2, 0.4)
-_HOLDS = (0.2, 0.4, 0.7, 1.0)
-_WORDS = {"mode": ("IPP", "OPP"), "edge": ("rise", "fall"), "clamp": ("down", "up")}
-_FIELDS = ("drive.peak", "drive.base", "drive.hold")
+Grid = Mapping[str, Sequence[Any]]
 
-POINTS = 512
+GRID: Grid = {
+    "drive.mode": ("IPP", "OPP"),
+    "drive.edge": ("rise", "fall"),
+    "drive.clamp": ("down", "up"),
+    "drive.frequency": np.geomspace(50.0, 300.0, 4).round(1).tolist(),  # Hz
+    "drive.base": (-0.4, 0.0, 0.2, 0.4),
+    "drive.hold": (0.2, 0.4, 0.7, 1.0),
+}
+"""Values of each key; base and hold in parts of the peak. Chosen: from pulses that the field
+follows to such as the coil lets little through of."""
+
+POINTS = math.prod(map(len, GRID.values()))
 """Sawtooths of the grid."""
+
+_FIELDS = ("drive.peak", "drive.base", "drive.hold")
 
 # Power of the voltages with which a figure grows.
 _GROWTH = {"voltage_max": 1.0, "current_max": 1.0, "field_max": 1.0, "power_mean": 2.0}
@@ -32,37 +40,29 @@ Evaluate = Callable[[Sequence[Mapping[str, Any] | ScenarioError]], Sequence[Judg
 """Drives by their changes of a scenario, judged in one batch."""
 
 
-def sawtooths(space: DesignSpace, goal: Goal, once: Evaluate) -> list[dict[str, Value]]:
-    """All sawtooths of the grid as values of keys.
+def sawtooths(
+    space: DesignSpace, goal: Goal, evaluate: Evaluate, grid: Grid = GRID
+) -> list[dict[str, Value]]:
+    """All sawtooths of a grid as values of keys.
 
     They last as long as the start's drive. Limits on voltage, current, field and power decide how
     high each is; without them all have the top of the peaks that are free, or the start's peak.
-    `once` judges drives in one draw.
+    `evaluate` judges drives in the draws in which the limits have to hold.
     """
     ends = [axis.high for axis in space.axes if axis.name == "drive.peak"]
     top = max([*ends, 0.0]) or space.scenario.drive.peak
-    grid = [
-        as_long(
-            space.scenario,
-            {
-                **{f"drive.{name}": word for name, word in zip(_WORDS, words, strict=True)},
-                "drive.frequency": frequency,
-                "drive.peak": top,
-                "drive.base": base * top,
-                "drive.hold": hold * top,
-            },
-        )
-        for *words, frequency, base, hold in itertools.product(
-            *_WORDS.values(), _FREQUENCIES, _BASES, _HOLDS
-        )
+    shapes = [
+        {"drive.peak": 1.0, **dict(zip(grid, each, strict=True))}
+        for each in itertools.product(*grid.values())
     ]
+    unscaled = [_scaled(as_long(space.scenario, each), top) for each in shapes]
     growing = [name for name in goal.limits if name in _GROWTH]
     if not growing:
-        return grid
-    measured = once([played(space, values) for values in grid])
+        return unscaled
+    measured = evaluate([played(space, values) for values in unscaled])
     return [
         _scaled(values, min(_room(goal, each, name) for name in growing), *ends)
-        for values, each in zip(grid, measured, strict=True)
+        for values, each in zip(unscaled, measured, strict=True)
     ]
 
 
@@ -86,7 +86,7 @@ def played(space: DesignSpace, values: Mapping[str, Value]) -> dict[str, Any] | 
 
     A program is measured over all of it, and a pulsed drive after its third pulse only.
     """
-    if space.wave is None:
+    if space.periodic is None:
         return dict(values)
     try:
         return as_program(drive_waveform(space.scenario.replace(values)), values)

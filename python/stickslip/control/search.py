@@ -10,7 +10,7 @@ import importlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +19,18 @@ from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
 
+T = TypeVar("T")
+
 Key = tuple[float, ...]
 """What candidates are sorted by; the least is the best."""
 
-Evaluate = Callable[[Sequence[tuple[int, Array]]], Sequence[tuple[Key, Any]]]
+Evaluate = Callable[[Sequence[tuple[int, Array]]], Sequence[tuple[Key, T]]]
 """Of candidates, each an arm and a point of the unit cube: their keys, and what else is known."""
 
 STEP = 0.25
 """Step of the first generation, in parts of a range. Chosen: most of the range is seen."""
 
-_LEADERS = 24
+LEADERS = 24
 """Best candidates that a search keeps. Chosen: enough to find one among them that is no luck."""
 
 _CONVERGED = 1e-3  # step in parts of a range; chosen: finer than any apparatus is set
@@ -42,7 +44,7 @@ _SILENT = {
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Candidate(Generic[T]):
     """A point that was evaluated.
 
     Attributes
@@ -53,18 +55,18 @@ class Candidate:
         Index of the start whose dimensions it has.
     point : numpy.ndarray
         In the unit cube.
-    known : object
-        What was found of it.
+    known : T
+        What the search was told of it beside its key.
     """
 
     key: Key
     arm: int
     point: Array
-    known: Any
+    known: T
 
 
 @dataclass
-class Found:
+class Found(Generic[T]):
     """What a search has found so far.
 
     Attributes
@@ -79,15 +81,15 @@ class Found:
         Whether Ctrl-C ended the search.
     """
 
-    leaders: list[Candidate] = field(default_factory=list)
-    centres: list[Candidate] = field(default_factory=list)
+    leaders: list[Candidate[T]] = field(default_factory=list)
+    centres: list[Candidate[T]] = field(default_factory=list)
     count: int = 0
     interrupted: bool = False
 
 
 def search(
-    starts: Sequence[Array], evaluate: Evaluate, budget: int, seed: int, step: float = STEP
-) -> Found:
+    starts: Sequence[Array], evaluate: Evaluate[T], budget: int, seed: int, step: float = STEP
+) -> Found[T]:
     """Look for the point with the least key, from several starts.
 
     All arms advance together, one generation of each in one call of `evaluate`; each time that its
@@ -118,7 +120,7 @@ def search(
         If the library ``cma`` is missing.
     """
     cma = _library() if any(len(start) for start in starts) else None
-    found = Found()
+    found: Found[T] = Found()
     alive = [_Arm(index, start, cma, seed, step) for index, start in enumerate(starts)]
     try:
         _compare(alive, [[arm.start] for arm in alive], evaluate, found)
@@ -164,7 +166,7 @@ class _Arm:
         self._asked = self._strategy.ask()
         return [np.array(each[: len(self.start)]) for each in self._asked]
 
-    def tell(self, candidates: Sequence[Candidate]) -> None:
+    def tell(self, candidates: Sequence[Candidate[Any]]) -> None:
         ranks = {key: rank for rank, key in enumerate(sorted({each.key for each in candidates}))}
         self._strategy.tell(self._asked, [float(ranks[each.key]) for each in candidates])
 
@@ -188,14 +190,14 @@ class _Arm:
 
 
 def _compare(
-    arms: Sequence[_Arm], asked: Sequence[Sequence[Array]], evaluate: Evaluate, found: Found
-) -> list[list[Candidate]]:
+    arms: Sequence[_Arm], asked: Sequence[Sequence[Array]], evaluate: Evaluate[T], found: Found[T]
+) -> list[list[Candidate[T]]]:
     """Evaluate what all arms ask for at once, and keep the best."""
     pairs = [(arm.index, point) for arm, of in zip(arms, asked, strict=True) for point in of]
     results = evaluate(pairs)
     new = [Candidate(key, *pair, known) for pair, (key, known) in zip(pairs, results, strict=True)]
     found.count += len(new)
-    found.leaders = sorted([*found.leaders, *new], key=lambda each: each.key)[:_LEADERS]
+    found.leaders = sorted([*found.leaders, *new], key=lambda each: each.key)[:LEADERS]
     parts = []
     for arm in arms:
         parts.append([each for each in new if each.arm == arm.index])

@@ -1,0 +1,123 @@
+"""Parts of the design of drives: scores and ranks, the space, sawtooths, slices."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from stickslip import Drive, Scenario, Waveform, simulate, simulate_batch
+from stickslip.control.design_space import FEWEST, Axis, design_space, drive_waveform
+from stickslip.control.goal import judge, judge_all, made_goal
+from stickslip.control.landscape import slices
+from stickslip.control.sawtooth import POINTS, played, sawtooths
+from stickslip.control.search import Candidate
+
+START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
+
+
+def test_a_pulsed_drive_is_the_same_as_a_program():
+    for direction in ("+x", "-x"):
+        start = START.replace({"drive.direction": direction})
+        space = design_space(start, {}, 4, ("xp",), 26.0)
+        program = start.replace(played(space, {}))
+        assert program.drive.mode == "program"
+        assert simulate(program).final_state == simulate(start).final_state
+
+
+def test_minimising_scores_the_greatest_values():
+    goal = made_goal(None, "power_mean", "q10", {})
+    values = np.arange(11.0)
+    assert goal.scored(values) == pytest.approx(9.0)
+    assert made_goal("power_mean", None, "q10", {}).scored(values) == pytest.approx(1.0)
+    assert made_goal("power_mean", None, "worst", {}).scored(values) == 0.0
+    assert made_goal(None, "power_mean", "mean", {}).scored(values) == pytest.approx(5.0)
+
+
+def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not():
+    goal = made_goal("mean_velocity", None, "worst", {"voltage_max": 26.0})
+    out_of_plane = Waveform.hold(0.3, {"yp": 20.0})
+    drives = [
+        {"drive.mode": "program", "drive.program": out_of_plane},
+        {"drive.base": 9e-3},  # above the peak: no scenario
+        {"drive.peak": 4e-3},
+        {"drive.peak": 3e-3},
+        {"drive.peak": 2.4e-3},
+    ]
+    judged = judge_all(goal, [START], drives, 1)
+    ranks = [each.rank(goal.sign) for each in judged]
+    assert ranks[0] == ranks[1]
+    assert ranks[1:] == sorted(ranks[1:], reverse=True)
+    assert len(set(ranks[1:])) == 4
+    assert [each.feasible for each in judged] == [False] * 4 + [True]
+    assert "peak" in judged[1].message
+
+
+def test_every_sawtooth_of_the_grid_is_as_strong_as_the_limit_allows():
+    limit = 1.5e-3
+    goal = made_goal("mean_velocity", None, "mean", {"field_max": limit})
+    space = design_space(START, {"drive.peak": (1e-3, 20e-3)}, None, (), None)
+    points = sawtooths(space, goal, lambda drives: judge_all(goal, [START], drives, 2))
+    assert len(points) == POINTS
+    runs = simulate_batch([START.replace(each) for each in points[::16]])
+    fields = np.array([run.summary()["field_max"] for run in runs if run.ok])
+    assert fields.max() <= limit
+    # A hundredth below it are those whose field differs where a stronger one moves the robot.
+    assert np.median(fields) > 0.98 * limit
+
+
+@pytest.mark.parametrize("pulses", [1, 6])
+def test_drives_of_any_frequency_are_equally_long_but_for_the_start_up(pulses):
+    # 80 pulses a second at the start; a speed is measured after the third pulse.
+    space = design_space(
+        START.replace({"drive.pulses": pulses}),
+        {"drive.frequency": (5.0, 500.0), "drive.hold": (1e-3, 2e-3)}, None, (), None,
+    )  # fmt: skip
+    for place in (0.0, 0.5, 1.0):
+        made = START.replace(space.changes(0, np.array([place, 0.5]))).drive
+        lasting = pulses * made.frequency / START.drive.frequency
+        assert made.pulses == max(FEWEST, round(lasting))
+    fixed = design_space(START, {"drive.hold": (1e-3, 2e-3)}, None, (), None)
+    assert START.replace(fixed.changes(0, np.array([0.5]))).drive.pulses == START.drive.pulses
+
+
+def test_a_slice_tells_a_peak_from_a_plateau():
+    space = design_space(
+        START, {"drive.frequency": (50.0, 100.0), "drive.hold": (1e-3, 2e-3)}, None, (), None
+    )
+    goal = made_goal("mean_velocity", None, "mean", {})
+
+    def evaluate(drives):
+        # Falls to half within a tenth of the range of the frequency, and not at all with hold.
+        return [_judged(goal, 1.0 - 0.1 * abs(each["drive.frequency"] - 75.0)) for each in drives]
+
+    best = Candidate((0.0, 0.0, -1.0), 0, np.array([0.5, 1.0]), _judged(goal, 1.0))
+    peak, plateau = slices(space, best, goal.sign, evaluate)
+    assert (peak.kind, plateau.kind) == ("peak", "plateau")
+    assert peak.loss == pytest.approx(0.25)  # at 2.5 Hz, a twentieth of the range
+    assert plateau.loss == 0.0
+    assert (peak.at_end, plateau.at_end) == ("", "high")
+    assert plateau.values.max() == 2e-3
+
+
+def _judged(goal, score):
+    return judge(goal, [SimpleNamespace(ok=True, summary=lambda: {goal.figure: score})])
+
+
+def test_a_range_of_a_decade_is_searched_in_its_logarithm():
+    wide, narrow = Axis("a", "Hz", 10.0, 1000.0), Axis("b", "Hz", 10.0, 50.0)
+    assert (wide.logarithmic, narrow.logarithmic) == (True, False)
+    assert wide.value(0.5) == pytest.approx(100.0)
+    assert narrow.value(0.5) == pytest.approx(30.0)
+    for axis in (wide, narrow, Axis("c", "V", -5.0, 5.0)):
+        assert (axis.value(0.0), axis.value(1.0)) == (axis.low, axis.high)
+        assert axis.value(axis.coordinate(axis.value(0.3))) == pytest.approx(axis.value(0.3))
+
+
+def test_a_free_waveform_begins_as_the_start_drives():
+    space = design_space(START, {}, 10, ("xp", "clamp"), 26.0)
+    point = space.start(0)
+    period = 1.0 / START.drive.frequency
+    times = START.drive.ramp + period * np.arange(10) / 10
+    given = drive_waveform(START).voltages(times)
+    made = START.replace(space.changes(0, point)).drive.program.voltages(times)
+    assert made == pytest.approx(given)
