@@ -189,6 +189,23 @@ def test_a_run_ends_where_its_condition_is_met(until):
     assert CONDITIONS[until](run.final_state) == pytest.approx(value, rel=1e-9)
 
 
+def test_a_run_that_its_condition_ends_says_over_what_it_is_measured():
+    scenario = Scenario(drive=Drive(pulses=12))  # from 0.08 s on
+    for end in (0.06, 0.1):
+        run = simulate(scenario, until=f"time >= {end}")
+        summary = run.summary()
+        assert summary["window_end"] == pytest.approx(max(end, scenario.window[0]), rel=1e-9)
+        assert math.isfinite(run.mean_velocity) == (end > 0.08)
+        assert any("ended by its condition" in note for note in run.notes)
+    unmet = simulate(scenario, until="x >= 1")
+    assert not any("condition" in note for note in unmet.notes)
+
+
+def test_a_robot_at_rest_beyond_the_coils_has_left_the_workspace():
+    run = simulate(Scenario().with_state(State(x=0.2)))
+    assert run.status == "left_workspace"
+
+
 def test_a_condition_that_is_never_met_is_said():
     run = simulate(Scenario(), until="x >= 1")
     assert run.ok

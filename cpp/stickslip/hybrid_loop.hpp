@@ -457,6 +457,10 @@ void HybridLoop<Integrator>::after_event(double tau) {
 template <class Integrator>
 void HybridLoop<Integrator>::run_rest() {
     const FaceRest rest(dynamics_, state_.body);
+    if (dynamics_.field().outside()) {
+        result_.status = Status::left_workspace;
+        return;
+    }
     const FaceRest::End end = rest.advance(memory_, tau_, segment_.duration, fastest_decay_,
                                            max_check_interval_, integrator_.options().stop);
     observer_.rest(state_.body.theta());

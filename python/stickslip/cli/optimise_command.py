@@ -136,7 +136,7 @@ def command(
         say(f"stickslip: interrupted, {kept}", err=True)
         raise KeyboardInterrupt
     if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(each for each in FILES if (out / each).exists())}")
+        say(f"  in {out}: {', '.join(found.files)}")
 
 
 def _found(base: Scenario, given: dict[str, Any], out: Path | None) -> Any:

@@ -177,6 +177,12 @@ class Optimum(OneLine):
             "limited": judged.worst,
         }
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Names of the files that `save_report` writes."""
+        has_voltages = self.scenario.drive.program is not None
+        return FILES if has_voltages else (BEST, PAGE)
+
     def save_report(self, out: str | PathLike[str]) -> None:
         """Write the best drive and one HTML page into the folder `out`, which is made: all or none.
 

@@ -194,7 +194,7 @@ def _compare(
 ) -> list[list[Candidate[T]]]:
     """Evaluate what all arms ask for at once, and keep the best."""
     pairs = [(arm.index, point) for arm, of in zip(arms, asked, strict=True) for point in of]
-    results = evaluate(pairs)
+    results = evaluate(pairs) if pairs else []
     new = [Candidate(key, *pair, known) for pair, (key, known) in zip(pairs, results, strict=True)]
     found.count += len(new)
     found.leaders = sorted([*found.leaders, *new], key=lambda each: each.key)[:LEADERS]

@@ -233,7 +233,7 @@ class Run:
         A robot that never moved or rolled over, fewer than four pulses, high voltages, a loose
         tolerance.
         """
-        notes = run_notes(self.scenario, {**self._summary})
+        notes = run_notes(self.scenario, {**self._summary}, self.condition_met)
         if self.ok and not self.complete and self.recorded:
             notes.append(
                 f"the record ends at {self.recorded_until:.6g} s: it could not be written on"
@@ -247,7 +247,8 @@ class Run:
         -------
         dict
             `status`, `message` and `notes` (list of str, see `Run.notes`); the measuring window
-            from `window_start` to `window_end` (s), and over it `mean_velocity` (m/s), `theta_min`,
+            from `window_start` to `window_end` (s; where the run was ended by its condition, if
+            that was earlier), and over it `mean_velocity` (m/s), `theta_min`,
             `theta_max` (rad), the mean slip speeds `slip_up`, `slip_down`, `slip_flat` (m/s,
             distance that the contact slipped along +x while theta rose, fell, or the body lay on a
             face, over the window's duration), `airborne_fraction`, `field_min` (T, least of |B| at
@@ -262,6 +263,8 @@ class Run:
         core["events"] = dict(core["events"])
         core["steps"] = dict(core["steps"])
         start, end = self.scenario.window
+        if self.condition_met:
+            end = max(start, min(end, core["simulated_time"]))
         return {
             "status": self.status,
             "message": self.message,

@@ -28,13 +28,26 @@ def counts_start_up(scenario: Scenario) -> bool:
     return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
 
 
-def run_notes(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
+def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) -> list[str]:
     """Facts about a run, a line each; none for most runs."""
     return [
-        *_of_end(scenario, summary),
+        *(_of_condition if condition_met else _of_end)(scenario, summary),
         *_of_motion(summary),
         *_of_drive(scenario),
         *_of_solver(scenario),
+    ]
+
+
+def _of_condition(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
+    start, end = scenario.window
+    ended = summary["simulated_time"]
+    if ended >= end:
+        return []
+    over = f"over {ended - start:.4g} of the {end - start:.4g} s of the measuring window only"
+    before = "before the measuring window, so that nothing is measured"
+    return [
+        f"the run was ended by its condition at {ended:.6g} s: "
+        + (before if ended <= start else f"velocity and angles are measured {over}")
     ]
 
 
