@@ -57,8 +57,16 @@ def test_the_command_gives_what_python_gives(files):
 
 def test_the_command_says_what_failed(files):
     done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.145,0.01", cwd=files)
-    assert done.returncode == 0
+    assert done.returncode == 1
+    assert "precision" in done.stdout
     assert "draws failed and are in no quantile; the first: contact.kinetic_friction" in done.stderr
+
+
+def test_quantiles_of_no_draw_have_no_precision(files):
+    done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.01", cwd=files)
+    assert done.returncode == 1
+    assert "24 of all failed" in done.stdout
+    assert "precision" not in done.stdout
 
 
 def test_the_command_says_what_was_drawn_again(files):

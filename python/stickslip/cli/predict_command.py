@@ -64,12 +64,12 @@ def command(
     out: Path | None,
     plot: Path | None,
     as_json: bool,
-) -> None:
+) -> int:
     """Predict the summary of a SCENARIO (a TOML file) with error bars.
 
     Prints the quantiles of 10, 50 and 90 % over what is uncertain in it: values that are drawn
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
-    there are is said on standard error.
+    there are is said on standard error, and the exit status is then 1.
     """
     points = swept_points(scenario, vary, settings) if vary else None
     points = points or single_point(read_with(scenario, settings))
@@ -100,6 +100,7 @@ def command(
         click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
         for failure in prediction_failures(found):
             say(f"stickslip: {failure}", err=True)
+    return 1 if found.failed else 0
 
 
 def _check_settings(points: Points, settings: Sequence[str]) -> None:
