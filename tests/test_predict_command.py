@@ -80,7 +80,8 @@ def test_the_command_says_what_was_drawn_again(files):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["s.toml"], "no band"),
+        (["s.toml"], "or --uncertain FILE"),
+        (["m.toml"], "m.toml: is a measurement and no scenario; predict takes"),
         (["s.toml", "--uncertain", "s.toml"], "s.toml: there is no section [uncertain]"),
         (["s.toml", "--uncertain", "none.toml"], "none.toml: cannot be read"),
         ([*COMMON, "--draws", "1"], "--draws"),
@@ -97,11 +98,12 @@ def test_the_command_says_what_was_drawn_again(files):
 )
 def test_the_command_refuses_in_one_line(files, options, said):
     (files / "u.csv").write_text((files / "u.toml").read_text())
+    (files / "m.toml").write_text("stickslip_measurement = 1\n")
     done = stickslip("predict", *options, cwd=files)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
-    assert sorted(each.name for each in files.iterdir()) == ["s.toml", "u.csv", "u.toml"]
+    assert sorted(each.name for each in files.iterdir()) == ["m.toml", "s.toml", "u.csv", "u.toml"]
 
 
 def test_an_interrupt_leaves_no_file(files):
