@@ -255,6 +255,17 @@ def test_an_interrupt_stops_a_run(scenario, settings):
     assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", errors)
 
 
+def test_a_picture_of_which_nothing_can_be_drawn_is_a_failure(scenario, tmp_path):
+    # The run ends before the stretch begins.
+    ends = ["--until", "time >= 0.05", "--start", "0.1"]
+    done = stickslip("run", scenario, "--plot", tmp_path / "a.png", *ends)
+    assert done.returncode == 1
+    assert "status" in done.stdout
+    assert done.stderr.startswith("stickslip: --plot: nothing drawn: ")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "a.png").exists()
+
+
 def test_termination_keeps_what_was_recorded_as_an_interrupt_does(scenario, tmp_path):
     # Twice, as `timeout` sends it: to the process and to its group.
     folder = tmp_path / "out"

@@ -91,16 +91,17 @@ def command(
     except KeyboardInterrupt:
         say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
         raise
+    drawn = True
     try:
         if out is not None:
             found.save(out)
         if plot is not None:
-            _draw(found, plot)
+            drawn = _draw(found, plot)
     finally:  # the table is printed even if a disk was full
         click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
         for failure in prediction_failures(found):
             say(f"stickslip: {failure}", err=True)
-    return 1 if found.failed else 0
+    return 1 if found.failed or not drawn else 0
 
 
 def _check_settings(points: Points, settings: Sequence[str]) -> None:
@@ -119,12 +120,14 @@ def _check_drawable(points: Points | None) -> None:
         raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")
 
 
-def _draw(found: Prediction, path: Path) -> None:
+def _draw(found: Prediction, path: Path) -> bool:
+    """Whether there was something to draw."""
     from stickslip import plot as drawing
 
     try:
         figure = drawing.velocity(found)
     except ValueError as error:  # for instance if all draws failed
         say(f"stickslip: --plot: nothing drawn: {error}", err=True)
-        return
+        return False
     drawing.save(figure, path)
+    return True
