@@ -14,7 +14,7 @@ import pytest
 import xarray
 
 from command_line import COMMAND, stickslip, stickslip_process
-from stickslip import COIL_NAMES, Scenario, effects, load, simulate
+from stickslip import COIL_NAMES, Scenario, effects, load, open_run, simulate
 from stickslip.simulation.run import COLUMNS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
@@ -216,11 +216,13 @@ def test_version():
     assert stickslip("--version").stdout == f"stickslip {__import__('stickslip').__version__}\n"
 
 
-def run_until_the_bar(scenario, *settings):
+def run_until_the_bar(scenario, *settings, options=()):
     """A running simulation whose bar has just appeared."""
     arguments = [f"--set={setting}" for setting in settings]
     process = subprocess.Popen(
-        [*COMMAND, "run", str(scenario), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [*COMMAND, "run", str(scenario), *arguments, *map(str, options)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
     seen = b""
     while b"simulating" not in seen:
@@ -251,6 +253,36 @@ def test_an_interrupt_stops_a_run(scenario, settings):
     assert output == b""
     assert b"Traceback" not in errors
     assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", errors)
+
+
+def test_a_picture_of_which_nothing_can_be_drawn_is_a_failure(scenario, tmp_path):
+    # The run ends before the stretch begins.
+    ends = ["--until", "time >= 0.05", "--start", "0.1"]
+    done = stickslip("run", scenario, "--plot", tmp_path / "a.png", *ends)
+    assert done.returncode == 1
+    assert "status" in done.stdout
+    assert done.stderr.startswith("stickslip: --plot: nothing drawn: ")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_termination_keeps_what_was_recorded_as_an_interrupt_does(scenario, tmp_path):
+    # Twice, as `timeout` sends it: to the process and to its group.
+    folder = tmp_path / "out"
+    folder.mkdir()
+    settings = ("solver.max_step=1e-7", "drive.pulses=5000", "record.rate=1e7")
+    process = run_until_the_bar(scenario, *settings, options=["--out", folder / "term.nc"])
+    try:
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 130
+    assert re.search(rb"stickslip: interrupted at \d+ %, \S+ has the record up to ", errors)
+    assert [each.name for each in folder.iterdir()] == ["term.nc"]
+    assert open_run(folder / "term.nc").recorded_until > 0.0
 
 
 def test_an_interrupt_of_the_imports_is_silent():

@@ -1,6 +1,8 @@
 """Gymnasium environments, and the camera between a robot and its controller."""
 
+import importlib
 import math
+import sys
 import warnings
 
 import gymnasium
@@ -173,6 +175,12 @@ REFUSED = {
     "camera.frame_rate": lambda: Camera(frame_rate=0.0),
     "camera.dropped": lambda: Camera(dropped=2.0),
     "camera.exposure": lambda: Camera(frame_rate=100.0, exposure=0.1),
+    "camera = 30": lambda: gymnasium.make("stickslip/Walk-v0", camera=30),
+    'scenario = "x.toml"': lambda: gymnasium.make("stickslip/Walk-v0", scenario="x.toml"),
+    "num_envs = 0": lambda: RobotVectorEnv(0),
+    "num_envs = -1": lambda: RobotVectorEnv(-1),
+    "seed has 3 entries: allowed are 2": lambda: RobotVectorEnv(2).reset(seed=[1, 2, 3]),
+    "period = 0": lambda: Film(Camera(), 0, np.zeros(2)),
     "robot.mass": lambda: RobotEnv(uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}),
 }
 
@@ -182,3 +190,10 @@ def test_what_makes_no_environment_is_refused_in_one_line(told):
     with pytest.raises(ScenarioError, match=told) as refusal:
         REFUSED[told]()
     assert "\n" not in str(refusal.value)
+
+
+def test_without_gymnasium_the_import_says_what_to_install(monkeypatch):
+    monkeypatch.delitem(sys.modules, "stickslip.control.environments")
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    with pytest.raises(ImportError, match=r'pip install "stickslip\[gym\]"$'):
+        importlib.import_module("stickslip.control.environments")

@@ -6,7 +6,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from pictures import assert_legible
-from stickslip import Drive, Scenario, plot, sweep
+from stickslip import Drive, Scenario, plot, simulate, sweep
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=5))
 FREQUENCIES = [20.0, 50.0, 100.0]
@@ -97,6 +97,8 @@ def test_given_axes_are_drawn_in(by_mode):
 def test_what_cannot_be_drawn_is_refused(by_mode, by_two):
     with pytest.raises(ValueError, match="not one of a sweep"):
         plot.velocity(by_mode.drop_vars("mean_velocity"))
+    with pytest.raises(ValueError, match=r"<Run: ok.*allowed is what sweep or predict gave"):
+        plot.velocity(simulate(BASE))
     with pytest.raises(ValueError, match="no point"):
         plot.velocity(by_mode.assign(mean_velocity=by_mode.mean_velocity * np.nan))
     with pytest.raises(ValueError, match=r"varies mode: .* \.sel"):

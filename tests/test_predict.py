@@ -251,6 +251,10 @@ def test_what_cannot_be_predicted_is_refused_in_one_line(options, said):
     assert "\n" not in str(error.value)
 
 
+def test_an_empty_mapping_varies_nothing():
+    assert predict(BASE, {}, draws=2).data.identical(predict(BASE, draws=2).data)
+
+
 def test_a_scenario_of_which_all_is_known_has_no_band():
     with pytest.raises(ScenarioError, match="no band"):
         predict(Scenario())

@@ -57,8 +57,16 @@ def test_the_command_gives_what_python_gives(files):
 
 def test_the_command_says_what_failed(files):
     done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.145,0.01", cwd=files)
-    assert done.returncode == 0
+    assert done.returncode == 1
+    assert "precision" in done.stdout
     assert "draws failed and are in no quantile; the first: contact.kinetic_friction" in done.stderr
+
+
+def test_quantiles_of_no_draw_have_no_precision(files):
+    done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.01", cwd=files)
+    assert done.returncode == 1
+    assert "24 of all failed" in done.stdout
+    assert "precision" not in done.stdout
 
 
 def test_the_command_says_what_was_drawn_again(files):
@@ -72,7 +80,8 @@ def test_the_command_says_what_was_drawn_again(files):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["s.toml"], "no band"),
+        (["s.toml"], "or --uncertain FILE"),
+        (["m.toml"], "m.toml: is a measurement and no scenario; predict takes"),
         (["s.toml", "--uncertain", "s.toml"], "s.toml: there is no section [uncertain]"),
         (["s.toml", "--uncertain", "none.toml"], "none.toml: cannot be read"),
         ([*COMMON, "--draws", "1"], "--draws"),
@@ -89,11 +98,12 @@ def test_the_command_says_what_was_drawn_again(files):
 )
 def test_the_command_refuses_in_one_line(files, options, said):
     (files / "u.csv").write_text((files / "u.toml").read_text())
+    (files / "m.toml").write_text("stickslip_measurement = 1\n")
     done = stickslip("predict", *options, cwd=files)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
-    assert sorted(each.name for each in files.iterdir()) == ["s.toml", "u.csv", "u.toml"]
+    assert sorted(each.name for each in files.iterdir()) == ["m.toml", "s.toml", "u.csv", "u.toml"]
 
 
 def test_a_value_of_a_covariance_can_be_set_where_the_other_file_has_none(files):

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from command_line import stickslip
 from stickslip.cli.reproduce_command import command
-from stickslip.reproduction import study
+from stickslip.reproduction import setting_search, study
 from stickslip.reproduction.settings import Grid
 
 
@@ -43,6 +43,20 @@ def test_the_text_names_statements_reference_and_page(small, tmp_path):
     for number in range(1, 18):
         assert any(line.startswith(f"S{number} ") for line in lines)
     assert str(tmp_path / "index.html") in lines[-1]
+
+
+@pytest.mark.parametrize("options", [[], ["--search"]])
+def test_an_interrupt_is_told_and_leaves_no_folder(tmp_path, monkeypatch, options):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(study, "survey", interrupted)
+    monkeypatch.setattr(setting_search, "survey", interrupted)
+    done = stickslip("reproduce", *options, "--out", "found", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr.startswith("stickslip: interrupted at the stage '")
+    assert done.stderr.rstrip().endswith("', nothing written")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -224,6 +224,15 @@ def test_a_record_of_events_as_csv_has_the_names_of_events(tmp_path):
         ({"drive.base": 0.0, "drive.peak": 0.0}, ["did not move in", "rolled over", "forth"]),
         ({"solver.rtol": 1e-4}, ["solver.rtol = 0.0001 is looser", "by a per cent", "1e-08"]),
         ({"solver.rtol": 1e-5}, []),
+        (
+            {"contact.tangential_restitution": 0.6},
+            ["0.6 has no effect", "contact.restitution is 0"],
+        ),
+        ({"contact.tangential_restitution": 0.6, "contact.restitution": 0.1}, []),
+        (
+            {"contact.tangential_restitution": 0.6, "effects.restitution.coefficient": 0.1},
+            [],
+        ),
     ],
 )
 def test_notes_report_unusual_results_of_a_run(changes, notes):

@@ -227,6 +227,12 @@ REFUSED_STATES = {
 }
 
 
+@pytest.mark.parametrize("row", [[1.0, 2.0], ["a"] * len(stickslip.STATE_COLUMNS), 3.0])
+def test_what_is_no_row_of_a_state_is_refused_in_one_line(row):
+    with pytest.raises(stickslip.ScenarioError, match=r"^row = .*: allowed are \d+ numbers in the"):
+        State.from_row(row)
+
+
 @pytest.mark.parametrize("case", REFUSED_STATES)
 def test_a_state_that_cannot_be_is_refused_in_one_line(case):
     state, key = REFUSED_STATES[case]

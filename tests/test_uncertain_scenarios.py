@@ -163,6 +163,10 @@ TWO = ["drag.linear", "robot.mass"]
     [
         ({}, "is empty"),
         (3, "allowed is a section"),
+        ({"covarience": {"keys": TWO, "matrix": np.eye(2)}}, "[uncertain.covarience]: there is no"),
+        ({"covarience": {"keys": TWO, "matrix": np.eye(2)}}, 'did you mean "covariance"'),
+        ({"covariance": {"keys": [], "matrix": []}}, "[uncertain.covariance] keys is empty"),
+        ({"drag.liner": {"mean": 1.0, "sd": 1.0}}, "[uncertain]: drag.liner = "),
         ({"drag.liner": {"mean": 1.0, "sd": 1.0}}, 'did you mean "drag.linear"'),
         ({"drag": {"linear": {"mean": 1.0, "sd": 1.0}}}, "quotation marks"),
         ({"drive.peak": {"mean": 1e-3, "sd": 1e-4}}, "constant of the model"),

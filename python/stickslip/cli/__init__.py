@@ -20,8 +20,12 @@ BROKEN_PIPE = 141
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command and exit: 0; 1 if a simulation failed; 2 for bad input; 130 on Ctrl-C."""
+    """Run the command and exit: 0; 1 if a simulation failed; 2 for bad input; 130 on Ctrl-C.
+
+    SIGTERM, which clusters and ``timeout`` send, acts as Ctrl-C does.
+    """
     try:
+        _take_termination()
         code = _run(arguments)
         if sys.stdout is not None:
             sys.stdout.flush()
@@ -39,6 +43,22 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         print("stickslip: out of memory; set a lower record.rate", file=sys.stderr)
         _leave(FAILED)
     sys.exit(code)
+
+
+def _take_termination() -> None:
+    import signal
+    import threading
+
+    def interrupt(number: int, frame: object) -> None:
+        # `timeout` sends it twice, and the second would undo what the first has left to do.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    # Signals go to the main thread; who ignores them on purpose goes on doing so.
+    if threading.current_thread() is threading.main_thread() and (
+        signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    ):
+        signal.signal(signal.SIGTERM, interrupt)
 
 
 def _run(arguments: Sequence[str] | None) -> int:

@@ -62,12 +62,12 @@ def command(
     out: Path | None,
     plot: Path | None,
     as_json: bool,
-) -> None:
+) -> int:
     """Predict the summary of a SCENARIO (a TOML file) with error bars.
 
     Prints the quantiles of 10, 50 and 90 % over what is uncertain in it: values that are drawn
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
-    there are is said on standard error.
+    there are is said on standard error, and the exit status is then 1.
     """
     points = swept_points(scenario, vary, settings) if vary else None
     points = points or single_point(read_with(scenario, settings))
@@ -84,15 +84,17 @@ def command(
     except KeyboardInterrupt:
         say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
         raise
+    drawn = True
     try:
         if out is not None:
             found.save(out)
         if plot is not None:
-            _draw(found, plot)
+            drawn = _draw(found, plot)
     finally:  # the table is printed even if a disk was full
         click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
         for failure in prediction_failures(found):
             say(f"stickslip: {failure}", err=True)
+    return 1 if found.failed or not drawn else 0
 
 
 def _check_drawable(points: Points | None) -> None:
@@ -103,12 +105,14 @@ def _check_drawable(points: Points | None) -> None:
         raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")
 
 
-def _draw(found: Prediction, path: Path) -> None:
+def _draw(found: Prediction, path: Path) -> bool:
+    """Whether there was something to draw."""
     from stickslip import plot as drawing
 
     try:
         figure = drawing.velocity(found)
     except ValueError as error:  # for instance if all draws failed
         say(f"stickslip: --plot: nothing drawn: {error}", err=True)
-        return
+        return False
     drawing.save(figure, path)
+    return True

@@ -48,14 +48,13 @@ def prediction_table(prediction: Prediction) -> str:
     lowest = float(data["quantile"].values.min())
     error = math.sqrt(lowest * (1.0 - lowest) / draws)
     low, high = max(lowest - error, 0.0), lowest + error
-    rows = (
+    rows = [
         ("points", str(points)),
         ("draws", f"{draws} of each, {prediction.failed} of all failed"),
-        (
-            "precision",
-            f"the quantile of {100 * lowest:.4g} % is one of {100 * low:.3g} to {100 * high:.3g} %",
-        ),
-    )
+    ]
+    if prediction.failed < points * draws:
+        shares = f"{100 * low:.3g} to {100 * high:.3g} %"
+        rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
     text = "\n".join(f"{name:<11}{value}" for name, value in rows)
     return f"{_rows(prediction)}\n\n{text}" if points <= MOST_ROWS else text
 

@@ -87,8 +87,8 @@ def command(
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
     --out and --plot record on a uniform grid if the scenario's record.rate is "none". What --out
-    recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation failed, with
-    the reason on standard error.
+    recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation failed or
+    there was nothing to draw, with the reason on standard error.
     """
     loaded = read_with(scenario, settings)
     _check_stretch(loaded, plot, start, stop)
@@ -99,16 +99,17 @@ def command(
         _check_drawn(loaded)
     run, failure = _simulated(loaded, until, out)
 
+    drawn = True
     try:
         if failure is not None:
             raise failure
         if plot is not None:
-            _draw(run, plot, start, stop)
+            drawn = _draw(run, plot, start, stop)
     finally:  # the summary is printed even if a disk was full
         click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
         if not run.ok:
             say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
-    return 0 if run.ok else 1
+    return 0 if run.ok and drawn else 1
 
 
 def _simulated(
@@ -130,15 +131,17 @@ def _simulated(
         raise
 
 
-def _draw(run: Run, path: Path, start: float | None, stop: float | None) -> None:
+def _draw(run: Run, path: Path, start: float | None, stop: float | None) -> bool:
+    """Whether there was something to draw."""
     from stickslip import plot as drawing
 
     try:
         figure = drawing.run(run, start, stop)
     except ValueError as error:  # for instance a run that failed before `start`
         say(f"stickslip: --plot: nothing drawn: {error}", err=True)
-        return
+        return False
     drawing.save(figure, path)
+    return True
 
 
 def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:

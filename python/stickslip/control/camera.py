@@ -9,7 +9,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +62,8 @@ class Film:
     """
 
     def __init__(self, camera: Camera, period: float, pose: NDArray[np.float64]) -> None:
+        if not (is_number(period) and 0.0 < period < math.inf):
+            raise ScenarioError(f"period = {shown(period)}: allowed is a number of seconds above 0")
         self._camera = camera
         self._next = 0  # frame
         exposed = max(1, round(camera.exposure / period))

@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
+
+try:
+    import gymnasium
+    from gymnasium.vector import AutoresetMode
+except ImportError:
+    raise ImportError(
+        "the package gymnasium is missing, whose environments these are: "
+        'pip install "stickslip[gym]"'
+    ) from None
 
 from stickslip import _core
 from stickslip._util.processor_count import worker_count
 from stickslip.control.camera import Camera, Film
 from stickslip.control.tasks import task_named
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import check_whole, shown
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -85,6 +93,10 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         max_episode_steps: int | None = None,
         render_mode: None = None,
     ) -> None:
+        check_whole("num_envs", num_envs, 1)
+        for name, value, kind in (("scenario", scenario, Scenario), ("camera", camera, Camera)):
+            if value is not None and not isinstance(value, kind):
+                raise ScenarioError(f"{name} = {shown(value)}: allowed is a {kind.__name__}")
         self.num_envs = num_envs
         self.task = task_named(task)
         given = scenario or Scenario()
@@ -128,6 +140,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
             seeds: Sequence[int | None] = [None] * self.num_envs
         elif isinstance(seed, Sequence):
             seeds = seed
+            if len(seeds) != self.num_envs:
+                raise ScenarioError(f"seed has {len(seeds)} entries: allowed are {self.num_envs}")
         else:
             seeds = [int(seed) + i for i in range(self.num_envs)]
         for i, own in enumerate(seeds):

@@ -93,8 +93,9 @@ def predict(
         raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
     if uncertain is not None:
         scenario = scenario.with_uncertain(uncertain)
-    points = single_point(scenario) if vary is None else points_of(scenario, vary)
-    return predicted(points, vary is not None, draws, seed, quantiles, threads, progress)
+    varied = vary is not None and vary != {}
+    points = points_of(scenario, vary) if varied else single_point(scenario)
+    return predicted(points, varied, draws, seed, quantiles, threads, progress)
 
 
 def single_point(scenario: Scenario) -> Points:
@@ -117,7 +118,10 @@ def predicted(
     levels = _checked_levels(quantiles)
     uncertain = points.scenario.uncertain
     if uncertain is None:
-        raise ScenarioError("uncertain: the scenario holds nothing that is, so there is no band")
+        raise ScenarioError(
+            "uncertain: the scenario holds nothing that is, so there is no band; name it in "
+            "[uncertain] of its file, or give it: uncertain=..., or --uncertain FILE"
+        )
     for key in points.keys:
         if key in uncertain.names:
             raise ScenarioError(f"{key}: allowed is either varied or uncertain, not both")

@@ -87,6 +87,8 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
         If the Dataset is not one of a sweep, has no sound point, or varies more than can be drawn.
     """
     table: Any = getattr(data, "data", data)  # of a prediction
+    if not hasattr(table, "data_vars"):
+        raise ValueError(f"data = {table!r}: allowed is what sweep or predict gave")
     if "mean_velocity" not in table:
         raise ValueError("the Dataset is not one of a sweep: it has no mean_velocity")
     speeds = table["mean_velocity"].squeeze() * 1e3

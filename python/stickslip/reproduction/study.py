@@ -173,7 +173,6 @@ def reproduce(
     folder = None if out is None else Path(out)
     if folder is not None:
         check_folder(folder)
-        folder.mkdir(parents=True, exist_ok=True)
     effort = effort or Effort()
     report = progress or (lambda fraction, stage: None)
 
@@ -232,6 +231,7 @@ def _written(
     report: Progress,
     begin: float,
 ) -> Reproduction:
+    folder.mkdir(parents=True, exist_ok=True)
     figures = {}
     for place, (name, table) in enumerate(result.tables.items()):
         report(_CURVES + (1.0 - _CURVES) * place / len(result.tables), "drawing")

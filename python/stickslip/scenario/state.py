@@ -108,7 +108,11 @@ class State(Section, key="initial"):
     @staticmethod
     def from_row(row: Any) -> State:
         """The state of a row of an array of states; a ScenarioError if it is none."""
-        values = dict(zip(STATE_COLUMNS, map(float, row), strict=True))
+        try:
+            values = dict(zip(STATE_COLUMNS, map(float, row), strict=True))
+        except (TypeError, ValueError):
+            allowed = f"{len(STATE_COLUMNS)} numbers in the order of STATE_COLUMNS"
+            raise ScenarioError(f"row = {shown(row)}: allowed are {allowed}") from None
         index = values["contact"]
         if index not in range(len(CONTACT_WORDS)):
             raise ScenarioError(

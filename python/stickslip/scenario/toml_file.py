@@ -164,6 +164,11 @@ def _effects(table: Any, changes: Mapping[str, Any]) -> Any:
 
 
 def _check_version(document: dict[str, Any]) -> None:
+    if "stickslip" not in document and "stickslip_measurement" in document:
+        raise ScenarioError(
+            "is a measurement and no scenario; predict takes what is uncertain there from "
+            "--uncertain FILE"
+        )
     if "stickslip" not in document:
         raise ScenarioError(f'stickslip is missing: a scenario has "stickslip = {FORMAT_VERSION}"')
     version = document["stickslip"]

@@ -154,6 +154,8 @@ def as_joint_prior(given: object) -> JointPrior:
     for name in ("keys", "matrix"):
         if name not in covariance:
             raise ScenarioError(f"{section} {name} is missing: it has keys and matrix")
+    if not priors and COVARIANCE in given and covariance["keys"] in ([], ()):
+        raise ScenarioError(f"{section} keys is empty: allowed is a key or more")
     return JointPrior(priors, covariance["keys"], covariance["matrix"])
 
 
@@ -169,7 +171,11 @@ def parse_priors(table: object) -> dict[str, Prior]:
                     f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
                     f'"{name}.{inner}" = ...'
                 )
-        name = _constant(name, entry)
+        if isinstance(entry, Mapping) and not {"keys", "matrix"}.isdisjoint(entry):
+            hint = suggestion(str(name), [COVARIANCE])
+            raise ScenarioError(f"[uncertain.{name}]: there is no such section; {hint}")
+        with prefixed("[uncertain]"):
+            name = _constant(name, entry)
         if name in priors:
             raise ScenarioError(f'[uncertain] "{name}" is there twice: allowed is once')
         prior = entry if isinstance(entry, Prior) else parse_prior(name, entry)
@@ -199,7 +205,7 @@ def _constant(name: str, *entry: object) -> str:
     key = find_key(name, *entry)
     if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
         raise ScenarioError(
-            f'[uncertain] "{name}": allowed is a constant of the model; what is a number there '
+            f'"{name}": allowed is a constant of the model; what is a number there '
             "and not in [drive], [solver] or [record]"
         )
     return name

@@ -34,6 +34,7 @@ def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) 
         *(_of_condition if condition_met else _of_end)(scenario, summary),
         *_of_motion(summary),
         *_of_drive(scenario),
+        *_of_contact(scenario),
         *_of_solver(scenario),
     ]
 
@@ -103,6 +104,17 @@ def _of_drive(scenario: Scenario) -> list[str]:
                 "state"
             )
     return notes
+
+
+def _of_contact(scenario: Scenario) -> list[str]:
+    back = scenario.contact.tangential_restitution
+    rebounds = scenario.contact.restitution or scenario.get("effects.restitution.coefficient")
+    if back == 0.0 or rebounds:
+        return []
+    return [
+        f"contact.tangential_restitution = {back:g} has no effect while contact.restitution is 0: "
+        "only a corner that rebounds gives slip back"
+    ]
 
 
 def _of_solver(scenario: Scenario) -> list[str]:
