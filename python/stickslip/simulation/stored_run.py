@@ -120,7 +120,7 @@ def _netcdf_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         with h5py.File(path) as file:
             about = {name: _plain(value) for name, value in file.attrs.items()}
-            columns = {name: len(item) for name, item in file.items()}
+            columns = {name: len(item) if item.shape else 1 for name, item in file.items()}
     except Exception:  # whatever HDF5 and its readers raise for another file
         raise ScenarioError(f"is no netCDF file; {_ALLOWED}") from None
     if "t" not in columns or "scenario" not in about:
