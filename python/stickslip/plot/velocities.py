@@ -151,8 +151,8 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
         line = speeds.sel(dict(zip(words, choice, strict=True)))
         names = [str(word) for word in choice]
         if bands:
-            line = _draw_bands(axes, line, along, colour, names)
-            names = [*names, "median"]
+            line, shares = _draw_bands(axes, line, along, colour)
+            names = [*names, f"median, {' and '.join(shares)} % of draws"]
         axes.plot(
             along.values * along.factor,
             line.values,
@@ -167,11 +167,11 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
     axes.set_xlabel(along.label)
     axes.set_ylabel("mean velocity (mm/s)")
     if words or bands:
-        axes.legend(title=", ".join(words), frameon=False)
+        axes.legend(title=", ".join(words), fontsize="small", framealpha=0.8, edgecolor="none")
 
 
-def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str, names: list[str]) -> Any:
-    """Shade what lies between each two opposite quantiles; return the median."""
+def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str) -> tuple[Any, list[str]]:
+    """Shade what lies between each two opposite quantiles; the median, and the shares in %."""
     levels = line[_QUANTILE].values
     if not np.allclose(levels + levels[::-1], 1.0) or 0.5 not in levels:
         shown = ", ".join(f"{each:g}" for each in levels)
@@ -187,9 +187,9 @@ def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str, names: list[st
             color=colour,
             alpha=0.2,
             linewidth=0.0,
-            label=", ".join([*names, f"{100.0 * (high - low):.4g} % of draws"]),
         )
-    return line.sel(quantile=0.5)
+    shares = [f"{100.0 * (1.0 - 2.0 * low):.4g}" for low in levels[: len(levels) // 2]]
+    return line.sel(quantile=0.5), shares
 
 
 def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
