@@ -112,6 +112,7 @@ def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, mon
     [
         (("--free", "drive.frequency"), "key=low:high"),
         (("--free", "drive.frequency=5:10:300"), "key=low:high"),
+        (("--free", "drive.frequency=50,100"), "key=low:high"),
         (("--free", "drive.frequency=5:300", "--free", "drive.frequency=5:30"), "there twice"),
         (("--free", "drive.frequency=5Hz:300Hz"), "without its unit"),
         (("--free", "drive.frequency=low:high"), "drive.frequency"),

@@ -166,7 +166,8 @@ def _free(texts: tuple[str, ...]) -> dict[str, Any]:
                 raise ScenarioError(f"{key} is there twice")
             separator = ":" if ":" in values else ","
             free[key] = [parse_value(part.strip()) for part in values.split(separator)]
-            if separator == ":" and len(free[key]) != 2:
+            are_numbers = all(isinstance(each, int | float) for each in free[key])
+            if (separator == ":") != are_numbers or (are_numbers and len(free[key]) != 2):
                 raise ScenarioError(_FREE)
     return free
 

@@ -130,7 +130,7 @@ class Optimum(OneLine):
 
     def _on_fresh(self, judged: Judged) -> str:
         count = len(judged.figures)
-        passed = f", {judged.exceeding} of them pass a limit or fail" if judged.exceeding else ""
+        passed = f", {judged.exceeding} of them exceed a limit or fail" if judged.exceeding else ""
         return f"{judged.score:.6g} on {count} fresh draw(s){passed}"
 
     def as_dict(self) -> dict[str, Any]:
