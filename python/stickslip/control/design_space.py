@@ -154,7 +154,7 @@ class DesignSpace:
         return {**self.arms[arm], **numbers}
 
     def changes(self, arm: int, point: Array) -> dict[str, Any]:
-        """What `Scenario.replace` needs for a candidate.
+        """What ``Scenario.replace`` needs for a candidate.
 
         A ScenarioError says that its values make no scenario together.
         """

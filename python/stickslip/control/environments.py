@@ -62,7 +62,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         The robot; its drive is not played, see `stickslip.Simulator`.
     uncertain : JointPrior, mapping of str to Prior, or Scenario, optional
         What is drawn anew for each episode, as `Measurement.uncertain` or a scenario has it, see
-        `Scenario.with_uncertain`; an empty mapping is nothing. If it is not given, what is
+        ``Scenario.with_uncertain``; an empty mapping is nothing. If it is not given, what is
         uncertain in `scenario`.
     camera : Camera, optional
         What the robots are seen through.

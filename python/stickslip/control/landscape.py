@@ -47,7 +47,7 @@ class Slice:
     feasible : numpy.ndarray of bool, shape (n,)
         Whether all limits hold.
     loss : float
-        Greatest part of the best score that is lost within `NEAR` of the range; infinite where a
+        Greatest part of the best score that is lost within ``NEAR`` of the range; infinite where a
         simulation fails there.
     """
 
@@ -60,7 +60,7 @@ class Slice:
 
     @property
     def kind(self) -> Literal["peak", "plateau"]:
-        """Whether a small change costs more than `PLATEAU` of the score."""
+        """Whether a small change costs more than ``PLATEAU`` of the score."""
         return "peak" if self.loss > PLATEAU else "plateau"
 
     @property

@@ -147,7 +147,7 @@ def search_settings(
     """Look for the pair of settings that satisfies most of S5 to S14 with S1 to S4 kept.
 
     First the grid, whose best pairs are the starts, one for each combination of edges and clamps;
-    then `stickslip.control.search`. Pairs are compared by how far they are from S1 to S4, then by
+    then ``stickslip.control.search``. Pairs are compared by how far they are from S1 to S4, then by
     how many of S5 to S14 fail, then by how far the nearest of those is from holding. A pair in
     which a mode does not walk comes last.
 

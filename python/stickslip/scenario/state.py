@@ -46,7 +46,7 @@ class State(Section, key="initial"):
         What the current that the field corresponds to has beyond the coil's, A; it counts with
         `effects.eddy_lag` only.
     contact : str
-        Mode of the contact, one of `Run.contact_names`; or ``"from_motion"``: what lies on the
+        Mode of the contact, one of ``Run.contact_names``; or ``"from_motion"``: what lies on the
         surface touches, unless it moves away from it, and slips if it moves along it. The mode is
         part of the state: under adhesion a corner on the surface may be in contact or just about to
         fly.

@@ -26,9 +26,9 @@ OWN_LABELS = ("condition", "observable")
 
 
 class Plots:
-    """Pictures of a diagnosis, as `Diagnosis.plot` has them.
+    """Pictures of a diagnosis, as ``Diagnosis.plot`` has them.
 
-    Each method returns a `matplotlib.figure.Figure`, which a notebook shows by itself and
+    Each method returns a matplotlib figure, which a notebook shows by itself and
     ``figure.savefig("name.png")`` writes.
     """
 
