@@ -253,8 +253,8 @@ class Run:
             distance that the contact slipped along +x while theta rose, fell, or the body lay on a
             face, over the window's duration), `airborne_fraction`, `field_min` (T, least field at
             the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T,
-            largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil), `events`
-            (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
+            largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil),
+            `events` (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
             integrator). What was never measured is NaN. A run that ends before the window does has
             no mean velocity, but `finished_velocity` (m/s), that over the `finished_pulses` (a
             count) of the window's pulses that were finished; in other runs these are all of them.
