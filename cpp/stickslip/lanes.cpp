@@ -69,9 +69,7 @@ private:
                 Lane::Loop& loop = lane.loop;
                 constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase>;
                 if (kNever || is_few()) {
-                    loop.end_phase(phase, loop.integrator().advance(
-                                              phase, loop.memory(), loop.tau(), loop.tau_end(),
-                                              phase.begin(loop.body()), loop.observer(phase)));
+                    loop.play(phase);
                 } else if constexpr (!kNever) {
                     pack_of(phase).add(lane);
                     added = true;

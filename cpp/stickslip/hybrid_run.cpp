@@ -1,0 +1,270 @@
+#include "stickslip/hybrid_run.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace stickslip {
+
+HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
+                     std::optional<StopCondition> stop)
+    : sign_(frame_sign(scenario)),
+      window_(measuring_window(scenario)),
+      program_(make_program(scenario)),
+      hold_period_(scenario.effects.sample_hold_period),
+      amplifier_limit_(scenario.effects.amplifier_limit_voltage),
+      field_gain_(stickslip::field_gain(scenario)),
+      chain_(make_measurement_chain(scenario)),
+      coils_(scenario.coil.geometry),
+      model_(make_model(scenario)),
+      circuit_(make_circuit(scenario, program_)),
+      dynamics_(model_, make_local_field(scenario, program_, coils_)),
+      options_(make_stepper_options(scenario, model_, program_, coils_,
+                                    control ? &control->stop : nullptr)),
+      recorder_(scenario.record, chain_, sign_),
+      observer_(pulse_period(scenario)),
+      drive_(coils_, circuit_),
+      stays_planar_(scenario.solver.planar == Planar::refuse),
+      control_(control),
+      stop_(stop),
+      max_check_interval_(max_check_interval(model_, options_)),
+      source_(program_, hold_period_, marks()),
+      transitions_(dynamics_, state_),
+      // Fifty free swings.
+      watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate),
+      demand_(scenario, model_, options_.swing_rate, program_.duration()) {
+    result_.most_steps = scenario.solver.max_steps;
+    const Start start = initial_state(scenario, model_);
+    state_ = start.state;
+    touches_down_ = start.touches_down;
+    dynamics_.set_contact_age(start.contact_age);
+}
+
+bool HybridRun::next_phase() {
+    while (goes_on()) {
+        if (tau_ >= segment_.duration) {
+            if (!next_segment()) break;
+        } else if (state_.rests()) {
+            run_rest();
+        } else {
+            dynamics_.set_quadrant(state_.body.quadrant);
+            return true;
+        }
+    }
+    if (result_.status == Status::ok && !source_.is_stepped()) finish();
+    return false;
+}
+
+bool HybridRun::next_segment() {
+    // The integrators look too; a body at rest needs none.
+    if (control_ && control_->stop.load(std::memory_order_relaxed)) {
+        result_.status = Status::interrupted;
+        return false;
+    }
+    if (stretch_is_open_) end_stretch();
+    if (result_.status != Status::ok) return false;
+    if (!source_.next(voltages_)) return false;
+    if (++segment_count_ > options_.most_steps) {
+        effort_.stretches = segment_count_;
+        result_.status = Status::too_many_steps;
+        return false;
+    }
+    if (source_.is_stepped())
+        drive_further_coils();
+    else
+        watch_window(voltages_.start);
+    if (result_.stopped) return false;
+    begin_segment(voltages_);
+    if (!begun_) begin();
+    return !result_.stopped;
+}
+
+void HybridRun::end_stretch() {
+    stretch_is_open_ = false;
+    // A run that is stepped has no summary: what counts is whether it leaves the plane.
+    if (source_.is_stepped() && !DriveObserver::drives_across(dynamics_.field().gain())) return;
+    drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
+    if (stays_planar_ && drive_.leaves_plane()) result_.status = Status::leaves_plane;
+}
+
+// Coils that the scenario's drive does not use, and a step does.
+void HybridRun::drive_further_coils() {
+    PerCoil gain = dynamics_.field().gain();
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        if (voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0) gain[k] = field_gain_[k];
+    }
+    if (gain != dynamics_.field().gain()) dynamics_.field().set_gain(gain);
+}
+
+// Boundaries of stretches carry rounding; the window's ends, and a stop's time, are some of them.
+void HybridRun::watch_window(double time) {
+    const double slack = 1e-9 * program_.duration();
+    if (!measured_ && time >= window_.start - slack) {
+        observer_.open(time, state_.body.x);
+        measured_ = true;
+    }
+    if (observer_.is_open()) observer_.pass(time, state_.body.x);
+    if (observer_.is_open() && time >= window_.end - slack) {
+        close_window(time);
+    }
+    if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
+        result_.stopped = distance(time + slack, state_.body) <= 0.0;
+    }
+}
+
+void HybridRun::close_window(double time) {
+    observer_.close(time, state_.body.x, sign_, result_.summary);
+    drive_.close(time - observer_.start(), result_.summary);
+}
+
+std::vector<double> HybridRun::marks() const {
+    std::vector<double> result = {window_.start, window_.end};
+    if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
+        result.push_back(stop_->value);
+        std::sort(result.begin(), result.end());
+    }
+    return result;
+}
+
+void HybridRun::begin() {
+    begun_ = true;
+    transitions_.begin(touches_down_);
+    after_event(0.0);
+}
+
+SimulationState HybridRun::state() const {
+    SimulationState result = motion();
+    // Within a stretch the circuit is at its end already.
+    PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
+    if (tau_ < segment_.duration) {
+        current = segment_.currents(tau_);
+        const PerCoil field = segment_.field_currents(tau_);
+        for (std::size_t k = 0; k < kCoilCount; ++k) lag[k] = field[k] - current[k];
+    }
+    result.current = sign_ > 0.0 ? current : turned(current);
+    result.field_lag = sign_ > 0.0 ? lag : turned(lag);
+    return result;
+}
+
+LoopMemory HybridRun::loop_memory() const {
+    return {circuit_.memory(),        dynamics_.memory(), {},    memory_, state_, watch_,
+            source_.steps().memory(), segment_.duration,  begun_};
+}
+
+void HybridRun::restore(const LoopMemory& memory) {
+    circuit_.restore(memory.circuit);
+    dynamics_.restore(memory.dynamics);
+    memory_ = memory.phase;
+    state_ = memory.state;
+    watch_ = memory.watch;
+    source_.restore(memory.steps);
+    segment_.duration = tau_ = memory.stretch;
+    begun_ = memory.begun;
+    stretch_is_open_ = false;
+    result_.status = Status::ok;
+}
+
+void HybridRun::begin_segment(const VoltageSegment& voltages) {
+    stretch_is_open_ = true;
+    dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
+    segment_ = circuit_.advance(voltages);
+    tau_ = 0.0;
+    dynamics_.set_start(segment_.start);
+    dynamics_.field().set_segment(segment_);
+    fastest_decay_ =
+        *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
+}
+
+void HybridRun::finish() {
+    if (result_.stopped) {
+        CurrentSegment played = segment_;
+        played.duration = tau_;
+        if (tau_ > 0.0) {
+            drive_.stretch(voltages_, played, dynamics_, state_.body, observer_.is_open());
+        }
+        if (observer_.is_open()) close_window(absolute(tau_));
+        return;
+    }
+    // The grid's last sample may lie beyond the end by rounding.
+    sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
+                 [&](double) { return snapshot(dynamics_, state_, segment_.duration); });
+    if (observer_.is_open()) close_window(program_.duration());
+}
+
+void HybridRun::record(double t, double tau, const Snapshot& snapshot) {
+    recorder_.add(t, snapshot, state_.mode,
+                  dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
+                  field_across(coils_, dynamics_.field().gain(), segment_.field_currents(tau),
+                               snapshot.body.x, snapshot.body.z),
+                  segment_.currents(tau));
+}
+
+void HybridRun::handle(Event event, double tau) {
+    watch_.event(absolute(tau));
+    if (watch_.hangs()) result_.status = Status::too_many_events;
+    transitions_.handle(event, tau);
+    after_event(tau);
+    const BodyState& body = state_.body;
+    if (!std::isfinite(body.x + body.z + body.angle + body.vx + body.vz + body.omega)) {
+        result_.status = Status::not_finite;
+    }
+}
+
+void HybridRun::after_event(double tau) {
+    memory_ = {};
+    memory_.stalled = watch_.stalled();
+    // A face that has landed may lie still from now on, so that no step looks.
+    if (stop_ && distance(absolute(tau), state_.body) <= 0.0) result_.stopped = true;
+    if (!recorder_.at_event(absolute(tau))) return;
+    // One sample for each change at this instant, with the state after all of them.
+    for (const EventKind kind : transitions_.changes()) {
+        record(absolute(tau), tau, snapshot(dynamics_, state_, tau));
+        recorder_.add_event(kind);
+    }
+}
+
+void HybridRun::run_rest() {
+    const FaceRest rest(dynamics_, state_.body);
+    if (dynamics_.field().outside()) {
+        result_.status = Status::left_workspace;
+        return;
+    }
+    const FaceRest::End end = rest.advance(memory_, tau_, segment_.duration, fastest_decay_,
+                                           max_check_interval_, options_.stop);
+    observer_.rest(state_.body.theta());
+    sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });
+    pass_to(end.tau);
+    if (end.event != Event::none) {
+        handle(end.event, end.tau);
+    } else if (end.tau < segment_.duration) {
+        result_.status = Status::interrupted;
+    }
+}
+
+void HybridRun::pass_to(double tau) {
+    result_.summary.simulated_time = absolute(tau);
+    if (control_) control_->simulated_time.fetch_add(tau - tau_, std::memory_order_relaxed);
+    tau_ = tau;
+}
+
+void HybridRun::fail(const WrenchNotFinite& failure) {
+    result_.status = Status::not_finite;
+    result_.effect = failure.effect;
+    result_.summary.simulated_time = failure.time;
+}
+
+RunResult HybridRun::take_result(const StepCounts& counts) {
+    drive_.write(result_.summary);
+    result_.steps = counts;
+    result_.summary.events = transitions_.counts();
+    observer_.write(sign_, result_.summary);
+    chain_.apply(result_.summary);
+    result_.recording = recorder_.take();
+    result_.final_body = state_.body;
+    result_.final_state = state();
+    effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
+    result_.stiffness = demand_.stiffness(effort_);
+    result_.bound = demand_.bound(effort_);
+    return std::move(result_);
+}
+
+}  // namespace stickslip

@@ -1,0 +1,223 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "stickslip/assembly.hpp"
+#include "stickslip/contact_transitions.hpp"
+#include "stickslip/drive_observer.hpp"
+#include "stickslip/event_location.hpp"
+#include "stickslip/hybrid_state.hpp"
+#include "stickslip/initial_state.hpp"
+#include "stickslip/progress_watch.hpp"
+#include "stickslip/recording.hpp"
+#include "stickslip/simulation.hpp"
+#include "stickslip/stepping.hpp"
+#include "stickslip/stretch_source.hpp"
+
+namespace stickslip {
+
+/// All that a run takes from one stretch of voltage to the next: restored, it goes on with the same
+/// bits.
+struct LoopMemory {
+    Circuit::Memory circuit;
+    Dynamics::Memory dynamics;
+    IntegratorMemory integrator;
+    PhaseMemory phase;
+    HybridState state;
+    ProgressWatch watch{0.0};
+    ControlSteps::Memory steps;
+    double stretch = 0.0;  ///< s, duration of the last one
+    bool begun = false;
+};
+
+/// A run apart from its integrator: the stretches of voltage, rests, events, and what is recorded
+/// and measured of them. Between these lie the phases, which a HybridLoop integrates.
+class HybridRun {
+public:
+    // The parts of a run that is stepped.
+
+    /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
+    /// how strong the fields are. `on_step` is called at the end of each step.
+    void play_steps(std::function<void()> on_step) {
+        source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
+    }
+    ControlSteps& steps() { return source_.steps(); }
+    Status status() const { return result_.status; }
+    /// At the end of the last stretch.
+    SimulationState state() const;
+    /// The same without currents.
+    SimulationState motion() const {
+        return world_state(state_, dynamics_.contact_age() + tau_, sign_);
+    }
+
+    // For lanes, which integrate the phases of several runs together.
+
+    /// Plays up to the next phase that has to be integrated; false if the run is over.
+    bool next_phase();
+    /// Calls `use` with that phase.
+    void with_phase(auto&& use) { stickslip::with_phase(dynamics_, state_, use); }
+    /// What is called for each step of a phase, see Tsit5::advance.
+    template <class Phase>
+    auto observer(Phase& phase);
+    void interrupt() { result_.status = Status::interrupted; }
+    /// Whether lanes can have it: no named effect, and nothing to look for within the steps.
+    bool is_plain() const {
+        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid() &&
+               !stop_;
+    }
+    PhaseMemory& memory() { return memory_; }
+    Dynamics& dynamics() { return dynamics_; }
+    const BodyState& body() const { return state_.body; }
+    int slip() const { return state_.mode.slip; }
+    double tau() const { return tau_; }
+    double tau_end() const { return segment_.duration; }
+
+protected:
+    HybridRun(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop);
+
+    const StepperOptions& options() const { return options_; }
+    void reset_counts() { segment_count_ = 0; }
+    LoopMemory loop_memory() const;
+    void restore(const LoopMemory& memory);
+    RunResult take_result(const StepCounts& counts);
+
+    /// Goes on from where a phase has ended. accepted: steps of the integrator so far.
+    template <class Phase>
+    void end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t accepted);
+    void fail(const WrenchNotFinite& failure);
+    /// Gives the record's sink what there is.
+    void hand_over_record() { recorder_.take(); }
+
+private:
+    bool next_segment();
+    void drive_further_coils();
+    void end_stretch();
+    void watch_window(double time);
+    void close_window(double time);
+    std::vector<double> marks() const;
+    void begin();
+    void begin_segment(const VoltageSegment& voltages);
+    void finish();
+    void run_rest();
+    bool goes_on() const { return result_.status == Status::ok && !result_.stopped; }
+    void handle(Event event, double tau);
+    void after_event(double tau);
+    void pass_to(double tau);
+    double distance(double t, const BodyState& body) const {
+        return stop_->distance(t, sign_ * body.x, body.z, body.theta());
+    }
+    double find_stop(auto& phase, const auto& step, double s) const;
+    double absolute(double tau) const { return segment_.start + tau; }
+    void sample_until(double limit, double from, auto&& snapshot_at);
+    void record(double t, double tau, const Snapshot& snapshot);
+
+    const double sign_;
+    const Window window_;
+    const VoltageProgram program_;
+    const double hold_period_;      // s, effect `sample_hold`
+    const double amplifier_limit_;  // V, effect of that name
+    const PerCoil field_gain_;
+    const MeasurementChain chain_;
+    const CoilSet coils_;
+    const Model model_;
+    Circuit circuit_;
+    Dynamics dynamics_;
+    const StepperOptions options_;
+    Recorder recorder_;
+    SummaryObserver observer_;
+    DriveObserver drive_;
+    const bool stays_planar_;
+    RunControl* control_;
+    const std::optional<StopCondition> stop_;
+    const double max_check_interval_;  // s, at rest
+
+    StretchSource source_;
+    VoltageSegment voltages_;
+    CurrentSegment segment_;
+    double tau_ = 0.0;  // s, in the segment
+    double fastest_decay_ = 0.0;
+    bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
+    bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
+    bool touches_down_ = false;              // as the run begins
+    HybridState state_;
+    ContactTransitions transitions_;
+    ProgressWatch watch_;
+    const StepDemand demand_;
+    Effort effort_;
+    PhaseMemory memory_;
+    RunResult result_;
+    std::int64_t segment_count_ = 0;
+};
+
+// Samples of the uniform grid in (…, limit] s of absolute time; `snapshot_at(t)` in absolute time.
+void HybridRun::sample_until(double limit, double from, auto&& snapshot_at) {
+    const auto stopped = [&] { return control_ && control_->stop.load(std::memory_order_relaxed); };
+    for (double t = recorder_.next_time(); t <= limit && !stopped(); t = recorder_.next_time()) {
+        const double tau = std::max(t, from) - segment_.start;
+        record(t, tau, snapshot_at(tau));
+    }
+}
+
+template <class Phase>
+auto HybridRun::observer(Phase& phase) {
+    return [this, &phase](const auto& step, double s) {
+        const double stop = stop_ ? find_stop(phase, step, s) : kGoesOn;
+        if (stop <= s) {
+            s = stop;
+            result_.stopped = true;
+        }
+        const double limit = absolute(step.start + s * step.width);
+        if (recorder_.next_time() <= limit) {
+            sample_until(limit, absolute(step.start), [&](double at) {
+                return phase.snapshot(at, step.dense((at - step.start) / step.width));
+            });
+        }
+        return stop;
+    };
+}
+
+/// The fraction, up to s, of a step at which the condition is met, or kGoesOn.
+double HybridRun::find_stop(auto& phase, const auto& step, double s) const {
+    if (stop_->quantity == StopCondition::Quantity::time) return kGoesOn;
+    const EventHit hit = find_fall([&](double part) {
+        const double at = part * s;
+        return distance(absolute(step.start + at * step.width),
+                        phase.body(at == 0.0 ? step.first : step.dense(at)));
+    });
+    return hit ? hit.s * s : kGoesOn;
+}
+
+template <class Phase>
+void HybridRun::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t accepted) {
+    observer_.phase(phase, end, end.tau - tau_, state_.body.quadrant);
+    effort_.moving_time += end.tau - tau_;
+    if (end.event == Event::none) ++effort_.stretches;
+    pass_to(end.tau);
+    result_.status = end.status;
+    state_.body = phase.body(end.y);
+    if constexpr (Phase::kSlips) {
+        state_.contact_x = phase.contact_x(end.y);
+        state_.slip_velocity = phase.slip_velocity(end.y);
+    }
+    // Near the point where sliding loses its solution the reaction grows faster than any step can
+    // follow: the limit is the impulse that stops the slip.
+    if constexpr (std::is_same_v<Phase, CornerSlipPhase>) {
+        if (end.status == Status::step_underflow && phase.nearly_jams(end.y)) {
+            result_.status = Status::ok;
+            handle(Event::sliding_jams, end.tau);
+            return;
+        }
+    }
+    if (end.status == Status::ok && end.event != Event::none) handle(end.event, end.tau);
+    // A phase that ends in its first step does not look at the budget.
+    const bool spent = accepted > options_.most_steps;
+    if (result_.status == Status::ok && spent) result_.status = Status::too_many_steps;
+}
+
+}  // namespace stickslip
