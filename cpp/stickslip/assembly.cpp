@@ -33,6 +33,11 @@ constexpr double kLeastMaxStep = 1e-9;
                                 " = " + digits(other_value) + ": allowed is " + allowed);
 }
 
+// Pulses before the measuring window.
+std::int64_t settling_pulses(const Drive& drive) {
+    return drive.pulses > kSettlingPulses ? kSettlingPulses : 0;
+}
+
 double pulsing_time(const Drive& drive) {
     return static_cast<double>(drive.pulses) / drive.frequency;
 }
@@ -258,9 +263,17 @@ double pulse_period(const Scenario& s) {
 Window measuring_window(const Scenario& s) {
     const Drive& drive = s.drive;
     if (drive.mode == DriveMode::program) return {0.0, s.program.duration()};
-    const std::int64_t first = drive.pulses > kSettlingPulses ? kSettlingPulses : 0;
-    return {drive.ramp + static_cast<double>(first) / drive.frequency,
+    return {drive.ramp + static_cast<double>(settling_pulses(drive)) / drive.frequency,
             drive.ramp + pulsing_time(drive)};
+}
+
+SteadyPulses make_steady_pulses(const Scenario& s, bool is_stopped) {
+    const bool whole = is_stopped || s.drive.mode == DriveMode::program ||
+                       s.record.kind != RecordKind::none;
+    return SteadyPulses(s.drive.ramp, 1.0 / s.drive.frequency,
+                        static_cast<std::size_t>(settling_pulses(s.drive)),
+                        static_cast<std::size_t>(s.drive.pulses),
+                        whole ? 0.0 : s.solver.velocity_error);
 }
 
 }  // namespace stickslip

@@ -22,6 +22,7 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
                                     control ? &control->stop : nullptr)),
       recorder_(scenario.record, chain_, sign_),
       observer_(pulse_period(scenario)),
+      pulses_(make_steady_pulses(scenario, stop.has_value())),
       drive_(coils_, circuit_),
       stays_planar_(scenario.solver.planar == Planar::refuse),
       control_(control),
@@ -72,10 +73,10 @@ bool HybridRun::next_segment() {
         drive_further_coils();
     else
         watch_window(voltages_.start);
-    if (result_.stopped) return false;
+    if (!goes_on()) return false;
     begin_segment(voltages_);
     if (!begun_) begin();
-    return !result_.stopped;
+    return goes_on();
 }
 
 void HybridRun::end_stretch() {
@@ -103,6 +104,13 @@ void HybridRun::watch_window(double time) {
         measured_ = true;
     }
     if (observer_.is_open()) observer_.pass(time, state_.body.x);
+    pulses_.pass(time, state_.body.x);
+    if (const auto displacement = pulses_.displacement()) {
+        close_window(time);
+        result_.summary.mean_velocity = sign_ * *displacement / (window_.end - window_.start);
+        extrapolated_ = true;
+        return;
+    }
     if (observer_.is_open() && time >= window_.end - slack) {
         close_window(time);
     }
@@ -175,10 +183,12 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
 }
 
 void HybridRun::finish() {
+    if (extrapolated_) return;
     if (result_.stopped) {
-        CurrentSegment played = segment_;
-        played.duration = tau_;
-        if (tau_ > 0.0) {
+        // Where a stretch ends, it was looked at as a whole.
+        if (stretch_is_open_ && tau_ > 0.0) {
+            CurrentSegment played = segment_;
+            played.duration = tau_;
             drive_.stretch(voltages_, played, dynamics_, state_.body, observer_.is_open());
         }
         if (observer_.is_open()) close_window(absolute(tau_));

@@ -17,6 +17,7 @@
 #include "stickslip/progress_watch.hpp"
 #include "stickslip/recording.hpp"
 #include "stickslip/simulation.hpp"
+#include "stickslip/steady_pulses.hpp"
 #include "stickslip/stepping.hpp"
 #include "stickslip/stretch_source.hpp"
 
@@ -105,7 +106,9 @@ private:
     void begin_segment(const VoltageSegment& voltages);
     void finish();
     void run_rest();
-    bool goes_on() const { return result_.status == Status::ok && !result_.stopped; }
+    bool goes_on() const {
+        return result_.status == Status::ok && !result_.stopped && !extrapolated_;
+    }
     void handle(Event event, double tau);
     void after_event(double tau);
     void pass_to(double tau);
@@ -131,6 +134,7 @@ private:
     const StepperOptions options_;
     Recorder recorder_;
     SummaryObserver observer_;
+    SteadyPulses pulses_;
     DriveObserver drive_;
     const bool stays_planar_;
     RunControl* control_;
@@ -144,6 +148,7 @@ private:
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
+    bool extrapolated_ = false;              // whether the rest of the window was
     bool touches_down_ = false;              // as the run begins
     HybridState state_;
     ContactTransitions transitions_;

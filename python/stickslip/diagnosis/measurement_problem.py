@@ -18,10 +18,16 @@ from stickslip.diagnosis.data.plausibility import (
 )
 from stickslip.diagnosis.data.pooling import pooled_velocities
 from stickslip.diagnosis.data.trial_noise import fit_noise
+from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.problem import Array, Cause, Indices, Uncertain
-from stickslip.diagnosis.model.simulator import TOLERANCES, Simulator, loosest_tolerances
+from stickslip.diagnosis.model.simulator import (
+    TOLERANCES,
+    Simulator,
+    loosest_tolerances,
+    with_extrapolation,
+)
 from stickslip.diagnosis.observables import Combined, find_observables
 from stickslip.diagnosis.observables.combined import pooled_observables
 from stickslip.diagnosis.observables.observable import Observable
@@ -102,12 +108,12 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
     given = np.zeros(0)
     if velocities.conditions:
         noise = fit_noise(velocities.value, velocities.condition, velocities.block, relative_sd)
-        rtol = loosest_tolerances(simulator, velocities.conditions, shared, causes, noise, seed)
+        cheaper = with_extrapolation(velocities.conditions, noise)
+        rtol = loosest_tolerances(simulator, cheaper, shared, causes, noise, seed)
         finest = {"solver.rtol": float(np.min(rtol))}
         simulator = Simulator(scenario.replace(finest), columns, threads)
         conditions = [
-            {**each, "solver.rtol": float(r)}
-            for each, r in zip(velocities.conditions, rtol, strict=True)
+            {**each, "solver.rtol": float(r)} for each, r in zip(cheaper, rtol, strict=True)
         ]
         believed = [float(scenario.get(name)) for name in columns]
         given = simulator(conditions, np.array([believed]))[0]
@@ -207,7 +213,13 @@ def _low_fidelity(scenario: Scenario, condition: Mapping[str, Value]) -> dict[st
     """A condition that is computed sooner and less exactly."""
     pulses = float(condition.get("drive.pulses", scenario.get("drive.pulses")))
     fewer = min(pulses, _LOW_FIDELITY_PULSES)
-    return {**condition, "solver.rtol": TOLERANCES[0], "drive.pulses": fewer}
+    looser = SMALLER_INFLATION * float(condition["solver.velocity_error"])
+    return {
+        **condition,
+        "solver.rtol": TOLERANCES[0],
+        "solver.velocity_error": looser,
+        "drive.pulses": fewer,
+    }
 
 
 def _top_voltage(measurement: Measurement) -> float:

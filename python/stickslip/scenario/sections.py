@@ -238,6 +238,10 @@ class Solver(Section):
         What to do where B_y exceeds 5 % of the horizontal field, which would turn a real robot out
         of the plane of motion: end the run with the status "leaves_plane", or keep the robot in the
         plane by force.
+    velocity_error : float
+        Error of the mean velocity, m/s, up to which pulses are extrapolated instead of simulated,
+        once the displacements of those before them go on steadily; 0: every pulse is simulated.
+        Only in a run that records nothing, in whose `mean_velocity` alone they are counted.
     """
 
     method: Literal["tsit5", "arkode"] = "tsit5"
@@ -245,6 +249,7 @@ class Solver(Section):
     max_step: float = 0.0
     max_steps: int = 1_000_000_000
     planar: Literal["refuse", "force"] = "refuse"
+    velocity_error: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
