@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
 from stickslip.diagnosis.fit.multistart import AGREE, SMALLER_INFLATION, fit_candidates
-from stickslip.diagnosis.fit.sensitivity import UNSEEN
+from stickslip.diagnosis.fit.sensitivity import UNSEEN, projected_responses, screen
 from stickslip.diagnosis.fit.single_cause import (
     CAREFUL,
     quick_fits,
@@ -125,17 +125,34 @@ def beside_a_released_constant(
     pulls = np.abs(single.x[:p] / single.candidate.width[:p]) * known
     if np.max(pulls, initial=0.0) < _PULLED:
         return []
-    x = single.x.copy()
-    x[np.argmax(pulls)] = 0.0
+    x, constant = single.x.copy(), int(np.argmax(pulls))
+    x[constant] = 0.0
     (base,) = fit_candidates(problem, [single.candidate], [[Start(x)]], 0, exact=False)
     view = View.of(problem, base)
+    left = _left_without(view.moved_to(base, SMALLER_INFLATION), constant)
     result = []
-    for index, cause in enumerate(problem.causes):
-        if cause.relaxes_prior is not None or cause in single.candidate.causes:
-            continue
-        names = sorted([single.name, cause.name])
+    for index in sorted(left, key=lambda index: left[index])[:_PAIRS_BESIDE]:
+        names = sorted([single.name, problem.causes[index].name])
         for start in view.starts_at(index):
             result.append(((names[0], names[1]), start))
+    return result
+
+
+def _left_without(view: View, constant: int) -> dict[int, float]:
+    """Chi-square that each cause would leave at best, by linear estimate, where a constant stays.
+
+    Causes are by their index; those that the fit has, relaxed constants and those that are not seen
+    are left out.
+    """
+    fit, sensitivities = view.fit, view.sensitivities
+    others = fit.jacobian[:, fit.candidate.free != constant]
+    projected, basis, _ = projected_responses(sensitivities.raw, others)
+    residual = fit.residual - basis @ (basis.T @ fit.residual)
+    left = screen(replace(sensitivities, projected=projected), residual).left
+    result: dict[int, float] = {}
+    for row in np.flatnonzero((sensitivities.at >= 0) & (sensitivities.size > UNSEEN)).tolist():
+        index = int(sensitivities.cause[row])
+        result[index] = min(result.get(index, np.inf), float(left[row]))
     return result
 
 

@@ -55,6 +55,8 @@ class Search:
     radius: float = _NEAR
     # How many of the last steps hardly lowered chi-square.
     quiet: int = 0
+    # How many steps by updated derivatives have lowered chi-square less than promised.
+    doubts: int = 0
 
     def jacobian(self, problem: Problem) -> Array:
         assert self.slope is not None

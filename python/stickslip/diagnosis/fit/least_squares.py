@@ -34,6 +34,10 @@ _AFTER_FAILURE, _AFTER_POOR, _AFTER_GOOD = 0.2, 0.5, 2.0
 _LEAST_RADIUS = 1e-3
 # Least curvature of the linear model in any direction: only what divides by it has to be finite.
 _FLAT = 1e-12
+# Steps by updated derivatives that disappoint until the derivatives are taken anew. After the first
+# the update has learned from it, for one simulation of all conditions instead of one a parameter;
+# with more, searches creep.
+_MOST_DOUBTS = 2
 # Bisections of the damping: they leave 1e-12 of its first interval.
 _BISECTIONS = 40
 
@@ -93,14 +97,15 @@ def advance(problem: Problem, searches: Sequence[Search]) -> None:
         fall = move(problem, search, point[None, :], row[None, :])
         search.slope = slope_now
         if fall <= 0.0:
-            # Derivatives of wrong updates are taken anew before the radius is made smaller.
-            search.radius *= _AFTER_FAILURE if exact else 1.0
-            search.slope = search.slope if exact else None
+            search.radius = max(_AFTER_FAILURE * min(length, search.radius), _LEAST_RADIUS)
+            search.doubts += not exact
         elif fall <= _GOOD * promised:
             search.radius = max(_AFTER_POOR * length, _LEAST_RADIUS)
-            search.slope = search.slope if exact else None
+            search.doubts += not exact
         else:
             search.radius = min(_AFTER_GOOD * search.radius, _FAR)
+        if search.doubts >= _MOST_DOUBTS:
+            search.slope, search.doubts = None, 0
         small = fall < _SETTLED and (exact or promised < _SETTLED)
         search.quiet = search.quiet + 1 if small else 0
 
