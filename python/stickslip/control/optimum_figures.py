@@ -1,9 +1,7 @@
-"""Figures of an optimised drive; the report has them as PNG in base64."""
+"""Figures of an optimised drive."""
 
 from __future__ import annotations
 
-import base64
-import io
 from typing import Any
 
 import matplotlib
@@ -31,15 +29,6 @@ _COLUMNS = 4  # slices in a row of the landscape
 _COLOURS = dict(zip(COIL_NAMES, (BLUE, GREEN, ORANGE, PURPLE, VERMILION), strict=True))
 COMPARED = {"start": DARK_GREY, "sawtooth": ORANGE, "best": BLUE}
 """Colours of the drives that are compared."""
-
-
-def png(figure: Figure | None) -> str:
-    """The figure in base64; empty if there is none."""
-    if figure is None:
-        return ""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def waveform(found: Optimum) -> Figure | None:
