@@ -18,6 +18,7 @@ from stickslip.diagnosis.data.conditions import changes, heading, in_words, show
 from stickslip.diagnosis.fit.goodness import ADEQUATE
 from stickslip.diagnosis.inference.cross_validation import INTERVAL
 from stickslip.diagnosis.inference.detection import ALPHA
+from stickslip.diagnosis.inference.evidence import unseen_causes
 from stickslip.diagnosis.inference.experiment_design import Experiment, undecided
 from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.inference.findings import Findings
@@ -30,7 +31,6 @@ from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
-from stickslip.diagnosis.report.evidence import unseen_causes
 from stickslip.diagnosis.report.film_section import film_sections
 from stickslip.diagnosis.report.json_keys import OwnData, report_numbers
 from stickslip.diagnosis.report.parameters import short
