@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -76,28 +76,23 @@ def write_report(
     sections: Sequence[ReportSection],
     unit: str,
 ) -> None:
-    """Write all files into the folder `out`, which is made; `unit` is that of what is held out."""
-    # All are made before the first is written.
+    """Write all files into the folder `out`, which is made, or none.
+
+    `unit` is that of what is held out.
+    """
     numbers = report_numbers(found, posed, source, experiments, sections, unit)
     page = _page(found, posed, numbers, sections, experiments)
-    others = {}
+    folder = Path(out)
+    writers = {
+        folder / JSON: text_writer(json_text(numbers) + "\n"),
+        folder / PAGE: text_writer(page),
+    }
     if isinstance(source, Measurement):
         extended = extended_scenario(found, source.scenario)
         origin = _origin(found, source, extended)
-        others = scenario_writers(extended, Path(out) / EXTENDED, origin)[1]
-    write_files(out, {JSON: json_text(numbers) + "\n", PAGE: page}, others)
-
-
-def write_files(
-    out: str | PathLike[str],
-    texts: Mapping[str, str],
-    others: Mapping[Path, Callable[[Path], object]] | None = None,
-) -> None:
-    """Write texts by name and other files into the folder `out`, which is made: all or none."""
-    folder = Path(out)
+        writers |= scenario_writers(extended, folder / EXTENDED, origin)[1]
     folder.mkdir(parents=True, exist_ok=True)
-    texts_by_path = {folder / name: text_writer(text) for name, text in texts.items()}
-    write_together({**texts_by_path, **(others or {})})
+    write_together(writers)
 
 
 def report_sections(comparisons: Sequence[Comparison | FilmComparison]) -> list[ReportSection]:
