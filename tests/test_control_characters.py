@@ -7,11 +7,10 @@ import pytest
 
 from command_line import stickslip
 from stickslip import Drive, Scenario, ScenarioError, Waveform
-from stickslip._util.atomic_files import write_together
+from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.plain_text import printable, printable_lines, quoted
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model
-from stickslip.diagnosis.report.html import write_files
 from stickslip.measurement import read_measurement
 from stickslip.scenario.toml_file import write_scenario
 from stickslip.scenario.toml_text import parse_toml
@@ -118,14 +117,14 @@ def test_files_of_a_report_are_replaced_together(tmp_path):
         path.write_text("half")
         raise OSError(28, "No space left on device")
 
-    others = {tmp_path / "extended.toml": full}
+    writers = {tmp_path / name: text_writer("new") for name in names} | {tmp_path / names[2]: full}
     with pytest.raises(OSError, match=r"cannot write .*extended\.toml: No space left") as error:
-        write_files(tmp_path, dict.fromkeys(names[:2], "new"), others)
+        write_together(writers)
     assert str(error.value).count("cannot write") == 1
     assert {each.name: each.read_text() for each in tmp_path.iterdir()} == dict.fromkeys(
         names, "old"
     )
-    write_together({tmp_path / name: lambda path: path.write_text("new") for name in names})
+    write_together({path: text_writer("new") for path in writers})
     assert {each.name: each.read_text() for each in tmp_path.iterdir()} == dict.fromkeys(
         names, "new"
     )

@@ -15,11 +15,10 @@ from stickslip.diagnosis.fit.sensitivity import find_sensitivities
 from stickslip.diagnosis.inference.constancy import changing, refit_parts
 from stickslip.diagnosis.inference.cross_validation import split
 from stickslip.diagnosis.inference.detection import detect
+from stickslip.diagnosis.inference.evidence import carriers, flat_directions
 from stickslip.diagnosis.inference.experiment_design import advice
 from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
-from stickslip.diagnosis.report.evidence import carriers
-from stickslip.diagnosis.report.json_keys import flat_directions
 from stickslip.diagnosis.report.messages import headline, rounded
 from stickslip.facts import Code, Fact
 

@@ -12,8 +12,8 @@ from helpers import run
 from made_measurement import write
 from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
+from stickslip.diagnosis.inference.evidence import pattern, where_it_lives
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
-from stickslip.diagnosis.report.evidence import pattern, where_it_lives
 from stickslip.diagnosis.report.messages import against, headline
 from stickslip.diagnosis.report.words import used_in
 from stickslip.facts import Code, Fact

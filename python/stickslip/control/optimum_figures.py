@@ -1,9 +1,7 @@
-"""Figures of an optimised drive; the report has them as PNG in base64."""
+"""Figures of an optimised drive."""
 
 from __future__ import annotations
 
-import base64
-import io
 from typing import Any
 
 import matplotlib
@@ -17,7 +15,7 @@ from stickslip.control.design_space import drive_waveform
 from stickslip.control.landscape import Slice
 from stickslip.control.optimum import Optimum
 from stickslip.plot import style
-from stickslip.plot.canvas import legend_above
+from stickslip.plot.canvas import drawing, legend_above, root_figure
 from stickslip.plot.motion import motion
 from stickslip.plot.one_motion import draw_fields
 from stickslip.plot.scales import readable
@@ -31,15 +29,6 @@ _COLUMNS = 4  # slices in a row of the landscape
 _COLOURS = dict(zip(COIL_NAMES, (BLUE, GREEN, ORANGE, PURPLE, VERMILION), strict=True))
 COMPARED = {"start": DARK_GREY, "sawtooth": ORANGE, "best": BLUE}
 """Colours of the drives that are compared."""
-
-
-def png(figure: Figure | None) -> str:
-    """The figure in base64; empty if there is none."""
-    if figure is None:
-        return ""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def waveform(found: Optimum) -> Figure | None:
@@ -79,9 +68,7 @@ def _coils(axes: Axes, t: Any, values: Any, label: str) -> None:
 def scores(found: Optimum) -> Figure:
     """The figure of every fresh draw, for each drive that is compared; the score is marked."""
     factor, label = in_handy_units(found.goal.figure, found.goal.unit)
-    with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(7.0, 2.4), layout="constrained")
-        axes = figure.subplots()
+    with drawing(None, (7.0, 2.4)) as axes:
         names = [name for name in COMPARED if name in found.fresh]
         for place, name in enumerate(names):
             judged = found.fresh[name]
@@ -92,7 +79,7 @@ def scores(found: Optimum) -> Figure:
         axes.set_yticks(range(len(names)), names)
         axes.set_xlabel(f"{label}; the line is the score, {found.goal.score}")
         readable(axes)
-    return figure
+    return root_figure(axes)
 
 
 def landscape(found: Optimum) -> Figure:

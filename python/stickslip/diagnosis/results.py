@@ -323,7 +323,8 @@ class Diagnosis:
             sections = report_sections(self.posed.comparisons(self.findings))
         else:
             source = OwnData("Diagnosis" if title is None else title)
-            sections = [model_section(self.findings, abscissa(self.findings, place), labels)]
+            at = abscissa(place, len(self.findings.noise.mean))
+            sections = [model_section(self.findings, at, labels)]
         write_report(folder, self.findings, self.posed, source, self._experiments, sections, unit)
 
     def _conditions(self, given: Any) -> tuple[Any, list[dict[str, Value]] | None]:

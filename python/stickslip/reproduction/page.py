@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
-from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-import jinja2
-
-from stickslip import _core
-from stickslip._util import palette
+from stickslip._util import html_page
 from stickslip.reproduction.curves import CURVES, MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
 from stickslip.reproduction.points import SPREAD
@@ -33,26 +28,20 @@ _NOTES = {
 
 def page_text(result: Reproduction, measured: Sequence[MeasuredPoint]) -> str:
     """The page as text."""
-    source = resources.files("stickslip.reproduction").joinpath("page.html").read_text("utf-8")
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     verdicts: list[str] = [each.verdict.word for each in result.statements]
-    return environment.from_string(source).render(
+    return html_page.page_text(
+        "reproduction/page.html",
         result=result,
         marks=_MARKS,
         counts=[f"{verdicts.count(word)} {_PLURALS[word]}" for word in _MARKS],
-        palette=palette,
         figures=[_figure(name, result, measured) for name in result.figures],
         spread=f"{SPREAD:.0%}",
-        version=_core.__version__,
         seconds=f"{result.seconds:.0f}",
         tried=len(result.settings["mode"]),
     )
 
 
 def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) -> dict[str, Any]:
-    picture = base64.b64encode(result.figures[name].read_bytes()).decode("ascii")
     table = result.tables[name]
     if name in MOTIONS:
         modes: tuple[str, ...] = (MOTIONS[name].mode,)
@@ -67,7 +56,7 @@ def _figure(name: str, result: Reproduction, measured: Sequence[MeasuredPoint]) 
     return {
         "name": name,
         "title": "Fig. 2 (e) to (h)" if name == "fig2" else f"Fig. {name.removeprefix('fig')}",
-        "picture": picture,
+        "picture": html_page.in_base64(result.figures[name].read_bytes()),
         "caption": caption,
         "settings": "; ".join(
             f"{mode}: {setting.text()}"

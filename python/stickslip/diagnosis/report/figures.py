@@ -1,9 +1,7 @@
-"""Figures of a diagnosis; the report has them as PNG in base64."""
+"""Figures of a diagnosis."""
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -23,15 +21,6 @@ Array = NDArray[np.float64]
 
 _MARKERS = "o^sDv"
 COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
-
-
-def png(figure: Figure | None) -> str:
-    """The figure in base64; empty if there is none."""
-    if figure is None:
-        return ""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def new_figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, Any]:
@@ -56,36 +45,27 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
     m = len(conditions)
     if m == 0:
         return None
-    observed = found.problem.observed[:m] * 1e3
-    sd = np.sqrt(np.diag(found.noise.covariance))[:m] * 1e3
-    models = _models_in_mm(found, m)
-    known, held = found.noise.dof > 0.0, found.held_out[:m]
+    observed, models = found.problem.observed[:m] * 1e3, _models_in_mm(found, m)
+    sd = np.sqrt(np.diag(found.noise.covariance))[:m] * 1e3 if found.noise.dof > 0.0 else None
     words = np.array([panel(each) for each in conditions])
     frequency = np.array([float(each["drive.frequency"]) for each in conditions])
     panels = list(dict.fromkeys(words.tolist()))
     figure, frames = new_figure(max(4.5, min(3.2 * len(panels), 12.8)), 5.0, 2, len(panels))
-    measured = "measured (2 sd)" if known else "measured"
     shown = ("drive.mode", "drive.direction", "drive.frequency")
     kinds = sorted_by_settings(conditions, shown, len(_MARKERS))
-    for column, word in enumerate(panels):
-        above, below = frames[:, column]
-        mine = words == word
+    for word, pair in zip(panels, frames.T, strict=True):
         for k, (settings, indices) in enumerate(kinds.items()):
-            label = settings if k else ", ".join(filter(None, (measured, settings)))
-            chosen = mine & np.isin(np.arange(m), indices)
-            bars = 2 * sd[chosen] if known else None
-            _readings(above, frequency[chosen], observed[chosen], bars, held[chosen], _MARKERS[k],
-                      label)  # fmt: skip
-        above.plot(frequency[mine], given[mine] * 1e3, "x", color=DARK_GREY, ms=5,
-                   label="scenario as given")  # fmt: skip
-        for (name, row), colour in zip(models.items(), COLOURS.values(), strict=False):
-            above.plot(frequency[mine], row[mine], "_", color=colour, ms=11, mew=2, label=name)
-            below.plot(frequency[mine], ((observed - row) / sd)[mine], ".", color=colour)
-        below.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
-        above.set_title(word, fontsize=10)
-        below.set_xlabel("frequency (Hz)")
+            label = settings if k else ", ".join(filter(None, (_measured(sd), settings)))
+            at = np.intersect1d(np.flatnonzero(words == word), indices)
+            _draw(pair, _MARKERS[k], label, frequency[at], observed[at],
+                  None if sd is None else sd[at], {name: row[at] for name, row in models.items()},
+                  found.held_out[at])  # fmt: skip
+        mine = words == word
+        pair[0].plot(frequency[mine], given[mine] * 1e3, "x", color=DARK_GREY, ms=5,
+                     label="scenario as given")  # fmt: skip
+        pair[0].set_title(word, fontsize=10)
+        _label_residuals(pair[1], "frequency (Hz)")
     frames[0, 0].set_ylabel("mean velocity (mm/s)")
-    frames[1, 0].set_ylabel("residual / sd")
     columns = 2 if len(panels) < 3 else 5 if len(kinds) == 1 else 3
     figure.legend(**_legend(frames[0]), loc="outside upper center", ncols=columns, fontsize=10,
                   frameon=False)  # fmt: skip
@@ -103,20 +83,45 @@ def _models_in_mm(found: Findings, m: int) -> dict[str, Array]:
     return {labels.get(name, name): row for name, row in models.items()}
 
 
-def _readings(
-    frame: Any,
-    place: Array,
-    data: Array,
-    bars: Array | None,
-    held_out: NDArray[np.bool_],
+def _draw(
+    pair: Sequence[Any],
     marker: str,
     label: str,
+    place: Array,
+    observed: Array,
+    sd: Array | None,
+    models: Mapping[str, Array],
+    held_out: NDArray[np.bool_],
+    joined: bool = False,
 ) -> None:
-    """Readings, hollow where they were held out; shape (m,) each."""
+    """Readings and models in the first of two axes, residuals in the second; shape (m,) each.
+
+    Readings are hollow where they were held out. `models` are by their labels, the recalibrated one
+    first; `joined` says whether they are points of one curve.
+    """
+    above, below = pair
     for face, chosen, title in (("k", ~held_out, label), ("w", held_out, "held out for the gain")):
         if chosen.any():
-            frame.errorbar(place[chosen], data[chosen], None if bars is None else bars[chosen],
+            above.errorbar(place[chosen], observed[chosen], None if sd is None else 2 * sd[chosen],
                            fmt=marker, color="k", mfc=face, ms=4, label=title)  # fmt: skip
+    for (name, values), colour in zip(models.items(), COLOURS.values(), strict=False):
+        line = "-_" if joined else "_"
+        above.plot(place, values, line, color=colour, lw=1, ms=11, mew=1.5, label=name)
+        if sd is not None:
+            below.plot(place, (observed - values) / sd, marker, color=colour, ms=3)
+
+
+def _measured(sd: Array | None, name: str = "") -> str:
+    """Label of readings, which says what their bars are."""
+    return " ".join(filter(None, ("measured", name, "" if sd is None else "(2 sd)")))
+
+
+def _label_residuals(axes: Any, label: str) -> None:
+    """Name the axes of residuals, and shade where 95 % of them lie if the model is right."""
+    axes.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
+    axes.set_xlabel(label)
+    axes.set_ylabel("residual / sd")
+    axes.label_outer()
 
 
 def _legend(frames: Sequence[Any]) -> dict[str, Any]:
@@ -146,37 +151,31 @@ def against_model(
     held_out: NDArray[np.bool_],
     labels: tuple[str, str],
     names: Sequence[str] = ("",),
+    factor: float = 1.0,
     joined: bool = True,
 ) -> Figure:
     """Data with 2 sd against `place`, shape (m,), and models and residuals where there are any.
 
-    `observed`, `sd` and the models have shape (m,) or (m, series), in the units of `labels`, below
-    and beside the axes; `names` are those of the series. Readings that were held out are hollow;
-    `joined` says whether the rows are points of one curve.
+    `observed`, `sd` and the models have shape (m,) or (m, series), and `factor` takes them to the
+    unit of `labels`, below and beside the axes; `names` are those of the series. Readings that were
+    held out are hollow; `joined` says whether the rows are points of one curve.
     """
-    order, width = np.argsort(place, kind="stable"), len(names)
+    order = np.argsort(place, kind="stable")
     figure, frames = new_figure(9.0, 5.2 if models else 4.0, 2 if models else 1)
     above, below = frames[0, 0], frames[-1, 0]
 
     def series(values: Array, k: int) -> Array:
-        return np.asarray(values.reshape(-1, width)[order, k])
+        return np.asarray(factor * values.reshape(-1, len(names))[order, k])
 
-    place, held_out = place[order], held_out[order]
-    for k, (name, marker) in enumerate(zip(names, _MARKERS, strict=False)):
-        data, error = series(observed, k), None if sd is None else series(sd, k)
-        label = " ".join(filter(None, ("measured", name, "" if sd is None else "(2 sd)")))
-        bars = None if error is None else 2 * error
-        _readings(above, place, data, bars, held_out, marker, label)
-        for model, values in models.items():
-            line, colour = series(values, k), COLOURS[model]
-            above.plot(place, line, "-_" if joined else "_", color=colour, lw=1, ms=12, label=model)
-            if error is not None:
-                below.plot(place, (data - line) / error, marker, color=colour, ms=3)
+    for k, name in enumerate(names):
+        _draw((above, below), _MARKERS[k], _measured(sd, name), place[order], series(observed, k),
+              None if sd is None else series(sd, k),
+              {model: series(values, k) for model, values in models.items()},
+              held_out[order], joined)  # fmt: skip
     if models:
-        below.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
-        below.set_ylabel("residual / sd")
-    above.set_ylabel(labels[1])
+        _label_residuals(below, labels[0])
     below.set_xlabel(labels[0])
+    above.set_ylabel(labels[1])
     above.legend(**_legend([above]), fontsize=8, frameon=False)
     return figure
 
@@ -204,9 +203,7 @@ def residuals(found: Findings, place: Array, label: str) -> Figure:
         if fit is not None:
             frame.plot(place, fit.residual[: len(place)], marker, color=COLOURS[name], ms=4,
                        label=name)  # fmt: skip
-    frame.axhspan(-2, 2, color=LIGHT_GREY, zorder=0)
-    frame.set_xlabel(label)
-    frame.set_ylabel("residual / sd")
+    _label_residuals(frame, label)
     frame.legend(fontsize=8, frameon=False)
     return figure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from stickslip._util.html_page import png
 from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.force_residuals import (
     CLEAR,
@@ -13,7 +14,6 @@ from stickslip.diagnosis.observables.tracking.force_residuals import (
     Residual,
     Slope,
 )
-from stickslip.diagnosis.report.figures import png
 from stickslip.diagnosis.report.film_figure import film_figure
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.facts import Code, Fact

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from importlib import resources
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.atomic_files import text_writer, write_together
-from stickslip._util.plain_text import printable_lines
+from stickslip._util.html_page import page_text, png
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.fit.goodness import ADEQUATE
 from stickslip.diagnosis.inference.cross_validation import INTERVAL
 from stickslip.diagnosis.inference.detection import ALPHA
+from stickslip.diagnosis.inference.evidence import unseen_causes
 from stickslip.diagnosis.inference.experiment_design import Experiment, undecided
 from stickslip.diagnosis.inference.extended_model import extended_scenario
 from stickslip.diagnosis.inference.findings import Findings
@@ -31,7 +31,6 @@ from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
-from stickslip.diagnosis.report.evidence import unseen_causes
 from stickslip.diagnosis.report.film_section import film_sections
 from stickslip.diagnosis.report.json_keys import OwnData, report_numbers
 from stickslip.diagnosis.report.parameters import short
@@ -77,28 +76,23 @@ def write_report(
     sections: Sequence[ReportSection],
     unit: str,
 ) -> None:
-    """Write all files into the folder `out`, which is made; `unit` is that of what is held out."""
-    # All are made before the first is written.
+    """Write all files into the folder `out`, which is made, or none.
+
+    `unit` is that of what is held out.
+    """
     numbers = report_numbers(found, posed, source, experiments, sections, unit)
     page = _page(found, posed, numbers, sections, experiments)
-    others = {}
+    folder = Path(out)
+    writers = {
+        folder / JSON: text_writer(json_text(numbers) + "\n"),
+        folder / PAGE: text_writer(page),
+    }
     if isinstance(source, Measurement):
         extended = extended_scenario(found, source.scenario)
         origin = _origin(found, source, extended)
-        others = scenario_writers(extended, Path(out) / EXTENDED, origin)[1]
-    write_files(out, {JSON: json_text(numbers) + "\n", PAGE: page}, others)
-
-
-def write_files(
-    out: str | PathLike[str],
-    texts: Mapping[str, str],
-    others: Mapping[Path, Callable[[Path], object]] | None = None,
-) -> None:
-    """Write texts by name and other files into the folder `out`, which is made: all or none."""
-    folder = Path(out)
+        writers |= scenario_writers(extended, folder / EXTENDED, origin)[1]
     folder.mkdir(parents=True, exist_ok=True)
-    texts_by_path = {folder / name: text_writer(text) for name, text in texts.items()}
-    write_together({**texts_by_path, **(others or {})})
+    write_together(writers)
 
 
 def report_sections(comparisons: Sequence[Comparison | FilmComparison]) -> list[ReportSection]:
@@ -139,29 +133,14 @@ def _page(
     experiments: Sequence[Experiment],
 ) -> str:
     """The report as one page that needs no other file."""
-    import jinja2
-
-    source = resources.files("stickslip.diagnosis.report").joinpath("page.html").read_text("utf-8")
-    environment = jinja2.Environment(
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        finalize=lambda each: printable_lines(each) if isinstance(each, str) else each,
-    )
-    conditions = posed.conditions
-    learnt = found.verdict.kind != "data-problem"
-    among = varied(conditions)
-    common = (
-        [k for k in known_keys() if k in conditions[0] and k not in among] if conditions else []
-    )
-    leaders = [row for row in full["ranking"] if row["leading"]] if len(full["ranking"]) > 1 else []
+    conditions, causes = posed.conditions, found.problem.causes
+    first, among = conditions[0] if conditions else {}, varied(conditions)
     reasons = [*found.verdict.reasons, runner_up(found)]
-    causes = found.problem.causes
     known = known_keys() if posed.simulator is not None else {}
     films = any(isinstance(each, FilmObservable) for each in posed.model.observables)
     page = partial(
-        environment.from_string(source).render,
+        page_text,
+        "diagnosis/report/page.html",
         report=full,
         meanings={each.name: each.meaning for each in causes},
         key_meanings={short(name): each.meaning for name, each in known.items()},
@@ -172,32 +151,25 @@ def _page(
         shown=_SHOWN.get(full["gain_unit"], (full["gain_unit"], 1.0)),
         simulated=posed.simulator is not None,
         held="readings" if posed.model.observables and not conditions else "conditions",
-        curves=figures.png(figures.velocities(found, conditions, posed.given)),
-        profiles=[figures.png(figures.profile(each)) for each in found.profiles],
+        curves=png(figures.velocities(found, conditions, posed.given)),
+        profiles=[png(figures.profile(each)) for each in found.profiles],
         columns=[heading(key) for key in among],
         settings=[[shown_value(key, each[key]) for key in among] for each in conditions],
-        common=in_words(conditions[0], [key for key in common if key in conditions[0]])
-        if conditions
-        else "",
-        candidates=sorted(leaders, key=lambda row: -row["priced_evidence"]),
+        common=in_words(first, [key for key in known_keys() if key in first and key not in among]),
         members=set_members(found),
         changes=[changes(each["drive"], conditions) for each in full["next_experiments"]],
         undecided=undecided(experiments),
         by_evidence=any(each is not None and "lead" in each.fields for each in reasons),
         limits=_LIMITS,
         observables=len(found.problem.observed),
-        models=[
-            *("velocity", "sd", "given"),
-            *(["recalibrated"] if learnt else []),
-            *(["extended"] if found.verdict.fit is not None else []),
-        ],
+        extended=found.verdict.fit is not None,
         typical=_typical_error(found),
         report_sections=sections,
-        ranking=figures.png(figures.ranking(found)),
-        distinguishability=figures.png(figures.distinguishability(found)) if causes else "",
+        ranking=png(figures.ranking(found)),
+        distinguishability=png(figures.distinguishability(found)) if causes else "",
     )
     # What is used can only be seen on the page; a page without a model explains nothing.
-    return page(words=used_in(page(words=())) if learnt else ())
+    return page(words=used_in(page(words=())) if found.verdict.kind != "data-problem" else ())
 
 
 def _typical_error(found: Findings) -> str:

@@ -7,40 +7,31 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.inference.constancy import changing, refit_parts
-from stickslip.diagnosis.inference.experiment_design import Experiment, advice
-from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.ranking import leading, runner_up
-from stickslip.diagnosis.inference.upper_bounds import smallest_effects
-from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
-from stickslip.diagnosis.model.problem import Problem, Uncertain
-from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.evidence import (
+from stickslip.diagnosis.inference.evidence import (
     carriers,
+    flat_directions,
     misfit_by_part,
     pattern,
     signal_to_noise,
     velocity_changes,
     where_it_lives,
 )
+from stickslip.diagnosis.inference.experiment_design import Experiment, advice
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.ranking import leading, runner_up
+from stickslip.diagnosis.inference.upper_bounds import smallest_effects
+from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
+from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.messages import headline
 from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
 from stickslip.diagnosis.report.section import ReportSection
-from stickslip.facts import Code, Fact
+from stickslip.facts import Fact
 from stickslip.measurement.reading import Measurement
-
-Array = NDArray[np.float64]
-
-_STRONG = 0.4
-"""Component of a unit vector from which on it is named. Chosen: at most six have as much."""
-
-_NAMED = 3
-"""Constants of a flat direction that are named. Chosen: more are not read."""
 
 
 @dataclass(frozen=True)
@@ -306,20 +297,3 @@ def gain_unit(posed: PosedProblem) -> str:
         return "m/s"
     kinds = {observable.name for observable in posed.model.observables}
     return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
-
-
-def flat_directions(problem: Problem, fit: Fit) -> list[Fact]:
-    """Combinations of uncertain parameters on which the data carry less information than priors."""
-    m, p = len(problem.observed), problem.base_count
-    if p == 0:
-        return []
-    _, singular, right = np.linalg.svd(fit.jacobian[:m, :p], full_matrices=False)
-    facts = []
-    for direction in right[singular < 1.0]:
-        order = np.argsort(-np.abs(direction))
-        strong = [problem.uncertain[k].name for k in order if abs(direction[k]) > _STRONG]
-        if len(strong) > 1:
-            facts.append(Fact(Code.TRADE_OFF, {"names": strong[:_NAMED]}))
-        elif strong:
-            facts.append(Fact(Code.LITTLE_KNOWN, {"name": strong[0]}))
-    return facts

@@ -63,7 +63,8 @@ class Plots:
             has another length or is not finite.
         """
         if self._posed.simulator is None:
-            return figures.own_model(self._findings, abscissa(self._findings, place), labels)
+            at = abscissa(place, len(self._findings.noise.mean))
+            return figures.own_model(self._findings, at, labels)
         refuse_own("plot.fit", ("place", "labels"), (place is not None, labels != OWN_LABELS))
         drawn = figures.velocities(self._findings, self._posed.conditions, self._posed.given)
         if drawn is None:
@@ -83,13 +84,10 @@ class Plots:
             Of the abscissa, with its unit; not given, "condition" where all data are velocities,
             and "observable" elsewhere.
         """
-        if label is None:
-            measured = len(self._posed.conditions)
-            alone = measured == len(self._findings.problem.observed)
-            label = "condition" if alone else "observable"
         count = len(self._findings.problem.observed)
-        at = np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
-        return figures.residuals(self._findings, at, label)
+        if label is None:
+            label = "condition" if len(self._posed.conditions) == count else "observable"
+        return figures.residuals(self._findings, abscissa(place, count), label)
 
     def ranking(self) -> Figure:
         """Log-evidence of the leading candidates above no cause.
@@ -119,9 +117,8 @@ class Plots:
         """
         profiles = {short(each.name): each for each in self._findings.profiles}
         if short(name) not in profiles:
-            hint = (
-                suggestion(name, profiles) if profiles else "there is none, as no cause is claimed"
-            )
+            none = "there is none, as no cause is claimed"
+            hint = suggestion(name, profiles) if profiles else none
             raise ScenarioError(f"plot.profile: {name}: there is no such profile; {hint}")
         return figures.profile(profiles[short(name)])
 
@@ -133,20 +130,15 @@ def refuse_own(where: str, names: Sequence[str], given: Sequence[bool]) -> None:
         raise ScenarioError(f"{where}: {said}: allowed for a model of one's own only")
 
 
-def abscissa(found: Findings, place: ArrayLike | None) -> Array:
-    """Where each of the m conditions is drawn.
+def abscissa(place: ArrayLike | None, count: int) -> Array:
+    """Where each of `count` conditions is drawn: at its number, if `place` is not given.
 
     Raises
     ------
     ScenarioError
         If `place` has another length or is not finite.
     """
-    count = len(found.noise.mean)
-    return np.arange(1.0, count + 1.0) if place is None else _checked(place, count)
-
-
-def _checked(place: ArrayLike, count: int) -> Array:
-    at = np.asarray(place, dtype=float)
+    at = np.arange(1.0, count + 1.0) if place is None else np.asarray(place, dtype=float)
     if at.shape != (count,) or not np.all(np.isfinite(at)):
         raise ScenarioError(f"place: allowed is a finite number for each of {count} conditions")
     return at

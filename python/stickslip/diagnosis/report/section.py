@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.html_page import png
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.observables import Comparison
 from stickslip.diagnosis.report import figures
@@ -53,62 +55,47 @@ def table_section(found: Comparison) -> ReportSection:
     """The section of a table of angles or of fields."""
     before, after = found.errors
     misfit: dict[str, object] = {"recalibrated": before, "extended": after}
+    models = {"recalibrated": found.recalibrated, "extended": found.extended}
+    known = {name: row for name, row in models.items() if row is not None}
     if found.kind == "angle":
-        picture, reading = _angles(found), "theta"
+        picture, reading = _angles(found, known), "theta"
         lines = [Fact(Code.ANGLE_MISFIT, misfit), Fact(Code.ANGLE_MODEL, {})]
         size = np.hypot(found.settings["Bx"], found.settings["Bz"])
         if np.all(size > _WEAK * np.max(size)):
             lines.append(Fact(Code.NO_ANGLE_WITHOUT_FIELD, {"percent": 100.0 * _WEAK}))
     else:
-        picture, reading = _fields(found), "field"
+        picture, reading = _fields(found, known), "field"
         misfit["largest"] = float(np.max(np.abs(found.observed)))
         lines = [Fact(Code.FIELD_MISFIT, misfit)]
     numbers: dict[str, object] = {
         **{name: column.tolist() for name, column in found.settings.items()},
         reading: found.observed.tolist(),
         "sd": found.sd.tolist(),
-        "recalibrated": found.recalibrated.tolist(),
-        "extended": None if found.extended is None else found.extended.tolist(),
+        **{name: None if row is None else row.tolist() for name, row in models.items()},
         "held_out": found.held_out.tolist(),
         "rms_recalibrated": before,
         "rms_extended": after,
     }
-    return ReportSection(found.title, figures.png(picture), tuple(lines), numbers)
+    return ReportSection(found.title, png(picture), tuple(lines), numbers)
 
 
-def _angles(found: Comparison) -> Figure:
+def _angles(found: Comparison, models: Mapping[str, Array]) -> Figure:
     """Angles against the component of the field that was varied most."""
     fields = np.stack([found.settings["Bx"], found.settings["Bz"]], axis=1)
     component = int(np.argmax(np.ptp(fields, axis=0)))
     varied, other = fields[:, component], fields[:, 1 - component]
-    return figures.against_model(
-        varied * 1e3,
-        np.degrees(found.observed),
-        np.degrees(found.sd),
-        {name: np.degrees(values) for name, values in _models(found).items()},
-        found.held_out,
-        (f"{('Bx', 'Bz')[component]} (mT)", "theta (degrees)"),
-        joined=bool(np.ptp(other) <= _ONE_CURVE * np.ptp(varied)),
-    )
+    labels = (f"{('Bx', 'Bz')[component]} (mT)", "theta (degrees)")
+    joined = bool(np.ptp(other) <= _ONE_CURVE * np.ptp(varied))
+    return figures.against_model(varied * 1e3, found.observed, found.sd, models, found.held_out,
+                                 labels, factor=math.degrees(1.0), joined=joined)  # fmt: skip
 
 
-def _fields(found: Comparison) -> Figure:
+def _fields(found: Comparison, models: Mapping[str, Array]) -> Figure:
     """All three components, row by row."""
-    return figures.against_model(
-        np.arange(1, len(found.observed) + 1, dtype=float),
-        found.observed * 1e3,
-        found.sd * 1e3,
-        {name: values * 1e3 for name, values in _models(found).items()},
-        found.held_out,
-        ("row, by currents and place", "field (mT)"),
-        ("Bx", "By", "Bz"),
-        joined=False,
-    )
-
-
-def _models(found: Comparison) -> dict[str, Array]:
-    models = {"recalibrated": found.recalibrated}
-    return models if found.extended is None else {**models, "extended": found.extended}
+    rows = np.arange(1.0, len(found.observed) + 1)
+    labels = ("row, by currents and place", "field (mT)")
+    return figures.against_model(rows, found.observed, found.sd, models, found.held_out, labels,
+                                 factor=1e3, names=("Bx", "By", "Bz"), joined=False)  # fmt: skip
 
 
 def model_section(found: Findings, place: Array, labels: tuple[str, str]) -> ReportSection:
@@ -122,5 +109,5 @@ def model_section(found: Findings, place: Array, labels: tuple[str, str]) -> Rep
         **{name: row.tolist() for name, row in figures.fitted_models(found, m).items()},
         "held_out": [] if found.gain is None else found.gain.held_out.tolist(),
     }
-    picture = figures.png(figures.own_model(found, place, labels))
+    picture = png(figures.own_model(found, place, labels))
     return ReportSection("Data and models", picture, (), numbers)

@@ -1,4 +1,4 @@
-"""What a verdict rests on: the misfit of parts of the data, and the change by each cause."""
+"""What a verdict rests on: misfit of parts of the data, changes by each cause, flat directions."""
 
 from __future__ import annotations
 
@@ -27,6 +27,12 @@ for eight conditions of noise alone it is two standard deviations above 1."""
 _SEEN = 1.0
 """Signal to noise after projection that a response needs for the data to say anything about its
 cause. Chosen: one standard deviation."""
+
+_STRONG = 0.4
+"""Component of a unit vector from which on it is named. Chosen: at most six have as much."""
+
+_NAMED = 3
+"""Constants of a flat direction that are named. Chosen: more are not read."""
 
 
 def unseen_causes(found: Findings) -> frozenset[str]:
@@ -153,6 +159,23 @@ def pattern(changes: Mapping[str, Mapping[str, float]]) -> Fact:
         direction = "+x" if next(iter(way.values())) > 0.0 else "-x"
         return Fact(Code.VELOCITIES_SHIFTED, {"direction": direction})
     return Fact(Code.VELOCITIES_MIXED, {"faster": faster, "slower": slower})
+
+
+def flat_directions(problem: Problem, fit: Fit) -> list[Fact]:
+    """Combinations of uncertain parameters on which the data carry less information than priors."""
+    m, p = len(problem.observed), problem.base_count
+    if p == 0:
+        return []
+    _, singular, right = np.linalg.svd(fit.jacobian[:m, :p], full_matrices=False)
+    facts = []
+    for direction in right[singular < 1.0]:
+        order = np.argsort(-np.abs(direction))
+        strong = [problem.uncertain[k].name for k in order if abs(direction[k]) > _STRONG]
+        if len(strong) > 1:
+            facts.append(Fact(Code.TRADE_OFF, {"names": strong[:_NAMED]}))
+        elif strong:
+            facts.append(Fact(Code.LITTLE_KNOWN, {"name": strong[0]}))
+    return facts
 
 
 def _on_and_off(problem: Problem, fit: Fit) -> Array:

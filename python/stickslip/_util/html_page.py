@@ -1,0 +1,55 @@
+"""HTML pages of one look that need nothing else: no network, no script, no other file."""
+
+from __future__ import annotations
+
+import base64
+import io
+from importlib import resources
+from typing import TYPE_CHECKING
+
+from stickslip import _core
+from stickslip._util import palette
+from stickslip._util.plain_text import printable_lines
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def page_text(template: str, **values: object) -> str:
+    """The page of a template, a file whose path in the package is given, with values by name.
+
+    The template extends ``_util/page.html``. Values are escaped, and are shown without control
+    characters.
+    """
+    import jinja2
+
+    package = resources.files("stickslip")
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(lambda path: package.joinpath(path).read_text("utf-8")),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        # What has `__html__` is a part of the page, whose values went through this already.
+        finalize=lambda each: (
+            printable_lines(each)
+            if isinstance(each, str) and not hasattr(each, "__html__")
+            else each
+        ),
+    )
+    shared = {"palette": palette, "version": _core.__version__}
+    return environment.get_template(template).render(shared, **values)
+
+
+def png(figure: Figure | None) -> str:
+    """A figure as PNG in base64, as pages hold it; empty if there is none."""
+    if figure is None:
+        return ""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
+    return in_base64(buffer.getvalue())
+
+
+def in_base64(content: bytes) -> str:
+    """What a file holds, as an address of pages that begins with ``data:`` has it."""
+    return base64.b64encode(content).decode("ascii")
