@@ -12,7 +12,7 @@ from stickslip.reproduction import setting_search
 from stickslip.reproduction.criteria import NAMES, all_margins
 from stickslip.reproduction.setting_search import evidence
 from stickslip.reproduction.settings import AXES, MODES, Grid, Setting, pair_of, values_of
-from stickslip.reproduction.survey import survey
+from stickslip.reproduction.survey import paired, survey
 
 # A pair of the grid for which S1 to S4 hold.
 SMALL = Grid(edges=("rise",), clamps=("down", "up"), bases=(0.5e-3, 1e-3), holds=(1.5e-3, 2.5e-3))
@@ -46,7 +46,7 @@ def test_a_free_setting_of_the_grid_is_judged_alike():
     )
     for found in (grid, free):
         assert all(each.works.all() for each in found.values())
-    of_grid, of_free = (all_margins(each["IPP"], each["OPP"]) for each in (grid, free))
+    of_grid, of_free = (all_margins(paired(each["IPP"], each["OPP"])) for each in (grid, free))
     assert of_grid.shape == (14, 1)
     # The numbers may differ by rounding, which a chaotic run makes a part in a thousand or so.
     assert (of_grid >= 0.0).tolist() == (of_free >= 0.0).tolist()
@@ -82,7 +82,7 @@ def test_the_search_is_not_worse_than_the_grid_and_says_what_its_best_is(found):
     assert {"S1", "S2", "S3", "S4"} <= {*found.holding}
     assert len(found.holding) >= found.grid_most >= 4
     again = survey({m: [s] for m, s in found.best.items()}, 3, 2)
-    margins = all_margins(again["IPP"], again["OPP"])
+    margins = all_margins(paired(again["IPP"], again["OPP"]))
     assert dict(zip(NAMES, margins[:, 0].tolist(), strict=True)) == found.margins
 
 

@@ -95,13 +95,13 @@ def behaviour(mode, good):
 
 @pytest.mark.parametrize("criterion", CRITERIA, ids=lambda criterion: criterion.name)
 def test_a_criterion_tells_what_the_paper_says_from_its_opposite(criterion):
-    found = made_up()
-    holds = all_margins(*all_pairs(found))[CRITERIA.index(criterion)] >= 0.0
+    pairs = all_pairs(made_up())
+    holds = all_margins(pairs)[CRITERIA.index(criterion)] >= 0.0
     assert holds.shape == (2, 2)
     assert holds[0, 0]
     assert not holds[1, 1]
     for place in (0, 1):
-        words = criterion.numbers(found["IPP"].at(place), found["OPP"].at(place))
+        words = criterion.numbers(pairs.at(np.s_[:, place, place]))
         assert words
         assert "\n" not in words
 
@@ -112,9 +112,9 @@ def test_criteria_are_those_of_the_statements_that_depend_on_settings():
 
 def test_the_slip_of_a_stroke_must_go_forwards():
     found = made_up()
-    assert all_margins(found["IPP"], found["OPP"])[0, 0] >= 0.0
+    assert all_margins(all_pairs(found))[0, 0, 0] >= 0.0
     found["IPP"].slip_down[0] = -99e-6
-    assert all_margins(found["IPP"], found["OPP"])[0, 0] < 0.0
+    assert all_margins(all_pairs(found))[0, 0, 0] < 0.0
 
 
 def test_a_setting_works_that_walks_forwards_between_flat_and_upright():
@@ -133,20 +133,20 @@ def test_the_reference_has_the_motion_first_then_the_most_then_the_likeliest_spe
     # The motion of (1, 1) outweighs any number of trends of (2, 2).
     motion[1, 1] = True
     trends[2, 2] = True
-    assert reference_pair(found, np.array([motion] * 4 + [trends] * 10)) == (1, 1)
+    assert reference_pair(all_pairs(found), np.array([motion] * 4 + [trends] * 10)) == (1, 1)
     # As good twice: the one nearer to 0.88 mm/s.
     motion[2, 2] = True
     trends[1, 1] = True
     for mode in MODES:
         found[mode].frequency[1] = 5e-3
         found[mode].frequency[2] = 1e-3
-    assert reference_pair(found, np.array([motion] * 4 + [trends] * 10)) == (2, 2)
+    assert reference_pair(all_pairs(found), np.array([motion] * 4 + [trends] * 10)) == (2, 2)
     # What does not work is never chosen.
     found["IPP"].tilt_high[2] = 3.0
-    assert reference_pair(found, np.array([motion] * 4 + [trends] * 10)) == (1, 1)
+    assert reference_pair(all_pairs(found), np.array([motion] * 4 + [trends] * 10)) == (1, 1)
     found["IPP"].tilt_high[:] = 3.0
     with pytest.raises(ValueError, match="no setting"):
-        reference_pair(found, np.array([motion] * 14))
+        reference_pair(all_pairs(found), np.array([motion] * 14))
 
 
 ALL = np.ones((2, 2), dtype=bool)

@@ -27,7 +27,6 @@ from stickslip.reproduction.survey import (
     Behaviour,
     Flags,
     Survey,
-    working_pairs,
 )
 from stickslip.reproduction.tables import table
 from stickslip.scenario.sections import Environment, Robot
@@ -46,7 +45,7 @@ def findings(found: Survey, holds: Flags) -> list[str]:
 
     `holds` says where S1 to S14 do, shape (14, settings of IPP, settings of OPP).
     """
-    works = working_pairs(found)
+    works = np.logical_and.outer(found["IPP"].works, found["OPP"].works)
     counts = holds.sum(axis=0)
     all_four = works & holds[:MOTION].all(axis=0)
     most = int(counts[works].max(initial=0))

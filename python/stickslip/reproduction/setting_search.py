@@ -31,7 +31,7 @@ from stickslip.reproduction.settings import (
     values_of,
 )
 from stickslip.reproduction.statements import NO_PAIR
-from stickslip.reproduction.survey import Flags, Survey, all_pairs, survey, working_pairs
+from stickslip.reproduction.survey import Behaviour, Flags, all_pairs, paired, survey, working_pairs
 from stickslip.reproduction.tables import table
 from stickslip.scenario.keys import check_whole
 from stickslip.scenario.scenario import Scenario
@@ -202,9 +202,9 @@ def search_settings(
         threads,
         lambda done, _: report(_GRID * done, "grid"),
     )
-    works = working_pairs(first)
-    margins = _finite(all_margins(*all_pairs(first)))
-    starts = _starts(first, margins, works)
+    of_grid = all_pairs(first)
+    works, margins = working_pairs(of_grid), _finite(all_margins(of_grid))
+    starts = _starts(of_grid, margins, works)
     arms = tuple({word: start[word] for word in WORDS} for start in starts)
     space = DesignSpace(Scenario(), AXES, arms, None)
     points = [
@@ -273,13 +273,15 @@ def _key(margins: Array, shortfall: float) -> Key:
     return shortfall, motion, float(len(failing)), nearest, trends
 
 
-def _starts(found: Survey, margins: Array, works: Flags) -> list[dict[str, Any]]:
+def _starts(pairs: Behaviour, margins: Array, works: Flags) -> list[dict[str, Any]]:
     """Values of the best pair in the grid for each combination of words, the best first."""
-    starts: dict[tuple[str, ...], dict[str, Any]] = {}
+    starts: dict[tuple[tuple[str, str], ...], dict[str, Any]] = {}
     keys = {(i, j): _key(margins[:, i, j], 0.0) for i, j in np.argwhere(works).tolist()}
     for i, j in sorted(keys, key=lambda pair: keys[pair]):
-        values = values_of((found["IPP"].settings[i], found["OPP"].settings[j]))
-        starts.setdefault(tuple(values[word] for word in WORDS), values)
+        pair = pairs.settings[:, i, j].tolist()
+        words = tuple((each.edge, each.clamp) for each in pair)
+        if words not in starts:
+            starts[words] = values_of(pair)
     if not starts:
         raise ValueError(NO_PAIR)
     return list(starts.values())[:_ARMS]
@@ -303,9 +305,10 @@ class _Trials:
 
         settings = {mode: [pair[mode] for pair in pairs] for mode in MODES}
         found = survey(settings, _VARIATIONS, self._threads, report)
-        margins = _finite(all_margins(found["IPP"], found["OPP"])).T
-        works = found["IPP"].works & found["OPP"].works
-        short = [-np.nan_to_num(each.works_margin, nan=_WORST) for each in found.values()]
+        tried = paired(found["IPP"], found["OPP"])
+        margins = _finite(all_margins(tried)).T
+        works = working_pairs(tried)
+        short = -np.nan_to_num(tried.works_margin, nan=_WORST)
         shortfall = np.where(works, 0.0, 1.0 + np.maximum(short, 0.0).sum(axis=0)).tolist()
         for row, does, own in zip(rows, works.tolist(), margins.tolist(), strict=True):
             self._rows.append({**row, "works": does, **dict(zip(NAMES, own, strict=True))})

@@ -16,6 +16,7 @@ from stickslip.reproduction.field_checks import FieldChecks
 from stickslip.reproduction.settings import FACTORS, MODES
 from stickslip.reproduction.survey import (
     WORKING_FREQUENCIES,
+    Behaviour,
     Flags,
     Survey,
     all_pairs,
@@ -122,10 +123,10 @@ def judge(found: Survey, checks: FieldChecks) -> tuple[list[Statement], tuple[in
     hold, shape (14, settings of IPP, settings of OPP).
     """
     pairs = all_pairs(found)
-    works = working_pairs(found)
-    holds = all_margins(*pairs) >= 0.0
-    reference = reference_pair(found, holds)
-    at_reference = [found[mode].at(k) for mode, k in zip(MODES, reference, strict=True)]
+    works = working_pairs(pairs)
+    holds = all_margins(pairs) >= 0.0
+    reference = reference_pair(pairs, holds)
+    at_reference = pairs.at((slice(None), *reference))
     factors = {
         f"{mode} {factor}": [_level(getattr(each, factor)) for each in found[mode].settings]
         for mode in MODES
@@ -135,10 +136,10 @@ def judge(found: Survey, checks: FieldChecks) -> tuple[list[Statement], tuple[in
     for each, where in zip(CRITERIA, holds, strict=True):
         judged = verdict(where, works, factors, reference)
         shares = {
-            part: float(np.broadcast_to(margin >= 0.0, works.shape)[works].mean())
-            for part, margin in each.margins(*pairs).items()
+            part: float((margin >= 0.0)[works].mean())
+            for part, margin in each.margins(pairs).items()
         }
-        numbers = each.numbers(*at_reference)
+        numbers = each.numbers(at_reference)
         statements.append(Statement(each.name, each.text, each.condition, numbers, judged, shares))
     return statements + _of_the_field(checks), reference, holds
 
@@ -147,26 +148,22 @@ def _level(value: str | float) -> str:
     return value if isinstance(value, str) else f"{value * 1e3:g} mT"
 
 
-def reference_pair(found: Survey, holds: Flags) -> tuple[int, int]:
-    """Indices of the chosen settings of IPP and OPP.
+def reference_pair(pairs: Behaviour, holds: Flags) -> tuple[int, int]:
+    """Indices of the chosen settings of IPP and OPP among `all_pairs`.
 
     `holds` says where S1 to S14 do, shape (14, settings of IPP, settings of OPP). Without a pair of
     working settings there is a ValueError.
     """
-    works = working_pairs(found)
+    works = working_pairs(pairs)
     if not works.any():
         raise ValueError(NO_PAIR)
     # All four first, then the trends; where no pair has all four, the most of them.
     score = np.where(works, 100 * holds[:MOTION].sum(axis=0) + holds[MOTION:].sum(axis=0), -1)
-
-    def distance(pair: tuple[int, int]) -> float:
-        velocities = [
-            found[mode].velocity("frequency", WORKING_FREQUENCIES)[k]
-            for mode, k in zip(MODES, pair, strict=True)
-        ]
-        return float(np.abs(np.log(np.array(velocities) / TYPICAL_VELOCITY)).mean())
-
-    return min(((int(i), int(j)) for i, j in np.argwhere(score == score.max())), key=distance)
+    best = np.argwhere(score == score.max())
+    velocity = pairs.velocity("frequency", WORKING_FREQUENCIES)[:, best[:, 0], best[:, 1]]
+    distance = np.abs(np.log(velocity / TYPICAL_VELOCITY)).mean(axis=(0, -1))
+    i, j = best[distance.argmin()].tolist()
+    return i, j
 
 
 def verdict(
@@ -184,12 +181,10 @@ def verdict(
     holds = np.broadcast_to(holds, works.shape)
     share = float(holds[works].mean()) if works.any() else 0.0
     at_reference = bool(holds[reference])
-    if share >= REPRODUCED_FROM:
-        return Verdict("reproduced", "reproduced", share, at_reference)
-    if share <= NOT_REPRODUCED_TO:
-        return Verdict("not reproduced", "not reproduced", share, at_reference)
-    named = deciding_factors(holds, works, factors)
-    what = " and ".join(named) if named else "the settings together"
+    if not NOT_REPRODUCED_TO < share < REPRODUCED_FROM:
+        word: Word = "reproduced" if share >= REPRODUCED_FROM else "not reproduced"
+        return Verdict(word, word, share, at_reference)
+    what = " and ".join(deciding_factors(holds, works, factors)) or "the settings together"
     return Verdict("depends", f"depends on {what}", share, at_reference)
 
 

@@ -37,10 +37,10 @@ _STROKE_RATE = 20e3  # Hz; ten samples a period of the fastest free swing and mo
 
 
 class Behaviour(NamedTuple):
-    """What some settings of one mode do.
+    """What some settings do.
 
-    The axes of the settings come first in every array: one of length n as `survey` makes it, or
-    what `at` makes of it.
+    The axes of the settings come first in every array: those of one mode have one of length n as
+    `survey` makes it, or what `at` makes of it; see also `paired`.
     """
 
     settings: NDArray[np.object_]  # of `Setting`
@@ -95,14 +95,19 @@ Survey = Mapping[Mode, Behaviour]
 """Behaviours by mode."""
 
 
-def all_pairs(found: Survey) -> tuple[Behaviour, Behaviour]:
-    """Behaviours of IPP and OPP that broadcast to all pairs, shape (settings of IPP, of OPP)."""
-    return found["IPP"].at(np.s_[:, np.newaxis]), found["OPP"]
+def paired(ipp: Behaviour, opp: Behaviour) -> Behaviour:
+    """Behaviours of pairs of settings, with an axis of length 2 for the modes before all others."""
+    return Behaviour(*(np.stack(np.broadcast_arrays(*each)) for each in zip(ipp, opp, strict=True)))
 
 
-def working_pairs(found: Survey) -> Flags:
-    """Which pairs consist of working settings, shape (settings of IPP, settings of OPP)."""
-    return np.logical_and.outer(found["IPP"].works, found["OPP"].works)
+def all_pairs(found: Survey) -> Behaviour:
+    """Behaviours of all pairs, shape (2, settings of IPP, settings of OPP)."""
+    return paired(found["IPP"].at(np.s_[:, np.newaxis]), found["OPP"])
+
+
+def working_pairs(pairs: Behaviour) -> Flags:
+    """Which of `paired` behaviours are of two working settings."""
+    return np.asarray(pairs.works.all(axis=0))
 
 
 def survey(
