@@ -8,8 +8,7 @@ this study, which the table of statements names.
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +46,8 @@ LOW_ADHESION: Part = ("adhesion", (0.0, 0.05e-6))  # N
 HIGH_ADHESION: Part = ("adhesion", (0.4e-6, 0.5e-6, 0.6e-6))  # N
 
 _X = {name: np.array(scan.values) for name, scan in SCANS.items()}
+WORST = -1e3  # the least margin, also of what is NaN; chosen: farther off than any that counts
+
 IPP, OPP = 0, 1  # places of the modes along the first axis of `paired` behaviours
 
 
@@ -80,6 +81,12 @@ def _by_mode(margins: Array) -> dict[str, Array]:
     return dict(zip(MODES, margins, strict=True))
 
 
+def _of_both(words: str, *numbers: Iterable[float]) -> str:
+    """A format string that says the same of both modes, each with its own numbers."""
+    by_mode = zip(MODES, *numbers, strict=True)
+    return "; ".join(f"{mode} {words.format(*own)}" for mode, *own in by_mode)
+
+
 def _much_larger_in_ipp(angle: Array) -> Any:
     return above(angle[IPP], MUCH_LARGER * angle[OPP])
 
@@ -100,11 +107,9 @@ def _low_line(pair: Behaviour) -> Line:
 
 
 def _low_line_words(pair: Behaviour) -> str:
-    return "; ".join(
-        f"{mode} {slope * 1e6:.1f} µm a pulse to 30 Hz, R² {explained:.3f}, departures to "
-        f"{worst:.0%}"
-        for mode, slope, explained, worst in zip(MODES, *_low_line(pair), strict=True)
-    )
+    slope, explained, worst = _low_line(pair)
+    words = "{:.1f} µm a pulse to 30 Hz, R² {:.3f}, departures to {:.0%}"
+    return _of_both(words, slope * 1e6, explained, worst)
 
 
 def _over_line(pair: Behaviour) -> Array:
@@ -144,11 +149,9 @@ def _linear_damping(pair: Behaviour) -> dict[str, Array]:
 
 
 def _linear_damping_words(pair: Behaviour) -> str:
-    falls = [functools.partial(crossing, left, _X["linear"]) for left in _over_first(pair.linear)]
-    return "; ".join(
-        f"{mode} falls to 90% at {fall(0.9):.1g} N s/m, to 10% at {fall(0.1):.1g} N s/m"
-        for mode, fall in zip(MODES, falls, strict=True)
-    )
+    left = _over_first(pair.linear)
+    falls = [[crossing(each, _X["linear"], level) for each in left] for level in (0.9, 0.1)]
+    return _of_both("falls to 90% at {:.1g} N s/m, to 10% at {:.1g} N s/m", *falls)
 
 
 def _damped_apart(left: Array) -> Array:
@@ -185,13 +188,8 @@ def _growth_with_field(pair: Behaviour) -> dict[str, Array]:
 
 def _growth_with_field_words(pair: Behaviour) -> str:
     line, bends = straight(_X["field"], pair.field), bend(_X["field"], pair.field)
-    return "; ".join(
-        f"{mode} {slope:.2f} (mm/s)/mT, R² {explained:.3f}, slope of the upper half over that of "
-        f"the lower {bent:.2f}"
-        for mode, slope, explained, bent in zip(
-            MODES, line.slope, line.explained, bends, strict=True
-        )
-    )
+    words = "{:.2f} (mm/s)/mT, R² {:.3f}, slope of the upper half over that of the lower {:.2f}"
+    return _of_both(words, line.slope, line.explained, bends)
 
 
 CRITERIA = (
@@ -344,7 +342,8 @@ MOTION = 4
 def all_margins(pairs: Behaviour) -> Array:
     """Margins of all criteria for `paired` behaviours of shape (2, ...), shape (14, ...).
 
-    That of a criterion is the least of its parts, or NaN.
+    That of a criterion is the least of its parts; where one cannot be computed, it is `WORST`.
     """
     parts = [[*each.margins(pairs).values()] for each in CRITERIA]
-    return np.array([np.min(each, axis=0) for each in parts])
+    margins = np.array([np.min(each, axis=0) for each in parts])
+    return np.asarray(np.maximum(np.nan_to_num(margins, nan=WORST), WORST))

@@ -18,7 +18,7 @@ import pandas as pd
 from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import DesignSpace
 from stickslip.control.search import Key, search
-from stickslip.reproduction.criteria import MOTION, NAMES, all_margins
+from stickslip.reproduction.criteria import MOTION, NAMES, WORST, all_margins
 from stickslip.reproduction.points import Array
 from stickslip.reproduction.settings import (
     AXES,
@@ -50,7 +50,6 @@ _ARMS = 4  # combinations of words that are searched: those of the best pairs of
 _VARIATIONS = 3  # small changes of each point, as the study has
 _GRID = 0.1  # part of the time that the grid takes, roughly
 _STEP = 0.1  # of the first generation; chosen: S1 to S4 hold in a small part of the ranges only
-_WORST = -1e3  # in place of a margin that cannot be computed
 
 
 class StatementScore(NamedTuple):
@@ -203,7 +202,7 @@ def search_settings(
         lambda done, _: report(_GRID * done, "grid"),
     )
     of_grid = all_pairs(first)
-    works, margins = working_pairs(of_grid), _finite(all_margins(of_grid))
+    works, margins = working_pairs(of_grid), all_margins(of_grid)
     starts = _starts(of_grid, margins, works)
     arms = tuple({word: start[word] for word in WORDS} for start in starts)
     space = DesignSpace(Scenario(), AXES, arms, None)
@@ -255,10 +254,6 @@ def evidence(margins: Array) -> Evidence:
     return Evidence(len(kept), most, failing, scores, conflicts)
 
 
-def _finite(margins: Array) -> Array:
-    return np.asarray(np.maximum(np.nan_to_num(margins, nan=_WORST), _WORST))
-
-
 def _key(margins: Array, shortfall: float) -> Key:
     """By what lacks to walk, to S1 to S4, and to the others: how many fail, then by how much.
 
@@ -306,9 +301,9 @@ class _Trials:
         settings = {mode: [pair[mode] for pair in pairs] for mode in MODES}
         found = survey(settings, _VARIATIONS, self._threads, report)
         tried = paired(found["IPP"], found["OPP"])
-        margins = _finite(all_margins(tried)).T
+        margins = all_margins(tried).T
         works = working_pairs(tried)
-        short = -np.nan_to_num(tried.works_margin, nan=_WORST)
+        short = -np.nan_to_num(tried.works_margin, nan=WORST)
         shortfall = np.where(works, 0.0, 1.0 + np.maximum(short, 0.0).sum(axis=0)).tolist()
         for row, does, own in zip(rows, works.tolist(), margins.tolist(), strict=True):
             self._rows.append({**row, "works": does, **dict(zip(NAMES, own, strict=True))})
