@@ -10,24 +10,24 @@ from stickslip import Coils, Drive, Scenario, ScenarioError, reproduce, simulate
 from stickslip.reproduction.curves import MeasuredPoint, read_measured
 from stickslip.reproduction.field_checks import field_checks
 from stickslip.reproduction.points import variations
-from stickslip.reproduction.settings import MODES, Grid, Setting
+from stickslip.reproduction.settings import Grid, Setting
 from stickslip.reproduction.strokes import strokes
 from stickslip.reproduction.survey import stroke_scenario, survey
 
 
 def test_the_survey_is_that_of_single_simulations():
     grid = Grid(("rise",), ("up",), (1e-3,), (2e-3,))
-    found = survey({mode: grid.settings(mode) for mode in MODES}, 1, 2)
-    (setting,) = found.settings["OPP"]
+    found = survey(grid.settings(), 1, 2)["OPP"]
+    (setting,) = found.settings
     assert setting == Setting("OPP", "rise", "up", 1e-3, 2e-3)
     run = simulate(stroke_scenario(setting))
-    by_stroke = found.strokes["OPP"][0]
-    assert by_stroke == strokes(run)
+    by_stroke = strokes(run)
+    assert {name: getattr(found, name)[0] for name in by_stroke} == by_stroke
     start, stop = run.scenario.window
     summary = run.summary()
     # With the clamp up theta is negative: what rises in magnitude falls in theta.
-    assert by_stroke.slip_up == pytest.approx(summary["slip_down"] * (stop - start), rel=0.02)
-    assert -found.tilt_high["OPP"][0] == pytest.approx(summary["theta_min"], abs=0.1)
+    assert found.slip_up[0] == pytest.approx(summary["slip_down"] * (stop - start), rel=0.02)
+    assert -found.tilt_high[0] == pytest.approx(summary["theta_min"], abs=0.1)
     still = simulate(
         Scenario(
             drive=Drive(
@@ -35,7 +35,7 @@ def test_the_survey_is_that_of_single_simulations():
             )
         )
     )
-    assert found.still_tilt["OPP"][0] == pytest.approx(abs(still.summary()["theta_max"]), abs=1e-4)
+    assert found.still_tilt[0] == pytest.approx(abs(still.summary()["theta_max"]), abs=1e-4)
 
 
 def test_small_changes_are_spread_and_begin_with_none():

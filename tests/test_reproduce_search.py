@@ -9,10 +9,10 @@ import pytest
 from command_line import stickslip
 from stickslip import Scenario, ScenarioError
 from stickslip.reproduction import setting_search
-from stickslip.reproduction.free_settings import AXES, pair_at, point_of, words_of
-from stickslip.reproduction.setting_evidence import NAMES, evidence
-from stickslip.reproduction.settings import MODES, Grid, Setting
-from stickslip.reproduction.survey import survey
+from stickslip.reproduction.criteria import NAMES, all_margins
+from stickslip.reproduction.setting_search import evidence
+from stickslip.reproduction.settings import AXES, MODES, Grid, Setting, pair_of, values_of
+from stickslip.reproduction.survey import paired, survey
 
 # A pair of the grid for which S1 to S4 hold.
 SMALL = Grid(edges=("rise",), clamps=("down", "up"), bases=(0.5e-3, 1e-3), holds=(1.5e-3, 2.5e-3))
@@ -27,8 +27,8 @@ def found():
     return setting_search.search_settings(12, grid=SMALL, threads=2)
 
 
-def test_a_pair_of_the_grid_is_a_point_of_the_space():
-    pair = pair_at(words_of(WORKING), point_of(WORKING))
+def test_a_pair_of_the_grid_is_one_of_the_space():
+    pair = pair_of(values_of(WORKING))
     for mode, setting in zip(MODES, WORKING, strict=True):
         scenario = Scenario().replace(setting.keys())
         free = Scenario().replace(pair[mode].keys())
@@ -38,16 +38,18 @@ def test_a_pair_of_the_grid_is_a_point_of_the_space():
             assert free.get(key) == pytest.approx(scenario.get(key), rel=1e-12, abs=1e-15)
 
 
-def test_a_free_setting_at_a_point_of_the_grid_is_judged_alike():
-    pair = pair_at(words_of(WORKING), point_of(WORKING))
+def test_a_free_setting_of_the_grid_is_judged_alike():
+    pair = pair_of(values_of(WORKING))
     grid, free = (
-        setting_search._margins(survey({m: [s] for m, s in zip(MODES, each, strict=True)}, 1, 2))
+        survey({m: [s] for m, s in zip(MODES, each, strict=True)}, 1, 2)
         for each in (WORKING, pair.values())
     )
-    assert grid[1].all()
-    assert free[1].all()
-    # The numbers differ by rounding, which a chaotic run makes a part in a thousand or so.
-    assert (grid[0] >= 0.0).tolist() == (free[0] >= 0.0).tolist()
+    for found in (grid, free):
+        assert all(each.works.all() for each in found.values())
+    of_grid, of_free = (all_margins(paired(each["IPP"], each["OPP"])) for each in (grid, free))
+    assert of_grid.shape == (14, 1)
+    # The numbers may differ by rounding, which a chaotic run makes a part in a thousand or so.
+    assert (of_grid >= 0.0).tolist() == (of_free >= 0.0).tolist()
 
 
 def test_margins_and_counts_tell_what_excludes_what():
@@ -79,8 +81,9 @@ def test_the_search_is_not_worse_than_the_grid_and_says_what_its_best_is(found):
     # The search starts at the best pairs of the grid.
     assert {"S1", "S2", "S3", "S4"} <= {*found.holding}
     assert len(found.holding) >= found.grid_most >= 4
-    again = setting_search._margins(survey({m: [s] for m, s in found.best.items()}, 3, 2))[0]
-    assert dict(zip(NAMES, again[:, 0, 0].tolist(), strict=True)) == found.margins
+    again = survey({m: [s] for m, s in found.best.items()}, 3, 2)
+    margins = all_margins(paired(again["IPP"], again["OPP"]))
+    assert dict(zip(NAMES, margins[:, 0].tolist(), strict=True)) == found.margins
 
 
 def test_every_pair_lies_within_its_ranges(found):

@@ -23,18 +23,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-KEYS = tuple(
-    f"{section}.{name}"
-    for section, names in {
-        "drive": (
-            *("mode", "edge", "clamp", "base", "hold", "peak", "frequency", "pulses"),
-            *("edge_time", "ramp"),
-        ),
-        "contact": ("static_friction", "kinetic_friction", "adhesion"),
-        "drag": ("linear", "rotational"),
-        "robot": ("mass",),
-    }.items()
-    for name in names
+KEYS = (
+    *("drive.mode", "drive.edge", "drive.clamp", "drive.base", "drive.hold", "drive.peak"),
+    *("drive.frequency", "drive.pulses", "drive.edge_time", "drive.ramp"),
+    *("contact.static_friction", "contact.kinetic_friction", "contact.adhesion"),
+    *("drag.linear", "drag.rotational", "robot.mass"),
 )
 """Keys of a scenario that the study varies, in the order of a point's numbers."""
 
@@ -138,17 +131,16 @@ class Scan:
     def points(self, settings: Sequence[Setting], values: Sequence[float] | Array) -> Array:
         """Points of the study, shape (len(settings), len(values), len(KEYS))."""
         x = np.array(values)
-        result = np.empty((len(settings), len(x), len(KEYS)))
-        for row, setting in zip(result, settings, strict=True):
-            row[:] = point(
-                {**setting.keys(), "drive.peak": PEAK, "drive.frequency": self.frequency}
-            )
-            row[:, COLUMN[self.key]] = x
-            if self.key == "contact.static_friction":
-                row[:, COLUMN["contact.kinetic_friction"]] = KINETIC_SHARE * x
-            if self.proportional:
-                row[:, COLUMN["drive.base"]] = setting.base * x / PEAK
-                row[:, COLUMN["drive.hold"]] = setting.hold * x / PEAK
+        drive = {"drive.peak": PEAK, "drive.frequency": self.frequency}
+        rows = np.array([point({**setting.keys(), **drive}) for setting in settings])
+        result = np.repeat(rows[:, np.newaxis], len(x), axis=1)
+        result[..., COLUMN[self.key]] = x
+        if self.key == "contact.static_friction":
+            result[..., COLUMN["contact.kinetic_friction"]] = KINETIC_SHARE * x
+        if self.proportional:
+            for key in ("drive.base", "drive.hold"):
+                result[..., COLUMN[key]] *= x
+                result[..., COLUMN[key]] /= PEAK
         slow = result[..., COLUMN["drive.frequency"]] < FEWER_PULSES_BELOW
         result[..., COLUMN["drive.pulses"]] = np.where(slow, PULSES_WHEN_SLOW, PULSES)
         return result

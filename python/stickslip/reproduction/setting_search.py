@@ -7,34 +7,34 @@ damping that the paper's authors "adjusted to match". Here all of these are free
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from stickslip._util.processor_count import worker_count
+from stickslip.control.design_space import DesignSpace
 from stickslip.control.search import Key, search
-from stickslip.reproduction.free_settings import (
+from stickslip.reproduction.criteria import MOTION, NAMES, WORST, all_margins
+from stickslip.reproduction.points import Array
+from stickslip.reproduction.settings import (
     AXES,
-    OWN,
-    SHARED,
+    MODES,
     WORDS,
-    Array,
-    Pair,
-    Words,
-    pair_at,
-    point_of,
-    words_of,
+    Grid,
+    Mode,
+    Setting,
+    pair_of,
+    values_of,
 )
-from stickslip.reproduction.reference import MOTION
-from stickslip.reproduction.setting_evidence import NAMES, Evidence, evidence
-from stickslip.reproduction.settings import MODES, Grid
-from stickslip.reproduction.statements import CRITERIA
-from stickslip.reproduction.survey import Flags, Survey, survey
+from stickslip.reproduction.statements import NO_PAIR
+from stickslip.reproduction.survey import Behaviour, Flags, all_pairs, paired, survey, working_pairs
 from stickslip.reproduction.tables import table
 from stickslip.scenario.keys import check_whole
+from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
@@ -50,7 +50,34 @@ _ARMS = 4  # combinations of words that are searched: those of the best pairs of
 _VARIATIONS = 3  # small changes of each point, as the study has
 _GRID = 0.1  # part of the time that the grid takes, roughly
 _STEP = 0.1  # of the first generation; chosen: S1 to S4 hold in a small part of the ranges only
-_WORST = -1e3  # in place of a margin that cannot be computed
+
+
+class StatementScore(NamedTuple):
+    """One statement among all pairs for which S1 to S4 hold."""
+
+    name: str
+    pairs: int  # for which it holds
+    margin: float  # the greatest; below zero where it never holds
+    most: int  # statements that hold together with it, itself included; 0 where it never holds
+
+
+class Conflict(NamedTuple):
+    """Two statements that hold with S1 to S4, but not both."""
+
+    first: str
+    second: str
+    first_margin: float  # the greatest of the first where the second holds
+    second_margin: float  # and the other way round
+
+
+class Evidence(NamedTuple):
+    """What all pairs say that were simulated and keep S1 to S4."""
+
+    kept: int  # such pairs
+    most: int  # statements that hold together
+    failing: Mapping[tuple[str, ...], int]  # what fails where the most hold, and for how many pairs
+    scores: list[StatementScore]
+    conflicts: list[Conflict]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +86,7 @@ class SettingSearch:
 
     Attributes
     ----------
-    best : dict of FreeSetting
+    best : dict of Setting
         The best pair, by mode.
     margins : dict of float
         Of each statement at it; below zero where it does not hold.
@@ -75,7 +102,7 @@ class SettingSearch:
         Whether Ctrl-C ended it.
     """
 
-    best: Pair
+    best: dict[Mode, Setting]
     margins: dict[str, float]
     grid_most: int
     evidence: Evidence
@@ -125,8 +152,7 @@ class SettingSearch:
             "holding": self.holding,
             "margins": self.margins,
             "grid_most": self.grid_most,
-            "kept": said.kept,
-            "most": said.most,
+            **said._asdict(),
             "failing": [{"statements": [*names], "pairs": n} for names, n in said.failing.items()],
             "scores": [each._asdict() for each in said.scores],
             "conflicts": [each._asdict() for each in said.conflicts],
@@ -169,37 +195,63 @@ def search_settings(
     check_whole("seed", seed)
     threads = worker_count(threads, "threads")
     report = progress or (lambda fraction, stage: None)
-    of_grid = grid or Grid()
     first = survey(
-        {mode: of_grid.settings(mode) for mode in MODES},
+        (grid or Grid()).settings(),
         _VARIATIONS,
         threads,
         lambda done, _: report(_GRID * done, "grid"),
     )
-    margins, works = _margins(first)
-    starts = _starts(first, margins, works)
-    trials = _Trials(list(starts), threads, report, pairs)
-    found = search(list(starts.values()), trials.compared, pairs, seed, _STEP)
+    of_grid = all_pairs(first)
+    works, margins = working_pairs(of_grid), all_margins(of_grid)
+    starts = _starts(of_grid, margins, works)
+    arms = tuple({word: start[word] for word in WORDS} for start in starts)
+    space = DesignSpace(Scenario(), AXES, arms, None)
+    points = [
+        np.array([axis.coordinate(float(start[axis.name])) for axis in AXES]) for start in starts
+    ]
+    trials = _Trials(space, threads, report, pairs)
+    found = search(points, trials.compared, pairs, seed, _STEP)
     best = found.leaders[0]
-    searched = np.array(trials.margins)
-    of_the_grid = margins[:, works].T
+    tried = trials.table()
+    grid_margins = margins[:, works].T
+    walking = tried.loc[tried["works"], list(NAMES)].to_numpy()
     return SettingSearch(
-        best=pair_at(list(starts)[best.arm], best.point),
-        margins=dict(zip(NAMES, map(float, best.known), strict=True)),
-        grid_most=evidence(of_the_grid).most,
-        evidence=evidence(np.concatenate([of_the_grid, searched[np.array(trials.works)]])),
-        points=trials.table(),
+        best=pair_of(space.values(best.arm, best.point)),
+        margins=dict(zip(NAMES, best.known.tolist(), strict=True)),
+        grid_most=evidence(grid_margins).most,
+        evidence=evidence(np.concatenate([grid_margins, walking])),
+        points=tried,
         tried=found.count,
         seed=seed,
         interrupted=found.interrupted,
     )
 
 
-def _margins(found: Survey) -> tuple[Array, Flags]:
-    """Margins of all statements, shape (14, settings of IPP, of OPP), and which pairs work."""
-    works = found.working_pairs()
-    margins = [np.broadcast_to(each.evaluate(found).margin, works.shape) for each in CRITERIA]
-    return np.maximum(np.nan_to_num(margins, nan=_WORST), _WORST), works
+def evidence(margins: Array) -> Evidence:
+    """From the margins of all statements, shape (pairs, 14)."""
+    kept = margins[(margins[:, :MOTION] >= 0.0).all(axis=1)]
+    holds = kept >= 0.0
+    counts = holds.sum(axis=1)
+    most = int(counts.max(initial=0))
+    failing = Counter(tuple(itertools.compress(NAMES, ~row)) for row in holds[counts == most])
+    trends = range(MOTION, len(NAMES))
+    scores = [
+        StatementScore(
+            NAMES[k],
+            int(holds[:, k].sum()),
+            float(kept[:, k].max(initial=-np.inf)),
+            int(counts[holds[:, k]].max(initial=0)),
+        )
+        for k in trends
+    ]
+    conflicts = [
+        Conflict(
+            NAMES[a], NAMES[b], float(kept[holds[:, b], a].max()), float(kept[holds[:, a], b].max())
+        )
+        for a, b in itertools.combinations(trends, 2)
+        if holds[:, a].any() and holds[:, b].any() and not (holds[:, a] & holds[:, b]).any()
+    ]
+    return Evidence(len(kept), most, failing, scores, conflicts)
 
 
 def _key(margins: Array, shortfall: float) -> Key:
@@ -212,78 +264,54 @@ def _key(margins: Array, shortfall: float) -> Key:
     depth = lacking / (1.0 + lacking)
     failing = depth[MOTION:][margins[MOTION:] < 0.0]
     nearest = float(failing.min(initial=1.0))
-    return (
-        shortfall,
-        float(depth[:MOTION].sum()),
-        float(len(failing)),
-        nearest,
-        float(failing.sum()),
-    )
+    motion, trends = float(depth[:MOTION].sum()), float(failing.sum())
+    return shortfall, motion, float(len(failing)), nearest, trends
 
 
-def _starts(found: Survey, margins: Array, works: Flags) -> dict[Words, Array]:
-    """By the words of a pair the numbers of its best pair in the grid, the best words first."""
-    best: dict[Words, tuple[Key, Array]] = {}
-    for i, j in np.argwhere(works):
-        pair = (found.settings["IPP"][i], found.settings["OPP"][j])
-        words, key = words_of(pair), _key(margins[:, i, j], 0.0)
-        if words not in best or key < best[words][0]:
-            best[words] = (key, point_of(pair))
-    if not best:
-        raise ValueError("no setting of the grid walks forwards in both modes")
-    chosen = sorted(best, key=lambda words: best[words][0])[:_ARMS]
-    return {words: best[words][1] for words in chosen}
+def _starts(pairs: Behaviour, margins: Array, works: Flags) -> list[dict[str, Any]]:
+    """Values of the best pair in the grid for each combination of words, the best first."""
+    starts: dict[tuple[tuple[str, str], ...], dict[str, Any]] = {}
+    keys = {(i, j): _key(margins[:, i, j], 0.0) for i, j in np.argwhere(works).tolist()}
+    for i, j in sorted(keys, key=lambda pair: keys[pair]):
+        pair = pairs.settings[:, i, j].tolist()
+        words = tuple((each.edge, each.clamp) for each in pair)
+        if words not in starts:
+            starts[words] = values_of(pair)
+    if not starts:
+        raise ValueError(NO_PAIR)
+    return list(starts.values())[:_ARMS]
 
 
 class _Trials:
     """Pairs that the search tries, and their margins."""
 
-    def __init__(self, words: Sequence[Words], threads: int, report: Progress, pairs: int) -> None:
-        self.margins: list[Array] = []
-        self.works: list[bool] = []
-        self._pairs: list[Pair] = []
-        self._words, self._threads, self._report, self._most = words, threads, report, pairs
+    def __init__(self, space: DesignSpace, threads: int, report: Progress, pairs: int) -> None:
+        self._rows: list[dict[str, Any]] = []
+        self._space, self._threads, self._report, self._most = space, threads, report, pairs
 
     def compared(self, candidates: Sequence[tuple[int, Array]]) -> list[tuple[Key, Array]]:
         """As `search` wants them, with the margins of all statements."""
-        pairs = [pair_at(self._words[arm], point) for arm, point in candidates]
-        done, share = len(self.margins), len(pairs)
+        rows = [self._space.values(arm, point) for arm, point in candidates]
+        pairs = [pair_of(row) for row in rows]
 
         def report(part: float, _: str) -> None:
-            fraction = min((done + part * share) / self._most, 1.0)
+            fraction = min((len(self._rows) + part * len(rows)) / self._most, 1.0)
             self._report(_GRID + (1.0 - _GRID) * fraction, "searching")
 
         settings = {mode: [pair[mode] for pair in pairs] for mode in MODES}
         found = survey(settings, _VARIATIONS, self._threads, report)
-        margins, works = _margins(found)
-        lacking = np.sum(
-            [
-                np.maximum(-np.nan_to_num(found.works_margin(mode), nan=_WORST), 0.0)
-                for mode in MODES
-            ],
-            axis=0,
-        )
-        result = []
-        for place in range(len(pairs)):
-            own = margins[:, place, place]
-            does = bool(works[place, place])
-            self.margins.append(own)
-            self.works.append(does)
-            result.append((_key(own, 0.0 if does else 1.0 + float(lacking[place])), own))
-        self._pairs += pairs
-        return result
+        tried = paired(found["IPP"], found["OPP"])
+        margins = all_margins(tried).T
+        works = working_pairs(tried)
+        short = -np.nan_to_num(tried.works_margin, nan=WORST)
+        shortfall = np.where(works, 0.0, 1.0 + np.maximum(short, 0.0).sum(axis=0)).tolist()
+        for row, does, own in zip(rows, works.tolist(), margins.tolist(), strict=True):
+            self._rows.append({**row, "works": does, **dict(zip(NAMES, own, strict=True))})
+        return [(_key(*each), each[0]) for each in zip(margins, shortfall, strict=True)]
 
     def table(self) -> pd.DataFrame:
         """A row for each pair."""
-        columns: dict[str, Any] = {}
-        units = {axis.name: axis.unit for axis in AXES}
-        for mode, word in itertools.product(MODES, WORDS):
-            columns[f"{mode} {word}"] = [getattr(pair[mode], word) for pair in self._pairs]
-        for mode, name in itertools.product(MODES, OWN):
-            columns[f"{mode} {name}"] = [getattr(pair[mode], name) for pair in self._pairs]
-        for name in SHARED:
-            columns[name] = [getattr(pair["IPP"], name) for pair in self._pairs]
-        columns["works"] = self.works
-        for place, name in enumerate(NAMES):
-            columns[name] = [float(each[place]) for each in self.margins]
-        return table(columns, {**dict.fromkeys(columns, ""), **units, **dict.fromkeys(NAMES, "1")})
+        units = {axis.name: axis.unit for axis in AXES} | dict.fromkeys(NAMES, "1")
+        columns = (*WORDS, *(axis.name for axis in AXES), "works", *NAMES)
+        frame = pd.DataFrame(self._rows, columns=columns)
+        return table(frame, dict.fromkeys(columns, "") | units)

@@ -1,4 +1,4 @@
-"""What the paper leaves open of its two drives, and the grid of settings that the study tries.
+"""What the paper leaves open of its two drives: the grid that the study tries, and a search space.
 
 Neither the sudden side of the sawtooth (edge) nor its bottom (base), the field of the holding coil
 (hold) or the sign of the clamp coil's field (clamp) is stated; see sections V-A and V-B and
@@ -8,8 +8,12 @@ Figs. 4 and 6.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
+
+from stickslip.control.design_space import Axis
+from stickslip.scenario.scenario import Scenario
 
 Mode = Literal["IPP", "OPP"]
 
@@ -21,7 +25,31 @@ PEAK = 2.5e-3
 FACTORS = ("edge", "clamp", "base", "hold")
 """What tells one setting of a mode from another."""
 
-_WORDS = {"rise": "sudden rise", "fall": "sudden fall"}
+FREE = {
+    "edge_time": "drive.edge_time",
+    "ramp": "drive.ramp",
+    "linear": "drag.linear",
+    "rotational": "drag.rotational",
+}
+"""What the grid fixes and a search does not, in both modes alike, with the keys of a scenario."""
+
+WORDS = ("IPP edge", "IPP clamp", "OPP edge", "OPP clamp")
+"""The words of a pair of settings."""
+
+# The numbers of a pair: two of each mode, then those of the apparatus, the robot and the fluid,
+# which both modes share. Chosen: fields beyond the grid on both sides; edges that still leave a
+# sawtooth at 150 Hz; damping a decade and more about that of section VI-C.
+AXES = (
+    Axis("IPP base", "T", -1e-3, 1.5e-3),
+    Axis("IPP hold", "T", 0.2e-3, 4e-3),
+    Axis("OPP base", "T", -1e-3, 1.5e-3),
+    Axis("OPP hold", "T", 0.2e-3, 4e-3),
+    Axis("edge_time", "s", 0.0, 5e-3),
+    Axis("ramp", "s", 0.02, 0.3),
+    Axis("linear", "N s/m", 1e-6, 1e-4),
+    Axis("rotational", "N m s^2", 1e-17, 1e-14),
+)
+"""What is searched, with its ranges; linear and rotational are the drag coefficients."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +63,8 @@ class Setting:
     clamp : {"down", "up"}
     base, hold : float
         T.
+    free : mapping of float
+        What a search sets beside, SI: all names of `FREE`; none of them in the grid.
     """
 
     mode: Mode
@@ -42,16 +72,26 @@ class Setting:
     clamp: str
     base: float
     hold: float
+    free: Mapping[str, float] = field(default_factory=dict)
 
     def keys(self) -> dict[str, Any]:
         """The setting by the keys of a scenario."""
-        return {f"drive.{name}": getattr(self, name) for name in ("mode", *FACTORS)}
+        own = {f"drive.{name}": getattr(self, name) for name in ("mode", *FACTORS)}
+        return own | {FREE[name]: value for name, value in self.free.items()}
 
     def text(self) -> str:
         """The setting in words."""
+        digits = ".3g" if self.free else "g"  # those of the grid are few
+        words = (
+            f"sudden {self.edge}, clamp {self.clamp}, base {self.base * 1e3:{digits}} mT, "
+            f"hold {self.hold * 1e3:{digits}} mT"
+        )
+        if not self.free:
+            return words
+        edge_time, ramp, linear, rotational = (self.free[name] for name in FREE)
         return (
-            f"{_WORDS[self.edge]}, clamp {self.clamp}, base {self.base * 1e3:g} mT, "
-            f"hold {self.hold * 1e3:g} mT"
+            f"{words}, edge {edge_time * 1e3:.3g} ms, ramp {ramp:.3g} s, "
+            f"drag {linear:.3g} N s/m and {rotational:.3g} N m s²"
         )
 
     @property
@@ -79,7 +119,20 @@ class Grid:
     bases: tuple[float, ...] = (0.0, 0.25e-3, 0.5e-3, 1.0e-3)
     holds: tuple[float, ...] = (0.5e-3, 1.0e-3, 1.5e-3, 2.0e-3, 2.5e-3, 3.0e-3)
 
-    def settings(self, mode: Mode) -> list[Setting]:
-        """All settings of a mode."""
-        product = itertools.product(self.edges, self.clamps, self.bases, self.holds)
-        return [Setting(mode, *each) for each in product]
+    def settings(self) -> dict[Mode, list[Setting]]:
+        """All settings by mode."""
+        product = [*itertools.product(self.edges, self.clamps, self.bases, self.holds)]
+        return {mode: [Setting(mode, *each) for each in product] for mode in MODES}
+
+
+def values_of(pair: Sequence[Setting]) -> dict[str, Any]:
+    """Words and numbers by name of a pair of the grid, which has a default scenario's others."""
+    free = {name: Scenario().get(key) for name, key in FREE.items()}
+    return free | {f"{each.mode} {name}": getattr(each, name) for each in pair for name in FACTORS}
+
+
+def pair_of(values: Mapping[str, Any]) -> dict[Mode, Setting]:
+    """The pair of settings that has these words and numbers."""
+    free = {name: values[name] for name in FREE}
+    own = {mode: {name: values[f"{mode} {name}"] for name in FACTORS} for mode in MODES}
+    return {mode: Setting(mode, **own[mode], free=free) for mode in MODES}

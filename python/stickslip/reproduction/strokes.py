@@ -6,31 +6,11 @@ With clamp "up" theta is negative, so the sign of omega alone would tell them ap
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.reproduction.points import Array
 from stickslip.simulation.run import Run, resting_force
-
-
-@dataclass(frozen=True)
-class Strokes:
-    """One run by stroke, over its measuring window."""
-
-    slip_up: float  # of the contact along +x, m
-    slip_down: float
-    path_up: float  # the same without sign, m
-    path_down: float
-    normal_up: float  # mean normal force while the contact slips, over that at rest; or NaN
-    normal_down: float
-    tilt: float  # mean of |theta|, rad
-
-    @property
-    def share_up(self) -> float:
-        """Part of the slip's path that falls on the upstroke, 0 to 1; NaN without slip."""
-        path = self.path_up + self.path_down
-        return self.path_up / path if path > 0.0 else np.nan
 
 
 def in_window(run: Run) -> NDArray[np.bool_]:
@@ -39,7 +19,7 @@ def in_window(run: Run) -> NDArray[np.bool_]:
     return (run.t >= start) & (run.t <= stop)
 
 
-def tilt_rate(run: Run) -> NDArray[np.float64]:
+def tilt_rate(run: Run) -> Array:
     """d|theta|/dt in the measuring window, rad/s."""
     seen = in_window(run)
     return np.asarray(np.sign(run.theta[seen]) * run.omega[seen])
@@ -50,17 +30,23 @@ def interval(run: Run) -> float:
     return float((run.t[-1] - run.t[0]) / (len(run.t) - 1))
 
 
-def strokes(run: Run) -> Strokes:
-    """Slip and normal force by stroke, of a run that is recorded on a uniform grid."""
+def strokes(run: Run) -> dict[str, float]:
+    """Slip and normal force by stroke, of a run that is recorded on a uniform grid.
+
+    What they are called, and their units, are those of `survey.Behaviour`.
+    """
     seen = in_window(run)
     rate, step = tilt_rate(run), interval(run)
     slip = np.nan_to_num(run.slip_velocity[seen])
     force = run.normal_force[seen]
     found = {"tilt": float(np.abs(run.theta[seen]).mean())}
+    path = {}
     for name, stroke in (("up", rate > 0.0), ("down", rate < 0.0)):
         found[f"slip_{name}"] = float(slip[stroke].sum() * step)
-        found[f"path_{name}"] = float(np.abs(slip[stroke]).sum() * step)
+        path[name] = float(np.abs(slip[stroke]).sum() * step)
         slips = force[stroke & (slip != 0.0)]
         mean = float(slips.mean() / resting_force(run.scenario)) if len(slips) else np.nan
         found[f"normal_{name}"] = mean
-    return Strokes(**found)
+    total = path["up"] + path["down"]
+    found["share_up"] = path["up"] / total if total > 0.0 else np.nan
+    return found

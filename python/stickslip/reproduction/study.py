@@ -24,13 +24,11 @@ from stickslip.reproduction.curves import (
     read_measured,
 )
 from stickslip.reproduction.field_checks import field_checks
-from stickslip.reproduction.findings import findings, settings_table
-from stickslip.reproduction.flaws import Flaw, flaws
+from stickslip.reproduction.findings import Flaw, findings, flaws, settings_table
 from stickslip.reproduction.motions import MOTIONS, draw_motion, motion_table, reference_runs
 from stickslip.reproduction.page import page_text
-from stickslip.reproduction.reference import RULE
 from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
-from stickslip.reproduction.statements import Statement, judge
+from stickslip.reproduction.statements import RULE, Statement, judge
 from stickslip.reproduction.survey import survey
 from stickslip.reproduction.tables import write_table
 from stickslip.scenario.keys import shown
@@ -177,14 +175,14 @@ def reproduce(
     report = progress or (lambda fraction, stage: None)
 
     found = survey(
-        {mode: effort.grid.settings(mode) for mode in MODES},
+        effort.grid.settings(),
         effort.survey_variations,
         threads,
         lambda done, _: report(_SURVEY * done, "trying settings"),
     )
     checks = field_checks()
-    statements, chosen, outcomes = judge(found, checks)
-    reference = {mode: found.settings[mode][k] for mode, k in zip(MODES, chosen, strict=True)}
+    statements, chosen, holds = judge(found, checks)
+    reference = {mode: found[mode].settings[k] for mode, k in zip(MODES, chosen, strict=True)}
     runs = reference_runs(reference, threads)
     tables = {
         name: motion_table(name, runs[MOTIONS[name].mode]) for name in names if name in MOTIONS
@@ -200,7 +198,7 @@ def reproduce(
         statements=statements,
         reference=reference,
         rule=RULE,
-        findings=findings(found, outcomes),
+        findings=findings(found, holds),
         settings=settings_table(found),
         flaws=flaws(found, runs, reference, checks, threads),
         tables=tables,

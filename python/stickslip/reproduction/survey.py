@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.reproduction.points import COLUMN, SCANS, Array, evaluate, point, varied
 from stickslip.reproduction.settings import MODES, PEAK, Mode, Setting
-from stickslip.reproduction.strokes import Strokes, strokes
+from stickslip.reproduction.strokes import strokes
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import simulate_batch
 
@@ -20,9 +19,10 @@ if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
 
 Flags = NDArray[np.bool_]
-_Kind = TypeVar("_Kind", bound=np.generic)
 
+# The fields of `Behaviour` that come from scans, and from recorded runs.
 SCANNED = ("frequency", "friction", "adhesion", "linear", "rotational", "field")
+_BY_STROKE = ("tilt", "slip_up", "slip_down", "normal_up", "normal_down", "share_up")
 
 STROKE_FREQUENCY = 30.0
 """Frequency of the runs that are looked at stroke by stroke, as in Figs. 4 to 7, Hz."""
@@ -36,55 +36,78 @@ _STROKE_PULSES = 12  # as `PULSES_WHEN_SLOW`
 _STROKE_RATE = 20e3  # Hz; ten samples a period of the fastest free swing and more
 
 
-def pairwise(mode: Mode, values: NDArray[_Kind]) -> NDArray[_Kind]:
-    """Values of the settings of a mode, shape (n, ...), as they broadcast to all pairs of settings.
+class Behaviour(NamedTuple):
+    """What some settings do.
 
-    A pair is one setting of IPP, along the first axis, and one of OPP, along the second.
-    """
-    return values[:, np.newaxis] if mode == "IPP" else values[np.newaxis]
-
-
-@dataclass(frozen=True, eq=False)
-class Survey:
-    """What every setting of the grid does; n is the number of settings of a mode.
-
-    Velocities, tilts and speeds are arrays by mode, or by mode and scan. Those of a scan have the
-    shape (n, number of its values), all others (n,).
+    The axes of the settings come first in every array: those of one mode have one of length n as
+    `survey` makes it, or what `at` makes of it; see also `paired`.
     """
 
-    settings: dict[Mode, list[Setting]]
-    velocity: dict[tuple[Mode, str], Array]  # mean, m/s; the median of small changes
-    painleve: dict[tuple[Mode, str], NDArray[np.int64]]  # events, summed over the small changes
-    count: int  # simulations behind each velocity
+    settings: NDArray[np.object_]  # of `Setting`
+    # Mean velocity over the values of each scan, m/s; the median of small changes.
+    frequency: Array
+    friction: Array
+    adhesion: Array
+    linear: Array
+    rotational: Array
+    field: Array
+    painleve: NDArray[np.int64]  # events over the values of "friction" and the small changes
     # Least and greatest tilt at 30 Hz and 100 Hz, rad, positive where the clamp coil pulls it.
-    tilt_low: dict[Mode, Array]
-    tilt_high: dict[Mode, Array]
-    still_tilt: dict[Mode, Array]  # with base and hold alone, before the first pulse, rad
-    still_velocity: dict[Mode, Array]  # greatest speed with constant fields, m/s
-    strokes: dict[Mode, list[Strokes | None]]  # None for a setting that does not work
+    tilt_low: Array
+    tilt_high: Array
+    still_tilt: Array  # with base and hold alone, before the first pulse, rad
+    still_velocity: Array  # greatest speed with constant fields, m/s
+    # By stroke at 30 Hz; NaN for a setting that does not work, and the last three without slip.
+    tilt: Array  # mean of |theta|, rad
+    slip_up: Array  # of the contact along +x, m
+    slip_down: Array
+    normal_up: Array  # mean normal force while the contact slips, over that at rest
+    normal_down: Array
+    share_up: Array  # part of the slip's path that falls on the upstroke, 0 to 1
 
-    def works(self, mode: Mode) -> Flags:
-        """Which settings walk as the paper's robot does, shape (n,).
+    def at(self, index: Any) -> Behaviour:
+        """The settings at an index of their axis; one that adds an axis makes them broadcast."""
+        return Behaviour(*(each[index] for each in self))
+
+    def velocity(self, scan: str, values: Sequence[float]) -> Array:
+        """Velocity at some of a scan's values, which are the last axis, m/s."""
+        places = [SCANS[scan].values.index(value) for value in values]
+        return np.asarray(getattr(self, scan)[..., places])
+
+    @property
+    def works(self) -> Flags:
+        """Which settings walk as the paper's robot does.
 
         Forwards at 30 Hz and at 100 Hz, and with the tilt between flat and upright throughout.
         """
-        return np.asarray(self.works_margin(mode) > 0.0)
+        return np.asarray(self.works_margin > 0.0)
 
-    def works_margin(self, mode: Mode) -> Array:
-        """By how much each setting works, a pure number above zero where it does, shape (n,)."""
-        velocity = self.at(mode, "frequency", WORKING_FREQUENCIES).min(axis=1)
-        low, high = self.tilt_low[mode], self.tilt_high[mode]
+    @property
+    def works_margin(self) -> Array:
+        """By how much each setting works, a pure number above zero where it does."""
+        velocity = self.velocity("frequency", WORKING_FREQUENCIES).min(axis=-1)
+        low, high = self.tilt_low, self.tilt_high
         parts = [velocity / _MIN_VELOCITY - 1.0, low + _TILT_TOLERANCE, 0.5 * np.pi - high]
         return np.asarray(np.min(parts, axis=0))
 
-    def working_pairs(self) -> Flags:
-        """Which pairs consist of working settings, shape (settings of IPP, settings of OPP)."""
-        return pairwise("IPP", self.works("IPP")) & pairwise("OPP", self.works("OPP"))
 
-    def at(self, mode: Mode, scan: str, values: Sequence[float]) -> Array:
-        """Velocity at some of a scan's values, m/s, shape (n, len(values))."""
-        places = [SCANS[scan].values.index(value) for value in values]
-        return self.velocity[mode, scan][:, places]
+Survey = Mapping[Mode, Behaviour]
+"""Behaviours by mode."""
+
+
+def paired(ipp: Behaviour, opp: Behaviour) -> Behaviour:
+    """Behaviours of pairs of settings, with an axis of length 2 for the modes before all others."""
+    return Behaviour(*(np.stack(np.broadcast_arrays(*each)) for each in zip(ipp, opp, strict=True)))
+
+
+def all_pairs(found: Survey) -> Behaviour:
+    """Behaviours of all pairs, shape (2, settings of IPP, settings of OPP)."""
+    return paired(found["IPP"].at(np.s_[:, np.newaxis]), found["OPP"])
+
+
+def working_pairs(pairs: Behaviour) -> Flags:
+    """Which of `paired` behaviours are of two working settings."""
+    return np.asarray(pairs.works.all(axis=0))
 
 
 def survey(
@@ -92,33 +115,33 @@ def survey(
     count: int,
     threads: int,
     progress: Progress | None = None,
-) -> Survey:
+) -> dict[Mode, Behaviour]:
     """Simulate every setting, with `count` small changes for each point."""
-    keys = [(mode, name) for mode in MODES for name in SCANNED]
-    batches = [
-        varied(SCANS[name].points(settings[mode], SCANS[name].values), count) for mode, name in keys
-    ]
-    batches += [_constant_fields(settings[mode]) for mode in MODES]
-    results = evaluate(batches, threads, progress)
-    scanned = dict(zip(keys, results, strict=False))
-    still = dict(zip(MODES, results[len(keys) :], strict=True))
-    tilts = {mode: _tilt_range(settings[mode], scanned[mode, "frequency"]) for mode in MODES}
-    found = Survey(
-        settings={mode: list(each) for mode, each in settings.items()},
-        velocity={k: _median(scanned[k]["mean_velocity"]) for k in keys},
-        painleve={k: scanned[k]["painleve"].sum(axis=-1) for k in keys},
-        count=count,
-        tilt_low={mode: tilts[mode][0] for mode in MODES},
-        tilt_high={mode: tilts[mode][1] for mode in MODES},
-        still_tilt={mode: np.abs(still[mode]["theta_max"][:, 0]) for mode in MODES},
-        still_velocity={mode: np.abs(still[mode]["mean_velocity"]).max(axis=1) for mode in MODES},
-        strokes={mode: [None] * len(settings[mode]) for mode in MODES},
-    )
+    batches = []
     for mode in MODES:
-        chosen = np.flatnonzero(found.works(mode))
-        scenarios = [stroke_scenario(found.settings[mode][i]) for i in chosen]
-        for i, run in zip(chosen, simulate_batch(scenarios, threads), strict=True):
-            found.strokes[mode][i] = strokes(run)
+        scans = [SCANS[name].points(settings[mode], SCANS[name].values) for name in SCANNED]
+        batches += [*(varied(each, count) for each in scans), _constant_fields(settings[mode])]
+    results = iter(evaluate(batches, threads, progress))
+    found = {}
+    for mode in MODES:
+        scanned = {name: next(results) for name in SCANNED}
+        still = next(results)
+        low, high = _tilt_range(settings[mode], scanned["frequency"])
+        found[mode] = Behaviour(
+            settings=np.array(settings[mode], dtype=object),
+            **{name: _median(result["mean_velocity"]) for name, result in scanned.items()},
+            painleve=scanned["friction"]["painleve"],
+            tilt_low=low,
+            tilt_high=high,
+            still_tilt=np.abs(still["theta_max"][:, 0]),
+            still_velocity=np.abs(still["mean_velocity"]).max(axis=1),
+            **{name: np.full(len(low), np.nan) for name in _BY_STROKE},
+        )
+        working = np.flatnonzero(found[mode].works)
+        scenarios = [stroke_scenario(each) for each in found[mode].settings[working]]
+        for place, run in zip(working, simulate_batch(scenarios, threads), strict=True):
+            for name, value in strokes(run).items():
+                getattr(found[mode], name)[place] = value
     return found
 
 
