@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.measurement_problem import pose_measurement
+from stickslip.diagnosis.measurement_problem import diagnose_measurement
 from stickslip.diagnosis.model.problem import Cause, Predict, Uncertain
 from stickslip.diagnosis.options import Options, changed
 from stickslip.diagnosis.pipeline import run_steps
@@ -59,19 +58,10 @@ def diagnose(
             "Measurement.from_dataframe(...) or read_measurement(path) makes one"
         )
     check_whole("seed", seed)
-    given = pose_measurement(measurement, seed, worker_count(threads, "threads"))
-    found = run_steps(
-        given.posed.model,
-        given.conditions,
-        given.observed,
-        given.uncertain,
-        given.causes,
-        replace(given.options, progress=progress),
+    found, posed = diagnose_measurement(
+        measurement, seed, worker_count(threads, "threads"), progress
     )
-    # The steps know nothing of drives and tables.
-    notes = (*given.first_notes, *found.notes, *given.last_notes)
-    found = replace(found, notes=notes)
-    return Diagnosis(found, given.posed, measurement)
+    return Diagnosis(found, posed, measurement)
 
 
 def diagnose_model(
