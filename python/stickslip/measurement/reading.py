@@ -10,9 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import check_name
 from stickslip._util.number_text import is_number
 from stickslip._util.one_line import OneLine
@@ -50,7 +48,7 @@ _COLUMNS = {
     "field": (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"),
 }
 
-Table = Mapping[str, NDArray[np.float64]]
+Table = Mapping[str, Array]
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
@@ -172,7 +172,7 @@ def number(cell: str) -> float:
 
 def read_numbers(
     path: Path, required: Sequence[str], optional: Sequence[str] = ()
-) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
+) -> tuple[dict[str, Array], list[Fact]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     A row is sound if all its required cells are numbers; a gap in an optional column is NaN. A

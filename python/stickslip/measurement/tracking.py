@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.number_text import highest, is_number
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError, prefixed
@@ -55,7 +55,7 @@ class TrackingRun(OneLine):
     """
 
     file: str
-    columns: Mapping[str, NDArray[np.float64]]
+    columns: Mapping[str, Array]
     scenario: Scenario
     frame_rate: float
     exposure: float = 0.0
@@ -129,8 +129,8 @@ def _exposure(value: object, rate: float) -> float:
 
 
 def _usable_frames(
-    name: str, table: Mapping[str, NDArray[np.float64]], end: float
-) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
+    name: str, table: Mapping[str, Array], end: float
+) -> tuple[dict[str, Array], list[Fact]]:
     """Frames in the order of time, each time once, before the end of the last pulse, s.
 
     What the coils do after that is not known. The facts say what was left out.
@@ -154,7 +154,7 @@ def _usable_frames(
     return {key: column[used] for key, column in table.items()}, facts
 
 
-def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> Fact | None:
+def _too_little(table: Mapping[str, Array], scenario: Scenario) -> Fact | None:
     """Why a run is not used, if it is not."""
     start, end = scenario.window
     count = int(np.sum(table["t"] > start - 1e-9))

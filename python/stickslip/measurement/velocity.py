@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
@@ -66,10 +66,10 @@ class VelocityData(OneLine):
     """
 
     conditions: tuple[Mapping[str, Value], ...]
-    velocity: NDArray[np.float64]
-    condition: NDArray[np.int64]
-    block: NDArray[np.int64]
-    order: NDArray[np.float64]
+    velocity: Array
+    condition: Indices
+    block: Indices
+    order: Array
     relative_sd: float = math.nan
 
 
@@ -128,7 +128,7 @@ def read_velocity(
     return data, left_out
 
 
-def _numbered(values: Sequence[Any]) -> NDArray[np.int64]:
+def _numbered(values: Sequence[Any]) -> Indices:
     """Each value's place among the different ones, in the order in which they come."""
     places = {value: k for k, value in enumerate(dict.fromkeys(values))}
     return np.array([places[value] for value in values], dtype=np.int64)
@@ -246,9 +246,7 @@ def _check_units(setting: Mapping[str, Value]) -> None:
         raise _Unsound(Code.SETTING_TOO_SMALL, key="frequency", value=frequency, **limit)
 
 
-def _without_outliers(
-    name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[Fact]
-) -> NDArray[np.bool_]:
+def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Fact]) -> Mask:
     """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
     for index in np.flatnonzero(far):

@@ -6,14 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip.measurement.velocity import VelocityData
 from stickslip.scenario.keys import Value
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -34,7 +31,7 @@ class Trials(OneLine):
         """Mean of the trials of each condition, shape (m,)."""
         return np.bincount(self.condition, self.value) / np.bincount(self.condition)
 
-    def at(self, kept: NDArray[np.bool_]) -> Trials:
+    def at(self, kept: Mask) -> Trials:
         """Those of some conditions, `kept` of shape (m,), which are numbered anew."""
         rows = kept[self.condition]
         number = np.cumsum(kept) - 1

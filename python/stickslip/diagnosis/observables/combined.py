@@ -6,13 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.model.problem import AuxiliaryData
 from stickslip.diagnosis.observables.observable import Observable
-
-Array = NDArray[np.float64]
 
 
 class Combined:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.model.problem import Uncertain
@@ -17,8 +17,6 @@ from stickslip.facts import Fact
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -49,7 +47,7 @@ class Comparison(OneLine):
     sd: Array
     recalibrated: Array
     extended: Array | None
-    held_out: NDArray[np.bool_]
+    held_out: Mask
 
     @property
     def errors(self) -> tuple[float, float | None]:
@@ -85,7 +83,7 @@ class Observable(Protocol):
     name: str
     observed: Array
     covariance: Array
-    group: NDArray[np.int64]
+    group: Indices
     nuisance: tuple[Uncertain, ...]
     notes: tuple[Fact, ...]
     left_out: tuple[Fact, ...]
@@ -102,7 +100,7 @@ class Observable(Protocol):
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
-        held_out: NDArray[np.bool_],
+        held_out: Mask,
     ) -> Comparison | FilmComparison:
         """What the report shows of it for two vectors of values, shape (names,).
 
@@ -122,7 +120,7 @@ class TableObservable(ABC):
         self,
         title: str,
         mean: Array,
-        count: NDArray[np.int64],
+        count: Indices,
         noise: tuple[float, Fact],
         left_out: Sequence[Fact],
     ) -> None:
@@ -147,7 +145,7 @@ class TableObservable(ABC):
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
-        held_out: NDArray[np.bool_],
+        held_out: Mask,
     ) -> Comparison:
         """All readings beside both models."""
         components = len(self.observed) // (int(self.group[-1]) + 1)

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.stats import chi2 as chi2_law
 
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch
 from stickslip.diagnosis.model.problem import Uncertain
@@ -31,8 +31,6 @@ from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.tracking import FEWEST, TrackingRun
 from stickslip.scenario.priors import Prior
-
-Array = NDArray[np.float64]
 
 _KINDS: dict[str, Kind] = {
     "theta": "level",
@@ -70,7 +68,7 @@ class Quantity:
     """
 
     name: str
-    frames: NDArray[np.bool_]
+    frames: Mask
     values: Array
     folded: Fold
     sd: float
@@ -155,7 +153,7 @@ class FilmObservable:
         names: Sequence[str],
         recalibrated: Array,
         extended: Array | None,
-        held_out: NDArray[np.bool_],
+        held_out: Mask,
     ) -> FilmComparison:
         """Advance and forces of this run beside both models."""
         view = force_view(self, names, recalibrated)
@@ -284,7 +282,7 @@ def _quantum(values: Array) -> float:
     return float(steps.min()) if 0 < len(steps) < 0.5 * len(values) else 0.0
 
 
-def _lost(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
+def _lost(folded: Fold, residual: Array, quantum: float) -> Mask:
     """Frames far from those of nearly the same phase: the tracking lost the robot."""
     lost = np.zeros(len(residual), dtype=bool)
     steady = np.flatnonzero(folded.steady)
