@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.measurement_problem import diagnose_measurement
 from stickslip.diagnosis.model.problem import Cause, Predict, Uncertain
+from stickslip.diagnosis.observables import Combined
 from stickslip.diagnosis.options import Options, changed
 from stickslip.diagnosis.pipeline import run_steps
 from stickslip.diagnosis.posed_problem import PosedProblem
@@ -119,4 +121,7 @@ def diagnose_model(
     """
     chosen = changed(options, changes)
     found = run_steps(predict, conditions, observed, uncertain, causes, chosen)
-    return Diagnosis(found, PosedProblem.of_model(found.problem, predict), None)
+    names = found.problem.names
+    # What the rows of such a model stand for is not known here.
+    posed = PosedProblem(Combined(predict, names, names, ()), [], None, np.zeros(0), ())
+    return Diagnosis(found, posed, None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
+from stickslip.diagnosis.observables.tracking.film import FilmComparison
 from stickslip.diagnosis.observables.tracking.force_residuals import (
     CLEAR,
     FEWEST_ORDERS,

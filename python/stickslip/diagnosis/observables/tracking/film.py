@@ -15,8 +15,8 @@ from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch
 from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.observables.observable import Observable
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
@@ -26,11 +26,12 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
-from stickslip.diagnosis.observables.tracking.force_residuals import force_view
+from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, force_view
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.tracking import FEWEST, TrackingRun
 from stickslip.scenario.priors import Prior
+from stickslip.scenario.scenario import Scenario
 
 _KINDS: dict[str, Kind] = {
     "theta": "level",
@@ -81,7 +82,32 @@ class Quantity:
         return self.matrix @ self.values
 
 
-class FilmObservable:
+@dataclass(frozen=True)
+class FilmComparison:
+    """One run beside both models.
+
+    Attributes
+    ----------
+    file : str
+    scenario : Scenario
+        Scenario of the run, as stated.
+    advance : dict of float, optional
+        Advance per pulse in the world, m: ``measured``, its error ``sd``, and what the models make
+        of it, ``recalibrated`` and ``extended``; None where no two periods show it.
+    view, after : ForceView, optional
+        With the recalibrated and with the extended model; None where there is none.
+    held_out : bool
+    """
+
+    file: str
+    scenario: Scenario
+    advance: dict[str, float] | None
+    view: ForceView | None
+    after: ForceView | None
+    held_out: bool
+
+
+class FilmObservable(Observable):
     """Frames of one run, folded on the drive's phase; see `Observable`.
 
     Parameters
@@ -149,11 +175,7 @@ class FilmObservable:
         return result
 
     def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: Mask,
+        self, names: Sequence[str], recalibrated: Array, extended: Array | None, held_out: Mask
     ) -> FilmComparison:
         """Advance and forces of this run beside both models."""
         view = force_view(self, names, recalibrated)
