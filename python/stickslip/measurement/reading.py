@@ -20,7 +20,7 @@ from stickslip.facts import Fact
 from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
-from stickslip.scenario.keys import known_keys, shown, suggestion
+from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -129,7 +129,7 @@ class Measurement(OneLine):
             is not allowed.
         """
         if not isinstance(scenario, Scenario):
-            raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+            refuse("scenario", scenario, "a Scenario")
         entry = {} if velocity_sd is None else {"velocity_sd": velocity_sd}
         path = Path("DataFrame")
         rows = rows_of_frame(table)
@@ -166,17 +166,14 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         raise ScenarioError(f"stickslip_measurement = {FORMAT_VERSION} is missing{hint}")
     version = document["stickslip_measurement"]
     if isinstance(version, bool) or version != FORMAT_VERSION:
-        raise ScenarioError(
-            f"stickslip_measurement = {shown(version)}: allowed is {FORMAT_VERSION}, the version "
-            "of the format"
-        )
+        refuse("stickslip_measurement", version, f"{FORMAT_VERSION}, the version of the format")
     for key, value in document.items():
         if key not in _KNOWN:
             found = f"[[{key}]]" if _are_tables(value) else f"{key} = {shown(value)}"
             raise ScenarioError(f"{found}: there is no such entry; {suggestion(key, _KNOWN)}")
     name = document.get("name", path.stem)
     if not isinstance(name, str):
-        raise ScenarioError(f"name = {shown(name)}: allowed is a text")
+        refuse("name", name, "a text")
     nominal = _path_of(document, "scenario", "", "a scenario file")
     scenario = Scenario.from_toml(path.parent / nominal)
     uncertain = _uncertain(document.get("uncertain"), scenario)
@@ -230,11 +227,11 @@ def _table(
 
 def _path_of(table: Mapping[str, Any], key: str, section: str, kind: str) -> str:
     """The path under a key that has to be there."""
-    value = table.get(key)
-    if isinstance(value, str):
-        return value
-    given = f"{key} = {shown(value)}" if key in table else f"{key} is missing"
-    raise ScenarioError(f"{section}{given}: allowed is the path of {kind}")
+    if key not in table:
+        raise ScenarioError(f"{section}{key} is missing: allowed is the path of {kind}")
+    if not isinstance(table[key], str):
+        refuse(f"{section}{key}", table[key], f"the path of {kind}")
+    return str(table[key])
 
 
 def _are_tables(value: object) -> bool:
@@ -294,7 +291,5 @@ def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
 def _relative_sd(entry: Mapping[str, Any]) -> float:
     value = entry.get("velocity_sd", math.nan)
     if "velocity_sd" in entry and not (is_number(value) and 0.0 < value < 1.0):
-        raise ScenarioError(
-            f"[[velocity]] velocity_sd = {shown(value)}: allowed is a number above 0 and below 1"
-        )
+        refuse("[[velocity]] velocity_sd", value, "a number above 0 and below 1")
     return float(value)

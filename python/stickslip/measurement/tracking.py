@@ -16,7 +16,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import read_numbers
-from stickslip.scenario.keys import FILE, shown
+from stickslip.scenario.keys import FILE, refuse, shown
 from stickslip.scenario.scenario import Scenario
 
 FEWEST = 20
@@ -100,7 +100,7 @@ def read_tracking(
 
 def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
     if not isinstance(drive, dict):
-        raise ScenarioError(f"drive = {shown(drive)}: allowed is a table of keys of [drive]")
+        refuse("drive", drive, "a table of keys of [drive]")
     changes = {f"drive.{key}": value for key, value in drive.items()}
     if FILE in changes:
         raise ScenarioError(
@@ -112,7 +112,7 @@ def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
 
 def _positive(key: str, value: object) -> float:
     if not is_number(value) or not 0 < value < math.inf:
-        raise ScenarioError(f"{key} = {shown(value)}: allowed is a number above 0")
+        refuse(key, value, "a number above 0")
     return float(value)
 
 
@@ -121,10 +121,8 @@ def _exposure(value: object, rate: float) -> float:
         return 0.0
     top = 1.0 / rate if math.isfinite(rate) else math.inf
     if not is_number(value) or not 0.0 <= float(value) <= top * (1 + 1e-9):
-        raise ScenarioError(
-            f"exposure = {shown(value)}: allowed is from 0 to the time between two frames"
-            f"{f', {highest(top)} s' if math.isfinite(top) else ''}"
-        )
+        most = f", {highest(top)} s" if math.isfinite(top) else ""
+        refuse("exposure", value, f"from 0 to the time between two frames{most}")
     return float(value)
 
 

@@ -22,7 +22,6 @@ from stickslip.measurement.tables import (
     check_columns,
     in_lines,
     number,
-    refuse_unknown,
 )
 from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
@@ -113,9 +112,7 @@ def read_velocity(
         lines = [trials[k].line for k in np.flatnonzero(fast)]
         left_out.append(in_lines(Code.TOO_FAST, path.name, lines, word=word, limit=FASTEST))
         sound &= ~fast
-    block = np.full(len(trials), -1, dtype=np.int64)
-    named = [bool(each.block) for each in trials]
-    block[named] = _numbered([each.block for each in trials if each.block])
+    block = _numbered([each.block for each in trials])
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
@@ -129,9 +126,9 @@ def read_velocity(
 
 
 def _numbered(values: Sequence[Any]) -> Indices:
-    """Each value's place among the different ones, in the order in which they come."""
-    places = {value: k for k, value in enumerate(dict.fromkeys(values))}
-    return np.array([places[value] for value in values], dtype=np.int64)
+    """Each value's place among the different ones in the order in which they come; -1 of none."""
+    places = {value: k for k, value in enumerate(dict.fromkeys(filter(None, values)))}
+    return np.array([places.get(value, -1) for value in values], dtype=np.int64)
 
 
 def _sound_rows(
@@ -140,8 +137,7 @@ def _sound_rows(
     """Rows that can be used, at least one, and why the others cannot."""
     header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
-    check_columns(path, header, ["velocity"])
-    refuse_unknown(path, header, [*NOT_SETTINGS, *drive])
+    check_columns(path, header, ["velocity"], [*NOT_SETTINGS, *drive])
     # Lines by what is wrong with them, in the order of the file.
     wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
     kept: list[_Trial] = []
