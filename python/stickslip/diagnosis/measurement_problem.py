@@ -86,7 +86,7 @@ def diagnose_measurement(
     columns = [*(each.name for each in shared), *amplitudes]
     names = [*(each.name for each in (*shared, *nuisance)), *amplitudes]
     simulator = Simulator(scenario, columns, threads)
-    walks, lost = _computable(_walks(measurement, simulator, shared, causes))
+    walks, lost = _walks(measurement, simulator, shared, causes)
     observed, options = _data(measurement, walks, observables)
     conditions: list[dict[str, Value]] = []
     given = np.zeros(0)
@@ -122,31 +122,27 @@ def _walks(
     simulator: Simulator,
     constants: Sequence[Uncertain],
     causes: Sequence[Cause],
-) -> _Walks:
-    """All tables, and the velocities at the middle of all priors without any cause, NaN if none."""
+) -> tuple[_Walks, list[Fact]]:
+    """All tables but the conditions that the stated model cannot compute, and a fact for each.
+
+    The model is at the middle of all priors, without any cause. If it computes no condition, all
+    stay: then something is wrong with the data, and that is said.
+    """
     conditions, trials = pooled_velocities(measurement.velocity)
     if not conditions:
-        return _Walks(conditions, trials, np.zeros(0))
+        return _Walks(conditions, trials, np.zeros(0)), []
     absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
     middle = [float(each.prior.value(0.0)) for each in constants]
-    return _Walks(conditions, trials, simulator(conditions, np.array([[*middle, *absent]]))[0])
-
-
-def _computable(given: _Walks) -> tuple[_Walks, list[Fact]]:
-    """Without the conditions that the stated model cannot compute, and a fact for each of those.
-
-    If it computes none, all stay: then something is wrong with the data, and that is said.
-    """
-    sound = np.isfinite(given.nominal)
-    if sound.all() or not sound.any():
-        return given, []
-    among = varied(given.conditions)
-    said = [
+    nominal = simulator(conditions, np.array([[*middle, *absent]]))[0]
+    sound = np.isfinite(nominal)
+    if not sound.any():
+        return _Walks(conditions, trials, nominal), []
+    among = varied(conditions)
+    lost = [
         Fact(Code.CONDITION_NOT_COMPUTED, named(each, among))
-        for each in compress(given.conditions, ~sound)
+        for each in compress(conditions, ~sound)
     ]
-    conditions = list(compress(given.conditions, sound))
-    return _Walks(conditions, given.trials.at(sound), given.nominal[sound]), said
+    return _Walks(list(compress(conditions, sound)), trials.at(sound), nominal[sound]), lost
 
 
 def _data(

@@ -186,7 +186,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         name=name,
         scenario=scenario.with_uncertain(None),
         uncertain=uncertain,
-        **{kind: tuple(found) for kind, found in tables.items()},
+        **{observable: tuple(found) for observable, found in tables.items()},
         left_out=tuple(left_out),
         path=path,
     )
@@ -195,42 +195,42 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
 def _tables(
     document: dict[str, Any], path: Path, scenario: Scenario
 ) -> tuple[dict[str, list[Any]], list[Fact]]:
-    """What can be used of the tables of each kind, and what was left out of them."""
-    tables: dict[str, list[Any]] = {kind: [] for kind in _ENTRIES}
+    """What can be used of the tables of each observable, and what was left out of them."""
+    tables: dict[str, list[Any]] = {observable: [] for observable in _ENTRIES}
     left_out: list[Fact] = []
-    for kind in _ENTRIES:
+    for observable in _ENTRIES:
         files: set[str] = set()
-        for entry in _entries(document, kind):
+        for entry in _entries(document, observable):
             file = path.parent / entry["file"]
             if os.path.realpath(file) in files:
-                twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
+                twice = f"[[{observable}]] file = {shown(entry['file'])} is there twice"
                 raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
             try:
-                found, facts = _table(kind, file, entry, scenario)
+                found, facts = _table(observable, file, entry, scenario)
             except NothingSound as error:
                 found, facts = None, [error.fact]
-            tables[kind] += [] if found is None else [found]
+            tables[observable] += [] if found is None else [found]
             left_out += facts
     return tables, left_out
 
 
 def _table(
-    kind: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
+    observable: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
 ) -> tuple[Any, list[Fact]]:
-    if kind == "velocity":
+    if observable == "velocity":
         return read_velocity(file, read_rows(file), scenario, _relative_sd(entry))
-    if kind == "tracking":
+    if observable == "tracking":
         return read_tracking(file, entry, scenario)
-    return read_numbers(file, _COLUMNS[kind])
+    return read_numbers(file, _COLUMNS[observable])
 
 
-def _path_of(table: Mapping[str, Any], key: str, section: str, kind: str) -> str:
+def _path_of(table: Mapping[str, Any], key: str, section: str, what: str) -> str:
     """The path under a key that has to be there."""
     if key not in table:
-        raise ScenarioError(f"{section}{key} is missing: allowed is the path of {kind}")
+        raise ScenarioError(f"{section}{key} is missing: allowed is the path of {what}")
     if not isinstance(table[key], str):
-        refuse(f"{section}{key}", table[key], f"the path of {kind}")
+        refuse(f"{section}{key}", table[key], f"the path of {what}")
     return str(table[key])
 
 
@@ -271,19 +271,19 @@ def _check_friction(priors: Mapping[str, Prior], scenario: Scenario) -> None:
         scenario.replace({_KINETIC: lowest, **highest})
 
 
-def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
-    entries: list[dict[str, Any]] = document.get(kind, [])
+def _entries(document: dict[str, Any], observable: str) -> list[dict[str, Any]]:
+    entries: list[dict[str, Any]] = document.get(observable, [])
     if not _are_tables(entries):
-        raise ScenarioError(f"{kind}: allowed are sections [[{kind}]]")
+        raise ScenarioError(f"{observable}: allowed are sections [[{observable}]]")
     for entry in entries:
         for key, value in entry.items():
-            if key not in _ENTRIES[kind]:
+            if key not in _ENTRIES[observable]:
                 raise ScenarioError(
-                    f"[[{kind}]] {key} = {shown(value)}: there is no such key; "
-                    f"{suggestion(key, _ENTRIES[kind])}"
+                    f"[[{observable}]] {key} = {shown(value)}: there is no such key; "
+                    f"{suggestion(key, _ENTRIES[observable])}"
                 )
-        file = _path_of(entry, "file", f"[[{kind}]] ", "a CSV file")
-        with prefixed(f"[[{kind}]] file = {shown(file)}", OSError):
+        file = _path_of(entry, "file", f"[[{observable}]] ", "a CSV file")
+        with prefixed(f"[[{observable}]] file = {shown(file)}", OSError):
             check_name(file)
     return entries
 

@@ -133,21 +133,18 @@ def _usable_frames(
 
     What the coils do after that is not known. The facts say what was left out.
     """
-    facts = []
     order = np.argsort(table["t"], kind="stable")
-    if np.any(np.diff(order) < 0):
-        facts.append(Fact(Code.FRAMES_SORTED, {"table": name}))
     times, first = np.unique(table["t"][order], return_index=True)
-    if len(times) < len(order):
-        again = {"table": name, "count": len(order) - len(times)}
-        facts.append(Fact(Code.REPEATED_TIMES, again))
     inside = times < end
-    if not inside.all():
-        late = {"table": name, "count": int((~inside).sum()), "end": end}
-        facts.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
-    if inside.sum() > _LIMIT:
-        many = {"table": name, "count": int(inside.sum()), "used": _LIMIT}
-        facts.append(Fact(Code.FRAMES_NOT_NEEDED, many))
+    sound, late = int(inside.sum()), int((~inside).sum())
+    again = len(order) - len(times)
+    met: tuple[tuple[object, Code, dict[str, Any]], ...] = (
+        (np.any(np.diff(order) < 0), Code.FRAMES_SORTED, {}),
+        (again, Code.REPEATED_TIMES, {"count": again}),
+        (late, Code.FRAMES_AFTER_DRIVE, {"count": late, "end": end}),
+        (sound > _LIMIT, Code.FRAMES_NOT_NEEDED, {"count": sound, "used": _LIMIT}),
+    )
+    facts = [Fact(code, {"table": name, **fields}) for holds, code, fields in met if holds]
     used = order[first][inside][:_LIMIT]
     return {key: column[used] for key, column in table.items()}, facts
 

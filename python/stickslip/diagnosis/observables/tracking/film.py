@@ -143,12 +143,13 @@ class FilmObservable(Observable):
 
     def camera(self, names: Sequence[str], values: Array) -> Camera:
         """The run's camera with the nuisances among `names`, from values of shape (names,)."""
+        own = {each.name for each in self.nuisance}
         at = {
-            name.removeprefix(f"{self.name}."): value
+            name.removeprefix(f"{self.name}."): float(value)
             for name, value in zip(names, values, strict=True)
+            if name in own
         }
-        own = [each.name.removeprefix(f"{self.name}.") for each in self.nuisance]
-        return Camera(self.run.exposure, **{name: float(at[name]) for name in own if name in at})
+        return Camera(self.run.exposure, **at)
 
     def keys(self, names: Sequence[str]) -> list[int]:
         """Indices of the scenario keys among `names`."""
