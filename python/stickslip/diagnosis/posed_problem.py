@@ -65,9 +65,9 @@ class PosedProblem(OneLine):
         extended = None if fit is None else problem.physical(fit.x[None, :])[0]
         end = len(self.conditions)
         result: list[Comparison | FilmComparison] = []
-        for number, observable in enumerate(self.model.observables):
+        for observable in self.model.observables:
             start, end = end, end + len(observable.observed)
-            names, before = self.model.arguments(number, null)
-            after = None if extended is None else self.model.arguments(number, extended)[1]
+            names, before = self.model.arguments(observable, null)
+            after = None if extended is None else self.model.arguments(observable, extended)[1]
             result.append(observable.comparison(names, before, after, found.held_out[start:end]))
         return result

@@ -138,13 +138,18 @@ def _sound_rows(
     header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
     check_columns(path, header, ["velocity"], [*NOT_SETTINGS, *drive])
+    counted = "trial" in header or "order" in header
     # Lines by what is wrong with them, in the order of the file.
     wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
     for line, row in rows:
         try:
-            kept.append(_trial(line, row, header, seen, drive, scenario))
+            if len(row) != len(header):
+                raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
+            if counted and tuple(row) in seen:
+                raise _Unsound(Code.REPEATED_ROW)
+            kept.append(_trial(line, dict(zip(header, row, strict=True)), drive, scenario))
         except _Unsound as error:
             wrong.setdefault(error.why, []).append(line)
         else:
@@ -173,21 +178,9 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
         raise ScenarioError(f"{first} {count} rows are like this")
 
 
-def _trial(
-    line: Line,
-    row: list[str],
-    header: Sequence[str],
-    seen: set[tuple[str, ...]],
-    drive: list[str],
-    scenario: Scenario,
-) -> _Trial:
+def _trial(line: Line, cells: Mapping[str, str], drive: list[str], scenario: Scenario) -> _Trial:
     """A row of the table, if it is sound."""
-    if len(row) != len(header):
-        raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
-    cells = dict(zip(header, row, strict=True))
     velocity = _number("velocity", cells["velocity"])
-    if tuple(row) in seen and ("trial" in cells or "order" in cells):
-        raise _Unsound(Code.REPEATED_ROW)
     setting = _setting(cells, drive, scenario)
     _check_units(dict(setting))
     order = _number("order", cells["order"]) if cells.get("order") else math.nan

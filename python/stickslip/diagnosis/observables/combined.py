@@ -38,10 +38,6 @@ class Combined:
         self.observables = tuple(observables)
         self._names = tuple(names)
         self._shared = [self._names.index(name) for name in shared]
-        self._columns = [
-            [k for k, name in enumerate(names) if k in self._shared or name in own]
-            for own in ({each.name for each in observable.nuisance} for observable in observables)
-        ]
 
     def velocities(self, conditions: Any, parameters: Array) -> Array:
         """The first rows alone, shape (vectors, conditions), also where nothing was measured.
@@ -53,13 +49,14 @@ class Combined:
     def __call__(self, conditions: Sequence[Any], parameters: Array) -> Array:
         """All rows, shape (vectors, m)."""
         blocks = [self.velocities(conditions, parameters)] if len(conditions) else []
-        for number, observable in enumerate(self.observables):
-            blocks.append(observable.predict(*self.arguments(number, parameters)))
+        for observable in self.observables:
+            blocks.append(observable.predict(*self.arguments(observable, parameters)))
         return np.hstack(blocks)
 
-    def arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
+    def arguments(self, observable: Observable, parameters: Array) -> tuple[list[str], Array]:
         """Names and values, shape (..., names), of one observable, from values of all columns."""
-        columns = self._columns[number]
+        own = {each.name for each in observable.nuisance}
+        columns = [k for k, name in enumerate(self._names) if k in self._shared or name in own]
         return [self._names[k] for k in columns], parameters[..., columns]
 
 
