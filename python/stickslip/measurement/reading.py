@@ -130,10 +130,9 @@ class Measurement(OneLine):
         """
         if not isinstance(scenario, Scenario):
             refuse("scenario", scenario, "a Scenario")
-        entry = {} if velocity_sd is None else {"velocity_sd": velocity_sd}
         path = Path("DataFrame")
         rows = rows_of_frame(table)
-        data, left_out = read_velocity(path, rows, scenario, _relative_sd(entry), "row")
+        data, left_out = read_velocity(path, rows, scenario, _relative_sd(velocity_sd), "row")
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
@@ -219,7 +218,8 @@ def _table(
     observable: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
 ) -> tuple[Any, list[Fact]]:
     if observable == "velocity":
-        return read_velocity(file, read_rows(file), scenario, _relative_sd(entry))
+        rows, stated = read_rows(file), entry.get("velocity_sd")
+        return read_velocity(file, rows, scenario, _relative_sd(stated))
     if observable == "tracking":
         return read_tracking(file, entry, scenario)
     return read_numbers(file, _COLUMNS[observable])
@@ -288,8 +288,10 @@ def _entries(document: dict[str, Any], observable: str) -> list[dict[str, Any]]:
     return entries
 
 
-def _relative_sd(entry: Mapping[str, Any]) -> float:
-    value = entry.get("velocity_sd", math.nan)
-    if "velocity_sd" in entry and not (is_number(value) and 0.0 < value < 1.0):
+def _relative_sd(value: object) -> float:
+    """The stated relative error of one trial; NaN where none is stated."""
+    if value is None:
+        return math.nan
+    if not is_number(value) or not 0.0 < value < 1.0:
         refuse("[[velocity]] velocity_sd", value, "a number above 0 and below 1")
     return float(value)
