@@ -12,12 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import check_name
-from stickslip._util.number_text import is_number
 from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Fact
-from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
+from stickslip.measurement.tables import (
+    NothingSound,
+    read_numbers,
+    read_rows,
+    rows_of_frame,
+    stated_number,
+)
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
@@ -290,8 +295,4 @@ def _entries(document: dict[str, Any], observable: str) -> list[dict[str, Any]]:
 
 def _relative_sd(value: object) -> float:
     """The stated relative error of one trial; NaN where none is stated."""
-    if value is None:
-        return math.nan
-    if not is_number(value) or not 0.0 < value < 1.0:
-        refuse("[[velocity]] velocity_sd", value, "a number above 0 and below 1")
-    return float(value)
+    return math.nan if value is None else stated_number("[[velocity]] velocity_sd", value, 1.0)

@@ -14,6 +14,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
+from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import LINES
@@ -157,6 +158,14 @@ def check_columns(
         if known is not None and name not in known:
             hint = suggestion(name, known)
             raise ScenarioError(f"{path}: column {shown(name)} is not known; {hint}")
+
+
+def stated_number(key: str, value: object, highest: float = math.inf) -> float:
+    """A number of a measurement file above 0 and below `highest`."""
+    if not is_number(value) or not 0.0 < value < highest:
+        below = "" if math.isinf(highest) else f" and below {highest:g}"
+        refuse(key, value, f"a number above 0{below}")
+    return float(value)
 
 
 def number(cell: str) -> float:

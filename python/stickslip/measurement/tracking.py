@@ -15,7 +15,7 @@ from stickslip._util.number_text import highest, is_number
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
-from stickslip.measurement.tables import read_numbers
+from stickslip.measurement.tables import read_numbers, stated_number
 from stickslip.scenario.keys import FILE, refuse, shown
 from stickslip.scenario.scenario import Scenario
 
@@ -74,12 +74,12 @@ def read_tracking(
     with prefixed(where):
         own = _own_scenario(entry.get("drive", {}), scenario)
         noise = {
-            name: _positive(f"noise_{name}", entry[f"noise_{name}"])
+            name: stated_number(f"noise_{name}", entry[f"noise_{name}"])
             for name in ("x", "theta")
             if f"noise_{name}" in entry
         }
         stated = "frame_rate" in entry
-        rate = _positive("frame_rate", entry["frame_rate"]) if stated else math.nan
+        rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = read_numbers(path, ("t", "x", "theta"), ("z", "current_x", "current_clamp"))
     columns, facts = _usable_frames(path.name, columns, own.window[1])
@@ -108,12 +108,6 @@ def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
             "file, not in an override"
         )
     return scenario.replace(changes)
-
-
-def _positive(key: str, value: object) -> float:
-    if not is_number(value) or not 0 < value < math.inf:
-        refuse(key, value, "a number above 0")
-    return float(value)
 
 
 def _exposure(value: object, rate: float) -> float:

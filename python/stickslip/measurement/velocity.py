@@ -15,14 +15,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
-from stickslip.measurement.tables import (
-    Line,
-    NothingSound,
-    Rows,
-    check_columns,
-    in_lines,
-    number,
-)
+from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns, in_lines, number
 from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 

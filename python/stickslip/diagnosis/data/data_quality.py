@@ -158,11 +158,7 @@ def _projected(values: Array, basis: Array) -> Array:
 
 
 def _drifting(
-    values: Array,
-    index: Indices,
-    noise: NoiseModel,
-    order: ArrayLike | None,
-    block: Indices | None,
+    values: Array, index: Indices, noise: NoiseModel, order: ArrayLike | None, block: Indices | None
 ) -> Fact | None:
     """A fact if velocities change with time; what differs between set-ups is not drift."""
     place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)

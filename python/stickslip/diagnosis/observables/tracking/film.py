@@ -33,13 +33,15 @@ from stickslip.measurement.tracking import FEWEST, TrackingRun
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
-_KINDS: dict[str, Kind] = {
-    "theta": "level",
-    "x": "drift",
-    "z": "place",
-    "current_x": "level",
-    "current_clamp": "level",
+_KINDS: dict[str, tuple[Kind, str]] = {
+    "theta": ("level", "rad"),
+    "x": ("drift", "m"),
+    "z": ("place", "m"),
+    "current_x": ("level", "A"),
+    "current_clamp": ("level", "A"),
 }
+"""How each quantity is reduced, and its unit."""
+
 _CURRENTS = ("current_x", "current_clamp")
 
 _UNLIKELY = 1e-3
@@ -238,7 +240,7 @@ def _quantity(
     unused: list[Fact],
 ) -> Quantity | None:
     """Reduce one column; adds to `said` notes on it and to `unused` what of it is left out."""
-    times, values, kind = run.columns["t"], run.columns[name], _KINDS[name]
+    times, values, kind = run.columns["t"], run.columns[name], _KINDS[name][0]
     finite = np.isfinite(values)
     if name not in ("x", "theta") and finite.sum() < FEWEST:
         few = {"column": name, "count": int(finite.sum()), "needed": FEWEST}
@@ -279,8 +281,7 @@ def _quantity(
 
 
 def _column(name: str) -> dict[str, str]:
-    units = {"theta": "rad", "current_x": "A", "current_clamp": "A"}
-    return {"column": name, "unit": units.get(name, "m")}
+    return {"column": name, "unit": _KINDS[name][1]}
 
 
 def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> Fact | None:

@@ -221,11 +221,7 @@ def _modes(motion: Recording, folds: Folds, window: tuple[float, float]) -> dict
 
 
 def _residual(
-    balances: Sequence[Array],
-    where: Mask,
-    seen: Kinematics,
-    velocity: Array | None,
-    scale: float,
+    balances: Sequence[Array], where: Mask, seen: Kinematics, velocity: Array | None, scale: float
 ) -> Residual | None:
     """Measured minus simulated where `where` is true, with the covariance of the noisy draws."""
     places = np.flatnonzero(where)
