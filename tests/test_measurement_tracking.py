@@ -84,10 +84,10 @@ def test_of_a_film_with_invalid_frames_the_valid_ones_are_used(tmp_path, frames)
         (Code.FRAMES_SORTED, None),
         (Code.REPEATED_TIMES, None),
     ]
-    channel = FilmObservable(found.tracking[0])
-    unused = channel.left_out[-1]
+    observable = FilmObservable(found.tracking[0])
+    unused = observable.left_out[-1]
     assert (unused.code, unused.fields["column"]) == (Code.COLUMN_TOO_SHORT, "current_x")
-    assert np.all(np.isfinite(channel.predict(list(TRUE), np.array([[*TRUE.values()]]))))
+    assert np.all(np.isfinite(observable.predict(list(TRUE), np.array([[*TRUE.values()]]))))
 
 
 def test_a_film_with_too_few_frames_is_left_out_and_others_are_used(tmp_path, frames):
@@ -117,8 +117,8 @@ def full_frames():
 
 def used(folder, frames, toml=TOML):
     """Columns of the one film that the diagnosis uses, and what it leaves out."""
-    channel = FilmObservable(read_measurement(write(folder, toml, a=frames)).tracking[0])
-    return {each.name for each in channel.quantities}, channel.left_out
+    observable = FilmObservable(read_measurement(write(folder, toml, a=frames)).tracking[0])
+    return {each.name for each in observable.quantities}, observable.left_out
 
 
 @pytest.mark.parametrize("factor", [1e3, 1e-3])

@@ -65,7 +65,7 @@ def laboratory(folder, changes, seed, repeats=2, noise=DEGREE):
     return write(folder, rows)
 
 
-def channel(path):
+def observable(path):
     (found,) = find_observables(read_measurement(path), 1)
     return found
 
@@ -149,7 +149,7 @@ def test_velocities_and_angles_together(tmp_path):
 
 
 def test_predictions_are_those_of_the_core_with_its_keys(tmp_path):
-    found = channel(laboratory(tmp_path, {}, 0))
+    found = observable(laboratory(tmp_path, {}, 0))
     keys = ["effects.angle_offset.angle", "drag.linear", "effects.misalignment.angle"]
     values = np.array([[0.0, 1e-5, 0.0], [0.1, 1e-4, 0.2]])
     predicted = found.predict(keys, values)
@@ -159,7 +159,7 @@ def test_predictions_are_those_of_the_core_with_its_keys(tmp_path):
 
 
 def test_repeats_are_one_condition_and_their_scatter_the_noise(tmp_path):
-    found = channel(laboratory(tmp_path, {}, 3, repeats=3))
+    found = observable(laboratory(tmp_path, {}, 3, repeats=3))
     assert len(found.observed) == len(FIELDS)
     # 36 degrees of freedom: the sd is known to 12 %, and widened a little for that.
     single = found.sd * math.sqrt(3)
@@ -190,9 +190,9 @@ def test_a_jump_of_a_curve_does_not_count_as_noise():
 
 
 def test_without_scatter_a_reading_has_the_least_error(tmp_path):
-    found = channel(laboratory(tmp_path, {}, 0, repeats=1, noise=0.0))
+    found = observable(laboratory(tmp_path, {}, 0, repeats=1, noise=0.0))
     assert np.all(found.sd >= READING)
-    exact = channel(laboratory(tmp_path, {}, 0, repeats=3, noise=0.0))
+    exact = observable(laboratory(tmp_path, {}, 0, repeats=3, noise=0.0))
     assert exact.sd * math.sqrt(3) == pytest.approx(READING)
     (note,) = exact.notes
     assert (note.code, note.fields["taken"]) == (Code.READING_NOISE_SMALL, READING)

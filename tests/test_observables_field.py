@@ -53,7 +53,7 @@ def write(folder, rows, columns=COLUMNS, text=MEASUREMENT):
     return folder / "m.toml"
 
 
-def channel(path):
+def observable(path):
     (found,) = find_observables(read_measurement(path), 1)
     return found
 
@@ -134,7 +134,7 @@ def test_predictions_are_the_field_that_a_simulated_robot_sees(tmp_path):
     shown = run.t > 5e-3
     place = np.stack([run.x, np.zeros_like(run.x), run.z], axis=1)[shown]
     field = np.stack([run.bx, np.zeros_like(run.bx), run.bz], axis=1)[shown]
-    found = channel(write(tmp_path, np.hstack([run.current[shown], place, field])))
+    found = observable(write(tmp_path, np.hstack([run.current[shown], place, field])))
     order = np.lexsort(np.hstack([run.current[shown], place])[:, ::-1].T)
     changed = {**keys, **no_effect}
     predicted = found.predict(list(changed), np.array([list(changed.values())]))
@@ -146,7 +146,7 @@ def test_predictions_are_the_field_that_a_simulated_robot_sees(tmp_path):
 
 
 def test_gains_and_geometry_have_their_analytic_consequences(tmp_path):
-    found = channel(write(tmp_path, probed()))
+    found = observable(write(tmp_path, probed()))
     names = ["effects.field_gain.clamp", "effects.ambient_field.Bz", "coil.turns", "drag.linear"]
     values = np.array([[0, 0, 510, 1e-5], [0.5, 0, 510, 1e-3], [0, 1e-5, 1020, 1e-5]])
     plain, clamp, doubled = found.predict(names, values).reshape(3, -1, 3)
@@ -158,7 +158,7 @@ def test_gains_and_geometry_have_their_analytic_consequences(tmp_path):
 
 
 def test_a_geometry_that_puts_a_wire_on_a_probe_has_no_prediction(tmp_path):
-    found = channel(write(tmp_path, [[1, 0, 0, 0, 0, 0.05, 0.05, 0.05, 1e-3, 0, 0]] * 2))
+    found = observable(write(tmp_path, [[1, 0, 0, 0, 0, 0.05, 0.05, 0.05, 1e-3, 0, 0]] * 2))
     values = np.array([[0.099, 0.1385], [0.05, 0.1]])
     predicted = found.predict(["coil.distance", "coil.side"], values)
     assert np.all(np.isfinite(predicted[0]))
@@ -166,9 +166,9 @@ def test_a_geometry_that_puts_a_wire_on_a_probe_has_no_prediction(tmp_path):
 
 
 def test_the_noise_is_found_from_repeats_or_from_a_free_fit(tmp_path):
-    repeated = channel(write(tmp_path, probed(repeats=3)))
+    repeated = observable(write(tmp_path, probed(repeats=3)))
     assert repeated.notes[0].fields["origin"] == "repeats"
-    single = channel(write(tmp_path, probed(repeats=1, clamp=0.3, ambient=(1e-4, 0.0))))
+    single = observable(write(tmp_path, probed(repeats=1, clamp=0.3, ambient=(1e-4, 0.0))))
     assert single.notes[0].fields["origin"] == "free-fit"
     # Each is known to some 7 % from 120 and more degrees of freedom, and widened for that.
     assert 0.8 * NOISE < repeated.sd.max() * np.sqrt(3) < 1.5 * NOISE
@@ -176,14 +176,14 @@ def test_the_noise_is_found_from_repeats_or_from_a_free_fit(tmp_path):
 
 
 def test_a_table_without_scatter_has_the_least_error(tmp_path):
-    found = channel(write(tmp_path, probed(noise=0.0)))
+    found = observable(write(tmp_path, probed(noise=0.0)))
     size = np.sqrt(np.mean(found.observed**2))
     assert found.notes[0].code is Code.READING_NOISE_SMALL
     assert found.sd.max() == pytest.approx(1e-3 * size)
 
 
 def test_components_of_a_row_are_held_out_together(tmp_path):
-    found = channel(write(tmp_path, probed()))
+    found = observable(write(tmp_path, probed()))
     assert np.array_equal(found.group, np.repeat(np.arange(len(found.fields)), 3))
 
 
@@ -236,7 +236,7 @@ def test_currents_in_a_unit_that_is_wrong_by_1000_are_refused(tmp_path, columns,
     rows = probed(in_plane=-0.2, clamp=0.3, ambient=(5e-5, 0.0))
     rows[:, [COLUMNS.index(name) for name in columns]] *= factor
     with pytest.raises(ScenarioError, match=f"{said}.*; allowed is .*wrong by 1000$"):
-        channel(write(tmp_path, rows))
+        observable(write(tmp_path, rows))
 
 
 @pytest.mark.parametrize(
@@ -248,7 +248,7 @@ def test_currents_in_a_unit_that_is_wrong_by_1000_are_refused(tmp_path, columns,
     ],
 )
 def test_odd_coils_are_not_taken_for_a_wrong_unit(tmp_path, coils):
-    assert len(channel(write(tmp_path, probed(**coils))).fields) == len(ROWS)
+    assert len(observable(write(tmp_path, probed(**coils))).fields) == len(ROWS)
 
 
 @pytest.mark.parametrize("mismatch", [0.0, 0.1])
@@ -257,7 +257,7 @@ def test_coils_that_work_against_each_other_are_not_taken_for_a_wrong_unit(tmp_p
     currents = np.outer(np.linspace(-2.0, 2.0, 9), [1.0, -1.0, 0.0, 0.0, 0.0])
     place = np.tile([1e-4, 0.0, 0.0], (len(currents), 1))
     field = Coils().field(place, currents * [1.0 + mismatch, 1.0, 1.0, 1.0, 1.0])
-    assert len(channel(write(tmp_path, np.hstack([currents, place, field]))).fields) == 9
+    assert len(observable(write(tmp_path, np.hstack([currents, place, field]))).fields) == 9
 
 
 @pytest.mark.parametrize(

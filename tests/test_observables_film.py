@@ -28,9 +28,9 @@ NAMES = list(TRUE)
 VALUES = np.array([list(TRUE.values())])
 
 
-def whitened(channel, names=NAMES, values=VALUES):
-    left = channel.observed - channel.predict(names, values)[0]
-    return np.linalg.solve(np.linalg.cholesky(channel.covariance), left)
+def whitened(observable, names=NAMES, values=VALUES):
+    left = observable.observed - observable.predict(names, values)[0]
+    return np.linalg.solve(np.linalg.cholesky(observable.covariance), left)
 
 
 @pytest.mark.parametrize(
@@ -45,18 +45,18 @@ def test_residuals_of_the_true_model_are_standard_normal(rate, exposure, drive):
     scores = []
     for seed in range(40):
         run = tracking_run({}, rate, seed, exposure, drive=drive)
-        scores.append(np.mean(whitened(channel := FilmObservable(run)) ** 2))
+        scores.append(np.mean(whitened(observable := FilmObservable(run)) ** 2))
     # A chi-square per row has variance 2 / rows; its mean over 40 films is all but normal.
-    band = norm.ppf(0.995) * np.sqrt(2.0 / len(channel.observed) / 40)
+    band = norm.ppf(0.995) * np.sqrt(2.0 / len(observable.observed) / 40)
     assert abs(np.mean(scores) - 1.0) < band
 
 
 def test_unstated_noise_is_found_and_rather_too_large():
     scores, sizes = [], []
     for seed in range(40):
-        channel = FilmObservable(tracking_run({}, 500.0, seed, stated=False))
-        scores.append(np.mean(whitened(channel) ** 2))
-        sizes += [each.sd / NOISE[each.name] for each in channel.quantities]
+        observable = FilmObservable(tracking_run({}, 500.0, seed, stated=False))
+        scores.append(np.mean(whitened(observable) ** 2))
+        sizes += [each.sd / NOISE[each.name] for each in observable.quantities]
     # One standard deviation of the estimate is added: 1 / sqrt(2 * 99) of it, 99 repeats being
     # 150 frames at 50 phases less the advance. The mean over films errs far less.
     expected = 1.0 + 1.0 / np.sqrt(2 * 99)
@@ -65,13 +65,13 @@ def test_unstated_noise_is_found_and_rather_too_large():
 
 
 def test_camera_parameters_are_nuisance_parameters_and_not_causes():
-    channel = FilmObservable(tracking_run({}, 500.0, 0), 2)
-    assert channel.name == "tracking.2"
-    assert [each.name for each in channel.nuisance] == [
+    observable = FilmObservable(tracking_run({}, 500.0, 0), 2)
+    assert observable.name == "tracking.2"
+    assert [each.name for each in observable.nuisance] == [
         "tracking.2.angle_offset", "tracking.2.angle_scale", "tracking.2.trigger",
     ]  # fmt: skip
-    assert not any(each.suspect for each in channel.nuisance)
-    own = [each.name for each in channel.nuisance]
+    assert not any(each.suspect for each in observable.nuisance)
+    own = [each.name for each in observable.nuisance]
     camera = Camera(3e-4, trigger=3e-4, angle_offset=0.02, angle_scale=1.02)
     run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 500.0, 3e-4, NOISE)
     told = np.hstack([VALUES, [[0.02, 1.02, 3e-4]]])
@@ -94,14 +94,14 @@ def test_predictions_come_row_by_row_for_any_number_of_threads():
 def test_currents_see_the_drive_alone():
     names = ("x", "theta", "current_x", "current_clamp")
     run = tracking_run({}, 500.0, 0, names=names)
-    channel = FilmObservable(run)
-    plain, heated, rough = channel.predict(
+    observable = FilmObservable(run)
+    plain, heated, rough = observable.predict(
         ["effects.coil_heating.coefficient", "contact.kinetic_friction"],
         np.array([[0.0, 0.15], [2e-3, 0.15], [0.0, 0.16]]),
     )
-    sizes = [len(each.observed) for each in channel.quantities]
+    sizes = [len(each.observed) for each in observable.quantities]
     places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
-    names = [each.name for each in channel.quantities]
+    names = [each.name for each in observable.quantities]
     current = places[names.index("current_x")]
     assert np.array_equal(plain[current], rough[current])
     assert np.all(heated[current] < plain[current] + 1e-12)
@@ -113,12 +113,12 @@ def test_frames_far_from_their_phase_are_left_out():
     wild = dict(run.columns)
     wild["theta"] = wild["theta"].copy()
     wild["theta"][[200, 331]] += 1.5
-    channel = FilmObservable(
+    observable = FilmObservable(
         TrackingRun(run.file, wild, run.scenario, run.frame_rate, run.exposure, run.noise)
     )
-    wild = [each.fields["count"] for each in channel.left_out if each.code is Code.WILD_FRAMES]
+    wild = [each.fields["count"] for each in observable.left_out if each.code is Code.WILD_FRAMES]
     assert wild == [2]
-    assert np.mean(whitened(channel) ** 2) < 1.4
+    assert np.mean(whitened(observable) ** 2) < 1.4
 
 
 @pytest.mark.slow
@@ -151,25 +151,25 @@ def test_a_program_of_voltages_is_binned_in_time():
     values = dict(zip(NAMES, VALUES[0], strict=True))
     motion = next(record(scenario.replace(values), [], np.zeros((1, 0)), 9e4, 1))
     frames = noisy(Camera(3e-4).frames(motion, times), NOISE, np.random.default_rng(2))
-    channel = FilmObservable(
+    observable = FilmObservable(
         TrackingRun("a.csv", {"t": times, **frames}, scenario, 1000.0, 3e-4, NOISE)
     )
-    left = whitened(channel)
+    left = whitened(observable)
     assert len(left) == 24 + 23  # levels of theta; of x all but the origin
     assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
-    assert force_view(channel, NAMES, VALUES[0]) is None
+    assert force_view(observable, NAMES, VALUES[0]) is None
 
 
 @pytest.mark.parametrize(("rate", "frames"), [(1000.0, slice(150, 175)), (70.0, slice(None))])
 def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
     run = tracking_run({}, rate, 1)
     columns = {name: column[frames] for name, column in run.columns.items()}
-    channel = FilmObservable(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
-    left = whitened(channel)
+    observable = FilmObservable(TrackingRun("a.csv", columns, ROBOT, rate, 3e-4, NOISE))
+    left = whitened(observable)
     assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
-    assert (channel.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
-    held_out = np.zeros(len(channel.observed), dtype=bool)
-    comparison = channel.comparison(NAMES, VALUES[0], None, held_out)
+    assert (observable.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
+    held_out = np.zeros(len(observable.observed), dtype=bool)
+    comparison = observable.comparison(NAMES, VALUES[0], None, held_out)
     assert report_sections([comparison])[0].lines
 
 

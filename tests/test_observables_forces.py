@@ -46,8 +46,8 @@ def test_balances_close_on_a_simulated_motion(drive):
 
 
 def view_of(changes, rate=1000.0, seed=0, drive=None):
-    channel = FilmObservable(tracking_run(changes, rate, seed, drive=drive))
-    return force_view(channel, NAMES, VALUES)
+    observable = FilmObservable(tracking_run(changes, rate, seed, drive=drive))
+    return force_view(observable, NAMES, VALUES)
 
 
 def torque_is_clear(view):
@@ -89,9 +89,9 @@ def test_a_tilt_shows_while_slipping_and_is_fixed_to_the_world():
 
 def test_the_drawn_motion_lies_on_the_readings_if_the_cause_is_right():
     tilt = "effects.surface_tilt.angle"
-    channel = FilmObservable(tracking_run({tilt: 0.06}, 1000.0, 0))
-    before = force_view(channel, NAMES, VALUES)
-    after = force_view(channel, [*NAMES, tilt], np.append(VALUES, 0.06))
+    observable = FilmObservable(tracking_run({tilt: 0.06}, 1000.0, 0))
+    before = force_view(observable, NAMES, VALUES)
+    after = force_view(observable, [*NAMES, tilt], np.append(VALUES, 0.06))
     place = traces(before, after)[1]
     # A fit of 2 n + 1 harmonics to so many frames of this noise.
     frames = 1000.0 * 9 / 30.0  # nine periods: three of twelve settle
@@ -107,8 +107,8 @@ def test_the_drawn_motion_lies_on_the_readings_if_the_cause_is_right():
 
 
 def test_the_camera_of_another_model_moves_no_drawn_curve():
-    channel = FilmObservable(tracking_run({}, 1000.0, 0))
-    before = force_view(channel, NAMES, VALUES)
+    observable = FilmObservable(tracking_run({}, 1000.0, 0))
+    before = force_view(observable, NAMES, VALUES)
     moved = {"theta": 0.02, "theta_model": 0.02, "place": 3e-6, "place_model": 3e-6}
     after = replace(before, **{key: getattr(before, key) + by for key, by in moved.items()})
     for trace in traces(before, after):

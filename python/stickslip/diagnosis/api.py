@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.measurement_problem import pose_measurement
+from stickslip.diagnosis.measurement_problem import diagnose_measurement
 from stickslip.diagnosis.model.problem import Cause, Predict, Uncertain
+from stickslip.diagnosis.observables import Combined
 from stickslip.diagnosis.options import Options, changed
 from stickslip.diagnosis.pipeline import run_steps
 from stickslip.diagnosis.posed_problem import PosedProblem
@@ -59,19 +60,10 @@ def diagnose(
             "Measurement.from_dataframe(...) or read_measurement(path) makes one"
         )
     check_whole("seed", seed)
-    given = pose_measurement(measurement, seed, worker_count(threads, "threads"))
-    found = run_steps(
-        given.posed.model,
-        given.conditions,
-        given.observed,
-        given.uncertain,
-        given.causes,
-        replace(given.options, progress=progress),
+    found, posed = diagnose_measurement(
+        measurement, seed, worker_count(threads, "threads"), progress
     )
-    # The steps know nothing of drives and tables.
-    notes = (*given.first_notes, *found.notes, *given.last_notes)
-    found = replace(found, notes=notes)
-    return Diagnosis(found, given.posed, measurement)
+    return Diagnosis(found, posed, measurement)
 
 
 def diagnose_model(
@@ -129,4 +121,7 @@ def diagnose_model(
     """
     chosen = changed(options, changes)
     found = run_steps(predict, conditions, observed, uncertain, causes, chosen)
-    return Diagnosis(found, PosedProblem.of_model(found.problem, predict), None)
+    names = found.problem.names
+    # What the rows of such a model stand for is not known here.
+    posed = PosedProblem(Combined(predict, names, names, ()), [], None, np.zeros(0), ())
+    return Diagnosis(found, posed, None)

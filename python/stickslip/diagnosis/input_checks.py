@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.model.problem import Array, Cause, Indices, Uncertain
+from stickslip.diagnosis.data.trials import Trials
+from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.options import Options
 from stickslip.errors import ScenarioError
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class Trials(OneLine):
-    """Checked trials, each of shape (n,).
-
-    Values are in the observable's unit; conditions are indices 0 to m - 1, none missing; blocks are
-    indices of set-ups, -1 where one is not known.
-    """
-
-    value: Array
-    condition: Indices
-    block: Indices | None
 
 
 def check_inputs(
@@ -48,31 +34,34 @@ def check_inputs(
     if index.shape != values.shape or set(index.tolist()) != set(range(int(index.max()) + 1)):
         raise ScenarioError("condition: allowed is an index from 0 for each trial, none missing")
     block = None if options.block is None else np.asarray(options.block, dtype=np.int64)
-    if block is not None and block.shape != values.shape:
-        raise ScenarioError("block: allowed is an index for each trial")
-    trials = Trials(values, index, block)
+    order = None if options.order is None else np.asarray(options.order)
+    trials = Trials(values, index, block, order)
     _check_lengths(trials, options)
     _check_names(uncertain, causes)
     return trials
 
 
 def _check_lengths(trials: Trials, options: Options) -> None:
+    shape, order, group = trials.value.shape, trials.order, options.group
+    settings, single = options.settings, options.singleton_condition
     count = int(trials.condition.max()) + 1
-    further = 0 if options.auxiliary is None else len(options.auxiliary.observed)
-    if options.order is not None:
-        order = np.asarray(options.order)
-        if order.shape != trials.value.shape or order.dtype.kind not in "iuf":
-            raise ScenarioError("order: allowed is a number for each trial")
-    if options.group is not None and np.shape(options.group) != (count,):
-        raise ScenarioError("group: allowed is an index for each condition")
-    if options.singleton_condition is not None and options.singleton_condition >= count:
-        said = f"singleton_condition = {options.singleton_condition}"
-        raise ScenarioError(f"{said}: allowed is an index of a condition, 0 to {count - 1}")
-    settings = options.settings
-    if settings is not None and not len(settings.numbers) == len(settings.kinds) == count:
-        raise ScenarioError(f"settings: allowed is a row for each of {count} conditions")
-    if len(options.source) not in (0, count + further):
-        raise ScenarioError("source: allowed is a name for each observable")
+    rows = count + (0 if options.auxiliary is None else len(options.auxiliary.observed))
+    rules = (
+        ("block: allowed is an index for each trial",
+         trials.block is None or trials.block.shape == shape),
+        ("order: allowed is a number for each trial",
+         order is None or (order.shape == shape and order.dtype.kind in "iuf")),
+        ("group: allowed is an index for each condition",
+         group is None or np.shape(group) == (count,)),
+        (f"singleton_condition = {single}: allowed is an index of a condition, 0 to {count - 1}",
+         single is None or single < count),
+        (f"settings: allowed is a row for each of {count} conditions",
+         settings is None or len(settings.numbers) == len(settings.kinds) == count),
+        ("source: allowed is a name for each observable", len(options.source) in (0, rows)),
+    )  # fmt: skip
+    for rule, holds in rules:
+        if not holds:
+            raise ScenarioError(rule)
 
 
 def _check_names(uncertain: Sequence[Uncertain], causes: Sequence[Cause]) -> None:

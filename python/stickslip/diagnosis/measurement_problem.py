@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 
@@ -16,12 +17,14 @@ from stickslip.diagnosis.data.plausibility import (
     wrong_sign,
     wrong_size,
 )
-from stickslip.diagnosis.data.pooling import pooled_velocities
 from stickslip.diagnosis.data.trial_noise import fit_noise
+from stickslip.diagnosis.data.trials import Trials, pooled_velocities
 from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library
-from stickslip.diagnosis.model.problem import Array, Cause, Indices, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
 from stickslip.diagnosis.model.simulator import (
     TOLERANCES,
     Simulator,
@@ -32,6 +35,7 @@ from stickslip.diagnosis.observables import Combined, find_observables
 from stickslip.diagnosis.observables.combined import pooled_observables
 from stickslip.diagnosis.observables.observable import Observable
 from stickslip.diagnosis.options import Options
+from stickslip.diagnosis.pipeline import run_steps
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
@@ -47,51 +51,33 @@ _FEWEST_FOR_SMOOTH = 8
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class MeasurementProblem(OneLine):
-    """What `diagnose_model` takes, made of a measurement, in SI units.
-
-    The conditions are drive settings by dotted key, each with the tolerance of its simulation. Of a
-    measurement without velocities, the observables of all channels are what was observed. The first
-    notes are on the conditions, the last ones on the channels.
-    """
-
-    posed: PosedProblem
-    conditions: list[dict[str, Value]]
-    observed: Array
-    uncertain: list[Uncertain]
-    causes: tuple[Cause, ...]
-    options: Options
-    first_notes: tuple[Fact, ...]
-    last_notes: tuple[Fact, ...]
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class _Velocities(OneLine):
+class _Walks(OneLine):
     """Trials of all tables, and the stated model's velocities at the m conditions, `nominal`."""
 
     conditions: list[dict[str, Value]]
-    value: Array
-    condition: Indices
-    block: Indices
-    order: Array
+    trials: Trials
     nominal: Array
 
     @property
-    def mean(self) -> Array:
-        return np.bincount(self.condition, self.value) / np.bincount(self.condition)
+    def seen(self) -> tuple[Conditions, Array, Array]:
+        """The conditions with their velocities: those of the stated model, and those measured."""
+        return self.conditions, self.nominal, self.trials.mean
 
 
-def pose_measurement(measurement: Measurement, seed: int, threads: int) -> MeasurementProblem:
-    """The problem that a measurement poses.
+def diagnose_measurement(
+    measurement: Measurement, seed: int, threads: int, progress: Progress | None
+) -> tuple[Findings, PosedProblem]:
+    """Run the steps of a diagnosis on the problem that a measurement poses, in SI units.
+
+    Its conditions are drive settings by dotted key, each with the tolerance of its simulation.
 
     Raises
     ------
     ScenarioError
         If nothing was measured that the diagnosis can use.
     """
-    scenario = measurement.scenario
+    scenario, keys = measurement.scenario, known_keys()
     observables = find_observables(measurement, threads)
-    keys = known_keys()
     shared = [Uncertain(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()]
     nuisance = [each for observable in observables for each in observable.nuisance]
     causes = library(scenario, dict(measurement.uncertain), _top_voltage(measurement))
@@ -100,113 +86,88 @@ def pose_measurement(measurement: Measurement, seed: int, threads: int) -> Measu
     columns = [*(each.name for each in shared), *amplitudes]
     names = [*(each.name for each in (*shared, *nuisance)), *amplitudes]
     simulator = Simulator(scenario, columns, threads)
-    velocities, lost = _computable(_velocities(measurement, simulator, shared, causes))
-    # One error for all tables: of those that state one, the largest.
-    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
-    relative_sd = max(stated, default=math.nan)
+    walks, lost = _walks(measurement, simulator, shared, causes)
+    observed, options = _data(measurement, walks, observables)
     conditions: list[dict[str, Value]] = []
     given = np.zeros(0)
-    if velocities.conditions:
-        noise = fit_noise(velocities.value, velocities.condition, velocities.block, relative_sd)
-        cheaper = with_extrapolation(velocities.conditions, noise)
+    if walks.conditions:
+        trials = walks.trials
+        noise = fit_noise(trials.value, trials.condition, trials.block, options.relative_sd)
+        cheaper = with_extrapolation(walks.conditions, noise)
         rtol = loosest_tolerances(simulator, cheaper, shared, causes, noise, seed)
         finest = {"solver.rtol": float(np.min(rtol))}
         simulator = Simulator(scenario.replace(finest), columns, threads)
-        conditions = [
-            {**each, "solver.rtol": float(r)} for each, r in zip(cheaper, rtol, strict=True)
-        ]
+        pairs = zip(cheaper, rtol, strict=True)
+        conditions = [{**each, "solver.rtol": float(r)} for each, r in pairs]
         believed = [float(scenario.get(name)) for name in columns]
         given = simulator(conditions, np.array([believed]))[0]
     model = Combined(simulator, names, columns, observables)
-    observed, options = _data(measurement, velocities, observables, relative_sd)
-    first_notes = [start_up_included(velocities.conditions)]
-    if conditions:
-        seen = (velocities.conditions, velocities.nominal, velocities.mean)
-        first_notes.append(standing_still(*seen))
-    left_out = [*(fact for each in observables for fact in each.left_out), *lost]
-    source = ["velocity"] * len(conditions)
-    source += [each.name for each in observables for _ in each.observed]
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return model([_low_fidelity(scenario, each) for each in conditions], values)
 
-    return MeasurementProblem(
-        PosedProblem(model, velocities.conditions, simulator, given, tuple(left_out)),
-        conditions,
-        observed,
-        [*shared, *nuisance],
-        causes,
-        replace(options, seed=seed, source=source, low_fidelity=low_fidelity),
-        tuple(each for each in first_notes if each is not None),
-        tuple(fact for each in observables for fact in each.notes),
-    )
+    options = replace(options, seed=seed, progress=progress, low_fidelity=low_fidelity)
+    found = run_steps(model, conditions, observed, [*shared, *nuisance], causes, options)
+    # The steps know nothing of drives and tables.
+    of_conditions = [start_up_included(walks.conditions), standing_still(*walks.seen)]
+    of_tables = [fact for each in observables for fact in each.notes]
+    notes = (*filter(None, of_conditions), *found.notes, *of_tables)
+    left_out = (*(fact for each in observables for fact in each.left_out), *lost)
+    posed = PosedProblem(model, walks.conditions, simulator, given, left_out)
+    return replace(found, notes=notes), posed
 
 
-def _velocities(
+def _walks(
     measurement: Measurement,
     simulator: Simulator,
     constants: Sequence[Uncertain],
     causes: Sequence[Cause],
-) -> _Velocities:
-    """All tables, and the velocities at the middle of all priors without any cause, NaN if none."""
-    conditions, value, condition, block, order = pooled_velocities(measurement)
-    nominal = np.zeros(0)
-    if conditions:
-        absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
-        middle = [float(each.prior.value(0.0)) for each in constants]
-        nominal = np.asarray(simulator(conditions, np.array([[*middle, *absent]]))[0], dtype=float)
-    return _Velocities(conditions, value, condition, block, order, nominal)
+) -> tuple[_Walks, list[Fact]]:
+    """All tables but the conditions that the stated model cannot compute, and a fact for each.
 
-
-def _computable(given: _Velocities) -> tuple[_Velocities, list[Fact]]:
-    """Without the conditions that the stated model cannot compute, and a fact for each of those.
-
-    If it computes none, all stay: then something is wrong with the data, and that is said.
+    The model is at the middle of all priors, without any cause. If it computes no condition, all
+    stay: then something is wrong with the data, and that is said.
     """
-    sound = np.isfinite(given.nominal)
-    if sound.all() or not sound.any():
-        return given, []
-    among = varied(given.conditions)
-    said = [
-        Fact(Code.CONDITION_NOT_COMPUTED, named(given.conditions[k], among))
-        for k in np.flatnonzero(~sound).tolist()
+    conditions, trials = pooled_velocities(measurement.velocity)
+    if not conditions:
+        return _Walks(conditions, trials, np.zeros(0)), []
+    absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
+    middle = [float(each.prior.value(0.0)) for each in constants]
+    nominal = simulator(conditions, np.array([[*middle, *absent]]))[0]
+    sound = np.isfinite(nominal)
+    if not sound.any():
+        return _Walks(conditions, trials, nominal), []
+    among = varied(conditions)
+    lost = [
+        Fact(Code.CONDITION_NOT_COMPUTED, named(each, among))
+        for each in compress(conditions, ~sound)
     ]
-    kept = sound[given.condition]
-    number = np.cumsum(sound) - 1
-    found = _Velocities(
-        [given.conditions[k] for k in np.flatnonzero(sound).tolist()],
-        given.value[kept],
-        number[given.condition[kept]],
-        given.block[kept],
-        given.order[kept],
-        given.nominal[sound],
-    )
-    return found, said
+    return _Walks(list(compress(conditions, sound)), trials.at(sound), nominal[sound]), lost
 
 
 def _data(
-    measurement: Measurement,
-    given: _Velocities,
-    observables: Sequence[Observable],
-    relative_sd: float,
+    measurement: Measurement, walks: _Walks, observables: Sequence[Observable]
 ) -> tuple[Array, Options]:
-    """What was observed, and what is known of it; the channels stand alone without velocities."""
+    """What was observed, and what is known of it; angles, fields and films can stand alone."""
     known = pooled_observables(observables)
-    if given.conditions:
-        seen = (given.conditions, given.nominal, given.mean)
-        return given.value, Options(
-            condition=given.condition,
-            block=given.block,
-            order=given.order,
-            auxiliary=known,
-            relative_sd=relative_sd,
-            singleton_condition=find_singleton_condition(given.conditions),
-            settings=_smooth_settings(given.conditions),
-            data_problem=wrong_size(*seen) or wrong_sign(*seen),
-        )
-    if known is None:
-        raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
-    return known.observed, Options(sd=known.covariance, group=known.group)
+    source = [each.name for each in observables for _ in each.observed]
+    if not walks.conditions:
+        if known is None:
+            raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
+        return known.observed, Options(sd=known.covariance, group=known.group, source=source)
+    # One error for all tables: of those that state one, the largest.
+    stated = [each.relative_sd for each in measurement.velocity if math.isfinite(each.relative_sd)]
+    return walks.trials.value, Options(
+        condition=walks.trials.condition,
+        block=walks.trials.block,
+        order=walks.trials.order,
+        auxiliary=known,
+        relative_sd=max(stated, default=math.nan),
+        singleton_condition=find_singleton_condition(walks.conditions),
+        settings=_smooth_settings(walks.conditions),
+        source=["velocity"] * len(walks.conditions) + source,
+        data_problem=wrong_size(*walks.seen) or wrong_sign(*walks.seen),
+    )
 
 
 def _low_fidelity(scenario: Scenario, condition: Mapping[str, Value]) -> dict[str, Value]:

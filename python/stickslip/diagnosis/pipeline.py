@@ -13,6 +13,7 @@ from scipy.linalg import block_diag
 
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
 from stickslip.diagnosis.data.trial_noise import NoiseModel, fit_noise, stated_noise, whitener
+from stickslip.diagnosis.data.trials import Trials
 from stickslip.diagnosis.fit.baseline import Recalibration, recalibrate
 from stickslip.diagnosis.fit.distinguishability import distinguishability, indistinguishable_causes
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking
@@ -38,7 +39,7 @@ from stickslip.diagnosis.inference.verdict import (
     checked_on_training_subset,
     decide,
 )
-from stickslip.diagnosis.input_checks import Trials, check_inputs
+from stickslip.diagnosis.input_checks import check_inputs
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Array, Cause, Predict, Problem, Uncertain
 from stickslip.diagnosis.options import Options

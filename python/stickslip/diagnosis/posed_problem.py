@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.model.problem import Array, Indices, Predict, Problem
+from stickslip.diagnosis.model.problem import Array, Indices
 from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.diagnosis.observables import Combined, Comparison
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
+from stickslip.diagnosis.observables.tracking.film import FilmComparison
 from stickslip.facts import Fact
 from stickslip.scenario.keys import Value
 
@@ -25,8 +23,8 @@ class PosedProblem(OneLine):
     Attributes
     ----------
     model : Combined
-        The forward model of all rows, at any conditions; its channels' rows follow those of the
-        conditions.
+        The forward model of all rows, at any conditions; the rows of its observables follow those
+        of the conditions.
     conditions : list of dict
         Drive settings by dotted key, of the first rows; none for a model of the user's own.
     simulator : Simulator, optional
@@ -42,19 +40,6 @@ class PosedProblem(OneLine):
     simulator: Simulator | None
     given: Array
     left_out: tuple[Fact, ...]
-
-    @staticmethod
-    def of_model(problem: Problem, predict: Predict) -> PosedProblem:
-        """That of a model of the user's own, whose rows stand for nothing that is known here."""
-        names = problem.names
-        return PosedProblem(Combined(predict, names, names, ()), [], None, np.zeros(0), ())
-
-    def velocities(self, drives: Sequence[Any], parameters: Array) -> Array:
-        """The first rows alone, shape (vectors, drives), at drives that need not be measured.
-
-        For a user's own model these are all rows, at whatever conditions it takes.
-        """
-        return self.model.velocities(drives, self.model.shared(parameters))
 
     def parts(self) -> dict[str, Indices]:
         """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
@@ -80,9 +65,9 @@ class PosedProblem(OneLine):
         extended = None if fit is None else problem.physical(fit.x[None, :])[0]
         end = len(self.conditions)
         result: list[Comparison | FilmComparison] = []
-        for number, observable in enumerate(self.model.observables):
+        for observable in self.model.observables:
             start, end = end, end + len(observable.observed)
-            names, before = self.model.arguments(number, null)
-            after = None if extended is None else self.model.arguments(number, extended)[1]
+            names, before = self.model.arguments(observable, null)
+            after = None if extended is None else self.model.arguments(observable, extended)[1]
             result.append(observable.comparison(names, before, after, found.held_out[start:end]))
         return result

@@ -191,7 +191,7 @@ class Diagnosis:
         for name, fit in (("recalibrated", self.findings.null), ("extended", self.verdict.fit)):
             if fit is not None:
                 level, variance = predict_with_variance(
-                    self.findings.problem, fit, self.posed.velocities, at
+                    self.findings.problem, fit, self.posed.model.velocities, at
                 )
                 columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
         found = pd.DataFrame(columns)
@@ -243,7 +243,7 @@ class Diagnosis:
             None where nothing was found, so that there is nothing to separate.
         """
         at, _ = self._conditions(conditions)
-        return separate(self.findings, self.posed.velocities, at, trials)
+        return separate(self.findings, self.posed.model.velocities, at, trials)
 
     @property
     def extended(self) -> Scenario | dict[str, float]:
@@ -338,4 +338,4 @@ class Diagnosis:
         return [] if self.measurement is None else self._proposed(PROPOSED)
 
     def _proposed(self, count: int) -> list[Experiment]:
-        return propose(self.findings, self.posed.velocities, self.posed.conditions, count)
+        return propose(self.findings, self.posed.model.velocities, self.posed.conditions, count)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.stats import chi2 as chi2_law
@@ -31,7 +32,7 @@ def parameter_table(found: Findings) -> DataFrame:
     entries = with_profiles(found, estimates(fit, parameters))
     for each in parameters:
         entries[each.name] |= {"prior": _prior(found, each), "pull": float(fit.x[each.column])}
-    return _frame(entries, ["value", "sd", "unit", "prior", "pull"])
+    return _frame("parameter", entries, ["value", "sd", "unit", "prior", "pull"])
 
 
 def interval_table(found: Findings, level: float) -> DataFrame:
@@ -55,7 +56,7 @@ def interval_table(found: Findings, level: float) -> DataFrame:
             first, last = np.asarray(each.continuous(at)).tolist()
             ends = (min(first, last), max(first, last))
         entries[each.name] = {"low": ends[0], "high": ends[1], "unit": each.unit}
-    return _frame(entries, ["low", "high", "unit"])
+    return _frame("parameter", entries, ["low", "high", "unit"])
 
 
 def covariance_table(found: Findings) -> DataFrame:
@@ -69,16 +70,11 @@ def covariance_table(found: Findings) -> DataFrame:
 
 def candidate_table(found: Findings) -> DataFrame:
     """See `Diagnosis.compare`."""
-    import pandas as pd
-
-    from stickslip.diagnosis.printed_table import PrintedTable
-
-    columns = ["log_evidence", "delta", "chi2", "p", "converged"]
     fits = ranked([found.null, *found.ranking.singles, *found.ranking.pairs], priced=True)
     if found.verdict.kind == "data-problem":
         fits = ()
-    rows = [
-        {
+    entries = {
+        fit.name: {
             "log_evidence": fit.priced_evidence - found.null.log_evidence,
             "delta": fits[0].priced_evidence - fit.priced_evidence,
             "chi2": fit.chi2,
@@ -86,9 +82,8 @@ def candidate_table(found: Findings) -> DataFrame:
             "converged": _agreement(fit),
         }
         for fit in fits
-    ]
-    names = pd.Index([fit.name for fit in fits], name="candidate", dtype=object)
-    return PrintedTable(rows, index=names, columns=columns)
+    }
+    return _frame("candidate", entries, ["log_evidence", "delta", "chi2", "p", "converged"])
 
 
 def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
@@ -113,11 +108,11 @@ def _prior(found: Findings, each: Fitted) -> str:
     return found.problem.parameters[each.column - base].prior_in_words
 
 
-def _frame(entries: dict[str, dict[str, float | str]], columns: list[str]) -> DataFrame:
-    """A table with a row for each parameter."""
+def _frame(what: str, entries: Mapping[str, Mapping[str, Any]], columns: list[str]) -> DataFrame:
+    """A table with a row for each entry, whose index is called `what`."""
     import pandas as pd
 
     from stickslip.diagnosis.printed_table import PrintedTable
 
-    names = pd.Index(list(entries), name="parameter", dtype=object)
+    names = pd.Index(list(entries), name=what, dtype=object)
     return PrintedTable(list(entries.values()), index=names, columns=columns)

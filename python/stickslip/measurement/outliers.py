@@ -25,10 +25,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from stickslip._util.arrays import Array, Indices, Mask
 
 FAR = 8.0
 """Robust standard deviations beyond which a reading is left out. Chosen: one normal error in 1e15
@@ -56,7 +54,7 @@ def robust_sd(deviation: Array, axis: int | None = None) -> Array:
     return np.asarray(ROBUST * np.median(np.abs(deviation), axis=axis))
 
 
-def far_from_their_group(values: Array, group: NDArray[np.int64]) -> tuple[Mask, Array]:
+def far_from_their_group(values: Array, group: Indices) -> tuple[Mask, Array]:
     """Which values are far from the median of their group, and these medians, shape (n,).
 
     Groups of fewer than three tell nothing of their own values. The scale has a part that does not

@@ -10,19 +10,22 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import check_name
-from stickslip._util.number_text import is_number
 from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Fact
-from stickslip.measurement.tables import NothingSound, read_numbers, read_rows, rows_of_frame
+from stickslip.measurement.tables import (
+    NothingSound,
+    read_numbers,
+    read_rows,
+    rows_of_frame,
+    stated_number,
+)
 from stickslip.measurement.tracking import TrackingRun, read_tracking
 from stickslip.measurement.velocity import VelocityData, read_velocity
-from stickslip.scenario.keys import known_keys, shown, suggestion
+from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -50,7 +53,7 @@ _COLUMNS = {
     "field": (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"),
 }
 
-Table = Mapping[str, NDArray[np.float64]]
+Table = Mapping[str, Array]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -131,11 +134,10 @@ class Measurement(OneLine):
             is not allowed.
         """
         if not isinstance(scenario, Scenario):
-            raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
-        entry = {} if velocity_sd is None else {"velocity_sd": velocity_sd}
+            refuse("scenario", scenario, "a Scenario")
         path = Path("DataFrame")
         rows = rows_of_frame(table)
-        data, left_out = read_velocity(path, rows, scenario, _relative_sd(entry), "row")
+        data, left_out = read_velocity(path, rows, scenario, _relative_sd(velocity_sd), "row")
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
@@ -168,17 +170,14 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         raise ScenarioError(f"stickslip_measurement = {FORMAT_VERSION} is missing{hint}")
     version = document["stickslip_measurement"]
     if isinstance(version, bool) or version != FORMAT_VERSION:
-        raise ScenarioError(
-            f"stickslip_measurement = {shown(version)}: allowed is {FORMAT_VERSION}, the version "
-            "of the format"
-        )
+        refuse("stickslip_measurement", version, f"{FORMAT_VERSION}, the version of the format")
     for key, value in document.items():
         if key not in _KNOWN:
             found = f"[[{key}]]" if _are_tables(value) else f"{key} = {shown(value)}"
             raise ScenarioError(f"{found}: there is no such entry; {suggestion(key, _KNOWN)}")
     name = document.get("name", path.stem)
     if not isinstance(name, str):
-        raise ScenarioError(f"name = {shown(name)}: allowed is a text")
+        refuse("name", name, "a text")
     nominal = _path_of(document, "scenario", "", "a scenario file")
     scenario = Scenario.from_toml(path.parent / nominal)
     uncertain = _uncertain(document.get("uncertain"), scenario)
@@ -191,7 +190,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         name=name,
         scenario=scenario.with_uncertain(None),
         uncertain=uncertain,
-        **{kind: tuple(found) for kind, found in tables.items()},
+        **{observable: tuple(found) for observable, found in tables.items()},
         left_out=tuple(left_out),
         path=path,
     )
@@ -200,43 +199,44 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
 def _tables(
     document: dict[str, Any], path: Path, scenario: Scenario
 ) -> tuple[dict[str, list[Any]], list[Fact]]:
-    """What can be used of the tables of each kind, and what was left out of them."""
-    tables: dict[str, list[Any]] = {kind: [] for kind in _ENTRIES}
+    """What can be used of the tables of each observable, and what was left out of them."""
+    tables: dict[str, list[Any]] = {observable: [] for observable in _ENTRIES}
     left_out: list[Fact] = []
-    for kind in _ENTRIES:
+    for observable in _ENTRIES:
         files: set[str] = set()
-        for entry in _entries(document, kind):
+        for entry in _entries(document, observable):
             file = path.parent / entry["file"]
             if os.path.realpath(file) in files:
-                twice = f"[[{kind}]] file = {shown(entry['file'])} is there twice"
+                twice = f"[[{observable}]] file = {shown(entry['file'])} is there twice"
                 raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
             try:
-                found, facts = _table(kind, file, entry, scenario)
+                found, facts = _table(observable, file, entry, scenario)
             except NothingSound as error:
                 found, facts = None, [error.fact]
-            tables[kind] += [] if found is None else [found]
+            tables[observable] += [] if found is None else [found]
             left_out += facts
     return tables, left_out
 
 
 def _table(
-    kind: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
+    observable: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
 ) -> tuple[Any, list[Fact]]:
-    if kind == "velocity":
-        return read_velocity(file, read_rows(file), scenario, _relative_sd(entry))
-    if kind == "tracking":
+    if observable == "velocity":
+        rows, stated = read_rows(file), entry.get("velocity_sd")
+        return read_velocity(file, rows, scenario, _relative_sd(stated))
+    if observable == "tracking":
         return read_tracking(file, entry, scenario)
-    return read_numbers(file, _COLUMNS[kind])
+    return read_numbers(file, _COLUMNS[observable])
 
 
-def _path_of(table: Mapping[str, Any], key: str, section: str, kind: str) -> str:
+def _path_of(table: Mapping[str, Any], key: str, section: str, what: str) -> str:
     """The path under a key that has to be there."""
-    value = table.get(key)
-    if isinstance(value, str):
-        return value
-    given = f"{key} = {shown(value)}" if key in table else f"{key} is missing"
-    raise ScenarioError(f"{section}{given}: allowed is the path of {kind}")
+    if key not in table:
+        raise ScenarioError(f"{section}{key} is missing: allowed is the path of {what}")
+    if not isinstance(table[key], str):
+        refuse(f"{section}{key}", table[key], f"the path of {what}")
+    return str(table[key])
 
 
 def _are_tables(value: object) -> bool:
@@ -276,27 +276,23 @@ def _check_friction(priors: Mapping[str, Prior], scenario: Scenario) -> None:
         scenario.replace({_KINETIC: lowest, **highest})
 
 
-def _entries(document: dict[str, Any], kind: str) -> list[dict[str, Any]]:
-    entries: list[dict[str, Any]] = document.get(kind, [])
+def _entries(document: dict[str, Any], observable: str) -> list[dict[str, Any]]:
+    entries: list[dict[str, Any]] = document.get(observable, [])
     if not _are_tables(entries):
-        raise ScenarioError(f"{kind}: allowed are sections [[{kind}]]")
+        raise ScenarioError(f"{observable}: allowed are sections [[{observable}]]")
     for entry in entries:
         for key, value in entry.items():
-            if key not in _ENTRIES[kind]:
+            if key not in _ENTRIES[observable]:
                 raise ScenarioError(
-                    f"[[{kind}]] {key} = {shown(value)}: there is no such key; "
-                    f"{suggestion(key, _ENTRIES[kind])}"
+                    f"[[{observable}]] {key} = {shown(value)}: there is no such key; "
+                    f"{suggestion(key, _ENTRIES[observable])}"
                 )
-        file = _path_of(entry, "file", f"[[{kind}]] ", "a CSV file")
-        with prefixed(f"[[{kind}]] file = {shown(file)}", OSError):
+        file = _path_of(entry, "file", f"[[{observable}]] ", "a CSV file")
+        with prefixed(f"[[{observable}]] file = {shown(file)}", OSError):
             check_name(file)
     return entries
 
 
-def _relative_sd(entry: Mapping[str, Any]) -> float:
-    value = entry.get("velocity_sd", math.nan)
-    if "velocity_sd" in entry and not (is_number(value) and 0.0 < value < 1.0):
-        raise ScenarioError(
-            f"[[velocity]] velocity_sd = {shown(value)}: allowed is a number above 0 and below 1"
-        )
-    return float(value)
+def _relative_sd(value: object) -> float:
+    """The stated relative error of one trial; NaN where none is stated."""
+    return math.nan if value is None else stated_number("[[velocity]] velocity_sd", value, 1.0)

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
+from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import LINES
-from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.keys import refuse, shown, suggestion
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -102,7 +103,7 @@ def rows_of_frame(table: DataFrame) -> Rows:
     import pandas as pd
 
     if not isinstance(table, pd.DataFrame):
-        raise ScenarioError(f"table = {shown(table)}: allowed is a DataFrame")
+        refuse("table", table, "a DataFrame")
     header = [str(name) for name in table.columns]
     with prefixed("DataFrame"):
         _refuse_twice(header)
@@ -143,22 +144,28 @@ def in_lines(
     return Fact(code, {**where, **fields, **({} if word == "line" else {"word": word})})
 
 
-def check_columns(path: Path, header: Sequence[str], required: Iterable[str]) -> None:
-    """Refuse a table without a column that it needs."""
+def check_columns(
+    path: Path, header: Sequence[str], required: Iterable[str], known: Sequence[str] | None = None
+) -> None:
+    """Refuse a table without a column that it needs, or with one that is not `known`, if given."""
     for name in required:
         if name not in header:
             near = difflib.get_close_matches(name, header, n=1, cutoff=0.6)
             meant = f", and {shown(near[0])} may be meant as it" if near else ""
             there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
             raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
-
-
-def refuse_unknown(path: Path, header: Sequence[str], known: Sequence[str]) -> None:
-    """Refuse a column that is not known; the error suggests the nearest known one."""
     for name in header:
-        if name not in known:
+        if known is not None and name not in known:
             hint = suggestion(name, known)
             raise ScenarioError(f"{path}: column {shown(name)} is not known; {hint}")
+
+
+def stated_number(key: str, value: object, highest: float = math.inf) -> float:
+    """A number of a measurement file above 0 and below `highest`."""
+    if not is_number(value) or not 0.0 < value < highest:
+        below = "" if math.isinf(highest) else f" and below {highest:g}"
+        refuse(key, value, f"a number above 0{below}")
+    return float(value)
 
 
 def number(cell: str) -> float:
@@ -172,15 +179,14 @@ def number(cell: str) -> float:
 
 def read_numbers(
     path: Path, required: Sequence[str], optional: Sequence[str] = ()
-) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
+) -> tuple[dict[str, Array], list[Fact]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     A row is sound if all its required cells are numbers; a gap in an optional column is NaN. A
     NothingSound says that no row is sound.
     """
     header, rows = read_rows(path)
-    check_columns(path, header, required)
-    refuse_unknown(path, header, [*required, *optional])
+    check_columns(path, header, required, [*required, *optional])
     table = np.array(
         [
             [number(row[k]) if len(row) == len(header) else math.nan for k in range(len(header))]

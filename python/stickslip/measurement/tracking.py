@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.number_text import highest, is_number
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
-from stickslip.measurement.tables import read_numbers
-from stickslip.scenario.keys import FILE, shown
+from stickslip.measurement.tables import read_numbers, stated_number
+from stickslip.scenario.keys import FILE, refuse, shown
 from stickslip.scenario.scenario import Scenario
 
 FEWEST = 20
@@ -55,7 +55,7 @@ class TrackingRun(OneLine):
     """
 
     file: str
-    columns: Mapping[str, NDArray[np.float64]]
+    columns: Mapping[str, Array]
     scenario: Scenario
     frame_rate: float
     exposure: float = 0.0
@@ -74,12 +74,12 @@ def read_tracking(
     with prefixed(where):
         own = _own_scenario(entry.get("drive", {}), scenario)
         noise = {
-            name: _positive(f"noise_{name}", entry[f"noise_{name}"])
+            name: stated_number(f"noise_{name}", entry[f"noise_{name}"])
             for name in ("x", "theta")
             if f"noise_{name}" in entry
         }
         stated = "frame_rate" in entry
-        rate = _positive("frame_rate", entry["frame_rate"]) if stated else math.nan
+        rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = read_numbers(path, ("t", "x", "theta"), ("z", "current_x", "current_clamp"))
     columns, facts = _usable_frames(path.name, columns, own.window[1])
@@ -100,7 +100,7 @@ def read_tracking(
 
 def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
     if not isinstance(drive, dict):
-        raise ScenarioError(f"drive = {shown(drive)}: allowed is a table of keys of [drive]")
+        refuse("drive", drive, "a table of keys of [drive]")
     changes = {f"drive.{key}": value for key, value in drive.items()}
     if FILE in changes:
         raise ScenarioError(
@@ -110,51 +110,40 @@ def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
     return scenario.replace(changes)
 
 
-def _positive(key: str, value: object) -> float:
-    if not is_number(value) or not 0 < value < math.inf:
-        raise ScenarioError(f"{key} = {shown(value)}: allowed is a number above 0")
-    return float(value)
-
-
 def _exposure(value: object, rate: float) -> float:
     if is_number(value) and value == 0:
         return 0.0
     top = 1.0 / rate if math.isfinite(rate) else math.inf
     if not is_number(value) or not 0.0 <= float(value) <= top * (1 + 1e-9):
-        raise ScenarioError(
-            f"exposure = {shown(value)}: allowed is from 0 to the time between two frames"
-            f"{f', {highest(top)} s' if math.isfinite(top) else ''}"
-        )
+        most = f", {highest(top)} s" if math.isfinite(top) else ""
+        refuse("exposure", value, f"from 0 to the time between two frames{most}")
     return float(value)
 
 
 def _usable_frames(
-    name: str, table: Mapping[str, NDArray[np.float64]], end: float
-) -> tuple[dict[str, NDArray[np.float64]], list[Fact]]:
+    name: str, table: Mapping[str, Array], end: float
+) -> tuple[dict[str, Array], list[Fact]]:
     """Frames in the order of time, each time once, before the end of the last pulse, s.
 
     What the coils do after that is not known. The facts say what was left out.
     """
-    facts = []
     order = np.argsort(table["t"], kind="stable")
-    if np.any(np.diff(order) < 0):
-        facts.append(Fact(Code.FRAMES_SORTED, {"table": name}))
     times, first = np.unique(table["t"][order], return_index=True)
-    if len(times) < len(order):
-        again = {"table": name, "count": len(order) - len(times)}
-        facts.append(Fact(Code.REPEATED_TIMES, again))
     inside = times < end
-    if not inside.all():
-        late = {"table": name, "count": int((~inside).sum()), "end": end}
-        facts.append(Fact(Code.FRAMES_AFTER_DRIVE, late))
-    if inside.sum() > _LIMIT:
-        many = {"table": name, "count": int(inside.sum()), "used": _LIMIT}
-        facts.append(Fact(Code.FRAMES_NOT_NEEDED, many))
+    sound, late = int(inside.sum()), int((~inside).sum())
+    again = len(order) - len(times)
+    met: tuple[tuple[object, Code, dict[str, Any]], ...] = (
+        (np.any(np.diff(order) < 0), Code.FRAMES_SORTED, {}),
+        (again, Code.REPEATED_TIMES, {"count": again}),
+        (late, Code.FRAMES_AFTER_DRIVE, {"count": late, "end": end}),
+        (sound > _LIMIT, Code.FRAMES_NOT_NEEDED, {"count": sound, "used": _LIMIT}),
+    )
+    facts = [Fact(code, {"table": name, **fields}) for holds, code, fields in met if holds]
     used = order[first][inside][:_LIMIT]
     return {key: column[used] for key, column in table.items()}, facts
 
 
-def _too_little(table: Mapping[str, NDArray[np.float64]], scenario: Scenario) -> Fact | None:
+def _too_little(table: Mapping[str, Array], scenario: Scenario) -> Fact | None:
     """Why a run is not used, if it is not."""
     start, end = scenario.window
     count = int(np.sum(table["t"] > start - 1e-9))

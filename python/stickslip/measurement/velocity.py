@@ -9,21 +9,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
-from stickslip.measurement.tables import (
-    Line,
-    NothingSound,
-    Rows,
-    check_columns,
-    in_lines,
-    number,
-    refuse_unknown,
-)
+from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns, in_lines, number
 from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 
@@ -66,10 +58,10 @@ class VelocityData(OneLine):
     """
 
     conditions: tuple[Mapping[str, Value], ...]
-    velocity: NDArray[np.float64]
-    condition: NDArray[np.int64]
-    block: NDArray[np.int64]
-    order: NDArray[np.float64]
+    velocity: Array
+    condition: Indices
+    block: Indices
+    order: Array
     relative_sd: float = math.nan
 
 
@@ -113,9 +105,7 @@ def read_velocity(
         lines = [trials[k].line for k in np.flatnonzero(fast)]
         left_out.append(in_lines(Code.TOO_FAST, path.name, lines, word=word, limit=FASTEST))
         sound &= ~fast
-    block = np.full(len(trials), -1, dtype=np.int64)
-    named = [bool(each.block) for each in trials]
-    block[named] = _numbered([each.block for each in trials if each.block])
+    block = _numbered([each.block for each in trials])
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
@@ -128,10 +118,10 @@ def read_velocity(
     return data, left_out
 
 
-def _numbered(values: Sequence[Any]) -> NDArray[np.int64]:
-    """Each value's place among the different ones, in the order in which they come."""
-    places = {value: k for k, value in enumerate(dict.fromkeys(values))}
-    return np.array([places[value] for value in values], dtype=np.int64)
+def _numbered(values: Sequence[Any]) -> Indices:
+    """Each value's place among the different ones in the order in which they come; -1 of none."""
+    places = {value: k for k, value in enumerate(dict.fromkeys(filter(None, values)))}
+    return np.array([places.get(value, -1) for value in values], dtype=np.int64)
 
 
 def _sound_rows(
@@ -140,15 +130,19 @@ def _sound_rows(
     """Rows that can be used, at least one, and why the others cannot."""
     header, rows = table
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
-    check_columns(path, header, ["velocity"])
-    refuse_unknown(path, header, [*NOT_SETTINGS, *drive])
+    check_columns(path, header, ["velocity"], [*NOT_SETTINGS, *drive])
+    counted = "trial" in header or "order" in header
     # Lines by what is wrong with them, in the order of the file.
     wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
     for line, row in rows:
         try:
-            kept.append(_trial(line, row, header, seen, drive, scenario))
+            if len(row) != len(header):
+                raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
+            if counted and tuple(row) in seen:
+                raise _Unsound(Code.REPEATED_ROW)
+            kept.append(_trial(line, dict(zip(header, row, strict=True)), drive, scenario))
         except _Unsound as error:
             wrong.setdefault(error.why, []).append(line)
         else:
@@ -177,21 +171,9 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
         raise ScenarioError(f"{first} {count} rows are like this")
 
 
-def _trial(
-    line: Line,
-    row: list[str],
-    header: Sequence[str],
-    seen: set[tuple[str, ...]],
-    drive: list[str],
-    scenario: Scenario,
-) -> _Trial:
+def _trial(line: Line, cells: Mapping[str, str], drive: list[str], scenario: Scenario) -> _Trial:
     """A row of the table, if it is sound."""
-    if len(row) != len(header):
-        raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
-    cells = dict(zip(header, row, strict=True))
     velocity = _number("velocity", cells["velocity"])
-    if tuple(row) in seen and ("trial" in cells or "order" in cells):
-        raise _Unsound(Code.REPEATED_ROW)
     setting = _setting(cells, drive, scenario)
     _check_units(dict(setting))
     order = _number("order", cells["order"]) if cells.get("order") else math.nan
@@ -246,9 +228,7 @@ def _check_units(setting: Mapping[str, Value]) -> None:
         raise _Unsound(Code.SETTING_TOO_SMALL, key="frequency", value=frequency, **limit)
 
 
-def _without_outliers(
-    name: str, velocity: NDArray[np.float64], condition: NDArray[np.int64], left_out: list[Fact]
-) -> NDArray[np.bool_]:
+def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Fact]) -> Mask:
     """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
     for index in np.flatnonzero(far):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.stats import mannwhitneyu
 from scipy.stats import t as t_law
 
+from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.trial_noise import (
     NoiseModel,
     column_basis,
@@ -17,8 +18,6 @@ from stickslip.diagnosis.data.trial_noise import (
     setup_columns,
 )
 from stickslip.facts import Code, Fact
-
-Array = NDArray[np.float64]
 
 FEWEST_CONDITIONS = 4
 """Conditions without which no cause is told from another, if there are no other data. Chosen: two
@@ -49,10 +48,10 @@ scatter. Chosen: such a trial stands nearly alone in its condition or set-up."""
 
 def find_data_problem(
     values: Array,
-    index: NDArray[np.int64],
+    index: Indices,
     noise: NoiseModel,
     order: ArrayLike | None,
-    block: NDArray[np.int64] | None = None,
+    block: Indices | None = None,
     alone: bool = True,
 ) -> Fact | None:
     """What makes the data itself suspect, if anything does.
@@ -95,7 +94,7 @@ def find_data_problem(
     return rounded or _drifting(values, index, noise, order, completed(block))
 
 
-def _rounded(values: Array, index: NDArray[np.int64]) -> Fact | None:
+def _rounded(values: Array, index: Indices) -> Fact | None:
     """A fact if readings are in steps so wide that the scatter of trials is not their error.
 
     If two trials with normal errors are rounded to steps of q, a share q / (2 sqrt(pi) sd) of them
@@ -113,7 +112,7 @@ def _rounded(values: Array, index: NDArray[np.int64]) -> Fact | None:
 
 
 def uneven_setups(
-    values: Array, index: NDArray[np.int64], noise: NoiseModel, block: NDArray[np.int64] | None
+    values: Array, index: Indices, noise: NoiseModel, block: Indices | None
 ) -> Fact | None:
     """A note if the trials of one set-up scatter more than all others.
 
@@ -145,7 +144,7 @@ def uneven_setups(
     return None
 
 
-def _design(index: NDArray[np.int64], block: NDArray[np.int64] | None, noise: NoiseModel) -> Array:
+def _design(index: Indices, block: Indices | None, noise: NoiseModel) -> Array:
     """Levels of the conditions, and shifts and gains of the set-ups where they are known."""
     design = np.eye(len(noise.mean))[index]
     if block is None or not noise.setups.shape[1]:
@@ -159,11 +158,7 @@ def _projected(values: Array, basis: Array) -> Array:
 
 
 def _drifting(
-    values: Array,
-    index: NDArray[np.int64],
-    noise: NoiseModel,
-    order: ArrayLike | None,
-    block: NDArray[np.int64] | None,
+    values: Array, index: Indices, noise: NoiseModel, order: ArrayLike | None, block: Indices | None
 ) -> Fact | None:
     """A fact if velocities change with time; what differs between set-ups is not drift."""
     place = np.full(len(values), np.nan) if order is None else np.asarray(order, dtype=float)

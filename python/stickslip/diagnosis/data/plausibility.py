@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.conditions import Conditions, in_words, named, varied
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.simulation.run_notes import STEADY_PULSES
-
-Array = NDArray[np.float64]
 
 _MOST = 50.0
 """Ratio beyond which a size is far from the usual one. Chosen: below 57

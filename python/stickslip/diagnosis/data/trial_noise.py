@@ -10,14 +10,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 FEWEST_DOF = 4
 """Degrees of freedom from which on the noise is taken from the trials and not from a statement.
@@ -70,7 +68,7 @@ class NoiseModel(OneLine):
 
     mean: Array
     sd: Array
-    count: Index
+    count: Indices
     floor: float
     relative: float
     between: float
@@ -98,7 +96,7 @@ class NoiseModel(OneLine):
 
 
 def fit_noise(
-    value: Array, condition: Index, block: Index | None = None, stated: float = math.nan
+    value: Array, condition: Indices, block: Indices | None = None, stated: float = math.nan
 ) -> NoiseModel:
     """Noise from the scatter of trials, or from a stated relative error.
 
@@ -168,7 +166,7 @@ def fit_noise(
     )  # fmt: skip
 
 
-def stated_noise(values: Array, condition: Index, sd: ArrayLike) -> tuple[NoiseModel, Array]:
+def stated_noise(values: Array, condition: Indices, sd: ArrayLike) -> tuple[NoiseModel, Array]:
     """Noise that the user states, and the covariance of the means of each condition's trials.
 
     `sd` is the standard deviation of each mean, shape () or (m,), or their covariance, (m, m).
@@ -194,19 +192,19 @@ def stated_noise(values: Array, condition: Index, sd: ArrayLike) -> tuple[NoiseM
     return noise, covariance
 
 
-def _are_crossed(condition: Index, setup: Index) -> bool:
+def _are_crossed(condition: Indices, setup: Indices) -> bool:
     """Whether conditions and set-ups are mixed enough to separate their effects."""
     pairs = np.unique(np.stack([condition, setup]), axis=1).shape[1]
     return bool(pairs > max(len(np.unique(condition)), len(np.unique(setup)) + 1))
 
 
-def moving(value: Array, condition: Index) -> NDArray[np.bool_]:
+def moving(value: Array, condition: Indices) -> Mask:
     """Trials of conditions that do not all read zero, shape (n,); all of them if nothing moves."""
     moves = np.bincount(condition, value != 0.0) > 0
     return np.asarray(moves[condition] if moves.any() else np.ones(len(value), dtype=bool))
 
 
-def completed(block: Index | None) -> Index | None:
+def completed(block: Indices | None) -> Indices | None:
     """Set-ups, each trial whose set-up is not known having its own; None if none is known."""
     if block is None or bool(np.all(block < 0)):
         return None
@@ -214,7 +212,7 @@ def completed(block: Index | None) -> Index | None:
     return np.asarray(np.where(lost, int(block.max()) + np.cumsum(lost), block), dtype=np.int64)
 
 
-def setup_columns(condition: Index, block: Index, mean: Array) -> Array:
+def setup_columns(condition: Indices, block: Indices, mean: Array) -> Array:
     """What a shift and what a gain of each set-up does to each trial, shape (n, 2 set-ups).
 
     A gain has the sign of its condition's mean.
@@ -230,7 +228,7 @@ def whitener(covariance: Array) -> Array:
 
 
 def _without_setups(
-    value: Array, condition: Index, setup: Index, mean: Array
+    value: Array, condition: Indices, setup: Indices, mean: Array
 ) -> tuple[Array, int, Array]:
     """Residuals of a fit of one level a condition and one shift and gain a set-up.
 
@@ -288,7 +286,7 @@ def _curve(squares: Array, freedom: Array, level: Array, size: float) -> tuple[f
 
 
 def _between(
-    value: Array, condition: Index, block: Index, mean: Array, sd: Array
+    value: Array, condition: Indices, block: Indices, mean: Array, sd: Array
 ) -> tuple[float, float]:
     """Scatter of the set-ups' shifts and gains in units of a trial's sd.
 
@@ -318,7 +316,7 @@ def _between(
     return best
 
 
-def _centred(columns: Array, condition: Index) -> Array:
+def _centred(columns: Array, condition: Indices) -> Array:
     """Columns without the mean of each condition."""
     sums = np.zeros((int(condition.max()) + 1, columns.shape[1]))
     np.add.at(sums, condition, columns)

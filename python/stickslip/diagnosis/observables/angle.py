@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.plausibility import refuse_larger
 from stickslip.diagnosis.observables.observable import TableObservable
 from stickslip.diagnosis.observables.reading_noise import (
@@ -22,8 +22,6 @@ from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_neighbours
 from stickslip.scenario.scenario import Scenario
-
-Array = NDArray[np.float64]
 
 READING = math.radians(0.5)
 """Error of reading an angle off a picture, rad; no noise is taken as smaller. Chosen: a side of

@@ -1,27 +1,25 @@
-"""All channels as one forward model."""
+"""All observables as one forward model."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from stickslip.diagnosis.model.problem import AuxiliaryData
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.model.problem import AuxiliaryData, Predict
 from stickslip.diagnosis.observables.observable import Observable
-
-Array = NDArray[np.float64]
 
 
 class Combined:
-    """Velocities at the conditions, if there are any, and then the observables of each channel.
+    """Velocities at the conditions, if there are any, and then the rows of each observable.
 
     Parameters
     ----------
-    velocities : callable
-        ``velocities(conditions, parameters)``, of the columns `shared` alone.
+    simulator : callable
+        ``simulator(conditions, parameters)`` gives velocities from the columns `shared` alone.
     names : sequence of str
         Names of all columns.
     shared : sequence of str
@@ -31,41 +29,39 @@ class Combined:
 
     def __init__(
         self,
-        velocities: Callable[[Any, Array], Array],
+        simulator: Predict,
         names: Sequence[str],
         shared: Sequence[str],
         observables: Sequence[Observable],
     ) -> None:
-        self.velocities = velocities
+        self._simulator = simulator
         self.observables = tuple(observables)
         self._names = tuple(names)
         self._shared = [self._names.index(name) for name in shared]
-        self._columns = [
-            [k for k, name in enumerate(names) if k in self._shared or name in own]
-            for own in ({each.name for each in observable.nuisance} for observable in observables)
-        ]
 
-    def shared(self, parameters: Array) -> Array:
-        """The columns that are scenario keys."""
-        return parameters[:, self._shared]
+    def velocities(self, conditions: Any, parameters: Array) -> Array:
+        """The first rows alone, shape (vectors, conditions), also where nothing was measured.
+
+        For a user's own model these are all rows, at whatever conditions it takes.
+        """
+        return self._simulator(conditions, parameters[:, self._shared])
 
     def __call__(self, conditions: Sequence[Any], parameters: Array) -> Array:
-        """Observables, shape (vectors, m)."""
-        blocks = []
-        if len(conditions):
-            blocks.append(self.velocities(conditions, self.shared(parameters)))
-        for number, observable in enumerate(self.observables):
-            blocks.append(observable.predict(*self.arguments(number, parameters)))
+        """All rows, shape (vectors, m)."""
+        blocks = [self.velocities(conditions, parameters)] if len(conditions) else []
+        for observable in self.observables:
+            blocks.append(observable.predict(*self.arguments(observable, parameters)))
         return np.hstack(blocks)
 
-    def arguments(self, number: int, parameters: Array) -> tuple[list[str], Array]:
-        """Names and values, shape (..., names), of one channel, from values of all columns."""
-        columns = self._columns[number]
+    def arguments(self, observable: Observable, parameters: Array) -> tuple[list[str], Array]:
+        """Names and values, shape (..., names), of one observable, from values of all columns."""
+        own = {each.name for each in observable.nuisance}
+        columns = [k for k, name in enumerate(self._names) if k in self._shared or name in own]
         return [self._names[k] for k in columns], parameters[..., columns]
 
 
 def pooled_observables(observables: Sequence[Observable]) -> AuxiliaryData | None:
-    """Rows of all channels one after another."""
+    """Rows of all observables one after another."""
     if not observables:
         return None
     counts = [int(observable.group.max()) + 1 for observable in observables]

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch, refuse_larger
 from stickslip.diagnosis.observables.observable import TableObservable
@@ -19,8 +19,6 @@ from stickslip.facts.sentences import mismatch
 from stickslip.measurement.outliers import far_from_a_fit
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
-
-Array = NDArray[np.float64]
 
 _STRONGEST, _FARTHEST = 1.0, 1.0
 """Largest field (T) and place (m) that are accepted. Chosen: these coils make millitesla within
@@ -107,10 +105,10 @@ def _free_fit(shares: Array, fields: Array) -> tuple[Array, int]:
     return fields - (design @ solution).reshape(-1, 3), fields.size - int(rank)
 
 
-def _far_rows(shares: Array, fields: Array) -> NDArray[np.bool_]:
+def _far_rows(shares: Array, fields: Array) -> Mask:
     """Rows that no gain and no uniform field bring near the others, if they are few."""
 
-    def left_by(rows: NDArray[np.bool_]) -> Array | None:
+    def left_by(rows: Mask) -> Array | None:
         left, dof = _free_fit(shares[rows], fields[rows])
         return None if dof < FEWEST else left
 

@@ -5,20 +5,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.facts import Fact
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
-
-Array = NDArray[np.float64]
+    from stickslip.diagnosis.observables.tracking.film import FilmComparison
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -49,7 +47,7 @@ class Comparison(OneLine):
     sd: Array
     recalibrated: Array
     extended: Array | None
-    held_out: NDArray[np.bool_]
+    held_out: Mask
 
     @property
     def errors(self) -> tuple[float, float | None]:
@@ -60,7 +58,7 @@ class Comparison(OneLine):
         )
 
 
-class Observable(Protocol):
+class Observable(ABC):
     """Data of one kind, reduced to observables, with a forward model for them.
 
     Attributes
@@ -74,8 +72,8 @@ class Observable(Protocol):
     group : ndarray of int, shape (k,)
         Observables that are held out together, numbered from 0.
     nuisance : tuple of Uncertain
-        Parameters that only this channel has, such as a camera's angle offset. Each begins with the
-        channel's name and a dot.
+        Parameters that only this table has, such as a camera's angle offset. Each begins with
+        `name` and a dot.
     notes : tuple of Fact
         What a reader has to know of the noise.
     left_out : tuple of Fact
@@ -85,44 +83,38 @@ class Observable(Protocol):
     name: str
     observed: Array
     covariance: Array
-    group: NDArray[np.int64]
-    nuisance: tuple[Uncertain, ...]
+    group: Indices
+    nuisance: tuple[Uncertain, ...] = ()
     notes: tuple[Fact, ...]
     left_out: tuple[Fact, ...]
 
+    @abstractmethod
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Observables, shape (vectors, k), for values of shape (vectors, names); NaN where none.
 
-        `names` are dotted scenario keys and the channel's nuisances.
+        `names` are dotted scenario keys and `nuisance`.
         """
-        ...
 
+    @abstractmethod
     def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
+        self, names: Sequence[str], recalibrated: Array, extended: Array | None, held_out: Mask
     ) -> Comparison | FilmComparison:
         """What the report shows of it for two vectors of values, shape (names,).
 
         `held_out`, shape (k,), says which observables were held out for the gain.
         """
-        ...
 
 
-class TableObservable(ABC):
-    """An `Observable` of a table of readings with independent errors, and their `settings`."""
+class TableObservable(Observable):
+    """A table of readings with independent errors, and their `settings`."""
 
-    name: str
     settings: Mapping[str, Array]
-    nuisance: tuple[Uncertain, ...] = ()
 
     def _set_readings(
         self,
         title: str,
         mean: Array,
-        count: NDArray[np.int64],
+        count: Indices,
         noise: tuple[float, Fact],
         left_out: Sequence[Fact],
     ) -> None:
@@ -135,19 +127,11 @@ class TableObservable(ABC):
         self.sd = np.repeat(noise[0] / np.sqrt(count), mean.shape[1])
         self.covariance = np.diag(self.sd**2)
         self.group = np.repeat(np.arange(len(mean), dtype=np.int64), mean.shape[1])
-        self.notes: tuple[Fact, ...] = (noise[1].of(table=title),)
+        self.notes = (noise[1].of(table=title),)
         self.left_out = tuple(left_out)
 
-    @abstractmethod
-    def predict(self, names: Sequence[str], parameters: Array) -> Array:
-        """See `Observable`."""
-
     def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
+        self, names: Sequence[str], recalibrated: Array, extended: Array | None, held_out: Mask
     ) -> Comparison:
         """All readings beside both models."""
         components = len(self.observed) // (int(self.group[-1]) + 1)

@@ -6,16 +6,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import f as f_law
 
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.one_line import OneLine
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import free_of_bends
-
-Array = NDArray[np.float64]
 
 FEWEST = 4
 """Degrees of freedom from which on a scatter is taken as the noise. Chosen: four determine it to
@@ -45,7 +43,7 @@ class Repeats(OneLine):
 
     settings: Array
     mean: Array
-    count: NDArray[np.int64]
+    count: Indices
     sd: float
     dof: int
 
@@ -93,7 +91,7 @@ def widening(count: int, dof: float) -> float:
     return math.sqrt(float(f_law.ppf(_LEVEL, count, max(dof, 1.0))) / chi2)
 
 
-def order_along(settings: Array) -> NDArray[np.int64]:
+def order_along(settings: Array) -> Indices:
     """Order of rows, shape (m, 2), in which the settings change in the smallest steps.
 
     By the first column within the second, the second within the first, by direction or by size,

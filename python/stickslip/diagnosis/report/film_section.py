@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from stickslip._util.html_page import png
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
+from stickslip.diagnosis.observables.tracking.film import FilmComparison
 from stickslip.diagnosis.observables.tracking.force_residuals import (
     CLEAR,
     FEWEST_ORDERS,

@@ -27,8 +27,7 @@ from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.inference.upper_bounds import BOUND, POWER
 from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN
 from stickslip.diagnosis.observables import Comparison
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
-from stickslip.diagnosis.observables.tracking.film import FilmObservable
+from stickslip.diagnosis.observables.tracking.film import FilmComparison, FilmObservable
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
 from stickslip.diagnosis.report.film_section import film_sections

@@ -12,13 +12,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 
-Array = NDArray[np.float64]
 Recording = Mapping[str, Array]
 
 _SAMPLES = 12.0

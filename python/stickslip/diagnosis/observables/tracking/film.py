@@ -8,15 +8,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.stats import chi2 as chi2_law
 
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch
 from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.observables.observable import Observable
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
-from stickslip.diagnosis.observables.tracking.comparison import FilmComparison
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     Kind,
@@ -26,21 +26,22 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
-from stickslip.diagnosis.observables.tracking.force_residuals import force_view
+from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, force_view
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.tracking import FEWEST, TrackingRun
 from stickslip.scenario.priors import Prior
+from stickslip.scenario.scenario import Scenario
 
-Array = NDArray[np.float64]
-
-_KINDS: dict[str, Kind] = {
-    "theta": "level",
-    "x": "drift",
-    "z": "place",
-    "current_x": "level",
-    "current_clamp": "level",
+_KINDS: dict[str, tuple[Kind, str]] = {
+    "theta": ("level", "rad"),
+    "x": ("drift", "m"),
+    "z": ("place", "m"),
+    "current_x": ("level", "A"),
+    "current_clamp": ("level", "A"),
 }
+"""How each quantity is reduced, and its unit."""
+
 _CURRENTS = ("current_x", "current_clamp")
 
 _UNLIKELY = 1e-3
@@ -70,7 +71,7 @@ class Quantity:
     """
 
     name: str
-    frames: NDArray[np.bool_]
+    frames: Mask
     values: Array
     folded: Fold
     sd: float
@@ -83,7 +84,32 @@ class Quantity:
         return self.matrix @ self.values
 
 
-class FilmObservable:
+@dataclass(frozen=True)
+class FilmComparison:
+    """One run beside both models.
+
+    Attributes
+    ----------
+    file : str
+    scenario : Scenario
+        Scenario of the run, as stated.
+    advance : dict of float, optional
+        Advance per pulse in the world, m: ``measured``, its error ``sd``, and what the models make
+        of it, ``recalibrated`` and ``extended``; None where no two periods show it.
+    view, after : ForceView, optional
+        With the recalibrated and with the extended model; None where there is none.
+    held_out : bool
+    """
+
+    file: str
+    scenario: Scenario
+    advance: dict[str, float] | None
+    view: ForceView | None
+    after: ForceView | None
+    held_out: bool
+
+
+class FilmObservable(Observable):
     """Frames of one run, folded on the drive's phase; see `Observable`.
 
     Parameters
@@ -119,12 +145,13 @@ class FilmObservable:
 
     def camera(self, names: Sequence[str], values: Array) -> Camera:
         """The run's camera with the nuisances among `names`, from values of shape (names,)."""
+        own = {each.name for each in self.nuisance}
         at = {
-            name.removeprefix(f"{self.name}."): value
+            name.removeprefix(f"{self.name}."): float(value)
             for name, value in zip(names, values, strict=True)
+            if name in own
         }
-        own = [each.name.removeprefix(f"{self.name}.") for each in self.nuisance]
-        return Camera(self.run.exposure, **{name: float(at[name]) for name in own if name in at})
+        return Camera(self.run.exposure, **at)
 
     def keys(self, names: Sequence[str]) -> list[int]:
         """Indices of the scenario keys among `names`."""
@@ -151,11 +178,7 @@ class FilmObservable:
         return result
 
     def comparison(
-        self,
-        names: Sequence[str],
-        recalibrated: Array,
-        extended: Array | None,
-        held_out: NDArray[np.bool_],
+        self, names: Sequence[str], recalibrated: Array, extended: Array | None, held_out: Mask
     ) -> FilmComparison:
         """Advance and forces of this run beside both models."""
         view = force_view(self, names, recalibrated)
@@ -217,7 +240,7 @@ def _quantity(
     unused: list[Fact],
 ) -> Quantity | None:
     """Reduce one column; adds to `said` notes on it and to `unused` what of it is left out."""
-    times, values, kind = run.columns["t"], run.columns[name], _KINDS[name]
+    times, values, kind = run.columns["t"], run.columns[name], _KINDS[name][0]
     finite = np.isfinite(values)
     if name not in ("x", "theta") and finite.sum() < FEWEST:
         few = {"column": name, "count": int(finite.sum()), "needed": FEWEST}
@@ -258,8 +281,7 @@ def _quantity(
 
 
 def _column(name: str) -> dict[str, str]:
-    units = {"theta": "rad", "current_x": "A", "current_clamp": "A"}
-    return {"column": name, "unit": units.get(name, "m")}
+    return {"column": name, "unit": _KINDS[name][1]}
 
 
 def _odd_size(name: str, read: Array, nominal: dict[str, Array], height: float) -> Fact | None:
@@ -284,7 +306,7 @@ def _quantum(values: Array) -> float:
     return float(steps.min()) if 0 < len(steps) < 0.5 * len(values) else 0.0
 
 
-def _lost(folded: Fold, residual: Array, quantum: float) -> NDArray[np.bool_]:
+def _lost(folded: Fold, residual: Array, quantum: float) -> Mask:
     """Frames far from those of nearly the same phase: the tracking lost the robot."""
     lost = np.zeros(len(residual), dtype=bool)
     steady = np.flatnonzero(folded.steady)

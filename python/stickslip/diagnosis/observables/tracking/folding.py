@@ -12,11 +12,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.scenario.scenario import Scenario
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Kind = Literal["level", "place", "drift"]
 
 PHASES = 24
@@ -57,8 +56,8 @@ class Fold:
     as a real number, are 0 before. `period` is in s.
     """
 
-    bin: Index
-    steady: NDArray[np.bool_]
+    bin: Indices
+    steady: Mask
     phase: Array
     cycle: Array
     period: float
@@ -70,7 +69,7 @@ class Fold:
         return int(steady.min()) if len(steady) else int(self.bin.max()) + 1
 
     @property
-    def cycles(self) -> Index:
+    def cycles(self) -> Indices:
         """Whole periods since the steady walk began."""
         return np.floor(self.cycle + 1e-9).astype(np.int64)
 
@@ -104,7 +103,7 @@ def fold(times: Array, scenario: Scenario) -> Fold:
     return Fold(_numbered(label), steady, phase, cycle, period)
 
 
-def _numbered(label: NDArray[Any]) -> Index:
+def _numbered(label: NDArray[Any]) -> Indices:
     """Labels numbered from 0 without gaps, in their order."""
     return np.unique(label, return_inverse=True)[1].astype(np.int64)
 

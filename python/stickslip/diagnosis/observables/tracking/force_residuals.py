@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip.diagnosis.observables.tracking.camera import record
 from stickslip.diagnosis.observables.tracking.smoothed_motion import Balance, Folds, Kinematics
 from stickslip.errors import ScenarioError
@@ -25,8 +25,6 @@ from stickslip.errors import ScenarioError
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.camera import Recording
     from stickslip.diagnosis.observables.tracking.film import FilmObservable
-
-Array = NDArray[np.float64]
 
 FEWEST_ORDERS = 10
 """Harmonics of the drive that a film must resolve before its derivatives mean anything. Chosen: a
@@ -88,7 +86,7 @@ class Residual:
         Largest magnetic torque about the corner, or weight and adhesion, to judge the size.
     """
 
-    where: NDArray[np.int64]
+    where: Indices
     value: Array
     sd: Array
     slopes: tuple[Slope, ...]
@@ -197,9 +195,7 @@ def force_view(
     )  # fmt: skip
 
 
-def _modes(
-    motion: Recording, folds: Folds, window: tuple[float, float]
-) -> dict[int, NDArray[np.bool_]]:
+def _modes(motion: Recording, folds: Folds, window: tuple[float, float]) -> dict[int, Mask]:
     """Where on the grid the simulated contact is in one mode alone, over the smoothing's width.
 
     The modes are those of a corner; slips count along the robot's own +x.
@@ -225,11 +221,7 @@ def _modes(
 
 
 def _residual(
-    balances: Sequence[Array],
-    where: NDArray[np.bool_],
-    seen: Kinematics,
-    velocity: Array | None,
-    scale: float,
+    balances: Sequence[Array], where: Mask, seen: Kinematics, velocity: Array | None, scale: float
 ) -> Residual | None:
     """Measured minus simulated where `where` is true, with the covariance of the noisy draws."""
     places = np.flatnonzero(where)
@@ -262,9 +254,7 @@ def _slope(name: str, design: Array, inverse: Array, value: Array, scatter: Arra
     return Slope(name, float(weights @ value), float(np.std(scatter @ weights)))
 
 
-def _onset(
-    ratios: Sequence[Array], stick: NDArray[np.bool_], slip: NDArray[np.bool_]
-) -> tuple[float, float, float] | None:
+def _onset(ratios: Sequence[Array], stick: Mask, slip: Mask) -> tuple[float, float, float] | None:
     """Friction over normal force at the last place that sticks before a slip."""
     ends = np.flatnonzero(stick & ~np.roll(stick, -1))
     for end in ends:

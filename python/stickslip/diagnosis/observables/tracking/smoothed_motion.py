@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.observables.tracking.camera import Camera, Recording
 from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.film import FilmObservable
-
-Array = NDArray[np.float64]
 
 _MOST_ORDERS = 40
 """Harmonics. Chosen: at 17 Hz the 40th is above the rocking, at 421 Hz."""
