@@ -3,6 +3,7 @@
 import io
 import math
 import os
+import signal
 import subprocess
 import sys
 import warnings
@@ -65,3 +66,25 @@ def stickslip_process(*arguments, **options):
     return subprocess.run(
         [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
     )
+
+
+def ended_at_the_bar(*arguments, shows=b"%", signals=(signal.SIGINT,), cwd=None):
+    """The finished process that got signals once its bar showed some bytes, and what it had shown.
+
+    Standard output and standard error, after those bytes, are bytes too.
+    """
+    command = [*COMMAND, *map(str, arguments)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, cwd=cwd) as process:
+        try:
+            seen = b""
+            while shows not in seen:
+                more = os.read(process.stderr.fileno(), 256)
+                assert more, "the command ended before its bar appeared"
+                seen += more
+            for each in signals:
+                process.send_signal(each)
+            texts = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    return subprocess.CompletedProcess(command, process.returncode, *texts), seen

@@ -9,10 +9,10 @@ from typing import Any
 from stickslip.cli.tables import (
     MOST_ROWS,
     aligned,
-    key_unit,
+    figure_column,
+    key_columns,
     listed,
-    shown_in,
-    value_text,
+    records,
     varied_keys,
 )
 from stickslip.control.prediction import Prediction
@@ -28,7 +28,6 @@ def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
     for name, values in data.data_vars.items():
         if "quantile" in values.dims:
             columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
-    rows = zip(*columns.values(), strict=True)
     return {
         "points": data["failed"].size,
         "draws": prediction.draws,
@@ -37,7 +36,7 @@ def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
         "failed": prediction.failed,
         "status": json.loads(data.attrs["statuses"]),
         "quantiles": data["quantile"].values.tolist(),
-        "results": [dict(zip(columns, row, strict=True)) for row in rows],
+        "results": records(columns),
     }
 
 
@@ -80,15 +79,10 @@ def prediction_failures(prediction: Prediction) -> list[str]:
 def _rows(prediction: Prediction) -> str:
     """A table of all points with three lines of heading: figure, unit, quantile."""
     data = prediction.data
-    columns = [
-        [key.rpartition(".")[2], key_unit(key), "", *map(value_text, values)]
-        for key, values in varied_keys(data["failed"]).items()
-    ]
-    for name, heading in _COLUMNS.items():
-        factor, unit = shown_in(name)
+    columns = key_columns(data["failed"], "")
+    for name, title in _COLUMNS.items():
         for level in data["quantile"].values.tolist():
-            values = data[name].sel(quantile=level).values.ravel() * factor + 0.0
-            cells = (f"{value:.4f}" for value in values)
-            columns.append([heading, unit, f"{100.0 * level:.4g} %", *cells])
+            values = data[name].sel(quantile=level)
+            columns.append(figure_column(title, values, f"{100.0 * level:.4g} %"))
     columns.append(["failed", "", "", *map(str, listed(data["failed"]))])
     return aligned(columns)

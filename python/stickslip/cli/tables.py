@@ -4,33 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip._util.handy_units import handy
 from stickslip.scenario.keys import known_keys
+from stickslip.sweeping.results import NUMBERS
 
 if TYPE_CHECKING:
     import xarray
 
-# SI units of what is shown; "1" for a part of one.
-_UNITS = {
-    "mean_velocity": "m/s",
-    "theta_min": "rad",
-    "theta_max": "rad",
-    "slip_up": "m/s",
-    "slip_down": "m/s",
-    "slip_flat": "m/s",
-    "airborne_fraction": "1",
-    "field_max": "T",
-    "field_min": "T",
-    "current_max": "A",
-    "voltage_max": "V",
-    "power_mean": "W",
-    "simulated_time": "s",
-}
 _WORDS = {
     "slip_up": ", mean slip speed while theta rises",
     "slip_down": ", mean slip speed while theta falls",
@@ -59,7 +44,8 @@ _COLUMNS = {
 
 def shown_in(name: str) -> tuple[float, str]:
     """Factor and unit in which a number of a summary is shown beside its SI unit."""
-    return (100.0, "%") if _UNITS[name] == "1" else handy(_UNITS[name])
+    unit = NUMBERS[name].unit
+    return (100.0, "%") if unit == "1" else handy(unit)
 
 
 def summary_table(summary: dict[str, Any]) -> str:
@@ -68,7 +54,7 @@ def summary_table(summary: dict[str, Any]) -> str:
     if math.isfinite(summary["mean_velocity"]):
         measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
     rows = [("status", summary["status"], "")]
-    for name, unit in _UNITS.items():
+    for name, (unit, _) in NUMBERS.items():
         value = summary[name] + 0.0  # no negative zero
         factor, other = shown_in(name)
         words = _WORDS.get(name, "")
@@ -93,13 +79,12 @@ def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
     kinds = data["event"].values.tolist()
     counts = data["events"].values.reshape(-1, len(kinds)).tolist()
     columns["events"] = [dict(zip(kinds, row, strict=True)) for row in counts]
-    rows = zip(*columns.values(), strict=True)
     return {
         "points": data["status"].size,
         "failed": int(data.attrs["failed_points"]),
         "status": json.loads(data.attrs["statuses"]),
         **_extremes(data),
-        "results": [dict(zip(columns, row, strict=True)) for row in rows],
+        "results": records(columns),
     }
 
 
@@ -140,6 +125,11 @@ def varied_keys(like: xarray.DataArray) -> dict[str, list[Any]]:
     }
 
 
+def records(columns: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """A table by its columns as one by its rows."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
 def listed(array: xarray.DataArray) -> list[Any]:
     """The value at each point, in the order of the points."""
     values: list[Any] = array.values.ravel().tolist()
@@ -167,16 +157,25 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
 
 def _rows(data: xarray.Dataset) -> str:
     """A table of all points with two lines of heading."""
-    columns = [
-        [key.rpartition(".")[2], key_unit(key), *map(value_text, values)]
-        for key, values in varied_keys(data["status"]).items()
-    ]
+    columns = key_columns(data["status"])
     columns.append(["status", "", *_statuses(data)])
-    for name, heading in _COLUMNS.items():
-        factor, unit = shown_in(name)
-        values = data[name].values.ravel() * factor + 0.0  # no negative zero
-        columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
+    columns += [figure_column(heading, data[name]) for name, heading in _COLUMNS.items()]
     return aligned(columns)
+
+
+def key_columns(like: xarray.DataArray, *heading: str) -> list[list[str]]:
+    """Of each swept key a column: name, unit, other lines of `heading`, and its values."""
+    return [
+        [key.rpartition(".")[2], key_unit(key), *heading, *map(value_text, values)]
+        for key, values in varied_keys(like).items()
+    ]
+
+
+def figure_column(title: str, values: xarray.DataArray, *heading: str) -> list[str]:
+    """The column of a number of the summary: title, unit, other lines of `heading`, and values."""
+    factor, unit = shown_in(str(values.name))
+    numbers = values.values.ravel() * factor + 0.0  # no negative zero
+    return [title, unit, *heading, *(f"{number:.4f}" for number in numbers)]
 
 
 def aligned(columns: Sequence[Sequence[str]]) -> str:
