@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.control.search import Key
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.keys import refuse, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.results import NUMBERS
@@ -21,8 +21,6 @@ from stickslip.sweeping.results import NUMBERS
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import Progress
-
-Array = NDArray[np.float64]
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
 
@@ -194,8 +192,6 @@ def made_goal(
         ):
             raise ScenarioError(f"limit on {name} = {shown(limit)}: allowed is a finite number")
     if not isinstance(score, str) or not (score in ("mean", "worst") or _QUANTILE.fullmatch(score)):
-        raise ScenarioError(
-            f'score = {shown(score)}: allowed is "q10" or another of "q1" to "q99", "mean", "worst"'
-        )
+        refuse("score", score, '"q10" or another of "q1" to "q99", "mean", "worst"')
     assert figure is not None
     return Goal(figure, 1.0 if minimise is None else -1.0, score, dict(limits))

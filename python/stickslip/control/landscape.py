@@ -9,12 +9,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.control.design_space import Axis, DesignSpace
 from stickslip.control.goal import Judged
 from stickslip.control.search import Candidate
 from stickslip.errors import ScenarioError
-
-Array = NDArray[np.float64]
 
 OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 """Steps from the best, in parts of a number's range; chosen: from a good setting to a bad one."""

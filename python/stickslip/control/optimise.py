@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.processor_count import worker_count
-from stickslip.control.design_space import Array, DesignSpace, design_space
+from stickslip.control.design_space import DesignSpace, design_space
 from stickslip.control.goal import Goal, Judged, judge_all, made_goal
 from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
 from stickslip.control.optimum import Optimum
 from stickslip.control.sawtooth import POINTS, played, sawtooths
 from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, Value, check_whole, shown
+from stickslip.scenario.keys import RECORD_RATE, Value, check_kind, check_whole
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.results import NUMBERS
 
@@ -101,8 +102,7 @@ def optimise(
         limits; then the least value that was found is named.
     """
     begin = time.perf_counter()
-    if not isinstance(scenario, Scenario):
-        raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+    check_kind("scenario", scenario, Scenario)
     limits = limits or {}
     goal = made_goal(maximise, minimise, score, limits)
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():

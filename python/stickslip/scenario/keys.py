@@ -97,6 +97,16 @@ class Key:
         return self.name.rpartition(".")[0]
 
 
+def _one_of(words: Iterable[str]) -> str:
+    return "one of " + ", ".join(map(json.dumps, words))
+
+
+def _word_key(
+    name: str, kind: Literal["word", "fields"], allowed: str, default: str, meaning: str
+) -> Key:
+    return Key(name, kind, "-", math.nan, math.nan, allowed, default, meaning)
+
+
 _RECORD_KEYS = (
     Key(
         RECORD_RATE,
@@ -118,23 +128,17 @@ _RECORD_KEYS = (
         0.0,
         "simulated time before which nothing is recorded",
     ),
-    Key(
+    _word_key(
         RECORD_FIELDS,
         "fields",
-        "-",
-        math.nan,
-        math.nan,
         '"all", or some of ' + ", ".join(_core.record_columns),
         ALL_FIELDS,
         "recorded quantities, with commas between them; t is always there",
     ),
-    Key(
+    _word_key(
         "record.dtype",
         "word",
-        "-",
-        math.nan,
-        math.nan,
-        "one of " + ", ".join(map(json.dumps, DTYPES)),
+        _one_of(DTYPES),
         DTYPES[0],
         "precision of the recorded numbers; t always has float64",
     ),
@@ -151,30 +155,24 @@ def field_of(key: str) -> str:
 @until_registration
 def known_keys() -> dict[str, Key]:
     """All scalar keys by name, section by section."""
-    keys: dict[str, Key] = {}
-    for word in _core.choices():
-        allowed = "one of " + ", ".join(json.dumps(each) for each in word["allowed"])
-        keys[word["key"]] = Key(
-            word["key"], "word", "-", math.nan, math.nan, allowed, word["default"], word["meaning"]
+    words = [
+        _word_key(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"])
+        for row in _core.choices()
+    ]
+    numbers = [
+        Key(
+            row["key"],
+            "whole" if row["integer"] else "real",
+            *(row["unit"], row["low"], row["high"], row["allowed"]),
+            int(row["default"]) if row["integer"] else row["default"],
+            row["meaning"],
         )
-    for number in _core.parameters():
-        whole = number["integer"]
-        default = number["default"]
-        keys[number["key"]] = Key(
-            number["key"],
-            "whole" if whole else "real",
-            number["unit"],
-            number["low"],
-            number["high"],
-            number["allowed"],
-            int(default) if whole else default,
-            number["meaning"],
-        )
-    keys |= {key.name: key for key in _RECORD_KEYS}
-    sections = list(dict.fromkeys(row["key"].rpartition(".")[0] for row in _core.parameters()))
+        for row in _core.parameters()
+    ]
+    sections = list(dict.fromkeys(key.section for key in numbers))
     sections.insert(sections.index("solver") + 1, "record")
-    in_order = sorted(keys.values(), key=lambda key: sections.index(key.section))
-    return {key.name: key for key in in_order}
+    keys = sorted([*words, *numbers, *_RECORD_KEYS], key=lambda key: sections.index(key.section))
+    return {key.name: key for key in keys}
 
 
 def shown(value: object) -> str:
@@ -219,6 +217,12 @@ def check_whole(name: str, value: object, least: int = 0) -> None:
     """Refuse what is not a whole number from `least`."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < least:
         refuse(name, value, f"a whole number from {least}")
+
+
+def check_kind(name: str, value: object, kind: type) -> None:
+    """Refuse what is not of a class of this package."""
+    if not isinstance(value, kind):
+        refuse(name, value, f"a {kind.__name__}")
 
 
 def section_hint(section: str) -> str:
