@@ -3,6 +3,7 @@
 import io
 import math
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -61,8 +62,14 @@ def stickslip(*arguments, cwd=None):
     return subprocess.CompletedProcess([*map(str, arguments)], code, *texts)
 
 
-def stickslip_process(*arguments, **options):
-    """The finished process, with standard output and standard error as text."""
+def stickslip_process(*arguments, largest_file=None, **options):
+    """The finished process, with standard output and standard error as text.
+
+    Files cannot become larger than `largest_file`, bytes, if that is given.
+    """
+    if largest_file is not None:
+        limits = (largest_file, largest_file)
+        options["preexec_fn"] = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     return subprocess.run(
         [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
     )
@@ -88,3 +95,15 @@ def ended_at_the_bar(*arguments, shows=b"%", signals=(signal.SIGINT,), cwd=None)
         finally:
             process.kill()
     return subprocess.CompletedProcess(command, process.returncode, *texts), seen
+
+
+def check(done, *words):
+    """Bad input is refused in one line, which has some words."""
+    assert done.returncode == 2, done
+    assert done.stdout == ""
+    assert done.stderr.startswith("stickslip: ")
+    assert done.stderr.endswith("\n")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    for word in words:
+        assert word in done.stderr, done.stderr

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -299,10 +298,7 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
     folder = tmp_path / "out"
     folder.mkdir()
 
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
-
-    done = stickslip_process("run", scenario, option, folder / name, preexec_fn=limit)
+    done = stickslip_process("run", scenario, option, folder / name, largest_file=10_000)
     assert done.returncode == 1
     assert done.stdout == stickslip("run", scenario).stdout  # nobody simulates it again
     assert done.stderr.startswith("stickslip: cannot write")

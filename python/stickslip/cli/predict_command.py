@@ -8,13 +8,9 @@ import click
 
 from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, draw, say, vary_option
-from stickslip.cli.prediction_tables import (
-    prediction_as_dict,
-    prediction_failures,
-    prediction_table,
-)
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
+from stickslip.cli.tables import prediction_as_dict, prediction_failures, prediction_table
 from stickslip.cli.targets import check_out_and_plot, input_files
 from stickslip.control.predict import DRAWS, QUANTILES, predicted, single_point
 from stickslip.errors import ScenarioError

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -16,11 +15,10 @@ from stickslip.cli.tables import summary_table
 from stickslip.cli.targets import check_out_and_plot, input_files
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields, shown
-
-if TYPE_CHECKING:
-    from stickslip.scenario.scenario import Scenario
-    from stickslip.simulation.record_blocks import RecordNotWritten
-    from stickslip.simulation.run import Run
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.record_blocks import RecordNotWritten
+from stickslip.simulation.run import Run
+from stickslip.simulation.simulate import check_memory, simulate
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
 _RATE = 2e4
@@ -116,9 +114,6 @@ def _simulated(
     scenario: Scenario, until: str | None, out: Path | None
 ) -> tuple[Run, RecordNotWritten | None]:
     """The run, and what kept its record from being written, if anything did."""
-    from stickslip.simulation.record_blocks import RecordNotWritten
-    from stickslip.simulation.simulate import simulate
-
     try:
         with ProgressBar() as bar:
             return simulate(scenario, progress=bar, until=until, out=out), None
@@ -156,7 +151,6 @@ def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
 def _check_drawn(scenario: Scenario) -> None:
     """Say before a long simulation that its record cannot be drawn after it."""
     from stickslip.plot.motion import DRAWN
-    from stickslip.simulation.simulate import check_memory
 
     fields = str(scenario.record.fields)
     missing = [name for name in DRAWN if name not in recorded_fields(fields)]

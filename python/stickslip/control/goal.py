@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip._util.number_text import is_number
 from stickslip.control.search import Key
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse, shown, suggestion
@@ -185,12 +186,8 @@ def made_goal(
                 f"{suggestion(str(name), NUMBERS)}"
             )
     for name, limit in limits.items():
-        if (
-            isinstance(limit, bool)
-            or not isinstance(limit, int | float)
-            or not math.isfinite(limit)
-        ):
-            raise ScenarioError(f"limit on {name} = {shown(limit)}: allowed is a finite number")
+        if not is_number(limit) or not math.isfinite(limit):
+            refuse(f"limit on {name}", limit, "a finite number")
     if not isinstance(score, str) or not (score in ("mean", "worst") or _QUANTILE.fullmatch(score)):
         refuse("score", score, '"q10" or another of "q1" to "q99", "mean", "worst"')
     assert figure is not None

@@ -70,26 +70,26 @@ class Key:
         Dotted key, such as ``"drive.frequency"``.
     kind : {"real", "whole", "word", "rate", "fields"}
         What it holds; ``"rate"`` is a number or a word, ``"fields"`` names of recorded quantities.
-    unit : str
-        SI unit; ``"-"`` for none.
-    low, high : float
-        Range of a number; NaN for a word.
     allowed : str
         The range or the words, for a reader.
     default : float, int or str
         Value that a scenario has where none is given.
     meaning : str
         What it is, in a phrase.
+    unit : str
+        SI unit; ``"-"`` for none.
+    low, high : float
+        Range of a number; NaN for a word.
     """
 
     name: str
     kind: Literal["real", "whole", "word", "rate", "fields"]
-    unit: str
-    low: float
-    high: float
     allowed: str
     default: Value
     meaning: str
+    unit: str = "-"
+    low: float = math.nan
+    high: float = math.nan
 
     @property
     def section(self) -> str:
@@ -101,41 +101,31 @@ def _one_of(words: Iterable[str]) -> str:
     return "one of " + ", ".join(map(json.dumps, words))
 
 
-def _word_key(
-    name: str, kind: Literal["word", "fields"], allowed: str, default: str, meaning: str
-) -> Key:
-    return Key(name, kind, "-", math.nan, math.nan, allowed, default, meaning)
-
-
 _RECORD_KEYS = (
     Key(
         RECORD_RATE,
         "rate",
-        "Hz",
-        0.0,
-        math.inf,
         'a number above 0 Hz, "events" or "none"',
         "none",
         "rate of the uniform output grid, or one record an event, or no record",
+        *("Hz", 0.0, math.inf),
     ),
     Key(
         "record.from",
         "real",
-        "s",
-        0.0,
-        math.inf,
         "a number from 0 s to the run's duration",
         0.0,
         "simulated time before which nothing is recorded",
+        *("s", 0.0, math.inf),
     ),
-    _word_key(
+    Key(
         RECORD_FIELDS,
         "fields",
         '"all", or some of ' + ", ".join(_core.record_columns),
         ALL_FIELDS,
         "recorded quantities, with commas between them; t is always there",
     ),
-    _word_key(
+    Key(
         "record.dtype",
         "word",
         _one_of(DTYPES),
@@ -156,16 +146,16 @@ def field_of(key: str) -> str:
 def known_keys() -> dict[str, Key]:
     """All scalar keys by name, section by section."""
     words = [
-        _word_key(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"])
+        Key(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"])
         for row in _core.choices()
     ]
     numbers = [
         Key(
             row["key"],
             "whole" if row["integer"] else "real",
-            *(row["unit"], row["low"], row["high"], row["allowed"]),
+            row["allowed"],
             int(row["default"]) if row["integer"] else row["default"],
-            row["meaning"],
+            *(row["meaning"], row["unit"], row["low"], row["high"]),
         )
         for row in _core.parameters()
     ]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array
+from stickslip._util.atomic_files import replacing
 from stickslip._util.number_text import highest
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
@@ -180,9 +181,10 @@ class Waveform:
         OSError
             If the file cannot be written; nothing is left half-written.
         """
-        from stickslip.scenario.waveform_csv import write_points
+        from stickslip.scenario.waveform_csv import write_rows
 
-        write_points(self, path)
+        with replacing(path) as temporary:
+            write_rows(self, temporary)
 
     @property
     def blocks(self) -> tuple[_Block, ...]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.atomic_files import read_bytes, replacing
+from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse, shown
 from stickslip.scenario.sections import COIL_NAMES
@@ -47,14 +47,8 @@ def read_points(
     return table[:, 0].copy(), table[:, 1:].copy()
 
 
-def write_points(waveform: Waveform, path: str | PathLike[str]) -> None:
-    """See `Waveform.to_csv`."""
-    with replacing(path) as temporary:
-        write_rows(waveform, temporary)
-
-
 def write_rows(waveform: Waveform, path: Path) -> None:
-    """The same; a file that is there is overwritten."""
+    """See `Waveform.to_csv`; a file that is there is overwritten."""
     rows = sum(len(t) * repeats for t, _, repeats in waveform.blocks)
     if rows > _MOST_ROWS:
         raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
