@@ -58,11 +58,13 @@ def command(
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
     there are is said on standard error, and the exit status is then 1.
     """
-    points = swept_points(scenario, vary, settings) if vary else None
-    points = points or single_point(read_with(scenario, settings))
+    if vary:
+        points = swept_points(scenario, vary, settings)
+    else:
+        points = single_point(read_with(scenario, settings))
     points.scenario = with_uncertain_file(points.scenario, uncertain, settings)
     if plot is not None:
-        _check_drawable(points if vary else None)
+        _check_drawable(points)
     check_out_and_plot(out, plot, input_files(scenario, settings, uncertain))
 
     with ProgressBar(points=points.count * draws) as bar:
@@ -80,9 +82,9 @@ def command(
     return 1 if found.failed or not drawn else 0
 
 
-def _check_drawable(points: Points | None) -> None:
+def _check_drawable(points: Points) -> None:
     """Refuse what `plot.velocity` draws no bands of."""
-    sizes = zip(points.keys, points.shape, strict=True) if points else ()
+    sizes = zip(points.keys, points.shape, strict=True)
     numbers = [key for key, size in sizes if size > 1 and known_keys()[key].kind != "word"]
     if len(numbers) != 1:
         raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,12 @@ from stickslip.sweeping.results import NUMBERS
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import Progress
+
+Changes = Mapping[str, Any] | ScenarioError
+"""A drive, given by its changes of a scenario; or the error which says that they make none."""
+
+Evaluate = Callable[[Sequence[Changes]], Sequence["Judged"]]
+"""Drives that are judged in one batch."""
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
 
@@ -142,17 +148,13 @@ def judge(goal: Goal, runs: Sequence[Run]) -> Judged:
 def judge_all(
     goal: Goal,
     draws: Sequence[Scenario],
-    changes: Sequence[Mapping[str, Any] | ScenarioError],
+    drives: Sequence[Changes],
     threads: int,
     progress: Progress | None = None,
 ) -> list[Judged]:
-    """Drives, each given by its changes of every draw, in one batch.
-
-    In the place of changes may stand the error which says that they make no scenario; such a drive
-    has failed in every draw.
-    """
+    """Drives in some draws, in one batch; one that makes no scenario has failed in every draw."""
     made: list[list[Scenario] | str] = []
-    for each in changes:
+    for each in drives:
         try:
             if isinstance(each, ScenarioError):
                 raise each

@@ -253,7 +253,7 @@ def checked(name: str, value: object, core: _core.Scenario | None = None) -> Val
     """
     core = _core.Scenario() if core is None else core
     key = find_key(name, value)
-    if key.section == "record":  # the core takes them together: `set_record`
+    if key.section == "record":  # the core takes them together
         return _checked_record(key, value)
     if key.kind == "word":
         if not isinstance(value, str):
@@ -274,16 +274,6 @@ def recorded_fields(fields: str) -> tuple[str, ...]:
         return _core.record_columns
     kept = {"t", *fields.split(", ")}
     return tuple(name for name in _core.record_columns if name in kept)
-
-
-def set_record(core: _core.Scenario, rate: Value, start: float, fields: str) -> None:
-    """Give the core the keys of the record."""
-    if rate == "events":
-        core.record_events(start, recorded_fields(fields))
-    elif isinstance(rate, float):
-        core.record_uniform(rate, start, recorded_fields(fields))
-    else:
-        core.record_nothing()
 
 
 def _as_number(key: Key, value: object) -> float:

@@ -24,7 +24,7 @@ from stickslip.scenario.keys import (
     find_key,
     full_name,
     known_keys,
-    set_record,
+    recorded_fields,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.section_table import SECTIONS
@@ -317,7 +317,14 @@ class Scenario:
 
 
 def _set_record(core: _core.Scenario, record: Record) -> None:
-    set_record(core, record.rate, record.from_, str(record.fields))
+    """Give the core the keys of the record."""
+    fields = recorded_fields(str(record.fields))
+    if record.rate == "events":
+        core.record_events(record.from_, fields)
+    elif isinstance(record.rate, float):
+        core.record_uniform(record.rate, record.from_, fields)
+    else:
+        core.record_nothing()
 
 
 _FIELDS = dataclasses.fields(Scenario)

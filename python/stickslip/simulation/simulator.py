@@ -7,21 +7,20 @@ from typing import Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError, SimulationError, prefixed
-from stickslip.scenario.keys import check_kind, shown
+from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import State, made_state
 
 Hold = Literal["constant", "linear"]
-HOLDS = ("constant", "linear")
 
 _TYPES = "a step takes a mapping from coils to V, and a duration in s"
 
 
 def check_hold(hold: str) -> bool:
     """Whether voltages go linearly to those of a step; a ScenarioError for another word."""
-    if hold not in HOLDS:
-        raise ScenarioError(f'hold = {shown(hold)}: allowed is "constant" or "linear"')
+    if hold not in ("constant", "linear"):
+        refuse("hold", hold, '"constant" or "linear"')
     return hold == "linear"
 
 

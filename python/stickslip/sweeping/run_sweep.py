@@ -166,16 +166,15 @@ def points_of(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Poi
 
 def _existing_results(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
     """The results that there are already."""
+    results = Results(points.count)
     if out is None:
-        return Results(points.count)
-    if not os.path.isfile(out):
-        check_writable(out)
-        return Results(points.count)
-    if not resume:
-        raise FileExistsError(
-            f"{out} is already there: resume it, remove it, or choose another name"
-        )
-    results = read(out, points)
+        return results
+    if os.path.isfile(out):
+        if not resume:
+            raise FileExistsError(
+                f"{out} is already there: resume it, remove it, or choose another name"
+            )
+        results = read(out, points)
     if not results.complete:
         check_writable(out)
     return results
