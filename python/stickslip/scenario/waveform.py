@@ -16,6 +16,7 @@ from stickslip._util.atomic_files import replacing
 from stickslip._util.number_text import highest
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
+from stickslip.scenario.waveform_csv import read_points, write_rows
 
 _Block = tuple[Array, Array, int]
 
@@ -167,8 +168,6 @@ class Waveform:
             If the file cannot be read or a column or value is not as it has to be; the message
             names file, row and column.
         """
-        from stickslip.scenario.waveform_csv import read_points
-
         return cls.from_points(*read_points(path))
 
     def to_csv(self, path: str | PathLike[str]) -> None:
@@ -181,8 +180,6 @@ class Waveform:
         OSError
             If the file cannot be written; nothing is left half-written.
         """
-        from stickslip.scenario.waveform_csv import write_rows
-
         with replacing(path) as temporary:
             write_rows(self, temporary)
 
