@@ -3,6 +3,8 @@
 import io
 import math
 import os
+import resource
+import signal
 import subprocess
 import sys
 import warnings
@@ -60,8 +62,48 @@ def stickslip(*arguments, cwd=None):
     return subprocess.CompletedProcess([*map(str, arguments)], code, *texts)
 
 
-def stickslip_process(*arguments, **options):
-    """The finished process, with standard output and standard error as text."""
+def stickslip_process(*arguments, largest_file=None, **options):
+    """The finished process, with standard output and standard error as text.
+
+    Files cannot become larger than `largest_file`, bytes, if that is given.
+    """
+    if largest_file is not None:
+        limits = (largest_file, largest_file)
+        options["preexec_fn"] = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     return subprocess.run(
         [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
     )
+
+
+def ended_at_the_bar(*arguments, shows=b"%", signals=(signal.SIGINT,), cwd=None):
+    """The finished process that got signals once its bar showed some bytes, and what it had shown.
+
+    Standard output and standard error, after those bytes, are bytes too.
+    """
+    command = [*COMMAND, *map(str, arguments)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, cwd=cwd) as process:
+        try:
+            seen = b""
+            while shows not in seen:
+                more = os.read(process.stderr.fileno(), 256)
+                assert more, "the command ended before its bar appeared"
+                seen += more
+            for each in signals:
+                process.send_signal(each)
+            texts = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    return subprocess.CompletedProcess(command, process.returncode, *texts), seen
+
+
+def check(done, *words):
+    """Bad input is refused in one line, which has some words."""
+    assert done.returncode == 2, done
+    assert done.stdout == ""
+    assert done.stderr.startswith("stickslip: ")
+    assert done.stderr.endswith("\n")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    for word in words:
+        assert word in done.stderr, done.stderr

@@ -26,6 +26,14 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.slow)
 
 
+@pytest.fixture
+def scenario(tmp_path, request):
+    """The file of a scenario with the text that the test's module has as `TEXT`."""
+    path = tmp_path / "scenario.toml"
+    path.write_text(request.module.TEXT)
+    return path
+
+
 @pytest.fixture(scope="session")
 def tilted(tmp_path_factory, worker_id):
     """The folder of a diagnosis of a surface that tilts by 0.04 rad, and what ``--json`` said.

@@ -4,24 +4,13 @@ import os
 
 import pytest
 
-from command_line import stickslip
+from command_line import check, stickslip
 from stickslip import ScenarioError
 from stickslip.cli.settings import parse_value, read_with
 
 HEAD = "stickslip = 1\n[drive]\n"
 CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
 PROGRAM = HEAD + 'mode = "program"\nfile = "v.csv"\n'
-
-
-def check(done, *words):
-    assert done.returncode == 2, done
-    assert done.stdout == ""
-    assert done.stderr.startswith("stickslip: ")
-    assert done.stderr.endswith("\n")
-    assert done.stderr.count("\n") == 1, done.stderr
-    assert "Traceback" not in done.stderr
-    for word in words:
-        assert word in done.stderr, done.stderr
 
 
 def run(tmp_path, scenario, *options, **more):

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -13,18 +12,11 @@ import pandas
 import pytest
 import xarray
 
-from command_line import COMMAND, stickslip, stickslip_process
+from command_line import COMMAND, ended_at_the_bar, stickslip, stickslip_process
 from stickslip import COIL_NAMES, Scenario, effects, load, open_run, simulate
 from stickslip.simulation.run import COLUMNS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
-
-
-@pytest.fixture
-def scenario(tmp_path):
-    path = tmp_path / "scenario.toml"
-    path.write_text(TEXT)
-    return path
 
 
 def test_json_is_one_object_with_the_summary_of_the_library(scenario):
@@ -216,22 +208,6 @@ def test_version():
     assert stickslip("--version").stdout == f"stickslip {__import__('stickslip').__version__}\n"
 
 
-def run_until_the_bar(scenario, *settings, options=()):
-    """A running simulation whose bar has just appeared."""
-    arguments = [f"--set={setting}" for setting in settings]
-    process = subprocess.Popen(
-        [*COMMAND, "run", str(scenario), *arguments, *map(str, options)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-    seen = b""
-    while b"simulating" not in seen:
-        byte = os.read(process.stderr.fileno(), 64)
-        assert byte, "the run ended before its bar appeared"
-        seen += byte
-    return process
-
-
 @pytest.mark.parametrize(
     "settings",
     [
@@ -242,17 +218,11 @@ def run_until_the_bar(scenario, *settings, options=()):
 )
 def test_an_interrupt_stops_a_run(scenario, settings):
     # How fast is measured by bench/promises.py; here a run that would take hours has to end.
-    process = run_until_the_bar(scenario, *settings)
-    try:
-        process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=60)
-    finally:
-        process.kill()
-        process.wait()
-    assert process.returncode == 130
-    assert output == b""
-    assert b"Traceback" not in errors
-    assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", errors)
+    options = [f"--set={setting}" for setting in settings]
+    done, _ = ended_at_the_bar("run", scenario, *options, shows=b"simulating")
+    assert (done.returncode, done.stdout) == (130, b"")
+    assert b"Traceback" not in done.stderr
+    assert re.search(rb"stickslip: interrupted at \d+ %, nothing written\n$", done.stderr)
 
 
 def test_a_picture_of_which_nothing_can_be_drawn_is_a_failure(scenario, tmp_path):
@@ -271,16 +241,11 @@ def test_termination_keeps_what_was_recorded_as_an_interrupt_does(scenario, tmp_
     folder = tmp_path / "out"
     folder.mkdir()
     settings = ("solver.max_step=1e-7", "drive.pulses=5000", "record.rate=1e7")
-    process = run_until_the_bar(scenario, *settings, options=["--out", folder / "term.nc"])
-    try:
-        process.send_signal(signal.SIGTERM)
-        process.send_signal(signal.SIGTERM)
-        _, errors = process.communicate(timeout=60)
-    finally:
-        process.kill()
-        process.wait()
-    assert process.returncode == 130
-    assert re.search(rb"stickslip: interrupted at \d+ %, \S+ has the record up to ", errors)
+    options = [*(f"--set={setting}" for setting in settings), "--out", folder / "term.nc"]
+    twice = 2 * (signal.SIGTERM,)
+    done, _ = ended_at_the_bar("run", scenario, *options, shows=b"simulating", signals=twice)
+    assert done.returncode == 130
+    assert re.search(rb"stickslip: interrupted at \d+ %, \S+ has the record up to ", done.stderr)
     assert [each.name for each in folder.iterdir()] == ["term.nc"]
     assert open_run(folder / "term.nc").recorded_until > 0.0
 
@@ -333,10 +298,7 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
     folder = tmp_path / "out"
     folder.mkdir()
 
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
-
-    done = stickslip_process("run", scenario, option, folder / name, preexec_fn=limit)
+    done = stickslip_process("run", scenario, option, folder / name, largest_file=10_000)
     assert done.returncode == 1
     assert done.stdout == stickslip("run", scenario).stdout  # nobody simulates it again
     assert done.stderr.startswith("stickslip: cannot write")

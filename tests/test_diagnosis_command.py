@@ -1,15 +1,12 @@
 """``stickslip diagnose`` on data that the simulator made, from file to report."""
 
 import json
-import os
 import re
-import signal
-import subprocess
 from types import SimpleNamespace
 
 import pytest
 
-from command_line import COMMAND, stickslip
+from command_line import ended_at_the_bar, stickslip
 from made_measurement import write
 from report_page import without_pictures
 from stickslip import Scenario, simulate
@@ -133,19 +130,10 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path, old, new, said):
 def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
     path = write(tmp_path, {"effects.surface_tilt.angle": 0.04})
     out = tmp_path / "found"
-    process = subprocess.Popen(
-        [*COMMAND, "diagnose", str(path), "--out", str(out), "--threads", "1"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-    seen = b""
-    while b"%" not in seen:
-        seen += os.read(process.stderr.fileno(), 64)
-        assert process.poll() is None, "the diagnosis ended before its bar appeared"
-    process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=20)
-    assert (process.returncode, output) == (130, b"")
-    assert re.search(rb"stickslip: interrupted at the stage '[a-z ]+', nothing written\n$", errors)
+    done, _ = ended_at_the_bar("diagnose", path, "--out", out, "--threads", 1)
+    assert (done.returncode, done.stdout) == (130, b"")
+    told = rb"stickslip: interrupted at the stage '[a-z ]+', nothing written\n$"
+    assert re.search(told, done.stderr)
     assert not out.exists()
 
 

@@ -1,7 +1,6 @@
 """Records that go into a file while a run is simulated."""
 
 import json
-import resource
 import signal
 import subprocess
 import sys
@@ -252,12 +251,8 @@ def test_where_the_disk_is_full_the_summary_is_printed_and_the_record_kept(
     out = tmp_path / "out"
     out.mkdir()
     path = out / "run.nc"
-
-    def limited():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-
     done = stickslip_process(
-        "run", tmp_path / "scenario.toml", "--out", path, "--json", preexec_fn=limited
+        "run", tmp_path / "scenario.toml", "--out", path, "--json", largest_file=limit
     )
     assert done.returncode == 1
     printed = json.loads(done.stdout)

@@ -23,13 +23,6 @@ FEW = ("--evaluations", 60, "--draws", 3, "--fresh", 5)
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
 
 
-@pytest.fixture
-def scenario(tmp_path):
-    path = tmp_path / "scenario.toml"
-    path.write_text(TEXT)
-    return path
-
-
 def test_the_files_are_a_scenario_its_voltages_and_a_page(scenario, tmp_path):
     out = tmp_path / "found"
     done = stickslip("optimise", scenario, *WAVE, *FEW, "--out", out)

@@ -2,13 +2,11 @@
 
 import json
 import math
-import signal
-import subprocess
 
 import pandas as pd
 import pytest
 
-from command_line import COMMAND, stickslip
+from command_line import ended_at_the_bar, stickslip
 from stickslip import Prior, load, predict
 
 UNCERTAIN = """[uncertain]
@@ -123,19 +121,10 @@ def test_a_value_of_a_covariance_can_be_set_where_the_other_file_has_none(files)
 
 
 def test_an_interrupt_leaves_no_file(files):
-    process = subprocess.Popen(
-        [*COMMAND, "predict", *map(str, COMMON), "--out", "b.csv", "--set", "solver.max_step=1e-7"],
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=files,
-    )
-    # The bar comes once the work has begun.
-    while "%" not in process.stderr.read(1):
-        assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "nothing written" in errors
+    options = ("--out", "b.csv", "--set", "solver.max_step=1e-7")
+    done, _ = ended_at_the_bar("predict", *COMMON, *options, cwd=files)
+    assert done.returncode == 130
+    assert b"nothing written" in done.stderr
     assert not (files / "b.csv").exists()
 
 

@@ -2,11 +2,7 @@
 
 import itertools
 import json
-import os
-import resource
-import signal
 import socket
-import subprocess
 
 import distributed
 import h5netcdf
@@ -14,20 +10,13 @@ import numpy as np
 import pytest
 import xarray
 
-from command_line import COMMAND, stickslip, stickslip_process
+from command_line import check, ended_at_the_bar, stickslip, stickslip_process
 from stickslip import load, simulate, sweep
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n"
 VARY = ["--vary", "drive.frequency=30:90:3", "--vary", "drive.mode=OPP,IPP"]
 GRID = {"drive.frequency": [30.0, 60.0, 90.0], "drive.mode": ["OPP", "IPP"]}
 ENDLESS = ["--set=solver.max_step=1e-6", "--vary", "drive.frequency=50:60:1000"]
-
-
-@pytest.fixture
-def scenario(tmp_path):
-    path = tmp_path / "scenario.toml"
-    path.write_text(TEXT)
-    return path
 
 
 def test_json_is_one_object_with_the_summaries_of_single_runs(scenario):
@@ -112,36 +101,21 @@ def test_help_has_an_example():
 
 def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
     arguments = ["sweep", scenario, *ENDLESS, "--threads=2", "--out", tmp_path / "a.nc"]
-    process = subprocess.Popen(
-        [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    try:
-        seen = b""
-        while b"points/s" not in seen:
-            byte = os.read(process.stderr.fileno(), 256)
-            assert byte, "the sweep ended before its bar appeared"
-            seen += byte
-        process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=30)
-    finally:
-        process.kill()
-        process.wait()
-    assert process.returncode == 130
-    assert output == b""
-    assert b"Traceback" not in errors
+    done, seen = ended_at_the_bar(*arguments, shows=b"points/s")
+    assert (done.returncode, done.stdout) == (130, b"")
+    assert b"Traceback" not in done.stderr
     assert b"<" in seen  # the time left
-    assert b" %, --resume goes on with " in errors
+    assert b" %, --resume goes on with " in done.stderr
     with h5netcdf.File(tmp_path / "a.nc", "r") as file:
         assert 0 < file.attrs["finished_points"] < 1000
 
 
 def test_a_full_disk_is_one_line(scenario, tmp_path):
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
-
     folder = tmp_path / "out"
     folder.mkdir()
-    done = stickslip_process("sweep", scenario, *VARY, "--out", folder / "a.nc", preexec_fn=limit)
+    done = stickslip_process(
+        "sweep", scenario, *VARY, "--out", folder / "a.nc", largest_file=10_000
+    )
     assert done.returncode == 1
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1
@@ -157,17 +131,6 @@ def test_dask(scenario, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
         xarray.testing.assert_identical(stored.load(), sweep(load(scenario), GRID))
-
-
-def check(done, *words):
-    assert done.returncode == 2, done
-    assert done.stdout == ""
-    assert done.stderr.startswith("stickslip: ")
-    assert done.stderr.endswith("\n")
-    assert done.stderr.count("\n") == 1, done.stderr
-    assert "Traceback" not in done.stderr
-    for word in words:
-        assert word in done.stderr, done.stderr
 
 
 VARIED = {

@@ -13,45 +13,57 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from stickslip import plot
-    from stickslip._core import __version__
-    from stickslip.control.optimise import optimise
-    from stickslip.control.optimum import Optimum
-    from stickslip.control.predict import predict
-    from stickslip.control.prediction import Prediction
-    from stickslip.diagnosis.api import diagnose, diagnose_model
-    from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
-    from stickslip.diagnosis.options import Options
-    from stickslip.diagnosis.results import Diagnosis
-    from stickslip.errors import ScenarioError, SimulationError
-    from stickslip.measurement.reading import Measurement, read_measurement
-    from stickslip.reproduction.study import reproduce
-    from stickslip.scenario.named_effects import effects
-    from stickslip.scenario.priors import Prior
-    from stickslip.scenario.scenario import Scenario, load
-    from stickslip.scenario.sections import (
-        COIL_NAMES,
-        Coil,
-        Contact,
-        Drag,
-        Drive,
-        Environment,
-        Record,
-        Robot,
-        Solver,
-    )
-    from stickslip.scenario.state import STATE_COLUMNS, State
-    from stickslip.scenario.uncertain import JointPrior
-    from stickslip.scenario.user_effects import EffectParameter, register_effect, unregister_effect
-    from stickslip.scenario.waveform import Waveform, volts_per_tesla
-    from stickslip.simulation.coils import Coils
-    from stickslip.simulation.rollout import STATE_UNITS, Rollout, rollout
-    from stickslip.simulation.run import Run
-    from stickslip.simulation.simulate import simulate, simulate_batch
-    from stickslip.simulation.simulator import Simulator, Snapshot
-    from stickslip.simulation.stored_run import open_run
-    from stickslip.sweeping.run_sweep import sweep
-    from stickslip.versions import show_versions
+    from stickslip import plot as plot
+    from stickslip._core import __version__ as __version__
+    from stickslip.control.optimise import optimise as optimise
+    from stickslip.control.optimum import Optimum as Optimum
+    from stickslip.control.predict import predict as predict
+    from stickslip.control.prediction import Prediction as Prediction
+    from stickslip.diagnosis.api import diagnose as diagnose
+    from stickslip.diagnosis.api import diagnose_model as diagnose_model
+    from stickslip.diagnosis.model.problem import Cause as Cause
+    from stickslip.diagnosis.model.problem import CauseParameter as CauseParameter
+    from stickslip.diagnosis.model.problem import Uncertain as Uncertain
+    from stickslip.diagnosis.options import Options as Options
+    from stickslip.diagnosis.results import Diagnosis as Diagnosis
+    from stickslip.errors import ScenarioError as ScenarioError
+    from stickslip.errors import SimulationError as SimulationError
+    from stickslip.measurement.reading import Measurement as Measurement
+    from stickslip.measurement.reading import read_measurement as read_measurement
+    from stickslip.reproduction.study import reproduce as reproduce
+    from stickslip.scenario.named_effects import effects as effects
+    from stickslip.scenario.priors import Prior as Prior
+    from stickslip.scenario.scenario import Scenario as Scenario
+    from stickslip.scenario.scenario import load as load
+    from stickslip.scenario.sections import COIL_NAMES as COIL_NAMES
+    from stickslip.scenario.sections import Coil as Coil
+    from stickslip.scenario.sections import Contact as Contact
+    from stickslip.scenario.sections import Drag as Drag
+    from stickslip.scenario.sections import Drive as Drive
+    from stickslip.scenario.sections import Environment as Environment
+    from stickslip.scenario.sections import Record as Record
+    from stickslip.scenario.sections import Robot as Robot
+    from stickslip.scenario.sections import Solver as Solver
+    from stickslip.scenario.state import STATE_COLUMNS as STATE_COLUMNS
+    from stickslip.scenario.state import State as State
+    from stickslip.scenario.uncertain import JointPrior as JointPrior
+    from stickslip.scenario.user_effects import EffectParameter as EffectParameter
+    from stickslip.scenario.user_effects import register_effect as register_effect
+    from stickslip.scenario.user_effects import unregister_effect as unregister_effect
+    from stickslip.scenario.waveform import Waveform as Waveform
+    from stickslip.scenario.waveform import volts_per_tesla as volts_per_tesla
+    from stickslip.simulation.coils import Coils as Coils
+    from stickslip.simulation.rollout import STATE_UNITS as STATE_UNITS
+    from stickslip.simulation.rollout import Rollout as Rollout
+    from stickslip.simulation.rollout import rollout as rollout
+    from stickslip.simulation.run import Run as Run
+    from stickslip.simulation.simulate import simulate as simulate
+    from stickslip.simulation.simulate import simulate_batch as simulate_batch
+    from stickslip.simulation.simulator import Simulator as Simulator
+    from stickslip.simulation.simulator import Snapshot as Snapshot
+    from stickslip.simulation.stored_run import open_run as open_run
+    from stickslip.sweeping.run_sweep import sweep as sweep
+    from stickslip.versions import show_versions as show_versions
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 _HOME = {
@@ -93,64 +105,10 @@ _HOME = {
     for name in names
 }
 
-# Written out: type checkers read it.
-__all__ = [
-    "COIL_NAMES",
-    "STATE_COLUMNS",
-    "STATE_UNITS",
-    "Cause",
-    "CauseParameter",
-    "Coil",
-    "Coils",
-    "Contact",
-    "Diagnosis",
-    "Drag",
-    "Drive",
-    "EffectParameter",
-    "Environment",
-    "JointPrior",
-    "Measurement",
-    "Optimum",
-    "Options",
-    "Prediction",
-    "Prior",
-    "Record",
-    "Robot",
-    "Rollout",
-    "Run",
-    "Scenario",
-    "ScenarioError",
-    "SimulationError",
-    "Simulator",
-    "Snapshot",
-    "Solver",
-    "State",
-    "Uncertain",
-    "Waveform",
-    "__version__",
-    "diagnose",
-    "diagnose_model",
-    "effects",
-    "load",
-    "open_run",
-    "optimise",
-    "plot",
-    "predict",
-    "read_measurement",
-    "register_effect",
-    "reproduce",
-    "rollout",
-    "show_versions",
-    "simulate",
-    "simulate_batch",
-    "sweep",
-    "unregister_effect",
-    "volts_per_tesla",
-]
-
-
-# Hidden from type checkers, which would else take any name for an attribute.
+# Hidden from type checkers, which take the names from above: they read no computed list, and would
+# take any name for an attribute.
 if not TYPE_CHECKING:
+    __all__ = sorted(_HOME)
 
     def __getattr__(name: str) -> Any:
         if name not in _HOME:
@@ -160,6 +118,5 @@ if not TYPE_CHECKING:
         globals()[name] = value
         return value
 
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    def __dir__() -> list[str]:
+        return __all__

@@ -1,4 +1,4 @@
-"""Options that several commands have, and how a line is printed."""
+"""Options that several commands have, and how a line is printed and a picture drawn."""
 
 from __future__ import annotations
 
@@ -35,6 +35,12 @@ def vary_option(required: bool) -> Callable[[_F], _F]:
     )
 
 
+UNCERTAIN = click.option(
+    "--uncertain",
+    type=PATH,
+    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
+    "scenario, or the extended.toml of a diagnosis.",
+)
 THREADS = click.option(
     "--threads",
     "--jobs",
@@ -48,3 +54,16 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON obje
 def say(line: str, err: bool = False) -> None:
     """Print one line, in which control characters of file names and columns are escaped."""
     click.echo(printable(line), err=err)
+
+
+def draw(path: Path, figure: str, *what: Any) -> bool:
+    """Write the picture of a function of `stickslip.plot`; False if there is nothing to draw."""
+    from stickslip import plot
+
+    try:
+        drawn = getattr(plot, figure)(*what)
+    except ValueError as error:  # for instance of a run that failed before the time that is drawn
+        say(f"stickslip: --plot: nothing drawn: {error}", err=True)
+        return False
+    plot.save(drawn, path)
+    return True

@@ -57,7 +57,9 @@ def _diagnosed(
     """The diagnosis with its experiments, and its report where one is wanted, while a bar shows."""
     from stickslip.diagnosis.api import diagnose
 
-    bar = ProgressBar("recalibrating")
+    bar = ProgressBar(
+        "recalibrating", kept=lambda stage: "" if stage == "report" else "nothing written"
+    )
     try:
         with bar:
 
@@ -71,10 +73,6 @@ def _diagnosed(
             if out is not None:
                 bar(0.97, "report")
                 result.save_report(out)
-    except KeyboardInterrupt:
-        kept = "" if bar.stage == "report" else ", nothing written"
-        say(f"stickslip: interrupted at the stage '{bar.stage}'{kept}", err=True)
-        raise
     except OSError:
         if bar.stage == "report":  # the verdict is printed even if a disk was full
             _tell(result, as_json)

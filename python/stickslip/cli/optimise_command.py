@@ -9,12 +9,12 @@ import click
 
 from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, SET, THREADS, say
+from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, say
 from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import parse_value, read_with, with_uncertain_file
-from stickslip.cli.targets import check_folder_target, input_files, same_file
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.scenario import Scenario
+from stickslip.cli.settings import by_key, parse_value, read_with, with_uncertain_file
+from stickslip.cli.targets import check_folder_target, input_files
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value
 
 _FREE = "allowed is key=low:high or key=word,word, such as drive.frequency=5:300"
 _LIMIT = "allowed is figure=value, such as field_max=2.5e-3"
@@ -53,12 +53,7 @@ Examples:
 @click.option(
     "--coils", default="xp,clamp", show_default=True, help="Coils that a free waveform drives."
 )
-@click.option(
-    "--uncertain",
-    type=PATH,
-    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
-    "scenario, or the extended.toml of a diagnosis.",
-)
+@UNCERTAIN
 @click.option(
     "--score",
     default="q10",
@@ -113,23 +108,22 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
+    from stickslip.control.optimise import optimise
     from stickslip.control.optimum import FILES
 
     base = with_uncertain_file(read_with(scenario, settings), uncertain, settings)
-    given = {
-        "free": _free(free),
-        "limits": _limits(limits),
-        "coils": [name.strip() for name in coils.split(",")],
-    }
+    options["free"] = by_key("--free", free, _FREE, _values)
+    options["limits"] = by_key("--limit", limits, _LIMIT, _number)
+    options["coils"] = [name.strip() for name in coils.split(",")]
     if out is None and not as_json:
         out = Path("best")
     if out is not None:
-        check_folder_target(out, FILES)
-        for what, read in input_files(scenario, settings, uncertain).items():
-            for name in FILES:
-                if same_file(out / name, read):
-                    raise ScenarioError(f"--out: {out / name} is {what}, which it would overwrite")
-    found = _found(base, given | options, out)
+        check_folder_target(out, FILES, input_files(scenario, settings, uncertain))
+    with ProgressBar("searching") as bar:
+        found = optimise(base, progress=bar, **options)
+        if out is not None:
+            bar(1.0, "report")
+            found.save_report(out)
     click.echo(json_text(found.as_dict()) if as_json else printable_lines(found.summary()))
     if found.interrupted:
         kept = "nothing written" if out is None else f"the best so far is in {out}"
@@ -139,48 +133,18 @@ def command(
         say(f"  in {out}: {', '.join(found.files)}")
 
 
-def _found(base: Scenario, given: dict[str, Any], out: Path | None) -> Any:
-    from stickslip.control.optimise import optimise
-
-    bar = ProgressBar("searching")
-    try:
-        with bar:
-            found = optimise(base, progress=bar, **given)
-            if out is not None:
-                bar(1.0, "report")
-                found.save_report(out)
-    except KeyboardInterrupt:
-        say(f"stickslip: interrupted at the stage '{bar.stage}', nothing written", err=True)
-        raise
-    return found
+def _values(text: str) -> list[Value]:
+    """The two ends of a range, or words."""
+    separator = ":" if ":" in text else ","
+    values = [parse_value(part.strip()) for part in text.split(separator)] if text else []
+    are_numbers = all(isinstance(each, int | float) for each in values)
+    if (separator == ":") != are_numbers or (are_numbers and len(values) != 2):
+        raise ScenarioError(_FREE)
+    return values
 
 
-def _free(texts: tuple[str, ...]) -> dict[str, Any]:
-    free: dict[str, Any] = {}
-    for text in texts:
-        key, equals, values = (part.strip() for part in text.partition("="))
-        with prefixed(f'--free "{text}"'):
-            if not equals or not key or not values:
-                raise ScenarioError(_FREE)
-            if key in free:
-                raise ScenarioError(f"{key} is there twice")
-            separator = ":" if ":" in values else ","
-            free[key] = [parse_value(part.strip()) for part in values.split(separator)]
-            are_numbers = all(isinstance(each, int | float) for each in free[key])
-            if (separator == ":") != are_numbers or (are_numbers and len(free[key]) != 2):
-                raise ScenarioError(_FREE)
-    return free
-
-
-def _limits(texts: tuple[str, ...]) -> dict[str, float]:
-    limits: dict[str, float] = {}
-    for text in texts:
-        name, _, value = (part.strip() for part in text.partition("="))
-        with prefixed(f'--limit "{text}"'):
-            number = parse_value(value) if name and value else ""
-            if isinstance(number, str):
-                raise ScenarioError(_LIMIT)
-            if name in limits:
-                raise ScenarioError(f"{name} is there twice")
-            limits[name] = number
-    return limits
+def _number(text: str) -> float:
+    number = parse_value(text)
+    if isinstance(number, str):
+        raise ScenarioError(_LIMIT)
+    return number

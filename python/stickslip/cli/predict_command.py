@@ -7,20 +7,14 @@ from pathlib import Path
 import click
 
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, SET, THREADS, say, vary_option
-from stickslip.cli.prediction_tables import (
-    prediction_as_dict,
-    prediction_failures,
-    prediction_table,
-)
+from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, draw, say, vary_option
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
+from stickslip.cli.tables import prediction_as_dict, prediction_failures, prediction_table
 from stickslip.cli.targets import check_out_and_plot, input_files
 from stickslip.control.predict import DRAWS, QUANTILES, predicted, single_point
-from stickslip.control.prediction import Prediction
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.simulate import STAGE
 from stickslip.sweeping.points import Points
 
 
@@ -31,12 +25,7 @@ from stickslip.sweeping.points import Points
     "    --vary drive.frequency=20:200:10 --out bands.csv --plot bands.png",
 )
 @click.argument("scenario", type=PATH)
-@click.option(
-    "--uncertain",
-    type=PATH,
-    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
-    "scenario, or the extended.toml of a diagnosis.",
-)
+@UNCERTAIN
 @vary_option(required=False)
 @SET
 @click.option(
@@ -69,27 +58,23 @@ def command(
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
     there are is said on standard error, and the exit status is then 1.
     """
-    points = swept_points(scenario, vary, settings) if vary else None
-    points = points or single_point(read_with(scenario, settings))
+    if vary:
+        points = swept_points(scenario, vary, settings)
+    else:
+        points = single_point(read_with(scenario, settings))
     points.scenario = with_uncertain_file(points.scenario, uncertain, settings)
     if plot is not None:
-        _check_drawable(points if vary else None)
-    if out is not None or plot is not None:
-        check_out_and_plot(out, plot, input_files(scenario, settings, uncertain))
+        _check_drawable(points)
+    check_out_and_plot(out, plot, input_files(scenario, settings, uncertain))
 
-    bar = ProgressBar(STAGE, points.count * draws)
-    try:
-        with bar:
-            found = predicted(points, bool(vary), draws, seed, QUANTILES, threads, bar)
-    except KeyboardInterrupt:
-        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, nothing written", err=True)
-        raise
+    with ProgressBar(points=points.count * draws) as bar:
+        found = predicted(points, bool(vary), draws, seed, QUANTILES, threads, bar)
     drawn = True
     try:
         if out is not None:
             found.save(out)
         if plot is not None:
-            drawn = _draw(found, plot)
+            drawn = draw(plot, "velocity", found)
     finally:  # the table is printed even if a disk was full
         click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
         for failure in prediction_failures(found):
@@ -97,22 +82,9 @@ def command(
     return 1 if found.failed or not drawn else 0
 
 
-def _check_drawable(points: Points | None) -> None:
+def _check_drawable(points: Points) -> None:
     """Refuse what `plot.velocity` draws no bands of."""
-    sizes = zip(points.keys, points.shape, strict=True) if points else ()
+    sizes = zip(points.keys, points.shape, strict=True)
     numbers = [key for key, size in sizes if size > 1 and known_keys()[key].kind != "word"]
     if len(numbers) != 1:
         raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")
-
-
-def _draw(found: Prediction, path: Path) -> bool:
-    """Whether there was something to draw."""
-    from stickslip import plot as drawing
-
-    try:
-        figure = drawing.velocity(found)
-    except ValueError as error:  # for instance if all draws failed
-        say(f"stickslip: --plot: nothing drawn: {error}", err=True)
-        return False
-    drawing.save(figure, path)
-    return True

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
+
+from stickslip.cli.common import say
+from stickslip.simulation.simulate import STAGE
 
 PATIENCE = 2.0
 """Time that passes without a bar, s. Chosen: a shorter wait needs no explanation."""
@@ -21,12 +25,21 @@ class ProgressBar:
     `fraction` is the part that is done, 0 to 1, and `stage` what is being done. With a number of
     `points` the bar shows their count, its rate and the time left. Points that are done at the
     first call were done by an earlier sweep, and do not count in the rate.
+
+    Ctrl-C is told on standard error, with the text that it carries, or else with what `kept` says
+    of the stage that was reached: which files are there.
     """
 
-    def __init__(self, stage: str, points: int = 0) -> None:
+    def __init__(
+        self,
+        stage: str = STAGE,
+        points: int = 0,
+        kept: Callable[[str], str] = lambda stage: "nothing written",
+    ) -> None:
         self.fraction = 0.0
         self.stage = stage
         self._points = points
+        self._kept = kept
         self._called = False
 
     def __enter__(self) -> ProgressBar:
@@ -50,9 +63,14 @@ class ProgressBar:
         )
         return self
 
-    def __exit__(self, *error: object) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         if self._bar is not None:
             self._bar.close()
+        if isinstance(error, KeyboardInterrupt):
+            share = f"{100.0 * self.fraction:.0f} %"
+            place = share if self.stage == STAGE else f"the stage '{self.stage}'"
+            kept = error.args[0] if error.args else self._kept(self.stage)
+            say(f"stickslip: interrupted at {place}{kept and ', '}{kept}", err=True)
 
     def __call__(self, fraction: float, stage: str) -> None:
         new_stage = stage != self.stage

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -88,20 +86,14 @@ def command(
         raise ScenarioError(f'--only "{only}": allowed are names of figures, such as fig8,fig12')
     figures = [f"{name}{suffix}" for name in names or FIGURES for suffix in (".png", ".csv")]
     check_folder_target(out, [PAGE, SETTINGS, *figures])
-    bar = ProgressBar("trying settings")
-    with _interrupts_told(bar, out), bar:
+    with _bar("trying settings", out) as bar:
         result = reproduce(out, only=names, measured=measured, threads=threads, progress=bar)
     click.echo(json_text(result.as_dict()) if as_json else _table(result))
 
 
-@contextlib.contextmanager
-def _interrupts_told(bar: ProgressBar, out: Path) -> Iterator[None]:
-    try:
-        yield
-    except KeyboardInterrupt:
-        kept = f"{out} has what was drawn" if bar.stage == "drawing" else "nothing written"
-        say(f"stickslip: interrupted at the stage '{bar.stage}', {kept}", err=True)
-        raise
+def _bar(stage: str, out: Path) -> ProgressBar:
+    drawn = f"{out} has what was drawn"
+    return ProgressBar(stage, kept=lambda stage: drawn if stage == "drawing" else "nothing written")
 
 
 def _search(out: Path, pairs: int | None, seed: int, threads: int | None, as_json: bool) -> None:
@@ -109,8 +101,7 @@ def _search(out: Path, pairs: int | None, seed: int, threads: int | None, as_jso
     from stickslip.reproduction.tables import write_table
 
     check_folder_target(out, [POINTS])
-    bar = ProgressBar("grid")
-    with _interrupts_told(bar, out), bar:
+    with _bar("grid", out) as bar:
         found = search_settings(pairs or PAIRS, seed=seed, threads=threads, progress=bar)
     out.mkdir(parents=True, exist_ok=True)
     write_table(found.points, out / POINTS)

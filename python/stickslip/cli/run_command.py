@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from stickslip._util.number_text import highest
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, SET, say
+from stickslip.cli.common import JSON, PATH, SET, draw, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with
 from stickslip.cli.tables import summary_table
 from stickslip.cli.targets import check_out_and_plot, input_files
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields, shown
-
-if TYPE_CHECKING:
-    from stickslip.scenario.scenario import Scenario
-    from stickslip.simulation.record_blocks import RecordNotWritten
-    from stickslip.simulation.run import Run
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.record_blocks import RecordNotWritten
+from stickslip.simulation.run import Run
+from stickslip.simulation.simulate import check_memory, simulate
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
 _RATE = 2e4
@@ -104,7 +102,7 @@ def command(
         if failure is not None:
             raise failure
         if plot is not None:
-            drawn = _draw(run, plot, start, stop)
+            drawn = draw(plot, "run", run, start, stop)
     finally:  # the summary is printed even if a disk was full
         click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
         if not run.ok:
@@ -116,32 +114,11 @@ def _simulated(
     scenario: Scenario, until: str | None, out: Path | None
 ) -> tuple[Run, RecordNotWritten | None]:
     """The run, and what kept its record from being written, if anything did."""
-    from stickslip.simulation.record_blocks import RecordNotWritten
-    from stickslip.simulation.simulate import STAGE, simulate
-
-    bar = ProgressBar(STAGE)
     try:
-        with bar:
+        with ProgressBar() as bar:
             return simulate(scenario, progress=bar, until=until, out=out), None
     except RecordNotWritten as error:
         return error.run, error
-    except KeyboardInterrupt as error:
-        written = error.args[0] if error.args else "nothing written"
-        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, {written}", err=True)
-        raise
-
-
-def _draw(run: Run, path: Path, start: float | None, stop: float | None) -> bool:
-    """Whether there was something to draw."""
-    from stickslip import plot as drawing
-
-    try:
-        figure = drawing.run(run, start, stop)
-    except ValueError as error:  # for instance a run that failed before `start`
-        say(f"stickslip: --plot: nothing drawn: {error}", err=True)
-        return False
-    drawing.save(figure, path)
-    return True
 
 
 def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
@@ -174,7 +151,6 @@ def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
 def _check_drawn(scenario: Scenario) -> None:
     """Say before a long simulation that its record cannot be drawn after it."""
     from stickslip.plot.motion import DRAWN
-    from stickslip.simulation.simulate import check_memory
 
     fields = str(scenario.record.fields)
     missing = [name for name in DRAWN if name not in recorded_fields(fields)]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value, checked, full_name
@@ -16,6 +16,8 @@ from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.scenario.toml_file import read_parts, with_uncertain_of
 from stickslip.scenario.waveform import Waveform
 from stickslip.sweeping.points import MOST_POINTS, Points, grid
+
+_T = TypeVar("_T")
 
 _QUOTES = ("'", '"')
 
@@ -110,18 +112,28 @@ def with_uncertain_file(scenario: Scenario, path: Path | None, settings: Sequenc
     return made
 
 
-def parse_vary(texts: Sequence[str]) -> dict[str, list[Value]]:
-    """Values of all ``--vary`` options by key, in the order given; each key once."""
-    vary: dict[str, list[Value]] = {}
+def by_key(
+    option: str, texts: Sequence[str], allowed: str, parse: Callable[[str], _T]
+) -> dict[str, _T]:
+    """What `parse` makes of each ``key=text`` of an option, in the order given; each key once.
+
+    `allowed` is the error of a text without a key or ``=``.
+    """
+    found: dict[str, _T] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))
-        with prefixed(f'--vary "{text}"'):
+        with prefixed(f'{option} "{text}"'):
             if not equals or not key:
-                raise ScenarioError(_VARY)
-            if key in vary:
+                raise ScenarioError(allowed)
+            if key in found:
                 raise ScenarioError(f"{key} is there twice")
-            vary[key] = _range(values) if ":" in values else _list(values)
-    return vary
+            found[key] = parse(values)
+    return found
+
+
+def parse_vary(texts: Sequence[str]) -> dict[str, list[Value]]:
+    """Values of all ``--vary`` options by key."""
+    return by_key("--vary", texts, _VARY, lambda text: (_range if ":" in text else _list)(text))
 
 
 def _range(values: str) -> list[Value]:

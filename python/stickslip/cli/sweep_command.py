@@ -15,7 +15,6 @@ from stickslip.cli.settings import swept_points
 from stickslip.cli.tables import sweep_as_dict, sweep_failure, sweep_table
 from stickslip.cli.targets import Inputs, check_target, input_files, same_file
 from stickslip.errors import ScenarioError
-from stickslip.simulation.simulate import STAGE
 from stickslip.sweeping.run_sweep import sweep_points
 
 
@@ -59,17 +58,16 @@ def command(
     if out is not None:
         _check_out(out, resume, input_files(scenario, settings))
 
-    bar = ProgressBar(STAGE, points.count)
+    def kept(stage: str) -> str:
+        there = out is not None and out.is_file()
+        return f"--resume goes on with {out}" if there else "nothing written"
+
+    bar = ProgressBar(points=points.count, kept=kept)
     try:
-        with cluster(dask) as executor, bar:
+        with bar, cluster(dask) as executor:
             data = sweep_points(
                 points, threads=threads, executor=executor, out=out, resume=resume, progress=bar
             )
-    except KeyboardInterrupt:
-        there = out is not None and out.is_file()
-        kept = f"--resume goes on with {out}" if there else "nothing written"
-        say(f"stickslip: interrupted at {100.0 * bar.fraction:.0f} %, {kept}", err=True)
-        raise
     except (FileExistsError, PermissionError) as error:
         if error.errno:  # of the system, in the midst of the work
             raise

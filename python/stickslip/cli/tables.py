@@ -1,36 +1,23 @@
-"""Results of a run and of a sweep, as tables of text and as JSON."""
+"""Results of a run, a sweep and a prediction, as tables of text and as JSON."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip._util.handy_units import handy
 from stickslip.scenario.keys import known_keys
+from stickslip.sweeping.results import NUMBERS
 
 if TYPE_CHECKING:
     import xarray
 
-# SI units of what is shown; "1" for a part of one.
-_UNITS = {
-    "mean_velocity": "m/s",
-    "theta_min": "rad",
-    "theta_max": "rad",
-    "slip_up": "m/s",
-    "slip_down": "m/s",
-    "slip_flat": "m/s",
-    "airborne_fraction": "1",
-    "field_max": "T",
-    "field_min": "T",
-    "current_max": "A",
-    "voltage_max": "V",
-    "power_mean": "W",
-    "simulated_time": "s",
-}
+    from stickslip.control.prediction import Prediction
+
 _WORDS = {
     "slip_up": ", mean slip speed while theta rises",
     "slip_down": ", mean slip speed while theta falls",
@@ -42,7 +29,7 @@ _WORDS = {
     "power_mean": "in all coils",
 }
 
-MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
+_MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
 
 _VELOCITY = "mean_velocity"
 
@@ -55,11 +42,13 @@ _COLUMNS = {
     "slip_down": "slip down",
     "airborne_fraction": "airborne",
 }
+_PREDICTED = (_VELOCITY, "airborne_fraction")
 
 
-def shown_in(name: str) -> tuple[float, str]:
+def _shown_in(name: str) -> tuple[float, str]:
     """Factor and unit in which a number of a summary is shown beside its SI unit."""
-    return (100.0, "%") if _UNITS[name] == "1" else handy(_UNITS[name])
+    unit = NUMBERS[name].unit
+    return (100.0, "%") if unit == "1" else handy(unit)
 
 
 def summary_table(summary: dict[str, Any]) -> str:
@@ -68,9 +57,9 @@ def summary_table(summary: dict[str, Any]) -> str:
     if math.isfinite(summary["mean_velocity"]):
         measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
     rows = [("status", summary["status"], "")]
-    for name, unit in _UNITS.items():
+    for name, (unit, _) in NUMBERS.items():
         value = summary[name] + 0.0  # no negative zero
-        factor, other = shown_in(name)
+        factor, other = _shown_in(name)
         words = _WORDS.get(name, "")
         handier = f"{value * factor:.5g} {other}{words}" if other != unit else words
         rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
@@ -84,22 +73,21 @@ def summary_table(summary: dict[str, Any]) -> str:
 
 def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """Counts, extremes and the points in order, in the words of a single run's summary."""
-    columns = {**varied_keys(data["status"]), "status": _statuses(data)}
+    columns = {**_varied_keys(data["status"]), "status": _statuses(data)}
     if "message" in data:
-        columns["message"] = listed(data["message"])
+        columns["message"] = _listed(data["message"])
     for name in data.data_vars:
         if name not in ("status", "message", "events"):
-            columns[str(name)] = listed(data[name])
+            columns[str(name)] = _listed(data[name])
     kinds = data["event"].values.tolist()
     counts = data["events"].values.reshape(-1, len(kinds)).tolist()
     columns["events"] = [dict(zip(kinds, row, strict=True)) for row in counts]
-    rows = zip(*columns.values(), strict=True)
     return {
         "points": data["status"].size,
         "failed": int(data.attrs["failed_points"]),
         "status": json.loads(data.attrs["statuses"]),
         **_extremes(data),
-        "results": [dict(zip(columns, row, strict=True)) for row in rows],
+        "results": _records(columns),
     }
 
 
@@ -114,11 +102,16 @@ def sweep_table(data: xarray.Dataset) -> str:
     for name, point in _extremes(data).items():
         velocity = point.pop(_VELOCITY)
         where = ", ".join(
-            f"{key} = {value_text(value)} {key_unit(key)}".rstrip() for key, value in point.items()
+            f"{key} = {_value_text(value)} {_key_unit(key)}".rstrip()
+            for key, value in point.items()
         )
         rows.append((name, f"{velocity * 1e3:.6g} mm/s at {where}"))
     text = "\n".join(f"{name:<10}{value}" for name, value in rows)
-    return f"{_rows(data)}\n\n{text}" if data["status"].size <= MOST_ROWS else text
+    if data["status"].size > _MOST_ROWS:
+        return text
+    columns = [*_key_columns(data["status"]), ["status", "", *_statuses(data)]]
+    columns += [_figure_column(title, data[name]) for name, title in _COLUMNS.items()]
+    return f"{_aligned(columns)}\n\n{text}"
 
 
 def sweep_failure(data: xarray.Dataset) -> str:
@@ -131,16 +124,85 @@ def sweep_failure(data: xarray.Dataset) -> str:
     return f"{failed} of {messages.size} points failed; the first: {messages[first]}"
 
 
-def varied_keys(like: xarray.DataArray) -> dict[str, list[Any]]:
+def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
+    """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
+    data = prediction.data
+    columns = {**_varied_keys(data["failed"]), "failed": _listed(data["failed"])}
+    for name, values in data.data_vars.items():
+        if "quantile" in values.dims:
+            columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
+    return {
+        "points": data["failed"].size,
+        "draws": prediction.draws,
+        "seed": int(data.attrs["seed"]),
+        "redrawn": prediction.redrawn,
+        "failed": prediction.failed,
+        "status": json.loads(data.attrs["statuses"]),
+        "quantiles": data["quantile"].values.tolist(),
+        "results": _records(columns),
+    }
+
+
+def prediction_table(prediction: Prediction) -> str:
+    """Counts and the precision of the quantiles; the points too if they are few."""
+    data = prediction.data
+    points, draws = data["failed"].size, prediction.draws
+    lowest = float(data["quantile"].values.min())
+    error = math.sqrt(lowest * (1.0 - lowest) / draws)
+    low, high = max(lowest - error, 0.0), lowest + error
+    rows = [
+        ("points", str(points)),
+        ("draws", f"{draws} of each, {prediction.failed} of all failed"),
+    ]
+    if prediction.failed < points * draws:
+        shares = f"{100 * low:.3g} to {100 * high:.3g} %"
+        rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
+    text = "\n".join(f"{name:<11}{value}" for name, value in rows)
+    if points > _MOST_ROWS:
+        return text
+    # Three lines of heading: figure, unit, quantile.
+    columns = _key_columns(data["failed"], "")
+    for name in _PREDICTED:
+        for level in data["quantile"].values.tolist():
+            values = data[name].sel(quantile=level)
+            columns.append(_figure_column(_COLUMNS[name], values, f"{100.0 * level:.4g} %"))
+    columns.append(["failed", "", "", *map(str, _listed(data["failed"]))])
+    return f"{_aligned(columns)}\n\n{text}"
+
+
+def prediction_failures(prediction: Prediction) -> list[str]:
+    """How many draws failed, with what the first of them says, and how many were replaced."""
+    lines = []
+    data = prediction.data
+    if prediction.redrawn:
+        lines.append(
+            f"note: {prediction.redrawn} more draws made no scenario, and others took their place: "
+            "what is uncertain is cut off where values are not allowed"
+        )
+    if prediction.failed:
+        count = data["failed"].size * prediction.draws
+        lines.append(
+            f"{prediction.failed} of {count} draws failed and are in no quantile; the first: "
+            f"{data.attrs['message']}"
+        )
+    return lines
+
+
+def _varied_keys(like: xarray.DataArray) -> dict[str, list[Any]]:
     """For each swept key its value at every point."""
     return {
-        each.attrs["key"]: listed(each.broadcast_like(like).transpose(*like.dims))
+        each.attrs["key"]: _listed(each.broadcast_like(like).transpose(*like.dims))
         for each in like.coords.values()
         if "key" in each.attrs
     }
 
 
-def listed(array: xarray.DataArray) -> list[Any]:
+def _records(columns: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """A table by its columns as one by its rows."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _listed(array: xarray.DataArray) -> list[Any]:
     """The value at each point, in the order of the points."""
     values: list[Any] = array.values.ravel().tolist()
     return values
@@ -149,7 +211,7 @@ def listed(array: xarray.DataArray) -> list[Any]:
 def _statuses(data: xarray.Dataset) -> list[str]:
     about = data["status"].attrs
     names = dict(zip(about["flag_values"].tolist(), about["flag_meanings"].split(), strict=True))
-    return [names[code] for code in listed(data["status"])]
+    return [names[code] for code in _listed(data["status"])]
 
 
 def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
@@ -157,7 +219,7 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
     velocity = data[_VELOCITY].values.ravel()
     if np.isnan(velocity).all():
         return {}
-    columns = {**varied_keys(data["status"]), _VELOCITY: velocity.tolist()}
+    columns = {**_varied_keys(data["status"]), _VELOCITY: velocity.tolist()}
     places = {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
     return {
         name: {key: values[index] for key, values in columns.items()}
@@ -165,21 +227,22 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
     }
 
 
-def _rows(data: xarray.Dataset) -> str:
-    """A table of all points with two lines of heading."""
-    columns = [
-        [key.rpartition(".")[2], key_unit(key), *map(value_text, values)]
-        for key, values in varied_keys(data["status"]).items()
+def _key_columns(like: xarray.DataArray, *heading: str) -> list[list[str]]:
+    """Of each swept key a column: name, unit, other lines of `heading`, and its values."""
+    return [
+        [key.rpartition(".")[2], _key_unit(key), *heading, *map(_value_text, values)]
+        for key, values in _varied_keys(like).items()
     ]
-    columns.append(["status", "", *_statuses(data)])
-    for name, heading in _COLUMNS.items():
-        factor, unit = shown_in(name)
-        values = data[name].values.ravel() * factor + 0.0  # no negative zero
-        columns.append([heading, unit, *(f"{value:.4f}" for value in values)])
-    return aligned(columns)
 
 
-def aligned(columns: Sequence[Sequence[str]]) -> str:
+def _figure_column(title: str, values: xarray.DataArray, *heading: str) -> list[str]:
+    """The column of a number of the summary: title, unit, other lines of `heading`, and values."""
+    factor, unit = _shown_in(str(values.name))
+    numbers = values.values.ravel() * factor + 0.0  # no negative zero
+    return [title, unit, *heading, *(f"{number:.4f}" for number in numbers)]
+
+
+def _aligned(columns: Sequence[Sequence[str]]) -> str:
     """Columns of cells, each as wide as the widest of its cells."""
     widths = [max(map(len, column)) for column in columns]
     lines = zip(*columns, strict=True)
@@ -189,12 +252,12 @@ def aligned(columns: Sequence[Sequence[str]]) -> str:
     )
 
 
-def key_unit(key: str) -> str:
+def _key_unit(key: str) -> str:
     """The unit of a key as it is shown; "" for none."""
     known = known_keys()[key]
     return "" if known.kind == "word" or known.unit == "-" else known.unit
 
 
-def value_text(value: object) -> str:
+def _value_text(value: object) -> str:
     """A value of a key as it is shown."""
     return f"{value:.9g}" if isinstance(value, float) else str(value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
@@ -34,9 +34,7 @@ def check_target(
     option: str, path: Path, inputs: Inputs, suffixes: tuple[str, ...] | None = None
 ) -> None:
     """Refuse a path that cannot be written, has another suffix, or is a file that is read."""
-    for what, read in inputs.items():
-        if same_file(path, read):
-            raise ScenarioError(f"{option}: {path} is {what}, which it would overwrite")
+    _check_not_read(option, path, inputs)
     with prefixed("", OSError):  # whose message names the path
         check_writable(path)
     if suffixes is not None:
@@ -58,10 +56,18 @@ def check_out_and_plot(out: Path | None, plot: Path | None, inputs: Inputs) -> N
             check_format(plot)
 
 
-def check_folder_target(path: Path, files: Iterable[str]) -> None:
-    """Refuse a folder ``--out`` that cannot be made, or in which one of `files` cannot."""
+def check_folder_target(path: Path, files: Sequence[str], inputs: Inputs | None = None) -> None:
+    """Refuse a folder ``--out`` in which `files` cannot be written, or are files that are read."""
     with prefixed("--out", OSError):
         check_folder(path, files)
+    for name in files:
+        _check_not_read("--out", path / name, inputs or {})
+
+
+def _check_not_read(option: str, path: Path, inputs: Inputs) -> None:
+    for what, read in inputs.items():
+        if same_file(path, read):
+            raise ScenarioError(f"{option}: {path} is {what}, which it would overwrite")
 
 
 def same_file(one: Path, other: Path) -> bool:

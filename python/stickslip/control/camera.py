@@ -7,8 +7,8 @@ from collections import deque
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
@@ -61,20 +61,18 @@ class Film:
     A pose is x (m) and theta (rad), of shape (2,), or (n, 2) for n robots.
     """
 
-    def __init__(self, camera: Camera, period: float, pose: NDArray[np.float64]) -> None:
+    def __init__(self, camera: Camera, period: float, pose: Array) -> None:
         if not (is_number(period) and 0.0 < period < math.inf):
             raise ScenarioError(f"period = {shown(period)}: allowed is a number of seconds above 0")
         self._camera = camera
         self._next = 0  # frame
         exposed = max(1, round(camera.exposure / period))
-        self._exposed: deque[NDArray[np.float64]] = deque(maxlen=exposed)
-        self._coming: deque[tuple[float, NDArray[np.float64]]] = deque()
+        self._exposed: deque[Array] = deque(maxlen=exposed)
+        self._coming: deque[tuple[float, Array]] = deque()
         self.pose, self.taken = pose.copy(), 0.0
         """The newest pose that has arrived, and when it was taken (s)."""
 
-    def watch(
-        self, time: float, pose: NDArray[np.float64], random: np.random.Generator
-    ) -> tuple[NDArray[np.float64], float]:
+    def watch(self, time: float, pose: Array, random: np.random.Generator) -> tuple[Array, float]:
         """Go on to `time` (s), at which the robot is at `pose`; the newest frame and its age, s."""
         camera, slack = self._camera, 1e-9
         self._exposed.append(pose.copy())

@@ -12,15 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import PROGRAM, Value, checked, find_key, full_name, shown
+from stickslip.scenario.keys import PROGRAM, Value, checked, find_key, full_name, refuse, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.waveform import Waveform
-
-Array = NDArray[np.float64]
 
 LOG_FROM = 10.0
 """Ratio of the ends of a positive range from which on its coordinate is logarithmic. Chosen: with
@@ -287,9 +285,7 @@ def _periodic(
         if coil not in COIL_NAMES:
             raise ScenarioError(f"coil {shown(coil)}: allowed is one of {', '.join(COIL_NAMES)}")
     if not chosen or len(set(chosen)) < len(chosen):
-        raise ScenarioError(
-            f"coils = {shown(list(chosen))}: allowed is each coil once, at least one"
-        )
+        refuse("coils", list(chosen), "each coil once, at least one")
     if volts is None or not volts > 0.0:
         raise ScenarioError(
             "knots: a limit on voltage_max above 0 V is missing, within which the knots are placed"

@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
+from stickslip.scenario.keys import check_kind
+
 try:
     import gymnasium
     from gymnasium.vector import AutoresetMode
@@ -22,14 +25,12 @@ from stickslip._util.processor_count import worker_count
 from stickslip.control.camera import Camera, Film
 from stickslip.control.tasks import task_named
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_whole, shown
+from stickslip.scenario.keys import check_whole
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior
-
-Array = NDArray[np.float64]
 
 OBSERVED = ("to goal", "x", "z", "theta", "vx", "vz", "omega", "current_xp", "current_clamp")
 """Columns of an observation without a camera; with one: to goal, x, theta, age of the frame."""
@@ -95,8 +96,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     ) -> None:
         check_whole("num_envs", num_envs, 1)
         for name, value, kind in (("scenario", scenario, Scenario), ("camera", camera, Camera)):
-            if value is not None and not isinstance(value, kind):
-                raise ScenarioError(f"{name} = {shown(value)}: allowed is a {kind.__name__}")
+            if value is not None:
+                check_kind(name, value, kind)
         self.num_envs = num_envs
         self.task = task_named(task)
         given = scenario or Scenario()

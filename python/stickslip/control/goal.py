@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
+from stickslip._util.number_text import is_number
 from stickslip.control.search import Key
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.keys import refuse, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.results import NUMBERS
@@ -22,7 +23,11 @@ if TYPE_CHECKING:
     from stickslip.simulation.run import Run
     from stickslip.simulation.simulate import Progress
 
-Array = NDArray[np.float64]
+Changes = Mapping[str, Any] | ScenarioError
+"""A drive, given by its changes of a scenario; or the error which says that they make none."""
+
+Evaluate = Callable[[Sequence[Changes]], Sequence["Judged"]]
+"""Drives that are judged in one batch."""
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
 
@@ -143,17 +148,13 @@ def judge(goal: Goal, runs: Sequence[Run]) -> Judged:
 def judge_all(
     goal: Goal,
     draws: Sequence[Scenario],
-    changes: Sequence[Mapping[str, Any] | ScenarioError],
+    drives: Sequence[Changes],
     threads: int,
     progress: Progress | None = None,
 ) -> list[Judged]:
-    """Drives, each given by its changes of every draw, in one batch.
-
-    In the place of changes may stand the error which says that they make no scenario; such a drive
-    has failed in every draw.
-    """
+    """Drives in some draws, in one batch; one that makes no scenario has failed in every draw."""
     made: list[list[Scenario] | str] = []
-    for each in changes:
+    for each in drives:
         try:
             if isinstance(each, ScenarioError):
                 raise each
@@ -187,15 +188,9 @@ def made_goal(
                 f"{suggestion(str(name), NUMBERS)}"
             )
     for name, limit in limits.items():
-        if (
-            isinstance(limit, bool)
-            or not isinstance(limit, int | float)
-            or not math.isfinite(limit)
-        ):
-            raise ScenarioError(f"limit on {name} = {shown(limit)}: allowed is a finite number")
+        if not is_number(limit) or not math.isfinite(limit):
+            refuse(f"limit on {name}", limit, "a finite number")
     if not isinstance(score, str) or not (score in ("mean", "worst") or _QUANTILE.fullmatch(score)):
-        raise ScenarioError(
-            f'score = {shown(score)}: allowed is "q10" or another of "q1" to "q99", "mean", "worst"'
-        )
+        refuse("score", score, '"q10" or another of "q1" to "q99", "mean", "worst"')
     assert figure is not None
     return Goal(figure, 1.0 if minimise is None else -1.0, score, dict(limits))

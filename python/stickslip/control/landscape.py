@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.control.design_space import Axis, DesignSpace
-from stickslip.control.goal import Judged
+from stickslip.control.goal import Evaluate, Judged
 from stickslip.control.search import Candidate
-from stickslip.errors import ScenarioError
-
-Array = NDArray[np.float64]
 
 OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 """Steps from the best, in parts of a number's range; chosen: from a good setting to a bad one."""
@@ -83,10 +81,7 @@ def neighbours(point: Array) -> list[tuple[int, Array]]:
 
 
 def slices(
-    space: DesignSpace,
-    best: Candidate[Judged],
-    sign: float,
-    evaluate: Callable[[Sequence[dict[str, Any] | ScenarioError]], Sequence[Judged]],
+    space: DesignSpace, best: Candidate[Judged], sign: float, evaluate: Evaluate
 ) -> list[Slice]:
     """One slice for each free number; `evaluate` judges drives by their changes, in one batch."""
     about = neighbours(best.point)

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.processor_count import worker_count
-from stickslip.control.design_space import Array, DesignSpace, design_space
-from stickslip.control.goal import Goal, Judged, judge_all, made_goal
+from stickslip.control.design_space import DesignSpace, design_space
+from stickslip.control.goal import Changes, Goal, Judged, judge_all, made_goal
 from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
 from stickslip.control.optimum import Optimum
 from stickslip.control.sawtooth import POINTS, played, sawtooths
 from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, Value, check_whole, shown
+from stickslip.scenario.keys import RECORD_RATE, Value, check_kind, check_whole
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.results import NUMBERS
 
@@ -101,8 +103,7 @@ def optimise(
         limits; then the least value that was found is named.
     """
     begin = time.perf_counter()
-    if not isinstance(scenario, Scenario):
-        raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+    check_kind("scenario", scenario, Scenario)
     limits = limits or {}
     goal = made_goal(maximise, minimise, score, limits)
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
@@ -179,22 +180,18 @@ class _Trials:
         return [(each.rank(sign), each) for each in judged]
 
     def judged(
-        self,
-        changes: Sequence[Mapping[str, Any] | ScenarioError],
-        draws: Sequence[Scenario],
-        stage: str,
+        self, drives: Sequence[Changes], draws: Sequence[Scenario], stage: str
     ) -> list[Judged]:
         """Drives in some draws, in one batch."""
-        count = len(changes) * len(draws)
-        result = judge_all(self.goal, draws, changes, self.threads, self._report(count, stage))
+        count = len(drives) * len(draws)
+
+        def report(fraction: float, _: str) -> None:
+            if self._progress is not None:
+                self._progress(min((self._done + fraction * count) / self._total, 1.0), stage)
+
+        result = judge_all(self.goal, draws, drives, self.threads, report)
         self._done += count
         return result
-
-    def _report(self, count: int, stage: str) -> Callable[[float, str], object] | None:
-        progress, done, total = self._progress, self._done, self._total
-        if progress is None:
-            return None
-        return lambda fraction, _: progress(min((done + fraction * count) / total, 1.0), stage)
 
     def unmet(self) -> str:
         """Why no candidate counts, in one line."""
@@ -239,24 +236,18 @@ class _Selection:
             if not self.interrupted:
                 self.sawtooth = self._best_sawtooth(choosing)
                 about = _draws(space.scenario, ABOUT, seed, _LANDSCAPE)
-                self.slices = slices(
-                    space,
-                    self.leader,
-                    trials.goal.sign,
-                    lambda drives: trials.judged(drives, about, "landscape"),
-                )
+                judged = functools.partial(trials.judged, draws=about, stage="landscape")
+                self.slices = slices(space, self.leader, trials.goal.sign, judged)
             compared: dict[str, Any] = {"start": played(space, {}), "best": changes[place]}
             if self.sawtooth is not None:
                 compared["sawtooth"] = played(space, self.sawtooth)
             others = _draws(space.scenario, fresh, seed, _FRESH)
-            judged = trials.judged(list(compared.values()), others, "fresh draws")
-            self.fresh = dict(zip(compared, judged, strict=True))
+            found = trials.judged(list(compared.values()), others, "fresh draws")
+            self.fresh = dict(zip(compared, found, strict=True))
         except KeyboardInterrupt:
             self.interrupted = True
 
-    def _best(
-        self, drives: Sequence[Mapping[str, Any] | ScenarioError], draws: Sequence[Scenario]
-    ) -> int:
+    def _best(self, drives: Sequence[Changes], draws: Sequence[Scenario]) -> int:
         judged = self._trials.judged(drives, draws, "choosing")
         # What passes a limit in no draw of the search may pass it in one of many others: that is
         # told, and costs it nothing here, or a drive at its limit would lose to any far from it.
@@ -269,12 +260,10 @@ class _Selection:
         trials, space = self._trials, self._trials.space
         if space.scenario.drive.mode == "program":
             return None
-        stage = "sawtooths"
-        points = sawtooths(
-            space, trials.goal, lambda drives: trials.judged(drives, trials.draws, stage)
-        )
+        evaluate = functools.partial(trials.judged, draws=trials.draws, stage="sawtooths")
+        points = sawtooths(space, trials.goal, evaluate)
         drives = [played(space, each) for each in points]
-        judged = trials.judged(drives, trials.draws, stage)
+        judged = evaluate(drives)
         ranks = [each.rank(trials.goal.sign) for each in judged]
         order = sorted(range(len(points)), key=lambda place: ranks[place])[: len(self._leaders)]
         leading = [place for place in order if judged[place].feasible]

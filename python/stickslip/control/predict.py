@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.control.prediction import Prediction
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_whole, shown
+from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import counted_draws
 from stickslip.simulation.simulate import Progress
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip.scenario.uncertain import JointPrior
-
-Array = NDArray[np.float64]
 
 DRAWS = 200
 """Draws where none are asked for. Chosen: a quantile of 10 % is then one of 7.9 to 12.1 %."""
@@ -89,8 +87,7 @@ def predict(
     >>> predict(base.replace({"drive.pulses": 10}), {"drive.frequency": [30.0, 60.0]}, draws=20)
     <Prediction of 2 points, 20 draws each, none failed, quantiles 0.1, 0.5, 0.9>
     """
-    if not isinstance(scenario, Scenario):
-        raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+    check_kind("scenario", scenario, Scenario)
     if uncertain is not None:
         scenario = scenario.with_uncertain(uncertain)
     varied = vary is not None and vary != {}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.control.design_space import DesignSpace, as_long, as_program, drive_waveform
-from stickslip.control.goal import Goal, Judged
+from stickslip.control.goal import Changes, Evaluate, Goal, Judged
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
 
@@ -35,9 +35,6 @@ _FIELDS = ("drive.peak", "drive.base", "drive.hold")
 # Power of the voltages with which a figure grows.
 _GROWTH = {"voltage_max": 1.0, "current_max": 1.0, "field_max": 1.0, "power_mean": 2.0}
 _BELOW = 0.999  # chosen: a field is not quite proportional where the robot moves
-
-Evaluate = Callable[[Sequence[Mapping[str, Any] | ScenarioError]], Sequence[Judged]]
-"""Drives by their changes of a scenario, judged in one batch."""
 
 
 def sawtooths(
@@ -81,7 +78,7 @@ def _scaled(values: dict[str, Value], factor: float, *highest: float) -> dict[st
     return {**values, **{name: factor * float(values[name]) for name in _FIELDS}}
 
 
-def played(space: DesignSpace, values: Mapping[str, Value]) -> dict[str, Any] | ScenarioError:
+def played(space: DesignSpace, values: Mapping[str, Value]) -> Changes:
     """Changes for a draw that plays a pulsed drive, as a program where that is compared with one.
 
     A program is measured over all of it, and a pulsed drive after its third pulse only.

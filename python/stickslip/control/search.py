@@ -13,11 +13,9 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-
-Array = NDArray[np.float64]
 
 T = TypeVar("T")
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown, suggestion
 from stickslip.scenario.state import CONTACT_WORDS
-
-Array = NDArray[np.float64]
 
 _RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
 _MILLIMETRE = 1e-3

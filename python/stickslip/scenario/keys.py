@@ -70,26 +70,26 @@ class Key:
         Dotted key, such as ``"drive.frequency"``.
     kind : {"real", "whole", "word", "rate", "fields"}
         What it holds; ``"rate"`` is a number or a word, ``"fields"`` names of recorded quantities.
-    unit : str
-        SI unit; ``"-"`` for none.
-    low, high : float
-        Range of a number; NaN for a word.
     allowed : str
         The range or the words, for a reader.
     default : float, int or str
         Value that a scenario has where none is given.
     meaning : str
         What it is, in a phrase.
+    unit : str
+        SI unit; ``"-"`` for none.
+    low, high : float
+        Range of a number; NaN for a word.
     """
 
     name: str
     kind: Literal["real", "whole", "word", "rate", "fields"]
-    unit: str
-    low: float
-    high: float
     allowed: str
     default: Value
     meaning: str
+    unit: str = "-"
+    low: float = math.nan
+    high: float = math.nan
 
     @property
     def section(self) -> str:
@@ -97,33 +97,30 @@ class Key:
         return self.name.rpartition(".")[0]
 
 
+def _one_of(words: Iterable[str]) -> str:
+    return "one of " + ", ".join(map(json.dumps, words))
+
+
 _RECORD_KEYS = (
     Key(
         RECORD_RATE,
         "rate",
-        "Hz",
-        0.0,
-        math.inf,
         'a number above 0 Hz, "events" or "none"',
         "none",
         "rate of the uniform output grid, or one record an event, or no record",
+        *("Hz", 0.0, math.inf),
     ),
     Key(
         "record.from",
         "real",
-        "s",
-        0.0,
-        math.inf,
         "a number from 0 s to the run's duration",
         0.0,
         "simulated time before which nothing is recorded",
+        *("s", 0.0, math.inf),
     ),
     Key(
         RECORD_FIELDS,
         "fields",
-        "-",
-        math.nan,
-        math.nan,
         '"all", or some of ' + ", ".join(_core.record_columns),
         ALL_FIELDS,
         "recorded quantities, with commas between them; t is always there",
@@ -131,10 +128,7 @@ _RECORD_KEYS = (
     Key(
         "record.dtype",
         "word",
-        "-",
-        math.nan,
-        math.nan,
-        "one of " + ", ".join(map(json.dumps, DTYPES)),
+        _one_of(DTYPES),
         DTYPES[0],
         "precision of the recorded numbers; t always has float64",
     ),
@@ -151,30 +145,24 @@ def field_of(key: str) -> str:
 @until_registration
 def known_keys() -> dict[str, Key]:
     """All scalar keys by name, section by section."""
-    keys: dict[str, Key] = {}
-    for word in _core.choices():
-        allowed = "one of " + ", ".join(json.dumps(each) for each in word["allowed"])
-        keys[word["key"]] = Key(
-            word["key"], "word", "-", math.nan, math.nan, allowed, word["default"], word["meaning"]
+    words = [
+        Key(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"])
+        for row in _core.choices()
+    ]
+    numbers = [
+        Key(
+            row["key"],
+            "whole" if row["integer"] else "real",
+            row["allowed"],
+            int(row["default"]) if row["integer"] else row["default"],
+            *(row["meaning"], row["unit"], row["low"], row["high"]),
         )
-    for number in _core.parameters():
-        whole = number["integer"]
-        default = number["default"]
-        keys[number["key"]] = Key(
-            number["key"],
-            "whole" if whole else "real",
-            number["unit"],
-            number["low"],
-            number["high"],
-            number["allowed"],
-            int(default) if whole else default,
-            number["meaning"],
-        )
-    keys |= {key.name: key for key in _RECORD_KEYS}
-    sections = list(dict.fromkeys(row["key"].rpartition(".")[0] for row in _core.parameters()))
+        for row in _core.parameters()
+    ]
+    sections = list(dict.fromkeys(key.section for key in numbers))
     sections.insert(sections.index("solver") + 1, "record")
-    in_order = sorted(keys.values(), key=lambda key: sections.index(key.section))
-    return {key.name: key for key in in_order}
+    keys = sorted([*words, *numbers, *_RECORD_KEYS], key=lambda key: sections.index(key.section))
+    return {key.name: key for key in keys}
 
 
 def shown(value: object) -> str:
@@ -221,6 +209,12 @@ def check_whole(name: str, value: object, least: int = 0) -> None:
         refuse(name, value, f"a whole number from {least}")
 
 
+def check_kind(name: str, value: object, kind: type) -> None:
+    """Refuse what is not of a class of this package."""
+    if not isinstance(value, kind):
+        refuse(name, value, f"a {kind.__name__}")
+
+
 def section_hint(section: str) -> str:
     """The section that was probably meant, or all of them, with the extensions as one."""
     sections = list(dict.fromkeys(key.section for key in known_keys().values()))
@@ -259,7 +253,7 @@ def checked(name: str, value: object, core: _core.Scenario | None = None) -> Val
     """
     core = _core.Scenario() if core is None else core
     key = find_key(name, value)
-    if key.section == "record":  # the core takes them together: `set_record`
+    if key.section == "record":  # the core takes them together
         return _checked_record(key, value)
     if key.kind == "word":
         if not isinstance(value, str):
@@ -280,16 +274,6 @@ def recorded_fields(fields: str) -> tuple[str, ...]:
         return _core.record_columns
     kept = {"t", *fields.split(", ")}
     return tuple(name for name in _core.record_columns if name in kept)
-
-
-def set_record(core: _core.Scenario, rate: Value, start: float, fields: str) -> None:
-    """Give the core the keys of the record."""
-    if rate == "events":
-        core.record_events(start, recorded_fields(fields))
-    elif isinstance(rate, float):
-        core.record_uniform(rate, start, recorded_fields(fields))
-    else:
-        core.record_nothing()
 
 
 def _as_number(key: Key, value: object) -> float:

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
+from stickslip._util.arrays import Array
 from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
@@ -76,7 +77,7 @@ class Prior:
         """Whether it says a most likely value, and not a range only."""
         return self.kind != "log-uniform"
 
-    def value(self, z: ArrayLike) -> NDArray[np.float64]:
+    def value(self, z: ArrayLike) -> Array:
         """Parameter at the coordinate `z`, which is standard normal under this prior."""
         z = np.asarray(z, dtype=float)
         if self.kind == "normal":

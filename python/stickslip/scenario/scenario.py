@@ -18,13 +18,13 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     PROGRAM,
     Value,
+    check_kind,
     checked,
     field_of,
     find_key,
     full_name,
     known_keys,
-    set_record,
-    shown,
+    recorded_fields,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.section_table import SECTIONS
@@ -89,9 +89,7 @@ class Scenario:
 
     def __post_init__(self) -> None:
         for name, section in SECTIONS.items():
-            value = getattr(self, name)
-            if not isinstance(value, section):
-                raise ScenarioError(f"{name} = {shown(value)}: allowed is a {section.__name__}")
+            check_kind(name, getattr(self, name), section)
         if not isinstance(self.effects, EffectSettings):
             object.__setattr__(self, "effects", EffectSettings(self.effects))
         if self.uncertain is not None:
@@ -223,8 +221,7 @@ class Scenario:
 
     def with_state(self, state: State) -> Scenario:
         """A copy that begins at `state`, such as ``run.final_state``, if it can."""
-        if not isinstance(state, State):
-            raise ScenarioError(f"initial = {shown(state)}: allowed is a State")
+        check_kind("initial", state, State)
         return self.replace({f"initial.{name}": value for name, value in vars(state).items()})
 
     def with_uncertain(
@@ -320,7 +317,14 @@ class Scenario:
 
 
 def _set_record(core: _core.Scenario, record: Record) -> None:
-    set_record(core, record.rate, record.from_, str(record.fields))
+    """Give the core the keys of the record."""
+    fields = recorded_fields(str(record.fields))
+    if record.rate == "events":
+        core.record_events(record.from_, fields)
+    elif isinstance(record.rate, float):
+        core.record_uniform(record.rate, record.from_, fields)
+    else:
+        core.record_nothing()
 
 
 _FIELDS = dataclasses.fields(Scenario)

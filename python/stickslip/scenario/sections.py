@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, checked, shown
+from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, checked, refuse
 
 if TYPE_CHECKING:
     from stickslip.scenario.waveform import Waveform
@@ -110,10 +110,8 @@ class Drive(Section):
             from stickslip.scenario.waveform import Waveform
 
             if not isinstance(self.program, Waveform):
-                raise ScenarioError(
-                    f"{PROGRAM} = {shown(self.program)}: allowed is a Waveform; in a file or with "
-                    f"--set, {PROGRAM_HINT}"
-                )
+                allowed = f"a Waveform; in a file or with --set, {PROGRAM_HINT}"
+                refuse(PROGRAM, self.program, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

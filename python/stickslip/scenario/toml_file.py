@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
 from stickslip._util.plain_text import printable, quoted
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import (
     FILE,
     PROGRAM,
@@ -19,6 +19,7 @@ from stickslip.scenario.keys import (
     Value,
     field_of,
     known_keys,
+    refuse,
     shown,
     suggestion,
 )
@@ -41,10 +42,8 @@ _MOST_BYTES = 1 << 20
 def read_scenario(path: str | PathLike[str]) -> Scenario:
     """See `Scenario.from_toml`."""
     parts = read_parts(path, {})
-    try:
+    with prefixed(path):
         return Scenario(**parts)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
 
 
 def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:
@@ -53,15 +52,13 @@ def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario
     See `Scenario.with_uncertain`. A ScenarioError if the file has none, or cannot be read.
     """
     path = Path(path)
-    try:
+    with prefixed(path):
         document = read_document(path)
         if "uncertain" not in document:
             raise ScenarioError("there is no section [uncertain]")
         if "stickslip" in document:
             return scenario.with_uncertain(Scenario(**_parts(document, path.parent, {})))
         return scenario.with_uncertain(document["uncertain"])
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
 
 
 def read_parts(path: str | PathLike[str], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -72,10 +69,8 @@ def read_parts(path: str | PathLike[str], changes: Mapping[str, Any]) -> dict[st
     ScenarioError, and so is a file that cannot be read.
     """
     path = Path(path)
-    try:
+    with prefixed(path):
         return _parts(read_document(path), path.parent, changes)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
 
 
 def scenario_of(text: str, program: Waveform | None) -> Scenario:
@@ -173,9 +168,7 @@ def _check_version(document: dict[str, Any]) -> None:
         raise ScenarioError(f'stickslip is missing: a scenario has "stickslip = {FORMAT_VERSION}"')
     version = document["stickslip"]
     if isinstance(version, bool) or not isinstance(version, int) or version != FORMAT_VERSION:
-        raise ScenarioError(
-            f"stickslip = {shown(version)}: allowed is {FORMAT_VERSION}, the version of the format"
-        )
+        refuse("stickslip", version, f"{FORMAT_VERSION}, the version of the format")
 
 
 def _check_fields(section: str, values: Mapping[str, object]) -> None:
@@ -193,7 +186,7 @@ def _program(file: object, folder: Path) -> Waveform:
     from stickslip.scenario.waveform import Waveform
 
     if not isinstance(file, str) or not file:
-        raise ScenarioError(f"drive.file = {shown(file)}: allowed is the path of a CSV file")
+        refuse(FILE, file, "the path of a CSV file")
     path = folder / file
     try:
         return Waveform.from_csv(path)

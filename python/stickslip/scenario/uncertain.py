@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import (
@@ -26,7 +26,6 @@ from stickslip.scenario.priors import Prior, parse_prior
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
 
-Array = NDArray[np.float64]
 Matrix = tuple[tuple[float, ...], ...]
 
 COVARIANCE = "covariance"

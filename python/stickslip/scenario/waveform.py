@@ -8,17 +8,19 @@ from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.arrays import Array
+from stickslip._util.atomic_files import replacing
 from stickslip._util.number_text import highest
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
+from stickslip.scenario.waveform_csv import read_points, write_rows
 
-_Array = NDArray[np.float64]
-_Block = tuple[_Array, _Array, int]
+_Block = tuple[Array, Array, int]
 
-Voltages = Mapping[str, float] | Sequence[float] | _Array
+Voltages = Mapping[str, float] | Sequence[float] | Array
 """Five voltages in the order of `COIL_NAMES`, or the ones that are not zero by coil name."""
 
 # Points that `*` may write out in full where blocks cannot be nested: repeats within repeats.
@@ -166,8 +168,6 @@ class Waveform:
             If the file cannot be read or a column or value is not as it has to be; the message
             names file, row and column.
         """
-        from stickslip.scenario.waveform_csv import read_points
-
         return cls.from_points(*read_points(path))
 
     def to_csv(self, path: str | PathLike[str]) -> None:
@@ -180,9 +180,8 @@ class Waveform:
         OSError
             If the file cannot be written; nothing is left half-written.
         """
-        from stickslip.scenario.waveform_csv import write_points
-
-        write_points(self, path)
+        with replacing(path) as temporary:
+            write_rows(self, temporary)
 
     @property
     def blocks(self) -> tuple[_Block, ...]:
@@ -194,7 +193,7 @@ class Waveform:
         """Duration of all blocks with their repeats, s."""
         return sum(float(t[-1]) * repeats for t, _, repeats in self._blocks)
 
-    def voltages(self, t: ArrayLike) -> _Array:
+    def voltages(self, t: ArrayLike) -> Array:
         """Voltages at given times.
 
         Parameters
@@ -259,7 +258,7 @@ class Waveform:
             "repeat less, or fewer different pieces"
         )
 
-    def points(self) -> tuple[_Array, _Array]:
+    def points(self) -> tuple[Array, Array]:
         """All points with every repeat in full: times (n,) in s and voltages (n, 5) in V.
 
         Where a piece begins with the voltages that the one before ended with, the two points are
@@ -339,7 +338,7 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
     return t, v, int(repeats)
 
 
-def _interpolated(local: _Array, times: _Array, voltages: _Array) -> _Array:
+def _interpolated(local: Array, times: Array, voltages: Array) -> Array:
     """Voltages of one block at times within it; at a jump the value after it."""
     index = np.clip(np.searchsorted(times, local, side="right") - 1, 0, len(times) - 2)
     first, last = times[index], times[index + 1]

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stickslip._util.atomic_files import read_bytes, replacing
+from stickslip._util.arrays import Array
+from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
+from stickslip.scenario.keys import refuse, shown
 from stickslip.scenario.sections import COIL_NAMES
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
 
 def read_points(
     path: str | PathLike[str],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Times (n,) in s and voltages (n, 5) in V; see `Waveform.from_csv`."""
     try:
         data = io.BytesIO(read_bytes(path, _MOST_BYTES, "file of voltages"))
@@ -47,14 +47,8 @@ def read_points(
     return table[:, 0].copy(), table[:, 1:].copy()
 
 
-def write_points(waveform: Waveform, path: str | PathLike[str]) -> None:
-    """See `Waveform.to_csv`."""
-    with replacing(path) as temporary:
-        write_rows(waveform, temporary)
-
-
 def write_rows(waveform: Waveform, path: Path) -> None:
-    """The same; a file that is there is overwritten."""
+    """See `Waveform.to_csv`; a file that is there is overwritten."""
     rows = sum(len(t) * repeats for t, _, repeats in waveform.blocks)
     if rows > _MOST_ROWS:
         raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
@@ -73,7 +67,7 @@ def _numbered(file: Iterable[str]) -> Iterator[tuple[int, list[str]]]:
             yield reader.line_num, row
 
 
-def _table(rows: Iterator[tuple[int, list[str]]]) -> NDArray[np.float64]:
+def _table(rows: Iterator[tuple[int, list[str]]]) -> Array:
     """The columns in the order of COLUMNS; row numbers in messages are lines of the file."""
     _, header = next(rows, (0, []))
     if not any(cell.strip() for cell in header):
@@ -118,10 +112,7 @@ def _cell(text: str, column: str, row: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ScenarioError(
-            f"row {row}, column {column} = {shown(text.strip())}: "
-            f"allowed is a finite number of {_UNITS[column]}"
-        )
+        refuse(f"row {row}, column {column}", text.strip(), f"a finite number of {_UNITS[column]}")
     return value
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip import _core
-
-_Array = NDArray[np.float64]
+from stickslip._util.arrays import Array
 
 
 class Coils:
@@ -64,7 +63,7 @@ class Coils:
         """Field at the origin per ampere in one coil, T/A; the same for all five."""
         return self._core.centre_field_per_ampere
 
-    def field(self, points: ArrayLike, currents: ArrayLike) -> _Array:
+    def field(self, points: ArrayLike, currents: ArrayLike) -> Array:
         """Magnetic field of all coils, equations (3)-(7) superposed.
 
         Parameters
@@ -89,7 +88,7 @@ class Coils:
         flat_points, flat_currents, shape = _flatten(points, currents)
         return self._core.field(flat_points, flat_currents).reshape(*shape, 3)
 
-    def gradient(self, points: ArrayLike, currents: ArrayLike) -> _Array:
+    def gradient(self, points: ArrayLike, currents: ArrayLike) -> Array:
         """Gradient of the field of all coils, by the analytic derivatives of (4)-(6).
 
         Parameters
@@ -111,7 +110,7 @@ class Coils:
         return self._core.gradient(flat_points, flat_currents).reshape(*shape, 3, 3)
 
 
-def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[_Array, _Array, tuple[int, ...]]:
+def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
     """Points as (n, 3), currents as (n, 5) or (1, 5), and the common leading shape."""
     points = _checked("points", points, 3, "m")
     currents = _checked("currents", currents, 5, "A")
@@ -128,7 +127,7 @@ def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[_Array, _Array, tu
     return flat_points, np.broadcast_to(currents, (*shape, 5)).reshape(-1, 5), shape
 
 
-def _checked(name: str, values: ArrayLike, columns: int, unit: str) -> _Array:
+def _checked(name: str, values: ArrayLike, columns: int, unit: str) -> Array:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != columns:
         raise ValueError(f"{name} must have shape (..., {columns}), in {unit}; got {array.shape}")

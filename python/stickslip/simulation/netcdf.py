@@ -42,14 +42,9 @@ def dataset(run: Run) -> xarray.Dataset:
         name: (_dimensions(name), getattr(run, name), _about(name))
         for name in recorded_names(run.scenario) or (SAMPLES,)
     }
-    return xarray.Dataset(
-        {name: variable for name, variable in variables.items() if name != SAMPLES},
-        coords={
-            SAMPLES: variables[SAMPLES],
-            "coil": ("coil", list(COIL_NAMES), {"long_name": "coil"}),
-        },
-        attrs=attributes(run),
-    )
+    coil = ("coil", list(COIL_NAMES), {"long_name": "coil"})
+    coords = {SAMPLES: variables.pop(SAMPLES), "coil": coil}
+    return xarray.Dataset(variables, coords, attributes(run))
 
 
 def _dimensions(name: str) -> tuple[str, ...]:

@@ -110,12 +110,9 @@ def simulate_into(
             raise KeyboardInterrupt(f"{path} {recording.extent}") from None
         raise recording.stop
     run = recording.run(StoredRecord(path, scenario, recording.samples) if written else None)
-    if recording.failure is not None:
-        reason = recording.failure.strerror or str(recording.failure)
-        text = (
-            reason
-            if isinstance(recording.failure, NotWritten)
-            else f"cannot write {path}: {reason}"
-        )
+    failure = recording.failure
+    if failure is not None:
+        own = isinstance(failure, NotWritten)  # its text names the file
+        text = str(failure) if own else f"cannot write {path}: {failure.strerror or failure}"
         raise RecordNotWritten(f"{text}; it {recording.extent}" if written else text, run)
     return run

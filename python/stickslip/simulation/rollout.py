@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from stickslip import _core
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown, suggestion
+from stickslip.scenario.keys import check_kind, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.state import STATE_COLUMNS, State
 from stickslip.simulation.simulate import Progress, fraction_of
@@ -116,8 +116,7 @@ def rollout(
             raise ScenarioError(f"record: {shown(name)}: {suggestion(str(name), STATE_COLUMNS)}")
     several = [scenarios] if isinstance(scenarios, Scenario) else list(scenarios)
     for index, each in enumerate(several):
-        if not isinstance(each, Scenario):
-            raise ScenarioError(f"scenario {index} = {shown(each)}: allowed is a Scenario")
+        check_kind(f"scenario {index}", each, Scenario)
     volts = np.ascontiguousarray(voltages, dtype=float)
     if volts.ndim not in (2, 3) or volts.shape[-1] != 5:
         raise ScenarioError(

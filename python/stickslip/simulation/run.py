@@ -17,10 +17,9 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
+    from stickslip._util.arrays import Array
     from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.stored_run import StoredRecord
-
-    _Array = NDArray[np.float64]
 
 
 class Column(NamedTuple):
@@ -150,21 +149,21 @@ class Run:
     message: str
     complete: bool
     recorded_until: float
-    t: _Array
-    x: _Array
-    z: _Array
-    theta: _Array
-    vx: _Array
-    vz: _Array
-    omega: _Array
-    normal_force: _Array
-    friction_force: _Array
-    contact_x: _Array
-    slip_velocity: _Array
-    bx: _Array
-    by: _Array
-    bz: _Array
-    current: _Array
+    t: Array
+    x: Array
+    z: Array
+    theta: Array
+    vx: Array
+    vz: Array
+    omega: Array
+    normal_force: Array
+    friction_force: Array
+    contact_x: Array
+    slip_velocity: Array
+    bx: Array
+    by: Array
+    bz: Array
+    current: Array
     contact: NDArray[np.int8]
     event: NDArray[np.int8]
 

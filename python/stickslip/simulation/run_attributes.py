@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip.scenario.waveform_json import voltage_blocks
+from stickslip.scenario.waveform import Waveform
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -43,6 +43,14 @@ def origin(scenario: Scenario) -> dict[str, str]:
         "numpy_version": np.__version__,
         "scenario": scenario.to_toml(),
     }
-    # A scenario's text names a file in place of the voltages.
-    voltages = voltage_blocks(scenario.drive.program)
-    return {**about, "voltage_blocks": voltages} if voltages else about
+    program = scenario.drive.program
+    if program is not None:  # a scenario's text names a file in place of the voltages
+        blocks = [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
+        about["voltage_blocks"] = json.dumps(blocks)
+    return about
+
+
+def program_of(voltage_blocks: str) -> Waveform:
+    """The program of which `origin` gave the blocks of times (s) and voltages (V)."""
+    blocks = json.loads(voltage_blocks)
+    return Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])

@@ -11,7 +11,7 @@ from stickslip import _core
 from stickslip._util.number_text import highest
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
+from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.record_blocks import kept, recorded_names
 from stickslip.simulation.run import Outcome, Run
@@ -43,10 +43,10 @@ def parsed_condition(until: str) -> tuple[str, bool, float]:
             value = math.nan
         if math.isfinite(value):
             return found[1], found[2] == ">=", value
-    raise ScenarioError(
-        f'until = {shown(until)}: allowed is a condition such as "x >= 3e-3" or "theta <= -1.5", '
-        "of time (s), x, z (m), theta (rad) or turns"
+    allowed = (
+        'a condition such as "x >= 3e-3" or "theta <= -1.5", of time (s), x, z (m), theta (rad)'
     )
+    refuse("until", until, f"{allowed} or turns")
 
 
 MOST_IN_MEMORY = 10_000_000
@@ -124,7 +124,7 @@ def simulate(
         return simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
     from stickslip.simulation.recording_to_file import simulate_into
 
-    _check_scenario(0, scenario)
+    check_kind("scenario 0", scenario, Scenario)
     condition = None if until is None else parsed_condition(until)
     return simulate_into(scenario, out, fraction_of(scenario.duration, progress), condition)
 
@@ -165,7 +165,7 @@ def simulate_batch(
     """
     scenarios = list(scenarios)
     for index, scenario in enumerate(scenarios):
-        _check_scenario(index, scenario)
+        check_kind(f"scenario {index}", scenario, Scenario)
         check_memory(scenario)
     threads = worker_count(threads, "threads")
     condition = None if until is None else parsed_condition(until)
@@ -174,11 +174,6 @@ def simulate_batch(
     report = fraction_of(sum(core.duration for core in cores), progress)
     results = _core.simulate_batch(cores, threads, report, condition)
     return [_run_of(*pair) for pair in zip(scenarios, results, strict=True)]
-
-
-def _check_scenario(index: int, scenario: object) -> None:
-    if not isinstance(scenario, Scenario):
-        raise ScenarioError(f"scenario {index} = {shown(scenario)}: allowed is a Scenario")
 
 
 def _run_of(scenario: Scenario, result: _core.RunResult) -> Run:

@@ -6,22 +6,21 @@ from collections.abc import Mapping
 from typing import Literal
 
 from stickslip import _core
-from stickslip.errors import ScenarioError, SimulationError
-from stickslip.scenario.keys import shown
+from stickslip.errors import ScenarioError, SimulationError, prefixed
+from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import State, made_state
 
 Hold = Literal["constant", "linear"]
-HOLDS = ("constant", "linear")
 
 _TYPES = "a step takes a mapping from coils to V, and a duration in s"
 
 
 def check_hold(hold: str) -> bool:
     """Whether voltages go linearly to those of a step; a ScenarioError for another word."""
-    if hold not in HOLDS:
-        raise ScenarioError(f'hold = {shown(hold)}: allowed is "constant" or "linear"')
+    if hold not in ("constant", "linear"):
+        refuse("hold", hold, '"constant" or "linear"')
     return hold == "linear"
 
 
@@ -38,10 +37,8 @@ class Snapshot:
     @staticmethod
     def from_bytes(data: bytes) -> Snapshot:
         """The snapshot that `to_bytes` wrote; a ScenarioError for anything else."""
-        try:
+        with prefixed("", ValueError):
             return Snapshot(_core.Snapshot.from_bytes(data))
-        except ValueError as error:
-            raise ScenarioError(str(error)) from None
 
 
 class Simulator:
@@ -75,15 +72,12 @@ class Simulator:
     """
 
     def __init__(self, scenario: Scenario, state: State | None = None) -> None:
-        if not isinstance(scenario, Scenario):
-            raise ScenarioError(f"scenario = {shown(scenario)}: allowed is a Scenario")
+        check_kind("scenario", scenario, Scenario)
         if state is not None:
             scenario = scenario.with_state(state)
         self.scenario = scenario
-        try:
+        with prefixed("", ValueError):
             self._core = _core.Simulator(scenario.to_core())
-        except ValueError as error:
-            raise ScenarioError(str(error)) from None
 
     def step(
         self, voltages: Mapping[str, float], duration: float, hold: Hold = "constant"
@@ -158,12 +152,9 @@ class Simulator:
         ScenarioError
             If `snapshot` is none, or of another scenario.
         """
-        if not isinstance(snapshot, Snapshot):
-            raise ScenarioError(f"snapshot = {shown(snapshot)}: allowed is a Snapshot")
-        try:
+        check_kind("snapshot", snapshot, Snapshot)
+        with prefixed("", ValueError):
             self._core.restore(snapshot._core)
-        except ValueError as error:
-            raise ScenarioError(str(error)) from None
 
     def __repr__(self) -> str:
         return f"<Simulator: {self.status}, t = {self.time:.6g} s>"

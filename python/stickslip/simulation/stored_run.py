@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,13 +15,13 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.atomic_files import read_bytes
 from stickslip._util.checksum import check_checksum, sha256_of
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.state import State
 from stickslip.scenario.toml_file import scenario_of
-from stickslip.scenario.waveform_json import program_of
 from stickslip.simulation.csv_export import beside, headings
 from stickslip.simulation.record_blocks import BLOCK, is_csv, recorded_names
 from stickslip.simulation.run import WORDS, Outcome, Run
+from stickslip.simulation.run_attributes import program_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -87,12 +87,16 @@ def open_run(path: str | PathLike[str]) -> Run:
         If the file cannot be read, holds no run, or is not as it was written; also when a quantity
         is read later.
     """
-    about = _read(path, _csv_attributes if is_csv(path) else _netcdf_attributes)
     try:
-        scenario = _scenario(about)
-        outcome = _outcome(about)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
+        with prefixed(path):
+            about = (_csv_attributes if is_csv(path) else _netcdf_attributes)(path)
+            voltages = about.get("voltage_blocks")
+            scenario = scenario_of(about["scenario"], program_of(voltages) if voltages else None)
+            outcome = _outcome(about)
+    except ScenarioError:
+        raise
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (KeyError, TypeError, ValueError):
         raise ScenarioError(f"{path}: is no run of this version; {_ALLOWED}") from None
     missing = [name for name in recorded_names(scenario) if name not in about["columns"]]
@@ -101,19 +105,8 @@ def open_run(path: str | PathLike[str]) -> Run:
     return Run(scenario, outcome, StoredRecord(path, scenario, about["samples"]))
 
 
-def _read(
-    path: str | PathLike[str], read: Callable[[str | PathLike[str]], dict[str, Any]]
-) -> dict[str, Any]:
-    """What a file says beside its samples, with the names of its `columns` and its `samples`."""
-    try:
-        return read(path)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
-
-
 def _netcdf_attributes(path: str | PathLike[str]) -> dict[str, Any]:
+    """What a file says beside its samples, with the names of its `columns` and its `samples`."""
     import h5py
 
     check_checksum(path)
@@ -179,11 +172,6 @@ def _csv_column(path: Path, name: str, dtype: str) -> NDArray[Any]:
     with pd.read_csv(path, usecols=titles, dtype=str, chunksize=BLOCK) as chunks:
         array = np.concatenate([parsed(chunk[titles].to_numpy(object)) for chunk in chunks])
     return array if name == "current" else array[:, 0]
-
-
-def _scenario(about: Mapping[str, Any]) -> Scenario:
-    voltages = about.get("voltage_blocks")
-    return scenario_of(about["scenario"], program_of(voltages) if voltages else None)
 
 
 def _outcome(about: Mapping[str, Any]) -> Outcome:

@@ -13,7 +13,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     ThreadPoolExecutor,
 )
-from typing import Any, Protocol
+from typing import Any
 
 from stickslip.sweeping.worker import Chunk, ChunkResult, run_chunk
 
@@ -27,26 +27,11 @@ _RECOUNT_SECONDS = 5.0
 _WORKER_DEATHS = ("KilledWorker", "FutureCancelledError", "FuturesCancelledError")
 
 
-class ChunkExecutor(Protocol):
-    """Takes chunks, and has them simulated."""
-
-    min_chunk_seconds: float
-    """Time below which sending a chunk to a worker costs too much beside its simulation, s."""
-
-    def size(self) -> int:
-        """How many chunks are worked on at a time."""
-
-    def submit(self, chunk: Chunk) -> Future[ChunkResult]:
-        """Begin with a chunk as soon as there is room."""
-
-    def close(self) -> None:
-        """Stop what can be stopped, and wait until it has ended."""
-
-
 class LocalThreads:
     """Threads of this process; the core does not hold Python's lock while it simulates."""
 
     min_chunk_seconds = 2e-3
+    """Time below which sending a chunk to a worker costs too much beside its simulation, s."""
 
     def __init__(self, count: int) -> None:
         self._count = count
@@ -54,12 +39,15 @@ class LocalThreads:
         self._executor = ThreadPoolExecutor(count, thread_name_prefix="stickslip-sweep")
 
     def size(self) -> int:
+        """How many chunks are worked on at a time."""
         return self._count
 
     def submit(self, chunk: Chunk) -> Future[ChunkResult]:
+        """Begin with a chunk as soon as there is room."""
         return self._executor.submit(run_chunk, chunk, self._poll)
 
     def close(self) -> None:
+        """Stop what can be stopped, and wait until it has ended."""
         self._stop.set()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
@@ -69,7 +57,7 @@ class LocalThreads:
 
 
 class OutsideExecutor:
-    """The workers of an executor, which stays open.
+    """The workers of an executor, which stays open; used as `LocalThreads` are.
 
     A pool of processes that is broken by the death of one of them takes no more work; a new pool
     then takes its place until the sweep ends.
@@ -101,6 +89,9 @@ class OutsideExecutor:
     def close(self) -> None:
         if self._replacement is not None:
             self._replacement.shutdown(wait=True)
+
+
+ChunkExecutor = LocalThreads | OutsideExecutor
 
 
 def is_worker_death(error: BaseException) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     PROGRAM,
@@ -37,8 +38,6 @@ MOST_POINTS = 10_000_000
 LIST_DIMENSION = "point"
 
 _RESULTS = (*NUMBERS, "events", "painleve_events", "status", "message", "event", LIST_DIMENSION)
-
-_Array = NDArray[np.float64]
 
 
 class Points:
@@ -82,7 +81,7 @@ class Points:
             return (LIST_DIMENSION,)
         return tuple(short_name(key) for key in self.keys)
 
-    def rows(self, indices: NDArray[np.int64]) -> _Array:
+    def rows(self, indices: NDArray[np.int64]) -> Array:
         """Values of some points, shape (n, number of keys); the last key of a grid runs fastest."""
         if self.arrangement == "list":
             places: Sequence[NDArray[np.int64]] = [indices] * len(self.keys)
@@ -92,7 +91,7 @@ class Points:
             [values[place] for values, place in zip(self.columns, places, strict=True)]
         )
 
-    def with_draws(self, keys: Sequence[str], values: _Array) -> Points:
+    def with_draws(self, keys: Sequence[str], values: Array) -> Points:
         """A list of these points with the values of each of n draws, shape (n, number of `keys`).
 
         The draws of a point follow each other.
@@ -237,7 +236,7 @@ def _words(key: str) -> tuple[str, ...]:
     return next(tuple(row["allowed"]) for row in _core.choices() if row["key"] == key)
 
 
-def encoded(key: str, values: Sequence[Value]) -> _Array:
+def encoded(key: str, values: Sequence[Value]) -> Array:
     """Values of a key as numbers, as the core reads them: of a word its index."""
     if known_keys()[key].kind == "word":
         places = {word: place for place, word in enumerate(_words(key))}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from stickslip._util.atomic_files import check_writable
 from stickslip._util.processor_count import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, shown
+from stickslip.scenario.keys import Value, check_kind, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress
 from stickslip.sweeping.checkpoint import Checkpoint, read
@@ -158,8 +158,7 @@ def points_of(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Poi
         return from_changes(scenario, rows)
     scenarios = as_list("scenario", scenario, "a Scenario or a list of them")
     for place, each in enumerate(scenarios):
-        if not isinstance(each, Scenario):
-            raise ScenarioError(f"scenario {place} = {shown(each)}: allowed is a Scenario")
+        check_kind(f"scenario {place}", each, Scenario)
     if vary is not None:
         raise ScenarioError("vary: allowed with one scenario only, not with a list of them")
     return from_scenarios(scenarios)
@@ -167,16 +166,15 @@ def points_of(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Poi
 
 def _existing_results(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
     """The results that there are already."""
+    results = Results(points.count)
     if out is None:
-        return Results(points.count)
-    if not os.path.isfile(out):
-        check_writable(out)
-        return Results(points.count)
-    if not resume:
-        raise FileExistsError(
-            f"{out} is already there: resume it, remove it, or choose another name"
-        )
-    results = read(out, points)
+        return results
+    if os.path.isfile(out):
+        if not resume:
+            raise FileExistsError(
+                f"{out} is already there: resume it, remove it, or choose another name"
+            )
+        results = read(out, points)
     if not results.complete:
         check_writable(out)
     return results
