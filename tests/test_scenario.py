@@ -44,6 +44,7 @@ def every_key_changed():
             "solver.method": "arkode",
             "solver.planar": "force",
             "solver.max_step": 1e-3,
+            "solver.velocity_error": 1e-6,
             "record.rate": 1234.5,
             "record.from": 0.1,
             "record.fields": "x, theta",

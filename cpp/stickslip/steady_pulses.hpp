@@ -37,7 +37,7 @@ public:
     std::optional<double> displacement() const {
         if (!(allowed_ > 0.0) || place_.size() < kFewest + 1) return std::nullopt;
         const std::size_t done = place_.size() - 1;
-        if (done <= first_ || done >= count_) return std::nullopt;
+        if (done <= first_ || done >= count_ || count_ - done > done) return std::nullopt;
         const std::size_t block = (done - 1) / 3;
         const auto mean = [&](std::size_t number) {
             const std::size_t end = done - number * block;

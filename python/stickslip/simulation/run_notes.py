@@ -54,10 +54,18 @@ def _of_condition(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
 
 def _of_end(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     finished = summary["finished_pulses"]
-    if not finished or not math.isnan(summary["mean_velocity"]):
-        return []
     start, end = scenario.window
-    pulses = round((end - start) * scenario.drive.frequency)
+    pulses = (
+        0 if scenario.drive.mode == "program" else round((end - start) * scenario.drive.frequency)
+    )
+    if not finished or finished == pulses:
+        return []
+    if not math.isnan(summary["mean_velocity"]):
+        return [
+            f"mean_velocity is extrapolated from {finished} of the {pulses} pulses of the "
+            "measuring window, which went on steadily (solver.velocity_error); all other numbers "
+            "are over these alone"
+        ]
     return [
         f"the run ended after {finished} of the {pulses} pulses of the measuring window: there is "
         "no mean_velocity; over the pulses that were finished it is "
