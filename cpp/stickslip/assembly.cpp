@@ -268,12 +268,11 @@ Window measuring_window(const Scenario& s) {
 }
 
 SteadyPulses make_steady_pulses(const Scenario& s, bool is_stopped) {
-    const bool whole = is_stopped || s.drive.mode == DriveMode::program ||
-                       s.record.kind != RecordKind::none;
-    return SteadyPulses(s.drive.ramp, 1.0 / s.drive.frequency,
-                        static_cast<std::size_t>(settling_pulses(s.drive)),
-                        static_cast<std::size_t>(s.drive.pulses),
-                        whole ? 0.0 : s.solver.velocity_error);
+    const bool whole =
+        is_stopped || s.drive.mode == DriveMode::program || s.record.kind != RecordKind::none;
+    return SteadyPulses(
+        s.drive.ramp, 1.0 / s.drive.frequency, static_cast<std::size_t>(settling_pulses(s.drive)),
+        static_cast<std::size_t>(s.drive.pulses), whole ? 0.0 : s.solver.velocity_error);
 }
 
 }  // namespace stickslip

@@ -55,7 +55,8 @@ double duration(const Scenario& scenario);
 /// Time from pulse to pulse, s; zero for a free program.
 double pulse_period(const Scenario& scenario);
 
-/// What extrapolates steady pulses, in a run that records nothing and is not stopped before its end.
+/// What extrapolates steady pulses, in a run that records nothing and is not stopped before its
+/// end.
 SteadyPulses make_steady_pulses(const Scenario& scenario, bool is_stopped);
 
 /// Times (s) between which the mean velocity is taken: from the end of the third pulse (of the

@@ -60,8 +60,8 @@ private:
     static constexpr double kRounding = 1e-6;  // part of a pulse; chosen
     // The first pulse begins from rest and is of another kind than those after it.
     static constexpr std::size_t kFewest = 4;
-    // How much more than the error the trend may add. Chosen: a motion whose pulses differ by chance
-    // then hardly passes, and a robot that slowly walks out of the field does.
+    // How much more than the error the trend may add. Chosen: a motion whose pulses differ by
+    // chance then hardly passes, and a robot that slowly walks out of the field does.
     static constexpr double kLargestTrend = 4.0;
 
     double start_, period_;
