@@ -34,6 +34,52 @@ def test_a_cause_that_one_table_contradicts_is_not_named(source, word):
     assert [each.fields["kind"] for each in against] == (["b"] if source else [])
 
 
+# Of unit length, and nothing that the slope can make up for.
+CURVE = X**2 - X * (X @ X**2) / (X @ X)
+CURVE = CURVE / np.linalg.norm(CURVE)
+
+
+def diagnosed(observed, causes=(WAVE,)):
+    """Of a line with a wave and, where that is a suspect, a bend along the curve."""
+
+    def predict(_, p):
+        return line(_, p) + (p[:, 2:3] * CURVE if p.shape[1] > 2 else 0.0)
+
+    sd = np.full(len(X), SD)
+    return diagnose_model(predict, None, observed, [SLOPE], list(causes), sd=sd).findings.verdict
+
+
+def test_a_second_cause_behind_an_adequate_first_one_is_seen():
+    wave = X + np.sin(4 * X)
+    alone = diagnosed(wave, [WAVE, BEND])
+    assert (alone.kind, alone.causes) == ("named", ("wave",))
+    (left,) = [each for each in alone.reasons if each.code is Code.NOTHING_LEFT]
+    assert left.fields["lead"] < 1.0 < left.fields["needed"]
+    # Without noise: beside the wave, a bend of 4.6 errors leaves a chi-square of at most 21 for 24
+    # readings, p = 0.6, and takes all of it: 10 in log-evidence, less 2 for its amplitude.
+    both = diagnosed(wave + 4.6 * SD * CURVE, [WAVE, BEND])
+    assert (both.kind, both.causes) == ("pair", ("bend", "wave"))
+
+
+def test_a_name_whose_fit_pulls_a_constant_far_is_withheld():
+    # Of the prior's mean of 1; whether the slope itself is named beside the wave is another rule.
+    for pull, kind in ((1.5, "named"), (3.2, "ambiguous")):
+        said = diagnosed((1.0 + pull * 0.5) * X + np.sin(4 * X))
+        assert (said.kind, "wave" in said.causes) == (kind, True)
+        codes = [each.code for each in said.reasons]
+        assert (Code.CONSTANT_PULLED in codes) == (kind == "ambiguous")
+
+
+def test_a_name_that_leaves_one_reading_far_off_is_withheld():
+    # 4.9 errors of one reading: chi-square 24 of 24, p = 0.5; among 24 readings noise gives one as
+    # large in one case of ten thousand.
+    off = np.zeros(len(X))
+    off[7] = 4.9 * SD
+    said = diagnosed(X + np.sin(4 * X) + off)
+    assert said.kind == "ambiguous"
+    assert Code.ERRORS_CONTRADICTED in [each.code for each in said.reasons]
+
+
 def test_each_table_is_judged_by_its_own_noise():
     # Eight residuals of 1.7: p = 0.003 where the noise is known, 0.08 where eight trials told it.
     fit = SimpleNamespace(residual=np.concatenate([np.full(8, 1.7), np.full(8, 1.0)]))

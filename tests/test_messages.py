@@ -142,6 +142,16 @@ EXAMPLES = {
     Code.PAIR_LEADS_TOO_LITTLE: (
         {"name": "a + b", "lead": 4.5, "needed": 6.7}, r"a \+ b leads by 4\.5 .* 6\.7"
     ),
+    Code.ERRORS_CONTRADICTED: (
+        {"name": "wave", "errors": 5.25, "level": 1e-3}, r"wave one .* 5\.2 errors .* 0\.001"
+    ),
+    Code.CONSTANT_PULLED: (
+        {"name": "wave", "constant": "slope", "pull": -3.25, "limit": 2.5},
+        r"wave, slope has to be -3\.2 standard .* 2\.5",
+    ),
+    Code.NOTHING_LEFT: (
+        {"name": "wave", "other": "bend", "lead": 1.5, "needed": 6.7}, r"bend, adds 1\.5 .* 6\.7"
+    ),
     Code.PAIR_NEEDED: ({"name": "a + b"}, r"a \+ b"),
     Code.SEPARATES: (
         {"first": "a", "second": "b", "chi2": 5.5, "trials": 3, "needed": 4.0},

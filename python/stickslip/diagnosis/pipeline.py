@@ -20,7 +20,7 @@ from stickslip.diagnosis.fit.fit_result import Fit, Ranking
 from stickslip.diagnosis.fit.multistart import refit_keeping_starts
 from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import linear_evidence
-from stickslip.diagnosis.fit.single_cause import refit_null
+from stickslip.diagnosis.fit.single_cause import search_near_leaders
 from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.findings import Findings
@@ -29,6 +29,7 @@ from stickslip.diagnosis.inference.model_comparison import (
     Progress,
     assess_baseline,
     compare_candidates,
+    settled,
 )
 from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.smooth_residual import smooth_residual_bound
@@ -265,13 +266,17 @@ def find_profiles(state: State) -> None:
     leader, state.profiles = moved_to_profile_minimum(problem, fit)
     if leader is fit:
         return
-    # A fit that has moved has to meet the rules there.
-    null = refit_null(problem, state.base.null, [leader])
-    state.base = replace(state.base, null=null)
-    state.ranking = replace(state.ranking.replaced(fit, leader), null=null)
+    # A fit that has moved has to meet the rules there, beside its rivals at its constants and with
+    # a recalibrated model that begins there too.
+    others = [each for each in (*state.ranking.singles, *state.ranking.pairs) if each is not fit]
+    fits = search_near_leaders(problem, [leader, *others], [leader], state.base.random_restarts)
+    state.base, fits = settled(state.base, state.covariance, fits, state.options.seed)
+    state.ranking = Ranking.of(state.base.null, fits)
+    compare_effects(state)
     decide_verdict(state)
     if state.verdict.fit is not leader:
-        state.profiles = [] if state.verdict.fit is None else profile(problem, state.verdict.fit)
+        problem, fit = state.base.problem, state.verdict.fit
+        state.profiles = [] if fit is None else profile(problem, fit)
 
 
 def measure_improvement(state: State) -> None:

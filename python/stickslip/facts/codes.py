@@ -100,6 +100,9 @@ class Code(str, Enum):
     LESS_LIKELY = "less-likely"  #: What explains the data is less likely than what does not.
     #: No single cause is adequate, and a pair leads by too little.
     PAIR_LEADS_TOO_LITTLE = "pair-leads-too-little"
+    ERRORS_CONTRADICTED = "errors-contradicted"  #: A residual is too large for the error model.
+    CONSTANT_PULLED = "constant-pulled"  #: The fit needs a constant far from its prior.
+    NOTHING_LEFT = "nothing-left"  #: No second cause is seen beside the named one.
     PAIR_NEEDED = "pair-needed"  #: No single cause explains the data as well as the pair.
 
     # What to measure next.

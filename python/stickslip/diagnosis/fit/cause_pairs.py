@@ -70,21 +70,9 @@ def fit_pairs(
                 if key not in found or left < found[key][0]:
                     found[key] = (left, start)
     added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
-    near = [
-        (key, start)
-        for beside in (_beside(problem, single) for single in singles[:_CENTRES])
-        for key, (_, start) in sorted(beside.items(), key=lambda item: item[1][0])[:_PAIRS_BESIDE]
-    ]
-    by_name = {cause.name: cause for cause in problem.causes}
-
-    def tried(plan: Sequence[tuple[tuple[str, str], Start]], first: int) -> list[Fit]:
-        candidates = [make_candidate(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
-        return quick_fits(problem, candidates, [[start] for _, start in plan], first)
-
-    # Those that begin at a fit of one of them are near enough to begin with smaller errors.
-    fits = [*tried([(key, found[key][1]) for key in added], 0), *tried(near, 2)]
+    fits = _tried(problem, [(key, found[key][1]) for key in added], 0)
     for single in singles[:_CENTRES]:
-        fits += tried(beside_a_released_constant(problem, single), 1)
+        fits += _fits_beside(problem, single)
     fits.sort(key=lambda fit: fit.chi2)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
@@ -92,6 +80,39 @@ def fit_pairs(
         if best.setdefault(fit.name, fit) is not fit:
             others.setdefault(fit.name, []).append(Start.of(fit))
     return refine(problem, list(best.values()), others, random_restarts, _SURVIVORS)
+
+
+def second_causes(problem: Problem, single: Fit, random_restarts: int = 0) -> tuple[Fit, ...]:
+    """A second look: pairs of an accepted single cause with each other cause that promises most.
+
+    With care only those that are more likely than the single cause by themselves.
+    """
+    best: dict[str, Fit] = {}
+    for fit in sorted(_fits_beside(problem, single), key=lambda fit: fit.chi2):
+        best.setdefault(fit.name, fit)
+    fits = ranked(list(best.values()))
+    leading = [fit for fit in fits if fit.log_evidence > single.log_evidence]
+    if not leading:
+        return fits
+    careful = {fit.name: fit for fit in refine(problem, leading, {}, random_restarts)}
+    return ranked([careful.get(fit.name, fit) for fit in fits])
+
+
+def _fits_beside(problem: Problem, single: Fit) -> list[Fit]:
+    """Quick fits of pairs of a single cause with a second one, from the fit of the single one."""
+    beside = sorted(_beside(problem, single).items(), key=lambda item: item[1][0])
+    near = [(key, start) for key, (_, start) in beside[:_PAIRS_BESIDE]]
+    # Near enough to begin with smaller errors than far from any fit.
+    fits = _tried(problem, near, 2)
+    return [*fits, *_tried(problem, beside_a_released_constant(problem, single), 1)]
+
+
+def _tried(
+    problem: Problem, plan: Sequence[tuple[tuple[str, str], Start]], first: int
+) -> list[Fit]:
+    by_name = {cause.name: cause for cause in problem.causes}
+    candidates = [make_candidate(problem, [by_name[a], by_name[b]]) for (a, b), _ in plan]
+    return quick_fits(problem, candidates, [[start] for _, start in plan], first)
 
 
 def singles_beside(

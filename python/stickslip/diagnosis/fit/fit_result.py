@@ -220,10 +220,10 @@ class Ranking(OneLine):
     singles: tuple[Fit, ...]
     pairs: tuple[Fit, ...]
 
-    def replaced(self, old: Fit, new: Fit) -> Ranking:
-        """The same with a better fit of one candidate."""
+    @staticmethod
+    def of(null: Fit, fits: Sequence[Fit]) -> Ranking:
+        """Fits of one cause and of two, each by their log-evidence."""
         singles, pairs = (
-            ranked([new if fit is old else fit for fit in fits])
-            for fits in (self.singles, self.pairs)
+            ranked([fit for fit in fits if len(fit.candidate.causes) == count]) for count in (1, 2)
         )
-        return Ranking(self.null, singles, pairs)
+        return Ranking(null, singles, pairs)

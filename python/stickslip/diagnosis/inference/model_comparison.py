@@ -14,7 +14,7 @@ import numpy as np
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
-from stickslip.diagnosis.fit.cause_pairs import fit_pairs, singles_beside
+from stickslip.diagnosis.fit.cause_pairs import fit_pairs, second_causes, singles_beside
 from stickslip.diagnosis.fit.fit_result import Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
 from stickslip.diagnosis.fit.multistart import refit_keeping_starts
@@ -140,7 +140,7 @@ def compare_candidates(
     views = [base.view, *(View.of(problem, fit) for fit in centres)]
     singles = fit_singles(problem, views, local_minima, restarts)
     singles = search_near_leaders(problem, singles, singles[:_LEADERS], restarts)
-    base, singles = _settled(base, data_covariance, singles, seed)
+    base, singles = settled(base, data_covariance, singles, seed)
     # A nearly equivalent cause whose starts did not agree may be found from the leader's new end.
     if any(not fit.converged for fit in singles[1:_LEADERS]):
         singles = search_near_leaders(base.problem, singles, singles[:1], base.random_restarts)
@@ -156,8 +156,12 @@ def compare_candidates(
             singles = refine(base.problem, singles, {}, base.random_restarts)
     # The best single of two effects is often neither, so adequacy decides and not the rank.
     sufficient = any(adequacy(base.problem, fit) >= COMFORTABLE for fit in singles[:3])
-    if sufficient or not singles:
-        return base, Ranking(base.null, singles, ())
+    if not singles:
+        return base, Ranking(base.null, (), ())
+    if sufficient:
+        say(0.6, "looking for a second cause")
+        pairs = second_causes(base.problem, singles[0], base.random_restarts)
+        return base, Ranking(base.null, singles, pairs)
     say(0.6, "fitting pairs of causes")
     if base.problem is not problem:
         centres = with_stated_errors(base.problem, centres)
@@ -166,20 +170,19 @@ def compare_candidates(
     pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
     pairs = search_near_leaders(base.problem, pairs, pairs[:1], base.random_restarts)
     singles = singles_beside(base.problem, singles, pairs)
-    base, fits = _settled(base, data_covariance, [*singles, *pairs], seed)
-    singles, pairs = (
-        tuple(fit for fit in fits if len(fit.candidate.causes) == count) for count in (1, 2)
-    )
-    return base, Ranking(base.null, singles, pairs)
+    base, fits = settled(base, data_covariance, [*singles, *pairs], seed)
+    return base, Ranking.of(base.null, fits)
 
 
-def _settled(
+def settled(
     base: AssessedBaseline, data_covariance: Array, fits: Sequence[Fit], seed: int
 ) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
-    """The null from the candidates' constants, assessed again if better, and they from its."""
-    singles = [fit for fit in fits if len(fit.candidate.causes) == 1]
-    null = refit_null(base.problem, base.null, singles)
+    """The null from the candidates' constants, assessed again if better, and they from its.
+
+    All that follows from the null, its test among it, then holds for the one null that is kept.
+    """
     ordered = ranked(fits)
+    null = refit_null(base.problem, base.null, ordered)
     if null is base.null:
         return base, refit_worse_than_null(base.problem, null, ordered)
     base = assess_baseline(base.problem, data_covariance, null, seed)

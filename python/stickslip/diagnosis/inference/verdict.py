@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy.stats import norm as normal_law
+from scipy.stats import t as student_law
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.distinguishability import SAME
@@ -31,6 +34,16 @@ LEAST_SHARE = 0.7
 """Share of what a smooth function explains that a claimed cause or pair has to explain. Chosen, not
 derived: with a smaller one a cause is named that leaves much unexplained; with a
 larger one noise, part of which a smooth function explains, refuses right causes."""
+
+
+MOST_PULLED = 2.5
+"""Pull of a constant, in standard deviations of its prior, beyond which a fit is not claimed.
+Chosen: with two honest constants one fit in forty has a larger one, and so has a fit whose constant
+makes up for something else than the cause."""
+
+CONTRADICTED = 1e-3
+"""p-value of the largest residual of all below which the error model is contradicted. Chosen: one
+right name in a thousand is refused, and a reading that is off by five errors is no noise."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -185,7 +198,20 @@ def _decided(
         return Verdict("ambiguous", (best.name,), best, reasons, chance)
     others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
     second = describe_runner_up(problem, best, null, others)
-    return Verdict("named", (best.name,), best, (second,), chance)
+    return Verdict(
+        "named", (best.name,), best, (second, *_second_look(best, ranking.pairs)), chance
+    )
+
+
+def _second_look(said: Fit, pairs: Sequence[Fit]) -> tuple[Fact, ...]:
+    """What a second cause beside a named one would add at best."""
+    beside = [pair for pair in pairs if set(said.candidate.causes) <= set(pair.candidate.causes)]
+    if not beside:
+        return ()
+    (other,) = set(beside[0].candidate.causes) - set(said.candidate.causes)
+    lead = beside[0].log_evidence - said.log_evidence
+    fields = {"name": said.name, "other": other.name, "lead": lead, "needed": PAIR_PRICE}
+    return (Fact(Code.NOTHING_LEFT, fields),)
 
 
 def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> Fact:
@@ -238,6 +264,15 @@ def _reasons_against(
     shaped = any(cause.relaxes_prior is None for cause in best.candidate.causes)
     if improves_prediction is not None and shaped and not improves_prediction(best):
         reasons.append(Fact(Code.NOT_PREDICTED_BETTER, name))
+    pulls = _pulls(problem, best)
+    most = max(pulls, key=lambda each: abs(pulls[each]), default=None)
+    if most is not None and abs(pulls[most]) > MOST_PULLED:
+        pull = {"constant": most, "pull": pulls[most], "limit": MOST_PULLED}
+        reasons.append(Fact(Code.CONSTANT_PULLED, {**name, **pull}))
+    largest = float(np.max(np.abs(best.residual[: len(problem.observed)])))
+    if _largest_p(problem, largest) < CONTRADICTED:
+        fields = {**name, "errors": largest, "level": CONTRADICTED}
+        reasons.append(Fact(Code.ERRORS_CONTRADICTED, fields))
     extra = best.candidate.free[problem.base_count :]
     low, high = (end[extra] for end in problem.limits())
     at_high = (best.x[extra] >= high) & np.isfinite(high)
@@ -246,6 +281,25 @@ def _reasons_against(
     if np.any(at_high | at_low):
         reasons.append(Fact(Code.AT_LIMIT, name))
     return tuple(reasons)
+
+
+def _largest_p(problem: Problem, residual: float) -> float:
+    """Probability that noise makes a larger residual among all, at most, in errors."""
+    law = student_law(problem.dof) if math.isfinite(problem.dof) else normal_law()
+    return float(2.0 * len(problem.observed) * law.sf(residual))
+
+
+def _pulls(problem: Problem, fit: Fit) -> dict[str, float]:
+    """Distances of the constants from their priors, in their standard deviations, by name.
+
+    Without those that are known in range only, or whose prior the fit relaxes.
+    """
+    relaxed = {cause.relaxes_prior for cause in fit.candidate.causes}
+    return {
+        each.name: float(fit.x[k])
+        for k, each in enumerate(problem.uncertain)
+        if each.prior.has_middle and each.name not in relaxed
+    }
 
 
 def _without_single(
