@@ -10,6 +10,7 @@
 
 #include "register.hpp"
 #include "stickslip/assembly.hpp"
+#include "stickslip/free_shapes.hpp"
 #include "stickslip/parameters.hpp"
 #include "stickslip/recording.hpp"
 
@@ -144,6 +145,16 @@ std::bitset<kColumns> all_but(const std::vector<std::string>& fields) {
     return dropped;
 }
 
+/// f of one of the effects with a free shape, as an array of the shape of `arguments`.
+Array free_curve_at(const Scenario& scenario, const std::string& effect, const Array& arguments) {
+    const FreeCurve curve(free_shape(scenario, effect));
+    Array result(std::vector<py::ssize_t>(arguments.shape(), arguments.shape() + arguments.ndim()));
+    for (py::ssize_t i = 0; i < arguments.size(); ++i) {
+        result.mutable_data()[i] = curve.at(arguments.data()[i]);
+    }
+    return result;
+}
+
 }  // namespace
 
 void register_scenario(py::module_& module) {
@@ -189,6 +200,7 @@ void register_scenario(py::module_& module) {
             "rocking_rate",
             [](const Scenario& self, double tesla) { return make_model(self).rocking_rate(tesla); },
             py::arg("tesla"))
+        .def("free_curve", &free_curve_at, py::arg("effect"), py::arg("arguments"))
         .def_property_readonly(
             "in_plane_coil",
             [](const Scenario& self) { return name(in_plane_coil(self.drive.direction)); })

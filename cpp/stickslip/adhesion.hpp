@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+
+#include "stickslip/free_curve.hpp"
 
 namespace stickslip {
 
@@ -16,20 +19,33 @@ struct Adhesion {
     double angle_loss = 0.0;   ///< -, effect `angle_adhesion`
     double ageing_rate = 0.0;  ///< -, effect `adhesion_ageing`
     double ageing_time = 1.0;  ///< s
+    FreeCurve angle = {};      ///< effect `free_adhesion_angle`, of the tilt
+    FreeCurve age = {};        ///< effect `free_adhesion_age`, of the time since touch-down
 
-    /// Strength of a contact at the sine of theta, `age` seconds after it was made, in N.
-    double of_contact(double sine, double age) const {
+    /// Whether a contact is as strong at all angles and ages.
+    bool is_constant() const {
+        return angle_loss == 0.0 && ageing_rate == 0.0 && angle.absent() && age.absent();
+    }
+
+    /// Strength of a contact at the sine and cosine of theta, `seconds` after it was made, in N.
+    double of_contact(double sine, double cosine, double seconds) const {
         double result = strength;
         if (angle_loss != 0.0) result *= 1.0 - angle_loss * sine * sine;
-        if (ageing_rate != 0.0) {
-            result *= 1.0 + ageing_rate * std::log1p(std::max(age, 0.0) / ageing_time);
-        }
-        return result;
+        return result * (ageing(seconds) * angle.factor_at_angle(sine, cosine));
     }
 
     /// The same's derivative by theta, N/rad.
-    double slope_of_contact(double sine, double cosine, double age) const {
-        return -2.0 * angle_loss * sine * cosine * of_contact(0.0, age);
+    double slope_of_contact(double sine, double cosine, double seconds) const {
+        const double loss = 1.0 - angle_loss * sine * sine;
+        const double loss_slope = -2.0 * angle_loss * sine * cosine;
+        double slope = loss_slope * angle.factor_at_angle(sine, cosine);
+        if (!angle.absent()) slope += loss * angle.factor_slope(std::atan2(sine, cosine));
+        return slope * (strength * ageing(seconds));
+    }
+
+    /// Shortest time (s) over which a free shape may change it while nothing moves.
+    double least_time() const {
+        return age.absent() ? std::numeric_limits<double>::infinity() : age.spacing();
     }
 
     /// Weight of a corner at `gap` m above the surface, one at contact.
@@ -64,6 +80,15 @@ struct Adhesion {
             result.energy += pull * (weights[i] - 0.5 * pull);
         }
         return result;
+    }
+
+private:
+    // Factor of a contact that was made `seconds` ago.
+    double ageing(double seconds) const {
+        const double past = std::max(seconds, 0.0);
+        double factor = age.factor(past);
+        if (ageing_rate != 0.0) factor *= 1.0 + ageing_rate * std::log1p(past / ageing_time);
+        return factor;
     }
 };
 

@@ -63,7 +63,16 @@ void check_work(const Scenario& s, double duration) {
     }
 }
 
-// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
+FieldShape make_field_shape(const Effects& e) {
+    return {.time = FreeCurve(e.free_field_time), .amplitude = FreeCurve(e.free_field_amplitude)};
+}
+
+PerCoil field_gain_at(const Scenario& s, double factor) {
+    const double in_plane = (1.0 + s.effects.field_gain_in_plane) * factor;
+    const double clamp = (1.0 + s.effects.field_gain_clamp) * factor;
+    return {in_plane, in_plane, in_plane, in_plane, clamp};
+}
+
 }  // namespace
 
 void check(const Scenario& s) {
@@ -150,9 +159,22 @@ Model make_model(const Scenario& s) {
                        .anisotropy = e.friction_anisotropy_fraction,
                        // A sine in the world's x is its negative in the turned robot's.
                        .patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,
-                       .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period}};
-    model.adhesion = {s.contact.adhesion, s.contact.adhesion_range, e.angle_adhesion_strength,
-                      e.adhesion_ageing_rate, e.adhesion_ageing_time};
+                       .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period,
+                       .speed = FreeCurve(e.free_friction_speed),
+                       .angle = FreeCurve(e.free_friction_angle),
+                       .load = FreeCurve(e.free_friction_load),
+                       .time = FreeCurve(e.free_friction_age)}};
+    model.adhesion = {.strength = s.contact.adhesion,
+                      .range = s.contact.adhesion_range,
+                      .angle_loss = e.angle_adhesion_strength,
+                      .ageing_rate = e.adhesion_ageing_rate,
+                      .ageing_time = e.adhesion_ageing_time,
+                      .angle = FreeCurve(e.free_adhesion_angle),
+                      .age = FreeCurve(e.free_adhesion_age)};
+    model.drag_shape = {.angle = FreeCurve(e.free_drag_angle),
+                        .speed = FreeCurve(e.free_drag_speed),
+                        .rate = FreeCurve(e.free_drag_rate)};
+    model.field_shape = make_field_shape(e);
     model.restitution = s.contact.restitution + e.restitution_coefficient;
     model.tangential_restitution = s.contact.tangential_restitution;
     model.frame_sign = frame_sign(s);
@@ -190,8 +212,14 @@ MeasurementChain make_measurement_chain(const Scenario& s) {
 }
 
 PerCoil field_gain(const Scenario& s) {
-    const double in_plane = 1.0 + s.effects.field_gain_in_plane;
-    return {in_plane, in_plane, in_plane, in_plane, 1.0 + s.effects.field_gain_clamp};
+    // The voltages of a program repeat at no frequency.
+    if (s.drive.mode == DriveMode::program) return field_gain_at(s, 1.0);
+    return field_gain_at(s, FreeCurve(s.effects.free_field_frequency).factor(s.drive.frequency));
+}
+
+PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
+    const double still = FreeCurve(s.effects.free_field_frequency).factor(0.0);
+    return field_gain_at(s, still * make_field_shape(s.effects).factor(0.0, currents));
 }
 
 VoltageProgram asked_program(const Scenario& s) {
@@ -247,7 +275,10 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     // proportion to the damping, the error of a run goes with rtol whatever the drag.
     constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
     constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
-    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag);
+    const DragShape& shape = model.drag_shape;
+    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag) *
+                              shape.angle.least_factor() * shape.speed.least_factor() *
+                              shape.rate.least_factor();
     const double damping = least_drag / model.mass / result.swing_rate;
     const double rtol = scenario.solver.rtol;
     result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),

@@ -31,8 +31,12 @@ Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
 
 MeasurementChain make_measurement_chain(const Scenario& scenario);
 
-/// Field that each coil makes, relative to what Eqs. (4)-(6) give for its current.
+/// Field that each coil makes in a run, relative to what Eqs. (4)-(6) give for its current, but for
+/// what changes within the run (`Model::field_shape`).
 PerCoil field_gain(const Scenario& scenario);
+
+/// The same of currents (A) that are held, before a run: all of it, at time and frequency zero.
+PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
 
 /// Voltages that the drive asks for, in the robot's own frame.
 VoltageProgram asked_program(const Scenario& scenario);

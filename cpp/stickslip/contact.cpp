@@ -23,9 +23,10 @@ public:
 
         const CornerStick stick = corner_stick(dynamics_.robot(), pose, body_.omega, load);
         const int slip = opposite_sign(stick.reaction.friction);
+        const double normal = stick.reaction.normal;
         const double limit =
-            model_.friction.static_limit(slip, contact_x(pose)) * stick.reaction.normal;
-        if (stick.reaction.normal >= 0.0 && std::abs(stick.reaction.friction) <= limit) {
+            dynamics_.static_limit(slip, contact_x(pose), pose, normal, tau_) * normal;
+        if (normal >= 0.0 && std::abs(stick.reaction.friction) <= limit) {
             return {{Touch::corner, 0}, quadrant};
         }
         return breaking_loose(quadrant, pose, load, slip);
@@ -39,12 +40,14 @@ public:
         FaceReaction reaction = face_reaction(model_, quadrant, load, true, 0.0);
         if (slip == 0) {
             const int way = opposite_sign(reaction.friction);
-            const double limit = model_.friction.static_limit(way, body_.x) * reaction.normal();
+            const double normal = reaction.normal();
+            const double limit = dynamics_.static_limit(way, body_.x, pose, normal, tau_) * normal;
             if (std::abs(reaction.friction) > limit) slip = way;
         }
         if (slip != 0) {
-            const double coefficient = slip * model_.friction.kinetic(slip, slip_velocity, body_.x);
-            reaction = face_reaction(model_, quadrant, load, false, coefficient);
+            const double coefficient =
+                dynamics_.kinetic(slip, slip_velocity, body_.x, pose, reaction.normal(), tau_);
+            reaction = face_reaction(model_, quadrant, load, false, slip * coefficient);
         }
         if (reaction.ahead >= 0.0 && reaction.behind >= 0.0) {
             return {{Touch::face, slip}, quadrant};
@@ -57,6 +60,10 @@ public:
 
 private:
     double contact_x(const Pose& pose) const { return body_.x + pose.lever; }
+    double coefficient(int slip, double slip_velocity, const Pose& pose, const Load& load) const {
+        return dynamics_.corner_kinetic(slip, slip_velocity, contact_x(pose), pose, body_.omega,
+                                        load, tau_);
+    }
 
     Pose pose_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
@@ -66,9 +73,8 @@ private:
 
     Resolution sliding(int quadrant, const Pose& pose, const Load& load, double slip_velocity) {
         const int slip = slip_velocity > 0.0 ? 1 : -1;
-        const CornerSlip motion =
-            corner_slip(dynamics_.robot(), pose, body_.omega, load,
-                        slip * model_.friction.kinetic(slip, slip_velocity, contact_x(pose)));
+        const CornerSlip motion = corner_slip(dynamics_.robot(), pose, body_.omega, load,
+                                              slip * coefficient(slip, slip_velocity, pose, load));
         if (motion.effective_inertia <= 0.0) {
             // A reaction that lifts presses here: the formula's N is positive where the free corner
             // rises (flight is consistent) and negative where nothing is, and the slip jams.
@@ -84,9 +90,8 @@ private:
     // so what is left is the indeterminate case, and of its answers flight is the one that is
     // stable.
     Resolution breaking_loose(int quadrant, const Pose& pose, const Load& load, int slip) {
-        const CornerSlip motion =
-            corner_slip(dynamics_.robot(), pose, body_.omega, load,
-                        slip * model_.friction.kinetic(slip, 0.0, contact_x(pose)));
+        const CornerSlip motion = corner_slip(dynamics_.robot(), pose, body_.omega, load,
+                                              slip * coefficient(slip, 0.0, pose, load));
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{Touch::none, 0}, quadrant};
         }

@@ -71,6 +71,7 @@ struct CornerSlipOf {
     /// J + m lever (lever - coefficient height), kg m^2: a normal force that lifts the corner. At
     /// or below zero sliding has no solution or two (Painleve).
     Real effective_inertia;
+    Real coefficient;  ///< that it was asked for
 };
 using CornerSlip = CornerSlipOf<double>;
 
@@ -93,7 +94,7 @@ template <class Real>
     const Real alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
     const Real normal = robot.mass * pose.lever * alpha + rest;
     const Real ax = (load.fx - coefficient * normal) * robot.per_mass;
-    return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective};
+    return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective, coefficient};
 }
 
 /// A face that lies on the surface. `ahead` is its end at +half_base (the quadrant's own corner),

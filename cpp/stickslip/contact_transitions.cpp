@@ -77,7 +77,8 @@ void ContactTransitions::land(int quadrant, Arrival arrival, double tau) {
     before.angle = 0.0;
     if (quadrant != body.quadrant) state_.contact_x += 2.0 * model().shape.half_base(quadrant);
     const double front = state_.contact_x;
-    const ImpactResult impact = face_impact(model(), before, arrival, old_slips);
+    const ImpactResult impact =
+        face_impact(model(), before, arrival, old_slips, dynamics_.start() + tau);
     body = impact.body;
     if (body.quadrant != quadrant)
         state_.contact_x = front - 2.0 * model().shape.half_base(quadrant);
@@ -113,10 +114,10 @@ void ContactTransitions::touch_down(int offset, double tau) {
     if (to_behind < kTogether || to_ahead < kTogether) {
         if (to_ahead < kTogether) body.quadrant += 1;
         body.angle = 0.0;
-        impact = face_impact(model(), body, Arrival::both, false);
+        impact = face_impact(model(), body, Arrival::both, false, dynamics_.start() + tau);
     } else {
         dynamics_.set_quadrant(body.quadrant);
-        impact = corner_impact(model(), pose(), body);
+        impact = corner_impact(model(), pose(), body, dynamics_.start() + tau);
     }
     body = impact.body;
     dynamics_.set_contact_age(-tau);

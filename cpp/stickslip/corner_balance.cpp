@@ -72,9 +72,10 @@ CornerBalance balance(Dynamics& dynamics, const Expansion& field, double x, doub
 
     const Load sliding = load_at(motion.vx);
     const double normal = pivot_reaction(dynamics.robot(), pose, omega, alpha, sliding).normal;
-    result.contact_velocity = corner_velocity_x(pose, motion.vx, omega);
+    const double speed = corner_velocity_x(pose, motion.vx, omega);
+    result.contact_velocity = speed;
     const double friction =
-        -slip * dynamics.kinetic(slip, result.contact_velocity, x + pose.lever) * normal;
+        -slip * dynamics.kinetic(slip, speed, x + pose.lever, pose, normal, field.tau) * normal;
     result.force = model.mass * motion.ax - (sliding.fx + friction);
     return result;
 }

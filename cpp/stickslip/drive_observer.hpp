@@ -81,8 +81,10 @@ private:
             current_max_ = std::max(current_max_, std::abs(current));
         }
         const PlanarField planar = dynamics.field_at(tau)(body.x, body.z);
-        const double across = field_across(*coils_, dynamics.field().gain(),
-                                           segment.field_currents(tau), body.x, body.z);
+        const LocalField& field = dynamics.field();
+        const double across =
+            field.factor(tau) *
+            field_across(*coils_, field.gain(), segment.field_currents(tau), body.x, body.z);
         const double size =
             std::sqrt(planar.bx * planar.bx + planar.bz * planar.bz + across * across);
         field_max_ = std::max(field_max_, size);

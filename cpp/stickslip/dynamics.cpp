@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace stickslip {
 
@@ -13,6 +14,7 @@ constexpr double kStale = 1000.0;  // turns of a base pose that is of another qu
 
 Dynamics::Dynamics(const Model& model, LocalField field)
     : model_(&model), field_(std::move(field)), extended_(model.has_force_effects()) {
+    if (!model.field_shape.absent()) field_.set_shape(model.field_shape);
     robot_.mass = model.mass;
     robot_.per_mass = 1.0 / model.mass;
     robot_.inertia = model.inertia;
@@ -44,15 +46,85 @@ void Dynamics::set_quadrant(int quadrant) {
 }
 
 void Dynamics::extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
-                      const Pose& pose, double vx, double vz, Load& load) const {
+                      const Pose& pose, double vx, double vz, double omega, Load& load) const {
     const Model& m = *model_;
-    const double cosine = turn_.cosine * pose.cosine - turn_.sine * pose.sine;
-    const double sine = turn_.sine * pose.cosine + turn_.cosine * pose.sine;
+    const double cosine = cosine_of_tilt(pose), sine = sine_of_tilt(pose);
     const double drag = m.translational_drag * m.angle_drag * cosine * cosine +
                         m.translational_drag_quadratic * std::hypot(vx, vz);
     load.fx += m.gradient_excess * (mx * field.dbx_dx + mz * field.dbx_dz) - drag * vx;
     load.fz += m.gradient_excess * (mx * field.dbx_dz + mz * field.dbz_dz) - drag * vz;
-    load.contact_adhesion = m.adhesion.of_contact(sine, age_ + expansion.tau);
+    load.contact_adhesion = m.adhesion.of_contact(sine, cosine, age_ + expansion.tau);
+    if (!m.drag_shape.absent()) {
+        shape_drag(sine, cosine, vx, vz, omega, m.translational_drag + drag, load);
+    }
+}
+
+// drag: N s/m, of the force that the load has already.
+void Dynamics::shape_drag(double sine, double cosine, double vx, double vz, double omega,
+                          double drag, Load& load) const {
+    const DragShape& shape = model_->drag_shape;
+    const double rate = shape.rate.factor(std::abs(omega));
+    const double force =
+        shape.angle.factor_at_angle(sine, cosine) * shape.speed.factor(std::hypot(vx, vz)) * rate;
+    load.fx -= (force - 1.0) * drag * vx;
+    load.fz -= (force - 1.0) * drag * vz;
+    const double turning = robot_.turning_drag + robot_.turning_drag_quadratic * std::abs(omega);
+    load.torque -= (rate - 1.0) * turning * omega;
+}
+
+double Dynamics::extended_static_limit(double slip, double x, const Pose& pose, double normal,
+                                       double tau) const {
+    return model_->friction.static_limit(slip, contact_point(x, pose, normal, tau));
+}
+
+double Dynamics::extended_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
+                                  double normal, double tau) const {
+    return model_->friction.kinetic(slip, slip_velocity, contact_point(x, pose, normal, tau));
+}
+
+// The normal force N of a corner that slips is A / (B - C mu(N)), with A, B and C from
+// `corner_slip`, so that N (B - C mu(N)) - A is looked for zero: it is negative at N = 0, and its
+// zero is followed by Newton's method between bounds that close in on it. Where there is none the
+// sliding has no solution, which `corner_slip` finds for the coefficient of the largest loads. Only
+// a curve so steep that C (N mu(N))' exceeds B has more than one.
+double Dynamics::extended_corner_kinetic(double slip, double slip_velocity, double x,
+                                         const Pose& pose, double omega, const Load& load,
+                                         double tau) const {
+    const FrictionLaw& law = model_->friction;
+    const ContactPoint at = contact_point(x, pose, 0.0, tau);
+    const double coefficient = law.kinetic_of_no_load(slip, slip_velocity, at);
+    const FreeCurve& curve = law.load();
+    if (curve.absent()) return coefficient;
+    const PlainDynamics<double>& r = robot_;
+    const double rest = load.contact_adhesion - r.mass * omega * omega * pose.height - load.fz;
+    const double a =
+        r.mass * pose.lever * (load.torque + pose.lever * load.contact_adhesion) + r.inertia * rest;
+    const double b = r.inertia + r.mass * pose.lever * pose.lever;
+    const double c = slip * r.mass * pose.lever * pose.height;
+    if (!(a > 0.0)) return coefficient * curve.factor(0.0);
+    const auto residual = [&](double normal) {
+        return normal * (b - c * coefficient * curve.factor(normal)) - a;
+    };
+    constexpr int kMostRises = 100, kMostIterations = 100;
+    constexpr double kRise = 1.25;  // not to pass over the least of several zeros
+    double low = 0.0, high = a / b;
+    for (int n = 0; residual(high) < 0.0; ++n) {
+        if (n == kMostRises) return coefficient * curve.factor(high);
+        low = high;
+        high *= kRise;
+    }
+    double normal = high;
+    for (int n = 0; n < kMostIterations; ++n) {
+        const double value = residual(normal);
+        (value < 0.0 ? low : high) = normal;
+        const double slope =
+            b - c * coefficient * (curve.factor(normal) + normal * curve.factor_slope(normal));
+        const double step = value / slope;
+        if (std::abs(step) <= 4.0 * std::numeric_limits<double>::epsilon() * normal) break;
+        const double next = normal - step;
+        normal = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    return coefficient * curve.factor(normal);
 }
 
 void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, double z,
@@ -96,9 +168,8 @@ void Dynamics::add_ranged_adhesion(double tau, const Pose& pose, double gap, Loa
 
     const bool flies = gap > 0.0;
     const double age = flies ? 0.0 : age_ + tau;  // what is not in contact does not age
-    const double sine = turn_.sine * pose.cosine + turn_.cosine * pose.sine;
-    const double cosine = turn_.cosine * pose.cosine - turn_.sine * pose.sine;
-    const double strength = adhesion.of_contact(sine, age);
+    const double sine = sine_of_tilt(pose), cosine = cosine_of_tilt(pose);
+    const double strength = adhesion.of_contact(sine, cosine, age);
     load.contact_adhesion = flies ? 0.0 : strength * shares.pull[0];
     for (std::size_t i = flies ? 0 : 1; i < 4; ++i) {
         const double pull = strength * shares.pull[i];

@@ -141,13 +141,15 @@ public:
 
     /// Whether the formulas of a PlainDynamics are all there is to it.
     bool is_plain() const {
-        return !extended_ && model_->adhesion.range == 0.0 && model_->friction.is_plain();
+        return !extended_ && model_->adhesion.range == 0.0 && model_->friction.is_plain() &&
+               model_->field_shape.absent();
     }
     /// Takes over the base that a pack has moved on.
     void set_base(const BasePose<double>& base) { robot_.base = base; }
 
     /// Time (s) since the start of the run at which the stretch begins.
     void set_start(double time) { start_ = time; }
+    double start() const { return start_; }
 
     /// Age of the contact at the start of the stretch, s; negative for one that is made later.
     void set_contact_age(double age) { age_ = age; }
@@ -162,11 +164,27 @@ public:
         return robot_.turned(d, dd);
     }
 
-    double static_limit(double slip, double x) const {
-        return model_->friction.static_limit(slip, x);
+    /// Coefficient up to which a contact sticks that presses with `normal` N at x (m); `tau`: s,
+    /// in the stretch.
+    double static_limit(double slip, double x, const Pose& pose, double normal, double tau) const {
+        const FrictionLaw& law = model_->friction;
+        if (law.is_plain()) return law.static_coefficient;
+        return extended_static_limit(slip, x, pose, normal, tau);
     }
-    double kinetic(double slip, double slip_velocity, double x) const {
-        return model_->friction.kinetic(slip, slip_velocity, x);
+    /// The same of one that slips at `slip_velocity` (m/s).
+    double kinetic(double slip, double slip_velocity, double x, const Pose& pose, double normal,
+                   double tau) const {
+        const FrictionLaw& law = model_->friction;
+        if (law.is_plain()) return law.kinetic_coefficient;
+        return extended_kinetic(slip, slip_velocity, x, pose, normal, tau);
+    }
+    /// The same of a corner that slips under `load`, whose normal force follows from the
+    /// coefficient itself.
+    double corner_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
+                          double omega, const Load& load, double tau) const {
+        const FrictionLaw& law = model_->friction;
+        if (law.is_plain()) return law.kinetic_coefficient;
+        return extended_corner_kinetic(slip, slip_velocity, x, pose, omega, load, tau);
     }
 
     /// Forces of everything but the reaction of touching corners.
@@ -187,11 +205,29 @@ public:
 private:
     /// What named effects add; apart, so that a model without them pays one test.
     void extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
-                const Pose& pose, double vx, double vz, Load& load) const;
+                const Pose& pose, double vx, double vz, double omega, Load& load) const;
+    void shape_drag(double sine, double cosine, double vx, double vz, double omega, double drag,
+                    Load& load) const;
     /// The same of a user's effects; throws WrenchNotFinite.
     void add_user_effects(double tau, const PlanarField& field, double x, double z,
                           const Pose& pose, double vx, double vz, double omega, Load& load) const;
     void add_ranged_adhesion(double tau, const Pose& pose, double gap, Load& load) const;
+    // Of friction that is not plain; apart for the same reason.
+    double extended_static_limit(double slip, double x, const Pose& pose, double normal,
+                                 double tau) const;
+    double extended_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
+                            double normal, double tau) const;
+    double extended_corner_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
+                                   double omega, const Load& load, double tau) const;
+    double sine_of_tilt(const Pose& pose) const {
+        return turn_.sine * pose.cosine + turn_.cosine * pose.sine;
+    }
+    double cosine_of_tilt(const Pose& pose) const {
+        return turn_.cosine * pose.cosine - turn_.sine * pose.sine;
+    }
+    ContactPoint contact_point(double x, const Pose& pose, double normal, double tau) const {
+        return {x, sine_of_tilt(pose), cosine_of_tilt(pose), normal, start_ + tau};
+    }
 
     const Model* model_;
     LocalField field_;
@@ -211,7 +247,7 @@ inline Load Dynamics::load(const Expansion& expansion, double x, double z, const
     const double mx = robot_.moment_x(pose), mz = robot_.moment_z(pose);
     Load load = robot_.load(field, mx, mz, vx, vz, omega);
     if (extended_) {
-        extend(expansion, field, mx, mz, pose, vx, vz, load);
+        extend(expansion, field, mx, mz, pose, vx, vz, omega, load);
         if (!model_->user_effects.empty()) {
             add_user_effects(expansion.tau, field, x, z, pose, vx, vz, omega, load);
         }

@@ -50,9 +50,11 @@ public:
 private:
     double height() const { return model().shape.half_rise(quadrant()); }
     FaceReaction solve(const Expansion& field, const State& y, Load& load) const {
-        load = dynamics_->load(field, y[0], height(), dynamics_->pose(0.0), y[1], 0.0, 0.0);
-        return face_reaction(model(), quadrant(), load, false,
-                             slip_ * model().friction.kinetic(slip_, y[1], y[0]));
+        const Pose pose = dynamics_->pose(0.0);
+        load = dynamics_->load(field, y[0], height(), pose, y[1], 0.0, 0.0);
+        const double normal = load.contact_adhesion - load.fz;
+        const double coefficient = dynamics_->kinetic(slip_, y[1], y[0], pose, normal, field.tau);
+        return face_reaction(model(), quadrant(), load, false, slip_ * coefficient);
     }
 
     int slip_;

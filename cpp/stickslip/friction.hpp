@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
+
+#include "stickslip/free_curve.hpp"
 
 namespace stickslip {
 
@@ -11,15 +14,28 @@ struct FrictionExtensions {
     double anisotropy = 0.0;         ///< -, effect `friction_anisotropy`
     double patch_amplitude = 0.0;    ///< -, effect `friction_patches`
     double patch_wavenumber = 0.0;   ///< 1/m
+    FreeCurve speed = {};            ///< effect `free_friction_speed`, of the slip velocity's size
+    FreeCurve angle = {};            ///< effect `free_friction_angle`, of the tilt
+    FreeCurve load = {};             ///< effect `free_friction_load`, of the normal force
+    FreeCurve time = {};             ///< effect `free_friction_age`, of the time in the run
 
     bool absent() const {
         return stribeck_velocity == 0.0 && viscous == 0.0 && anisotropy == 0.0 &&
-               patch_amplitude == 0.0;
+               patch_amplitude == 0.0 && speed.absent() && angle.absent() && load.absent() &&
+               time.absent();
     }
 };
 
+/// A contact as friction sees it.
+struct ContactPoint {
+    double x = 0.0;                   ///< m
+    double sine = 0.0, cosine = 1.0;  ///< of the body's tilt
+    double normal = 0.0;              ///< N; infinite in an impact
+    double time = 0.0;                ///< s, since the run began
+};
+
 /// Coulomb friction with a static and a kinetic coefficient. `slip` is +1 for a contact that slips
-/// (or is about to) to the robot's +x, -1 for the other way; `x` (m) is where the contact is.
+/// (or is about to) to the robot's +x, -1 for the other way.
 class FrictionLaw {
 public:
     FrictionLaw() = default;
@@ -35,31 +51,47 @@ public:
     double static_coefficient = 0.0;
     double kinetic_coefficient = 0.0;
 
-    double static_limit(double slip, double x) const {
-        return plain_ ? static_coefficient : static_coefficient * place(slip, x);
+    double static_limit(double slip, const ContactPoint& at) const {
+        if (plain_) return static_coefficient;
+        return static_coefficient * place(slip, at) * extensions_.load.factor(at.normal);
     }
     /// Coefficient of a contact that slips at `slip_velocity` (m/s).
-    double kinetic(double slip, double slip_velocity, double x) const {
-        return plain_ ? kinetic_coefficient : extended_kinetic(slip, slip_velocity, x);
+    double kinetic(double slip, double slip_velocity, const ContactPoint& at) const {
+        if (plain_) return kinetic_coefficient;
+        return kinetic_of_no_load(slip, slip_velocity, at) * extensions_.load.factor(at.normal);
     }
     /// Coefficient of an impulse at a contact that stuck before it, or did not.
-    double impulsive(double slip, bool stuck, double x) const {
-        return (stuck ? static_coefficient : kinetic_coefficient) * (plain_ ? 1.0 : place(slip, x));
+    double impulsive(double slip, bool stuck, const ContactPoint& at) const {
+        const double coefficient = stuck ? static_coefficient : kinetic_coefficient;
+        if (plain_) return coefficient;
+        return coefficient * place(slip, at) * extensions_.load.factor(at.normal);
     }
 
-private:
-    [[gnu::noinline]] double extended_kinetic(double slip, double slip_velocity, double x) const {
+    /// The factor of `kinetic` that the normal force has, and the rest of it.
+    const FreeCurve& load() const { return extensions_.load; }
+    [[gnu::noinline]] double kinetic_of_no_load(double slip, double slip_velocity,
+                                                const ContactPoint& at) const {
         const FrictionExtensions& e = extensions_;
         double coefficient = kinetic_coefficient + e.viscous * std::abs(slip_velocity);
         if (e.stribeck_velocity != 0.0) {
             const double ratio = slip_velocity / e.stribeck_velocity;
             coefficient += (static_coefficient - kinetic_coefficient) * std::exp(-ratio * ratio);
         }
-        return coefficient * place(slip, x);
+        return coefficient * place(slip, at) * e.speed.factor(std::abs(slip_velocity));
     }
-    double place(double slip, double x) const {
-        return (1.0 + extensions_.anisotropy * slip) *
-               (1.0 + extensions_.patch_amplitude * std::sin(extensions_.patch_wavenumber * x));
+
+    /// Shortest time (s) over which a free shape may change it while nothing moves.
+    double least_time() const {
+        return extensions_.time.absent() ? std::numeric_limits<double>::infinity()
+                                         : extensions_.time.spacing();
+    }
+
+private:
+    double place(double slip, const ContactPoint& at) const {
+        const FrictionExtensions& e = extensions_;
+        return (1.0 + e.anisotropy * slip) *
+               (1.0 + e.patch_amplitude * std::sin(e.patch_wavenumber * at.x)) *
+               (e.angle.factor_at_angle(at.sine, at.cosine) * e.time.factor(at.time));
     }
 
     FrictionExtensions extensions_;

@@ -201,11 +201,11 @@ void HybridRun::finish() {
 }
 
 void HybridRun::record(double t, double tau, const Snapshot& snapshot) {
-    recorder_.add(t, snapshot, state_.mode,
-                  dynamics_.field_at(tau)(snapshot.body.x, snapshot.body.z),
-                  field_across(coils_, dynamics_.field().gain(), segment_.field_currents(tau),
-                               snapshot.body.x, snapshot.body.z),
-                  segment_.currents(tau));
+    const LocalField& field = dynamics_.field();
+    const double across = field_across(coils_, field.gain(), segment_.field_currents(tau),
+                                       snapshot.body.x, snapshot.body.z);
+    recorder_.add(t, snapshot, state_.mode, field.at(tau)(snapshot.body.x, snapshot.body.z),
+                  field.factor(tau) * across, segment_.currents(tau));
 }
 
 void HybridRun::handle(Event event, double tau) {

@@ -213,7 +213,7 @@ void HybridRun::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t
     // Near the point where sliding loses its solution the reaction grows faster than any step can
     // follow: the limit is the impulse that stops the slip.
     if constexpr (std::is_same_v<Phase, CornerSlipPhase>) {
-        if (end.status == Status::step_underflow && phase.nearly_jams(end.y)) {
+        if (end.status == Status::step_underflow && phase.nearly_jams(end.tau, end.y)) {
             result_.status = Status::ok;
             handle(Event::sliding_jams, end.tau);
             return;

@@ -27,15 +27,22 @@ struct Impulse {
 // One or two corners at one height that share their tangential velocity.
 class ImpactProblem {
 public:
-    // x: where friction is taken, m.
-    ImpactProblem(const Model& model, double height, double x, const BodyState& before)
-        : model_(model), height_(height), x_(x), before_(before) {}
+    // x, time: where and when friction is taken, m and s.
+    ImpactProblem(const Model& model, double height, double x, double time, const BodyState& before)
+        : model_(model), height_(height), before_(before) {
+        at_.x = x;
+        at_.time = time;
+        at_.normal = std::numeric_limits<double>::infinity();
+        if (model.friction.is_plain()) return;
+        at_.sine = std::sin(before.theta());
+        at_.cosine = std::cos(before.theta());
+    }
 
     // stuck: the corner touched before and did not slip.
     void add(double lever, bool arriving, bool stuck) {
         const FrictionLaw& law = model_.friction;
         ImpactContact contact{
-            lever, law.impulsive(-1, stuck, x_),       law.impulsive(1, stuck, x_),
+            lever, law.impulsive(-1, stuck, at_),      law.impulsive(1, stuck, at_),
             0.0,   before_.vz - before_.omega * lever, arriving};
         contact.arriving = arriving && contact.approach < 0.0;
         if (contact.arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
@@ -192,7 +199,8 @@ private:
     }
 
     const Model& model_;
-    double height_, x_;
+    double height_;
+    ContactPoint at_;
     BodyState before_;
     std::array<ImpactContact, 2> contacts_ = {};
     std::size_t count_ = 0;
@@ -232,8 +240,9 @@ ImpactResult touching(const Model& model, const BodyState& after, double slip_ve
 
 }  // namespace
 
-ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before) {
-    ImpactProblem problem(model, pose.height, before.x + pose.lever, before);
+ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
+                           double time) {
+    ImpactProblem problem(model, pose.height, before.x + pose.lever, time, before);
     problem.add(pose.lever, true, false);
     ImpactResult result{before, Touch::none, 0.0};
     if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;
@@ -251,7 +260,7 @@ ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState
 }
 
 ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
-                         bool old_slips) {
+                         bool old_slips, double time) {
     const double base = model.shape.half_base(before.quadrant);
     const double rise = model.shape.half_rise(before.quadrant);
     const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
@@ -259,7 +268,7 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     const double behind_leaves = before.vz + before.omega * base;
     const bool slides = old_slips || arrival == Arrival::both;
 
-    ImpactProblem problem(model, rise, before.x, before);
+    ImpactProblem problem(model, rise, before.x, time, before);
     problem.add(base, new_ahead, !new_ahead && !old_slips);
     problem.add(-base, new_behind, !new_behind && !old_slips);
     if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {

@@ -24,14 +24,17 @@ struct ImpactResult {
 /// Impact of the quadrant's lowest corner out of flight: Newton restitution with impulsive Coulomb
 /// friction (kinetic coefficient), which reverses a part of the slip where the tangential
 /// restitution says so. Where that would raise the kinetic energy, both restitutions are reduced to
-/// the largest part for which it does not.
-ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before);
+/// the largest part for which it does not. time: s, since the run began, which a friction that ages
+/// asks for. An impact has no slip velocity and an infinite normal force, so that of the free
+/// shapes of friction `speed` does not act and `load` has its last knot.
+ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
+                           double time = 0.0);
 
 /// Impact of a face at angle 0 of `before.quadrant`, both corners solved together as one
 /// complementarity problem: the arriving corner has the kinetic coefficient and the restitution
 /// (both reduced as above by one factor), the one that already touched has the static coefficient
 /// where it stuck (`old_slips` false), else the kinetic.
 ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
-                         bool old_slips);
+                         bool old_slips, double time = 0.0);
 
 }  // namespace stickslip

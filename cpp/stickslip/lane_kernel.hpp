@@ -24,8 +24,13 @@ public:
         far_ = far_ | !(dd < PlainDynamics<Real>::kNearSquared);
         return robot_->turned(d, dd);
     }
-    Real static_limit(double, Real) const { return robot_->static_friction; }
-    Real kinetic(Real, Real, Real) const { return robot_->kinetic_friction; }
+    Real static_limit(double, Real, const PoseOf<Real>&, Real, Real) const {
+        return robot_->static_friction;
+    }
+    Real corner_kinetic(Real, Real, Real, const PoseOf<Real>&, Real, const LoadOf<Real>&,
+                        Real) const {
+        return robot_->kinetic_friction;
+    }
     [[gnu::always_inline]] LoadOf<Real> load_near_surface(const ExpansionOf<Real>& expansion,
                                                           Real x, Real z, const PoseOf<Real>& pose,
                                                           Real vx, Real vz, Real omega,

@@ -70,6 +70,7 @@ void LocalField::restore(const Memory& memory) {
 
 void LocalField::set_segment(const CurrentSegment& segment) {
     // Without the currents in the coils and what is zero: stretches may be short.
+    segment_.start = segment.start;
     segment_.exponentials = segment.exponentials;
     segment_.rate = segment.rate;
     std::copy_n(segment.field.begin(), 2 + segment.exponentials, segment_.field.begin());
@@ -95,6 +96,13 @@ void LocalField::add_further(std::size_t j, double tau, Expansion& expansion) co
     for (std::size_t i = 0; i < Expansion::kTerms; ++i) {
         expansion.terms[i] += further_basis_[j - 1][i] * fading;
     }
+}
+
+void LocalField::multiply(double tau, Expansion& expansion) const {
+    const double scale = factor(tau);
+    for (double& term : expansion.terms) term *= scale;
+    expansion.terms[0] += (1.0 - scale) * ambient_x_;
+    expansion.terms[1] += (1.0 - scale) * ambient_z_;
 }
 
 void LocalField::expand(double x, double z) {

@@ -7,6 +7,7 @@
 #include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
 #include "stickslip/elementary.hpp"
+#include "stickslip/field_shape.hpp"
 #include "stickslip/pack.hpp"
 
 namespace stickslip {
@@ -87,6 +88,13 @@ public:
     /// nothing. ambient_x, ambient_z: a uniform field, T.
     LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x, double ambient_z);
 
+    /// What multiplies the field of the coils from now on; it has to outlive this.
+    void set_shape(const FieldShape& shape) { shape_ = &shape; }
+    /// That factor, `tau` seconds into the stretch.
+    double factor(double tau) const {
+        return shape_ ? shape_->factor(segment_.start + tau, segment_.field_currents(tau)) : 1.0;
+    }
+
     void set_segment(const CurrentSegment& segment);
 
     const PerCoil& gain() const { return gain_; }
@@ -126,10 +134,12 @@ public:
         for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
             add_further(j, tau, result);
         }
+        if (shape_) multiply(tau, result);
         return result;
     }
 
-    /// The stretch as the formulas see it, where one exponential makes all of it.
+    /// The stretch as the formulas see it, where one exponential makes all of it and no shape
+    /// multiplies it.
     const FieldStretch<double>& stretch() const { return stretch_; }
 
 private:
@@ -139,8 +149,10 @@ private:
     void expand(double x, double z);
     void combine();
     void add_further(std::size_t j, double tau, Expansion& expansion) const;
+    void multiply(double tau, Expansion& expansion) const;
 
     const CoilSet* coils_;
+    const FieldShape* shape_ = nullptr;
     double reach_;
     double workspace_;
     double min_time_constant_ = 0.0;

@@ -1,15 +1,28 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "stickslip/adhesion.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/field_shape.hpp"
+#include "stickslip/free_curve.hpp"
 #include "stickslip/friction.hpp"
 #include "stickslip/rectangle.hpp"
 #include "stickslip/user_effect.hpp"
 
 namespace stickslip {
+
+/// What multiplies the fluid's drag.
+struct DragShape {
+    FreeCurve angle;  ///< of the tilt, effect `free_drag_angle`: of the force
+    FreeCurve speed;  ///< of the centre of mass, effect `free_drag_speed`: of the force
+    FreeCurve rate;   ///< of the tilt, effect `free_drag_rate`: of the force and of the torque
+
+    bool absent() const { return angle.absent() && speed.absent() && rate.absent(); }
+};
 
 /// The mechanical constants of one simulation, in the robot's own frame (its x axis points the way
 /// that the moment does at theta = 0), with all named effects already in their places.
@@ -27,6 +40,8 @@ struct Model {
     double translational_drag_quadratic = 0.0;  ///< N s^2/m^2
     double rotational_drag_linear = 0.0;        ///< N m s, linear
     double rotational_drag_quadratic = 0.0;     ///< N m s^2, Eq. (19)
+    DragShape drag_shape;
+    FieldShape field_shape;
     FrictionLaw friction;
     Adhesion adhesion;
     double restitution = 0.0;
@@ -37,7 +52,14 @@ struct Model {
     /// Whether a named effect acts on the forces between events.
     bool has_force_effects() const {
         return gradient_excess != 0.0 || angle_drag != 0.0 || translational_drag_quadratic != 0.0 ||
-               adhesion.angle_loss != 0.0 || adhesion.ageing_rate != 0.0 || !user_effects.empty();
+               !drag_shape.absent() || !adhesion.is_constant() || !user_effects.empty();
+    }
+
+    /// Shortest time (s) over which a free shape may change the forces while nothing moves.
+    double least_time() const {
+        const double field = field_shape.time.absent() ? std::numeric_limits<double>::infinity()
+                                                       : field_shape.time.spacing();
+        return std::min({friction.least_time(), adhesion.least_time(), field});
     }
 
     /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "stickslip/free_shapes.hpp"
+
 namespace stickslip {
 namespace {
 
@@ -9,7 +11,6 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 
 // A table: clang-format would give each member of a row a line of its own.
 // clang-format off
-
 // The two accessors of a member, from one expression.
 #define STICKSLIP_MEMBER(path)                                                      \
     .get = [](const Scenario& s) -> double { return static_cast<double>(s.path); }, \
@@ -75,8 +76,7 @@ std::vector<Parameter> make_parameters() {
          .meaning = "Newton restitution of a touch-down", STICKSLIP_MEMBER(contact.restitution)},
         {.key = "contact.tangential_restitution", .unit = "-", .low = 0, .high = 1,
          .meaning = "part of its slip that a corner which rebounds reverses, as far as friction "
-                    "can",
-         STICKSLIP_MEMBER(contact.tangential_restitution)},
+                    "can", STICKSLIP_MEMBER(contact.tangential_restitution)},
         {.key = "drag.linear", .unit = "N s/m", .low = 0, .high = 1e3,
          .meaning = "drag force by velocity at the centre of mass, Eq. (18)",
          STICKSLIP_MEMBER(drag.linear)},
@@ -337,7 +337,7 @@ std::vector<EffectDescription> make_effects() {
 }  // namespace
 
 const std::vector<Parameter>& parameters() {
-    static const std::vector<Parameter> table = make_parameters();
+    static const std::vector<Parameter> table = with_free_shapes(make_parameters());
     return table;
 }
 
@@ -347,7 +347,7 @@ const std::vector<Choice>& choices() {
 }
 
 const std::vector<EffectDescription>& effects() {
-    static const std::vector<EffectDescription> table = make_effects();
+    static const std::vector<EffectDescription> table = with_free_shapes(make_effects());
     return table;
 }
 

@@ -100,11 +100,13 @@ public:
 
     [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
                                       Values& g) const {
-        const CornerStickOf<Real> stick = solve(field, y);
+        const PoseOf<Real> pose = dynamics_->pose(y[0]);
+        const CornerStickOf<Real> stick = solve(field, y, pose);
         dydt = {y[1], stick.angular_acceleration};
         const Real normal = stick.reaction.normal, friction = stick.reaction.friction;
-        g = {normal, dynamics_->static_limit(-1.0, contact_x_) * normal - friction,
-             dynamics_->static_limit(1.0, contact_x_) * normal + friction, y[0],
+        const Real behind = limit(-1.0, pose, normal, field.tau);
+        const Real ahead = limit(1.0, pose, normal, field.tau);
+        g = {normal, behind * normal - friction, ahead * normal + friction, y[0],
              kQuarterTurn - y[0]};
     }
     double event(std::size_t i, double tau, const auto& y) const {
@@ -123,7 +125,8 @@ public:
                 y[1] * pose.lever,       y[1],        quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        return {body(y), solve(Base::field_at(tau), y).reaction, contact_x_, 0.0};
+        return {body(y), solve(Base::field_at(tau), y, dynamics_->pose(y[0])).reaction, contact_x_,
+                0.0};
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
@@ -132,9 +135,12 @@ public:
     Real contact_x(const State&) const { return contact_x_; }
 
 private:
-    [[gnu::always_inline]] CornerStickOf<Real> solve(const ExpansionOf<Real>& field,
-                                                     const State& y) const {
-        const PoseOf<Real> pose = dynamics_->pose(y[0]);
+    [[gnu::always_inline]] Real limit(double slip, const PoseOf<Real>& pose, Real normal,
+                                      Real tau) const {
+        return dynamics_->static_limit(slip, contact_x_, pose, normal, tau);
+    }
+    [[gnu::always_inline]] CornerStickOf<Real> solve(const ExpansionOf<Real>& field, const State& y,
+                                                     const PoseOf<Real>& pose) const {
         const LoadOf<Real> load =
             dynamics_->load_near_surface(field, contact_x_ - pose.lever, pose.height, pose,
                                          y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
@@ -192,8 +198,8 @@ public:
                 y[3] * pose.lever, y[3],        quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        const double normal = solve(Base::field_at(tau), y).normal;
-        return {body(y), {normal, -coefficient(y) * normal}, y[0], y[2]};
+        const CornerSlipOf<Real> motion = solve(Base::field_at(tau), y);
+        return {body(y), {motion.normal, -motion.coefficient * motion.normal}, y[0], y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[2]) + magnitude(y[3]) * robot().radius; }
@@ -202,9 +208,8 @@ public:
     Real contact_x(const State& y) const { return y[0]; }
     Real slip_velocity(const State& y) const { return y[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
-    bool nearly_jams(const State& y) const {
-        const double inertia = painleve_inertia(robot(), dynamics_->pose(y[1]), coefficient(y));
-        return inertia < kNearlyJammed * model().inertia;
+    bool nearly_jams(double tau, const State& y) const {
+        return solve(Base::field_at(tau), y).effective_inertia < kNearlyJammed * model().inertia;
     }
 
 private:
@@ -213,14 +218,15 @@ private:
     static constexpr double kJammed = 1e-6;
     static constexpr double kNearlyJammed = 1e-2;
 
-    Real coefficient(const State& y) const { return slip_ * dynamics_->kinetic(slip_, y[2], y[0]); }
     [[gnu::always_inline]] CornerSlipOf<Real> solve(const ExpansionOf<Real>& field,
                                                     const State& y) const {
         const PoseOf<Real> pose = dynamics_->pose(y[1]);
         const LoadOf<Real> load =
             dynamics_->load_near_surface(field, y[0] - pose.lever, pose.height, pose,
                                          y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
-        return corner_slip(robot(), pose, y[3], load, coefficient(y));
+        const Real coefficient =
+            dynamics_->corner_kinetic(slip_, y[2], y[0], pose, y[3], load, field.tau);
+        return corner_slip(robot(), pose, y[3], load, slip_ * coefficient);
     }
 
     Real contact_x_, slip_velocity_, slip_;

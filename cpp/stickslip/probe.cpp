@@ -1,5 +1,6 @@
 #include "stickslip/probe.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -54,15 +55,19 @@ std::vector<double> probe_readings(const Scenario& base, const std::vector<std::
             geometry = scenario->coil.geometry;
             shares = coil_shares(CoilSet(geometry), places, currents);
         }
-        const PerCoil gain = field_gain(*scenario);
         const Effects& effects = scenario->effects;
         const double ambient[kAxes] = {effects.ambient_field_bx, 0.0, effects.ambient_field_bz};
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const std::size_t first = i / kAxes * kCoilCount * kAxes + i % kAxes;
-            double field = 0.0;
-            for (std::size_t k = 0; k < kCoilCount; ++k)
-                field += gain[k] * shares[first + k * kAxes];
-            readings[row * places.size() + i] = field + ambient[i % kAxes];
+        for (std::size_t place = 0; place < places.size() / kAxes; ++place) {
+            PerCoil held;
+            std::copy_n(&currents[place * kCoilCount], kCoilCount, held.begin());
+            const PerCoil gain = held_field_gain(*scenario, held);
+            for (std::size_t axis = 0; axis < kAxes; ++axis) {
+                double field = 0.0;
+                for (std::size_t k = 0; k < kCoilCount; ++k) {
+                    field += gain[k] * shares[(place * kCoilCount + k) * kAxes + axis];
+                }
+                readings[row * places.size() + place * kAxes + axis] = field + ambient[axis];
+            }
         }
     }
     return readings;

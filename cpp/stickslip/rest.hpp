@@ -28,11 +28,13 @@ public:
 
     Values values(double tau) const {
         const FaceReaction reaction = solve(tau);
-        const FrictionLaw& law = dynamics_->model().friction;
+        const Pose pose = dynamics_->pose(0.0);
         const double normal = reaction.normal();
-        return {reaction.ahead, reaction.behind,
-                law.static_limit(-1, body_.x) * normal - reaction.friction,
-                law.static_limit(1, body_.x) * normal + reaction.friction};
+        const auto limit = [&](double slip) {
+            return dynamics_->static_limit(slip, body_.x, pose, normal, tau) * normal;
+        };
+        return {reaction.ahead, reaction.behind, limit(-1.0) - reaction.friction,
+                limit(1.0) + reaction.friction};
     }
 
     Snapshot snapshot(double tau) const {
@@ -90,11 +92,13 @@ private:
     BodyState body_;
 };
 
-/// A user's force may change with time while the body rests, and nothing is known of how fast: it
-/// is looked at as often as a phase's first step would.
+/// Longest time (s) between two looks at a body that rests. A free shape changes with time over
+/// the distance of its knots. A user's force may too, and nothing is known of how fast: it is
+/// looked at as often as a phase's first step would.
 inline double max_check_interval(const Model& model, const StepperOptions& options) {
-    if (model.user_effects.empty()) return std::numeric_limits<double>::infinity();
-    const double look = 0.25 / options.swing_rate;
+    const double shaped = 0.125 * model.least_time();
+    if (model.user_effects.empty()) return shaped;
+    const double look = std::min(0.25 / options.swing_rate, shaped);
     return options.max_step > 0.0 ? std::min(look, options.max_step) : look;
 }
 

@@ -7,6 +7,7 @@
 
 #include "stickslip/coil_set.hpp"
 #include "stickslip/drive.hpp"
+#include "stickslip/free_curve.hpp"
 #include "stickslip/state.hpp"
 #include "stickslip/user_effect.hpp"
 
@@ -80,6 +81,19 @@ struct Effects {
     double length_scale_fraction = 0.0;
     double clock_scale_fraction = 0.0;
     double angle_offset_angle = 0.0;  ///< rad
+    // free shapes, each absent while its knots are zero; see free_shapes.cpp
+    FreeShape free_friction_speed{FreeReach::anchored, 0.02};     ///< of m/s
+    FreeShape free_friction_angle{FreeReach::both_ways, 1.5};     ///< of rad
+    FreeShape free_friction_load{FreeReach::from_zero, 1e-6};     ///< of N
+    FreeShape free_friction_age{FreeReach::from_zero, 1.0};       ///< of s
+    FreeShape free_adhesion_angle{FreeReach::both_ways, 1.5};     ///< of rad
+    FreeShape free_adhesion_age{FreeReach::from_zero, 0.1};       ///< of s
+    FreeShape free_drag_angle{FreeReach::both_ways, 1.5};         ///< of rad
+    FreeShape free_drag_speed{FreeReach::from_zero, 0.02};        ///< of m/s
+    FreeShape free_drag_rate{FreeReach::from_zero, 500.0};        ///< of rad/s
+    FreeShape free_field_time{FreeReach::from_zero, 1.0};         ///< of s
+    FreeShape free_field_frequency{FreeReach::from_zero, 200.0};  ///< of Hz
+    FreeShape free_field_amplitude{FreeReach::from_zero, 2.5};    ///< of A
 };
 
 enum class Method { tsit5, arkode };

@@ -18,6 +18,16 @@ struct Candidate {
     double power = 1.0;  // of the value in the rate
 };
 
+// Largest slope of a free shape between two knots, over a span of one, 1/(the argument's unit).
+double steepest_knots(const FreeShape& shape) {
+    double steepest = 0.0, last = 0.0;
+    for (const double knot : shape.knots) {
+        steepest = std::max(steepest, std::abs(knot - last));
+        last = knot;
+    }
+    return steepest * static_cast<double>(kKnots);
+}
+
 Stiffness fastest(std::span<const Candidate> candidates, double swing) {
     Stiffness result;
     result.swing = swing;
@@ -58,6 +68,9 @@ StepDemand::StepDemand(const Scenario& s, const Model& model, double swing_rate,
         {"effects.rotational_drag.coefficient", e.rotational_drag_coefficient, 1.0 / inertia},
         {"effects.quadratic_drag.coefficient", e.quadratic_drag_coefficient, speed / mass},
         {"effects.viscous_friction.coefficient", e.viscous_friction_coefficient, load / mass},
+        {"effects.free_friction_speed.span", e.free_friction_speed.span,
+         steepest_knots(e.free_friction_speed) * model.friction.kinetic_coefficient * load / mass,
+         -1.0},
     };
     lasting_ = fastest(lasting, swing_);
     // Adhesion that falls with the gap pulls a corner of the mass 1/(1/m + r^2/J) off the surface,

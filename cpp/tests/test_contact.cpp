@@ -256,12 +256,12 @@ TEST_CASE("impulse without collision: slip and nothing else, through the corner"
 
 TEST_CASE("friction: the coefficient while slipping, with and without Stribeck's fall") {
     const FrictionLaw plain{0.2, 0.145};
-    CHECK(plain.kinetic(1, 0.0, 0.0) == 0.145);
-    CHECK(plain.kinetic(1, -1.0, 0.0) == 0.145);
+    CHECK(plain.kinetic(1, 0.0, {}) == 0.145);
+    CHECK(plain.kinetic(1, -1.0, {}) == 0.145);
     const FrictionLaw stribeck{0.2, 0.145, {.stribeck_velocity = 1e-3}};
-    CHECK(stribeck.kinetic(1, 0.0, 0.0) == doctest::Approx(0.2).epsilon(1e-15));
-    CHECK(stribeck.kinetic(1, 1e-3, 0.0) ==
+    CHECK(stribeck.kinetic(1, 0.0, {}) == doctest::Approx(0.2).epsilon(1e-15));
+    CHECK(stribeck.kinetic(1, 1e-3, {}) ==
           doctest::Approx(0.145 + 0.055 / std::exp(1.0)).epsilon(1e-15));
-    CHECK(stribeck.kinetic(1, -1e-3, 0.0) == stribeck.kinetic(1, 1e-3, 0.0));
-    CHECK(stribeck.kinetic(1, 1.0, 0.0) == 0.145);
+    CHECK(stribeck.kinetic(1, -1e-3, {}) == stribeck.kinetic(1, 1e-3, {}));
+    CHECK(stribeck.kinetic(1, 1.0, {}) == 0.145);
 }

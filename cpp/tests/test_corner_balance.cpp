@@ -118,6 +118,21 @@ TEST_CASE("balances close with every effect that acts on a touching body") {
     check_closed(forward);
 }
 
+TEST_CASE("balances close with free shapes of all that acts on a touching body") {
+    std::vector<std::pair<std::string, double>> keys;
+    for (const char* name :
+         {"free_friction_speed", "free_friction_angle", "free_friction_load", "free_friction_age",
+          "free_adhesion_angle", "free_adhesion_age", "free_drag_angle", "free_drag_speed",
+          "free_drag_rate", "free_field_time", "free_field_frequency", "free_field_amplitude"}) {
+        double knot = 0.1;
+        for (const char* number : {"1", "2", "3", "4", "5"}) {
+            keys.emplace_back("effects." + std::string(name) + ".knot_" + number, knot);
+            knot = -1.2 * knot;
+        }
+    }
+    check_closed(walking(keys));
+}
+
 TEST_CASE("what the instruments make of a motion is taken off before its balances") {
     check_closed(walking({{"effects.length_scale.fraction", 0.2},
                           {"effects.clock_scale.fraction", -0.1},

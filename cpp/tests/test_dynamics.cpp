@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "stickslip/dynamics.hpp"
 #include "support.hpp"
@@ -344,8 +345,12 @@ TEST_CASE("adhesion with a range: its wrench is the gradient of a potential") {
 
 TEST_CASE("adhesion with a range: no work on a closed path of height and angle") {
     Model model = sticky(2e-5);
-    for (const double loss : {0.0, 0.7}) {
+    // The knots of a free shape are crossed too.
+    const FreeCurve bent({FreeReach::both_ways, 0.1, {0.0, 0.8, 0.1, -0.5, 0.8}});
+    for (const auto& [loss, curve] :
+         {std::pair{0.0, FreeCurve()}, {0.7, FreeCurve()}, {0.0, bent}, {0.7, bent}}) {
         model.adhesion.angle_loss = loss;
+        model.adhesion.angle = curve;
         Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
         // An ellipse over the lying face, of no mirror symmetry, which comes within range of one
         // corner, of the other and of both.

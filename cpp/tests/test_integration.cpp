@@ -253,7 +253,7 @@ TEST_CASE("tsit5: a slide that begins without solution jams at once") {
     CornerSlipPhase phase(dynamics, 0.0, 1, 0.05);
     const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};
     phase.rebase(start);
-    CHECK(phase.nearly_jams(start));
+    CHECK(phase.nearly_jams(0.0, start));
     BodyState body = phase.body(start);
     const Resolution found = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.05, 0);
     CHECK(found.impulse);
