@@ -51,6 +51,20 @@ def run(*changes, rate="none", **more):
     return result
 
 
+def run_and_quiet_samples(keys, drive, rate, edges):
+    """A run, and which samples have no event and no edge of the voltage within two samples.
+
+    edges: s, times of the voltage's edges.
+    """
+    seen = run(keys, rate=rate, **drive)
+    times = np.concatenate([run(keys, rate="events", **drive).t, edges])
+    far = np.ones(len(seen.t), bool)
+    for index in np.round(times * rate).astype(int):
+        far[max(index - 2, 0) : index + 3] = False
+    far[[0, -1]] = False
+    return seen, far
+
+
 def program(waveform):
     """Keys of a drive that plays `waveform`."""
     return {"drive.mode": "program", "drive.program": waveform}

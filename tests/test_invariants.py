@@ -19,6 +19,7 @@ from helpers import (
     is_mode,
     program,
     run,
+    run_and_quiet_samples,
     violations,
     volts,
 )
@@ -77,17 +78,6 @@ def test_recording_does_not_change_the_motion(drive, method):
         assert recorded == {**plain, "steps": recorded["steps"]}
 
 
-def _quiet(keys, drive, rate, edges):
-    """A run, and which samples have no event and no edge of the voltage within two samples."""
-    seen = run(keys, rate=rate, **drive)
-    times = np.concatenate([run(keys, rate="events", **drive).t, edges])
-    far = np.ones(len(seen.t), bool)
-    for index in np.round(times * rate).astype(int):
-        far[max(index - 2, 0) : index + 3] = False
-    far[[0, -1]] = False
-    return seen, far
-
-
 @cases
 def test_accelerations_are_those_of_the_recorded_forces(drive):
     # Eqs. (10)-(12) along and across the surface, and about the centre of mass: central differences
@@ -97,7 +87,7 @@ def test_accelerations_are_those_of_the_recorded_forces(drive):
     period = 1.0 / drive.get("frequency", 100.0)
     drive = {**drive, "ramp": 0.01, "pulses": 2}
     edges = 0.01 + period * np.arange(3)
-    seen, quiet = _quiet({"solver.rtol": 1e-11}, drive, rate, edges)
+    seen, quiet = run_and_quiet_samples({"solver.rtol": 1e-11}, drive, rate, edges)
     chosen = np.flatnonzero(quiet)[::97]
     assert len(chosen) > 200
     points = np.column_stack([seen.x, np.zeros_like(seen.x), seen.z])[chosen]
@@ -240,7 +230,7 @@ def test_energy_balance_with_the_work_of_the_changing_field(drive):
     drive = {**drive, "direction": "+x", "ramp": 0.01, "pulses": 3}
     rate = 5e5
     edges = 0.01 + np.arange(4) / drive.get("frequency", 100.0)
-    seen, quiet = _quiet({"solver.rtol": 1e-11}, drive, rate, edges)
+    seen, quiet = run_and_quiet_samples({"solver.rtol": 1e-11}, drive, rate, edges)
     points = np.column_stack([seen.x, np.zeros_like(seen.x), seen.z])
     per_ampere = np.array([Coils().field(points, np.eye(5)[k]) for k in (0, 4)])  # (2, n, 3)
     change = np.gradient(seen.current[:, [0, 4]], 1 / rate, axis=0)

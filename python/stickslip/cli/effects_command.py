@@ -8,8 +8,7 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON
 from stickslip.cli.keys_command import as_dict, indented
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import suggestion
-from stickslip.scenario.named_effects import PREFIX, Effect, effects
+from stickslip.scenario.named_effects import PREFIX, Effect, effects, suggested_effect
 
 
 @click.command("effects", epilog="\b\nExample:\n  stickslip effects surface_tilt")
@@ -23,7 +22,7 @@ def command(name: str | None, as_json: bool) -> None:
     """
     chosen = [each for each in effects() if name is None or each.name == name]
     if not chosen:
-        hint = suggestion(str(name), [each.name for each in effects()])
+        hint = suggested_effect(str(name))
         raise ScenarioError(f"{name}: there is no such extension; {hint}")
     if as_json:
         click.echo(json_text({"effects": [_as_dict(effect) for effect in chosen]}))

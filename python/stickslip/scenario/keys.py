@@ -183,13 +183,13 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """What was probably meant, or everything that could have been."""
+def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+    """What was probably meant of `known`, or all of `listed`, which is `known` if not given."""
     known = list(known)
     near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     if near:
         return f'did you mean "{near[0]}"?'
-    return "known are " + ", ".join(f'"{each}"' for each in known)
+    return "known are " + ", ".join(f'"{each}"' for each in (known if listed is None else listed))
 
 
 def in_allowed_case(key: Key, word: str) -> str:

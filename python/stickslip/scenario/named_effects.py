@@ -70,6 +70,23 @@ def effects() -> tuple[Effect, ...]:
     )
 
 
+def is_free_shape(name: str) -> bool:
+    """Whether the model's own extension `name` is a curve of free shape at a place of the model.
+
+    Its parameters are a ``span`` and the knots ``knot_1`` to ``knot_5``; see `theory/effects.md`.
+    """
+    return name.startswith("free_") and f"{PREFIX}{name}.knot_1" in known_keys()
+
+
+def suggested_effect(name: str) -> str:
+    """Which extension `name` was probably meant to be, or all that could have been.
+
+    Those of a free shape are many and alike, and are not listed.
+    """
+    names = [effect.name for effect in effects()]
+    return suggestion(name, names, [each for each in names if not is_free_shape(each)])
+
+
 class EffectSettings(Mapping[str, Mapping[str, float]]):
     """Immutable settings of the named extensions: ``{name: {parameter: value}}``.
 
@@ -86,7 +103,7 @@ class EffectSettings(Mapping[str, Mapping[str, float]]):
         names = [effect.name for effect in effects()]
         for name, parameters in (settings or {}).items():
             if name not in names:
-                hint = suggestion(str(name), names)
+                hint = suggested_effect(str(name))
                 raise ScenarioError(
                     f"effects.{name} = {shown(parameters)}: there is no such extension; {hint}; "
                     "one of your own has to be registered first"

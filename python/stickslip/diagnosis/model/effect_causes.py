@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
 from stickslip.scenario.keys import Key
-from stickslip.scenario.named_effects import effects
+from stickslip.scenario.named_effects import effects, is_free_shape
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
@@ -56,7 +56,9 @@ _SCALES_IN_RANGE = 5.0
 
 
 def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tuple[Cause, ...]:
-    """All extensions that the scenario does not know yet, as causes.
+    """All extensions of a known law that the scenario does not know yet, as causes.
+
+    A free shape fits whatever is odd at its place, so that it would always win: it is no cause.
 
     Parameters
     ----------
@@ -71,7 +73,9 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tu
     return tuple(
         Cause(each.name, tuple(_parameter(key, volts) for key in each.parameters), each.meaning)
         for each in effects()
-        if each.parameters and each.name not in {*scenario.effects, *stated}
+        if each.parameters
+        and each.name not in {*scenario.effects, *stated}
+        and not is_free_shape(each.name)
     )
 
 

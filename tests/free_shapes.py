@@ -1,0 +1,42 @@
+"""The effects of a free shape for tests: their spans and knots, and their curves by scipy."""
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+# Each with a span over which these runs go, and the places of its knots over the span.
+ZERO_UP, ANCHORED, BOTH_WAYS = np.linspace(0, 1, 5), np.linspace(0.2, 1, 5), np.linspace(-1, 1, 5)
+SHAPES = {
+    "free_friction_speed": (0.02, ANCHORED),
+    "free_friction_angle": (1.5, BOTH_WAYS),
+    "free_friction_load": (1e-6, ZERO_UP),
+    "free_friction_age": (0.1, ZERO_UP),
+    "free_adhesion_angle": (1.5, BOTH_WAYS),
+    "free_adhesion_age": (0.1, ZERO_UP),
+    "free_drag_angle": (1.5, BOTH_WAYS),
+    "free_drag_speed": (0.02, ZERO_UP),
+    "free_drag_rate": (500.0, ZERO_UP),
+    "free_field_time": (0.1, ZERO_UP),
+    "free_field_frequency": (200.0, ZERO_UP),
+    "free_field_amplitude": (2.5, ZERO_UP),
+}
+KNOTS = (0.1, -0.15, 0.2, -0.1, 0.15)
+
+
+def shaped(name, knots, span=None):
+    """Keys of an effect with these knots."""
+    given = {f"effects.{name}.knot_{i}": float(knot) for i, knot in enumerate(knots, 1)}
+    return {**given, f"effects.{name}.span": SHAPES[name][0] if span is None else span}
+
+
+def curve(name, knots, arguments, span=None):
+    """f by scipy, from slopes that are computed here."""
+    usual, places = SHAPES[name]
+    span = usual if span is None else span
+    x, y = np.array(places) * span, np.array(knots, float)
+    if places is ANCHORED:
+        x, y = np.concatenate([[0.0], x]), np.concatenate([[0.0], y])
+    slopes = np.gradient(y, x)
+    slopes[-1] = 0.0
+    if places is BOTH_WAYS:
+        slopes[0] = 0.0
+    return CubicHermiteSpline(x, y, slopes)(np.clip(arguments, x[0], x[-1]))
