@@ -152,6 +152,24 @@ EXAMPLES = {
     Code.NOTHING_LEFT: (
         {"name": "wave", "other": "bend", "lead": 1.5, "needed": 6.7}, r"bend, adds 1\.5 .* 6\.7"
     ),
+    Code.NO_FREE_SHAPE: (
+        {"law": "drag", "argument": "speed", "lead": 1.5, "p_value": 1e-5, "level": 0.01},
+        r"drag over speed, leads by 1\.5 .* p = 1e-05 \(0\.01 is",
+    ),
+    Code.FREE_SHAPE: (
+        {"law": "drag", "argument": "speed", "lead": 15.0, "band": 90.0},
+        r"drag depends on speed .* 15\.0 above .* 90 %",
+    ),
+    Code.FREE_SHAPE_RIVALS: (
+        {"law": "drag", "argument": "speed", "others": ["drag over tilt", "field over time"]},
+        "drag over tilt and field over time .* drag over speed",
+    ),
+    Code.FREE_SHAPE_GAIN: (
+        {"before": 25.0, "after": 1.25, "count": 8}, r"8 held-out .* 25\.0 to 1\.2 with"
+    ),
+    Code.FREE_SHAPE_FORMULA: (
+        {"formula": "f(u) = a u with a = 3 per m/s", "argument": "speed"}, r"speed: f\(u\) = a u"
+    ),
     Code.PAIR_NEEDED: ({"name": "a + b"}, r"a \+ b"),
     Code.SEPARATES: (
         {"first": "a", "second": "b", "chi2": 5.5, "trials": 3, "needed": 4.0},

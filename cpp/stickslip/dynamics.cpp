@@ -49,8 +49,11 @@ void Dynamics::extend(const Expansion& expansion, const PlanarField& field, doub
                       const Pose& pose, double vx, double vz, double omega, Load& load) const {
     const Model& m = *model_;
     const double cosine = cosine_of_tilt(pose), sine = sine_of_tilt(pose);
-    const double drag = m.translational_drag * m.angle_drag * cosine * cosine +
-                        m.translational_drag_quadratic * std::hypot(vx, vz);
+    double drag = m.translational_drag * m.angle_drag * cosine * cosine;
+    // A root takes as long as all the rest of this.
+    if (m.translational_drag_quadratic != 0.0) {
+        drag += m.translational_drag_quadratic * std::hypot(vx, vz);
+    }
     load.fx += m.gradient_excess * (mx * field.dbx_dx + mz * field.dbx_dz) - drag * vx;
     load.fz += m.gradient_excess * (mx * field.dbx_dz + mz * field.dbz_dz) - drag * vz;
     load.contact_adhesion = m.adhesion.of_contact(sine, cosine, age_ + expansion.tau);
@@ -64,8 +67,9 @@ void Dynamics::shape_drag(double sine, double cosine, double vx, double vz, doub
                           double drag, Load& load) const {
     const DragShape& shape = model_->drag_shape;
     const double rate = shape.rate.factor(std::abs(omega));
+    const double speed = shape.speed.absent() ? 0.0 : std::hypot(vx, vz);
     const double force =
-        shape.angle.factor_at_angle(sine, cosine) * shape.speed.factor(std::hypot(vx, vz)) * rate;
+        shape.angle.factor_at_angle(sine, cosine) * shape.speed.factor(speed) * rate;
     load.fx -= (force - 1.0) * drag * vx;
     load.fz -= (force - 1.0) * drag * vz;
     const double turning = robot_.turning_drag + robot_.turning_drag_quadratic * std::abs(omega);

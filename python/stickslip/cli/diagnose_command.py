@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -28,9 +29,19 @@ if TYPE_CHECKING:
 )
 @JSON
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
+@click.option(
+    "--free-shapes",
+    is_flag=True,
+    help="Fit curves of a free shape at the laws of the model too, also where a cause is found.",
+)
 @THREADS
 def command(
-    measurement: Path, out: Path | None, as_json: bool, seed: int, threads: int | None
+    measurement: Path,
+    out: Path | None,
+    as_json: bool,
+    seed: int,
+    free_shapes: bool,
+    threads: int | None,
 ) -> None:
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
@@ -45,14 +56,15 @@ def command(
         out = Path("diagnosis")
     if out is not None:
         check_folder_target(out, [*FILES, voltages_beside(Path(EXTENDED)).name])
-    result = _diagnosed(data, out, seed, threads, as_json)
+    how = {"seed": seed, "threads": threads, "free_shapes": free_shapes}
+    result = _diagnosed(data, out, how, as_json)
     _tell(result, as_json)
     if out is not None and not as_json:
         say(f"  in {out}: {', '.join(FILES)}")
 
 
 def _diagnosed(
-    data: Measurement, out: Path | None, seed: int, threads: int | None, as_json: bool
+    data: Measurement, out: Path | None, how: Mapping[str, Any], as_json: bool
 ) -> Diagnosis:
     """The diagnosis with its experiments, and its report where one is wanted, while a bar shows."""
     from stickslip.diagnosis.api import diagnose
@@ -67,7 +79,7 @@ def _diagnosed(
                 if done < 1.0:  # two stages come after the last of these
                     bar(0.95 * done, stage)
 
-            result = diagnose(data, seed=seed, threads=threads, progress=diagnosing)
+            result = diagnose(data, **how, progress=diagnosing)
             bar(0.95, "next experiment")
             result.propose_experiments()
             if out is not None:

@@ -27,6 +27,7 @@ def diagnose(
     *,
     seed: int = 0,
     threads: int | None = None,
+    free_shapes: bool = False,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Diagnose a measurement with the simulator and its library of causes.
@@ -39,6 +40,9 @@ def diagnose(
         From 0, of random draws: see `Options`. The result does not depend on `threads`.
     threads : int, optional
         Simulations at a time; as many as there are processors, if not given.
+    free_shapes : bool
+        Whether curves of a free shape are fitted at the laws of the model too, see
+        `Diagnosis.open_set`. Where the verdict is unexplained they are in any case.
     progress : callable, optional
         ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
 
@@ -61,7 +65,7 @@ def diagnose(
         )
     check_whole("seed", seed)
     found, posed = diagnose_measurement(
-        measurement, seed, worker_count(threads, "threads"), progress
+        measurement, seed, worker_count(threads, "threads"), progress, free_shapes
     )
     return Diagnosis(found, posed, measurement)
 

@@ -20,10 +20,14 @@ from stickslip.diagnosis.data.plausibility import (
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
 from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
+from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import Progress
+from stickslip.diagnosis.inference.open_set import OpenSet, explore_free_shapes
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans, with_spans
+from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
 from stickslip.diagnosis.model.simulator import (
     TOLERANCES,
@@ -65,11 +69,16 @@ class _Walks(OneLine):
 
 
 def diagnose_measurement(
-    measurement: Measurement, seed: int, threads: int, progress: Progress | None
+    measurement: Measurement,
+    seed: int,
+    threads: int,
+    progress: Progress | None,
+    free_shapes: bool = False,
 ) -> tuple[Findings, PosedProblem]:
     """Run the steps of a diagnosis on the problem that a measurement poses, in SI units.
 
-    Its conditions are drive settings by dotted key, each with the tolerance of its simulation.
+    Its conditions are drive settings by dotted key, each with the tolerance of its simulation. Laws
+    of a free shape are looked at where nothing explains the data, or with `free_shapes`.
 
     Raises
     ------
@@ -108,6 +117,11 @@ def diagnose_measurement(
 
     options = replace(options, seed=seed, progress=progress, low_fidelity=low_fidelity)
     found = run_steps(model, conditions, observed, [*shared, *nuisance], causes, options)
+    if found.verdict.kind == "unexplained" or (free_shapes and found.detection.found):
+        say = progress or (lambda fraction, stage: None)
+        say(0.9, "laws of a free shape")
+        found = replace(found, open_set=_open_set(found, options, model, simulator, conditions))
+        say(1.0, "done")
     # The steps know nothing of drives and tables.
     of_conditions = [start_up_included(walks.conditions), standing_still(*walks.seen)]
     of_tables = [fact for each in observables for fact in each.notes]
@@ -115,6 +129,49 @@ def diagnose_measurement(
     left_out = (*(fact for each in observables for fact in each.left_out), *lost)
     posed = PosedProblem(model, walks.conditions, simulator, given, left_out)
     return replace(found, notes=notes), posed
+
+
+def _open_set(
+    found: Findings,
+    options: Options,
+    model: Combined,
+    simulator: Simulator,
+    conditions: Conditions,
+) -> OpenSet | None:
+    """Laws of a free shape at the recalibrated model; None where no velocity was measured."""
+    if not conditions:
+        return None
+    problem, null = found.problem, found.null
+    count = problem.base_count
+    constants = problem.physical(null.x[None, :])[0][:count]
+    names = [each.name for each in problem.uncertain]
+    own = {
+        name: value for name, value in zip(names, constants, strict=True) if name in known_keys()
+    }
+    recalibrated = simulator.scenario.replace({key: float(value) for key, value in own.items()})
+    spans = find_spans([recalibrated.replace(each) for each in conditions], simulator.threads)
+    causes = tuple(hook.cause for hook in HOOKS if hook.effect in spans)
+    knots = [parameter.name for cause in causes for parameter in cause.parameters]
+    free = Simulator(with_spans(simulator.scenario, spans), [*own, *knots], simulator.threads)
+    bent = Combined(free, [*names, *knots], [*own, *knots], model.observables)
+
+    def low_fidelity(conditions: Conditions, values: Array) -> Array:
+        return bent([_low_fidelity(free.scenario, each) for each in conditions], values)
+
+    m = len(problem.observed)
+    problem = replace(
+        problem,
+        predict=PredictionCache(bent, m),
+        causes=causes,
+        low_fidelity=PredictionCache(low_fidelity, m),
+    )
+    held_out = cross_validation.split(
+        len(found.noise.mean), options.seed, options.group, options.singleton_condition
+    )
+    inverse = np.linalg.inv(problem.whiten)
+    return explore_free_shapes(
+        problem, inverse @ inverse.T, null.x[:count], spans, held_out, free.scenario, options.seed
+    )
 
 
 def _walks(

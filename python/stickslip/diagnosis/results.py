@@ -18,6 +18,7 @@ from stickslip.diagnosis.inference.discrimination import TRIALS, Separation, sep
 from stickslip.diagnosis.inference.experiment_design import PROPOSED, Experiment, propose
 from stickslip.diagnosis.inference.extended_model import extended_scenario, extended_values
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.open_set import OpenSet
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
 from stickslip.diagnosis.posed_problem import PosedProblem
@@ -91,6 +92,15 @@ class Diagnosis:
     def verdict(self) -> Verdict:
         """What is said: its `kind`, the `causes`, the `reasons` and all `probabilities`."""
         return self.findings.verdict
+
+    @property
+    def open_set(self) -> OpenSet | None:
+        """Curves of a free shape at the laws of the model: which law, its curve, a formula.
+
+        For the verdict unexplained, or if they were asked for; None otherwise, and for a model of
+        one's own. If one is accepted and no cause is claimed, the extended model has it.
+        """
+        return self.findings.open_set
 
     @property
     def gain(self) -> Gain | None:
@@ -305,7 +315,7 @@ class Diagnosis:
         """
         from stickslip.diagnosis.report.html import FILES, report_sections, write_report
         from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
-        from stickslip.diagnosis.report.section import model_section
+        from stickslip.diagnosis.report.section import free_shape_section, model_section
 
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
@@ -321,6 +331,7 @@ class Diagnosis:
             refuse_own("save_report", ("title", "place", "labels", "unit"), changed)
             source, unit = self.measurement, gain_unit(self.posed)
             sections = report_sections(self.posed.comparisons(self.findings))
+            sections += [] if self.open_set is None else [free_shape_section(self.open_set)]
         else:
             source = OwnData("Diagnosis" if title is None else title)
             at = abscissa(place, len(self.findings.noise.mean))

@@ -103,6 +103,11 @@ class Code(str, Enum):
     ERRORS_CONTRADICTED = "errors-contradicted"  #: A residual is too large for the error model.
     CONSTANT_PULLED = "constant-pulled"  #: The fit needs a constant far from its prior.
     NOTHING_LEFT = "nothing-left"  #: No second cause is seen beside the named one.
+    NO_FREE_SHAPE = "no-free-shape"  #: No law of a free shape explains the data.
+    FREE_SHAPE = "free-shape"  #: A law of another shape explains the data.
+    FREE_SHAPE_RIVALS = "free-shape-rivals"  #: Others explain them about as well.
+    FREE_SHAPE_GAIN = "free-shape-gain"  #: What it gains on held-out conditions.
+    FREE_SHAPE_FORMULA = "free-shape-formula"  #: A formula fits as well as the curve.
     PAIR_NEEDED = "pair-needed"  #: No single cause explains the data as well as the pair.
 
     # What to measure next.

@@ -14,6 +14,7 @@ from stickslip.diagnosis.fit.profile_likelihood import Profile
 from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import Detection
+from stickslip.diagnosis.inference.open_set import FreeShape, OpenSet
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.model.problem import Array, Problem
 from stickslip.facts import Fact
@@ -49,6 +50,8 @@ class Findings(OneLine):
         Profiles of the parameters of the verdict's fit.
     notes : tuple of Fact
     seed : int
+    open_set : OpenSet, optional
+        Laws of a free shape, where no cause explains the data or they were asked for.
     """
 
     problem: Problem
@@ -67,6 +70,14 @@ class Findings(OneLine):
     profiles: tuple[Profile, ...]
     notes: tuple[Fact, ...]
     seed: int
+    open_set: OpenSet | None = None
+
+    @property
+    def free_shape(self) -> FreeShape | None:
+        """The law of a free shape that the extended model has, where no cause is claimed."""
+        if self.open_set is None or self.verdict.fit is not None:
+            return None
+        return self.open_set.first if self.open_set.accepted else None
 
     @property
     def held_out(self) -> NDArray[np.bool_]:

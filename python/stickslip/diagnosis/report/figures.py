@@ -12,6 +12,7 @@ from stickslip._util.palette import BLUE, DARK_GREY, GREEN, LIGHT_GREY, VERMILIO
 from stickslip.diagnosis.data.conditions import Conditions, panel, sorted_by_settings
 from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.open_set import BAND, OpenSet
 from stickslip.diagnosis.inference.ranking import leading, set_members
 
 if TYPE_CHECKING:
@@ -69,6 +70,28 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
     columns = 2 if len(panels) < 3 else 5 if len(kinds) == 1 else 3
     figure.legend(**_legend(frames[0]), loc="outside upper center", ncols=columns, fontsize=10,
                   frameon=False)  # fmt: skip
+    return figure
+
+
+def free_shape(found: OpenSet) -> Figure:
+    """The curve of the first hook with its band and formula, and how the hooks rank."""
+    figure, frames = new_figure(9.0, 3.4, 1, 2)
+    left, right = frames[0]
+    hook, curve = found.first.hook, found.curve
+    left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
+                      label=f"{BAND:.0%} band")  # fmt: skip
+    left.plot(curve.argument, curve.change, color=VERMILION, label="curve of free shape")
+    if found.formula is not None:
+        law = found.formula.at(curve.argument, found.first.span)
+        left.plot(curve.argument, law, "--", color=BLUE, label=found.formula.text)
+    left.axhline(0.0, color=DARK_GREY, lw=0.8)
+    left.set(xlabel=f"{hook.argument} ({hook.unit})", ylabel=f"relative change of {hook.quantity}")
+    left.legend(fontsize=8, frameon=False)
+    names = [each.hook.name for each in found.shapes]
+    colours = [VERMILION if each is found.first else BLUE for each in found.shapes]
+    right.barh(names, [each.lead for each in found.shapes], color=colours)
+    right.invert_yaxis()
+    right.set_xlabel("log-evidence above the recalibrated model")
     return figure
 
 

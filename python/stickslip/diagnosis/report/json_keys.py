@@ -75,6 +75,7 @@ def summary(
             for each in experiments
         ],
         "left_out": _sentences([*measurement.left_out, *posed.left_out]),
+        "open_set": None if found.open_set is None else found.open_set.as_dict(),
         "seed": found.seed,
         "version": _core.__version__,
     }  # fmt: skip

@@ -98,6 +98,8 @@ def verdict_lines(found: Findings, left_out: Sequence[Fact]) -> list[str]:
     lines = [f"{found.verdict.kind}: {headline(found)}"]
     lines += [f"  {fact}" for fact in (*reasons, *([second] if second else []), *found.notes)]
     lines += [f"  left out: {fact}" for fact in left_out]
+    if found.open_set is not None:
+        lines += [f"  {fact}" for fact in found.open_set.facts()]
     if found.gain is not None:
         lines.append(
             f"  chi-square per condition, {len(found.gain.held_out)} held out: "

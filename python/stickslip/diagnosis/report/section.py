@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip._util.html_page import png
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.open_set import OpenSet
 from stickslip.diagnosis.observables import Comparison
 from stickslip.diagnosis.report import figures
 from stickslip.facts import Code, Fact
@@ -96,6 +97,12 @@ def _fields(found: Comparison, models: Mapping[str, Array]) -> Figure:
     labels = ("row, by currents and place", "field (mT)")
     return figures.against_model(rows, found.observed, found.sd, models, found.held_out, labels,
                                  factor=1e3, names=("Bx", "By", "Bz"), joined=False)  # fmt: skip
+
+
+def free_shape_section(found: OpenSet) -> ReportSection:
+    """The section of a law of another shape; its numbers have a key of their own."""
+    picture = png(figures.free_shape(found))
+    return ReportSection("A law of another shape", picture, found.facts(), {})
 
 
 def model_section(found: Findings, place: Array, labels: tuple[str, str]) -> ReportSection:

@@ -1,0 +1,256 @@
+"""Which law of the model has another shape, where no cause of the library explains the data.
+
+First the hook is found, by fits of a free curve at each place of the model; then its shape, with a
+band; then a formula, where one fits as well. A hook is only proposed if its curve explains the data
+and predicts conditions that its fit has not seen better than the recalibrated model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import norm as normal_law
+
+from stickslip._util.arrays import Array, Indices
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fit.fit_result import (
+    Fit,
+    Start,
+    fitted_parameters,
+    make_candidate,
+    physical_covariance,
+    ranked,
+)
+from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
+from stickslip.diagnosis.fit.multistart import fit_candidates
+from stickslip.diagnosis.fit.single_cause import quick_fits, refine
+from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
+from stickslip.diagnosis.inference.formulas import Formula, find_formula
+from stickslip.diagnosis.inference.verdict import MARGIN
+from stickslip.diagnosis.model.free_shapes import HOOKS, Hook, curve_design
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Code, Fact
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from stickslip.scenario.scenario import Scenario
+
+# Points at which a curve is drawn, and coverage of its band.
+_POINTS, BAND = 61, 0.9
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FreeShape(OneLine):
+    """A fit of a free curve at one hook.
+
+    Attributes
+    ----------
+    hook : Hook
+    span : float
+        How far its knots reach, in the argument's unit.
+    fit : Fit
+    lead : float
+        Log-evidence above the recalibrated model.
+    p_value : float
+        Of the lack of fit.
+    """
+
+    hook: Hook
+    span: float
+    fit: Fit
+    lead: float
+    p_value: float
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Curve(OneLine):
+    """The law's relative change f against its argument; shape (points,).
+
+    Attributes
+    ----------
+    argument, change, low, high : ndarray
+        In the argument's unit; `low` and `high` hold the change with a probability of 90 % at each
+        point.
+    """
+
+    argument: Array
+    change: Array
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OpenSet(OneLine):
+    """Free shapes at all hooks, most likely first.
+
+    Attributes
+    ----------
+    problem : Problem
+        Whose causes are the hooks.
+    shapes : tuple of FreeShape
+    gain : Gain, optional
+        Of the first, on held-out conditions.
+    curve : Curve
+        Of the first.
+    formula : Formula, optional
+        For its curve, where one fits as well.
+    """
+
+    problem: Problem
+    shapes: tuple[FreeShape, ...]
+    gain: Gain | None
+    curve: Curve
+    formula: Formula | None
+
+    @property
+    def first(self) -> FreeShape:
+        return self.shapes[0]
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the first explains the data, by evidence and on conditions not fitted too."""
+        gain = self.gain
+        better = gain is None or gain.interval[0] > 0.0
+        return self.first.p_value >= ADEQUATE and self.first.lead >= MARGIN and better
+
+    @property
+    def rivals(self) -> tuple[FreeShape, ...]:
+        """Others that explain the data and are too near the first to be dismissed."""
+        first = self.first.lead
+        return tuple(
+            each
+            for each in self.shapes[1:]
+            if first - each.lead < MARGIN and each.p_value >= ADEQUATE
+        )
+
+    def facts(self) -> tuple[Fact, ...]:
+        """What the curves say, in sentences."""
+        first = {"law": self.first.hook.quantity, "argument": self.first.hook.argument}
+        if not self.accepted:
+            fields = {**first, "p_value": self.first.p_value, "lead": self.first.lead}
+            return (Fact(Code.NO_FREE_SHAPE, {**fields, "level": ADEQUATE}),)
+        said = [Fact(Code.FREE_SHAPE, {**first, "lead": self.first.lead, "band": 100.0 * BAND})]
+        if self.rivals:
+            others = [each.hook.name for each in self.rivals]
+            said.append(Fact(Code.FREE_SHAPE_RIVALS, {**first, "others": others}))
+        if self.gain is not None:
+            fall = {"before": self.gain.chi2_before, "after": self.gain.chi2_after}
+            said.append(Fact(Code.FREE_SHAPE_GAIN, {**fall, "count": len(self.gain.held_out)}))
+        if self.formula is not None:
+            fields = {"formula": self.formula.in_numbers(self.first.hook.unit)}
+            said.append(Fact(Code.FREE_SHAPE_FORMULA, {**fields, "argument": first["argument"]}))
+        return tuple(said)
+
+    def as_dict(self) -> dict[str, object]:
+        """For report.json; SI units."""
+        formula, curve = self.formula, self.curve
+        return {
+            "accepted": self.accepted,
+            "hooks": self.table().to_dict("records"),
+            "curve": {name: getattr(curve, name).tolist()
+                      for name in ("argument", "change", "low", "high")},
+            "formula": None if formula is None else {
+                "text": formula.text, "a": formula.a, "b": formula.b, "p_value": formula.p_value
+            },
+            "gain": None if self.gain is None else {
+                "n": len(self.gain.held_out),
+                "heldout_chi2_before": self.gain.chi2_before,
+                "heldout_chi2_after": self.gain.chi2_after,
+                "interval": list(self.gain.interval),
+            },
+        }  # fmt: skip
+
+    def table(self) -> DataFrame:
+        """A row for each hook: `effect`, `law`, `argument`, `span`, `unit`, `lead`, `p`."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "effect": each.hook.effect,
+                "law": each.hook.quantity,
+                "argument": each.hook.argument,
+                "span": each.span,
+                "unit": each.hook.unit,
+                "lead": each.lead,
+                "p": each.p_value,
+            }
+            for each in self.shapes
+        )
+
+
+def explore_free_shapes(
+    problem: Problem,
+    covariance: Array,
+    constants: Array,
+    spans: Mapping[str, float],
+    held_out: Indices,
+    scenario: Scenario,
+    seed: int,
+) -> OpenSet | None:
+    """Fit a free curve at each hook, and rank them.
+
+    Parameters
+    ----------
+    problem : Problem
+        Whose causes are the hooks of `spans`, by their effects' names.
+    covariance : ndarray, shape (m, m)
+        Of the observed means.
+    constants : ndarray, shape (constants,)
+        Coordinates of the recalibrated model.
+    spans : dict
+        How far each argument reaches, by effect.
+    held_out : ndarray of int
+        Conditions that the gain is measured on.
+    scenario : Scenario
+        Any that knows the effects.
+    seed : int
+        Of the bootstrap of the gain.
+
+    Returns
+    -------
+    OpenSet, optional
+        None where there is no hook.
+    """
+    if not problem.causes:
+        return None
+    hooks = {hook.effect: hook for hook in HOOKS}
+    x = np.concatenate([constants, np.zeros(problem.size - problem.base_count)])
+    (null,) = fit_candidates(problem, [make_candidate(problem)], [[Start(x)]], 6)
+    candidates = [make_candidate(problem, [cause]) for cause in problem.causes]
+    starts = [[Start(null.x)] for _ in candidates]
+    fits = refine(problem, quick_fits(problem, candidates, starts), {})
+    shapes = tuple(
+        FreeShape(
+            hooks[fit.name],
+            spans[fit.name],
+            fit,
+            fit.log_evidence - null.log_evidence,
+            adequacy(problem, fit),
+        )
+        for fit in ranked(fits)
+    )
+    first = shapes[0]
+    gain = measure_gain(
+        problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
+    )
+    curve, formula = _curve(problem, first, scenario)
+    return OpenSet(problem, shapes, gain, curve, formula)
+
+
+def _curve(problem: Problem, shape: FreeShape, scenario: Scenario) -> tuple[Curve, Formula | None]:
+    """The curve of a fit with its band, and a formula for it."""
+    hook, span = shape.hook, shape.span
+    knots = fitted_parameters(problem, shape.fit)
+    values = problem.physical(shape.fit.x[None, :])[0][[each.column for each in knots]]
+    spread = physical_covariance(shape.fit, knots)
+    argument = np.linspace(-span if hook.both_ways else 0.0, span, _POINTS)
+    design = curve_design(scenario, hook, span, argument)
+    change = design @ values
+    width = normal_law.ppf(0.5 + 0.5 * BAND) * np.sqrt(np.sum((design @ spread) * design, axis=1))
+    places = argument[np.argmax(design, axis=0)]
+    formula = find_formula(places, values, spread, span, hook.unit == "rad")
+    return Curve(argument, change, change - width, change + width), formula
