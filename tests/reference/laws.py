@@ -12,12 +12,13 @@ from numba import njit
 # Of what a term is a function. slip_speed, speed (m/s) and rate (rad/s) are sizes; load is the
 # normal force of the touching corners in N, angle is theta in rad, age the time since touch-down in
 # s, place the world's x of the touching corner (of the middle of a face) in m, time that since the
-# start of the drive in s, amplitude the size of the coils' field in T, frequency the drive's in Hz.
+# start of the drive in s, current the root of the sum of the squared currents of the in-plane coils
+# in A, frequency the drive's in Hz.
 ARGUMENTS = (
-    "slip_speed", "load", "angle", "rate", "speed", "age", "place", "time", "amplitude",
+    "slip_speed", "load", "angle", "rate", "speed", "age", "place", "time", "current",
     "frequency",
 )  # fmt: skip
-SLIP_SPEED, LOAD, ANGLE, RATE, SPEED, AGE, PLACE, TIME, AMPLITUDE, FREQUENCY = range(10)
+SLIP_SPEED, LOAD, ANGLE, RATE, SPEED, AGE, PLACE, TIME, CURRENT, FREQUENCY = range(10)
 
 FORMS = (
     "power", "gaussian", "rational", "log", "rise", "hump", "wave", "triangle", "cosine", "sine",
@@ -26,8 +27,9 @@ FORMS = (
 POWER, GAUSSIAN, RATIONAL, LOG, RISE, HUMP, WAVE, TRIANGLE, COSINE, SINE, SATURATION = range(11)
 
 # Quantities that terms add to. friction: part of every friction coefficient; sliding: kinetic
-# coefficient; adhesion: part of it; drag: N s/m; turning: N m s; field: part of the coils' field.
-TARGETS = ("friction", "sliding", "adhesion", "drag", "turning", "field")
+# coefficient; adhesion: part of it; drag: N s/m; fluid: part of all drag forces and torques; field:
+# part of the coils' field.
+TARGETS = ("friction", "sliding", "adhesion", "drag", "fluid", "field")
 Laws = namedtuple("Laws", TARGETS)
 
 

@@ -62,7 +62,6 @@ def _wrench(model, near, dx, dz, amperes, theta, arguments):
         bxz += current * c[3]
         bzx += current * c[4]
         bzz += current * c[5]
-    arguments[laws.AMPLITUDE] = np.hypot(bx, bz)
     strength = 1.0 + laws.total(model.laws.field, arguments)
     slope = strength * model.gradient
     bx, bz = model.ambient_x + strength * bx, model.ambient_z + strength * bz
@@ -126,6 +125,8 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
             amperes[coil] = 0.0
             for mode in range(modes):
                 amperes[coil] += circuit.to_coils[coil, mode] * lagged[mode]
+        # All coils are in-plane but the clamp, the second one.
+        arguments[laws.CURRENT] = np.sqrt(np.sum(amperes**2) - amperes[1] ** 2)
         grounded = touching.any()
         arguments[laws.TIME], arguments[laws.ANGLE], arguments[laws.RATE] = t, theta, abs(omega)
         arguments[laws.SPEED] = np.hypot(vx, vz)
@@ -136,9 +137,9 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         )
 
         # Drag acts on the mean of the old and the new velocity: it damps at any step length.
-        drag = 0.5 * step * (model.drag_linear + laws.total(model.laws.drag, arguments))
-        twist = model.drag_quadratic * abs(omega) + model.drag_rotational
-        twist = 0.5 * step * (twist + laws.total(model.laws.turning, arguments))
+        damped = 0.5 * step * (1.0 + laws.total(model.laws.fluid, arguments))
+        drag = damped * (model.drag_linear + laws.total(model.laws.drag, arguments))
+        twist = damped * (model.drag_quadratic * abs(omega) + model.drag_rotational)
         hold = step * model.adhesion * (1.0 + laws.total(model.laws.adhesion, arguments))
         im = 1.0 / (model.mass + drag)
         ij = 1.0 / (model.inertia + twist)
