@@ -72,5 +72,4 @@ def _diagnosed(folder: Path) -> dict[str, Any]:
         "reasons": [each.code.name for each in result.verdict.reasons],
         "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
         "cpu_seconds": time.process_time() - start,
-        "simulations": result.posed.simulator.simulated,
     }

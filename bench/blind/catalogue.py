@@ -31,6 +31,9 @@ class Entry:
         Range of the amount; one below 0 may have either sign.
     accepted : tuple of str
         Names that are as right as its own, since no velocity tells them apart.
+    rivals : tuple of str
+        Causes and constants of another kind that look alike. A law has to be as strong as its kind
+        asks for beside each of them: what one of them explains is no truth outside the library.
     """
 
     sizes: tuple[Mapping[str, float], ...]
@@ -40,16 +43,17 @@ class Entry:
     fixed: Mapping[str, Value] = field(default_factory=dict)
     drawn: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     accepted: tuple[str, ...] = ()
+    rivals: tuple[str, ...] = ()
 
 
 # Voltage of a coil at 3 mT, the largest peak of the study: 10 ohm, 0.9626 mT/A.
-_TOP_VOLTAGE = 31.2
+TOP_VOLTAGE = 31.2
 _SCALES = ("length_scale", "clock_scale")
 
 CAUSES = {
     "coil_heating": Entry(({"coefficient": 2e-3},), 20.0, fixed={"form": "pulses"}),
     "amplifier_limit": Entry(
-        ({"voltage": -0.2 * _TOP_VOLTAGE},), 3.3, offset={"voltage": _TOP_VOLTAGE}
+        ({"voltage": -0.2 * TOP_VOLTAGE},), 3.3, offset={"voltage": TOP_VOLTAGE}
     ),
     "eddy_lag": Entry(({"time": 3e-4},), 8.0),
     "sample_hold": Entry(({"period": 5e-4},), 8.0),
@@ -79,29 +83,59 @@ CAUSES = {
 }
 
 
-def _law(target: str, argument: str, form: str, amplitude: float, **more: object) -> Entry:
-    """A law of one argument: what of, form, usual amplitude, and `scale`, `exponent`, the range."""
+# What of, over what, in which form.
+_Words = tuple[str, str, str]
+_FRICTION, _ADHESION = "contact.kinetic_friction", "contact.adhesion"
+_GAINS = ("magnetization_scale", "field_gain")
+
+
+def _law(
+    words: _Words,
+    rivals: tuple[str, ...],
+    amplitude: float,
+    span: tuple[float, float] = (0.0, 10.0),
+    scale: float | None = None,
+    exponent: float = 1.0,
+) -> Entry:
+    """A law of one argument, its usual amplitude, the range of its amount, the form's numbers."""
+    target, argument, form = words
     fixed: dict[str, Value] = {"target": target, "argument": argument, "form": form}
-    fixed["exponent"] = float(more.pop("exponent", 1.0))  # type: ignore[arg-type]
-    scale = float(more.pop("scale", 1.0))  # type: ignore[arg-type]
-    drawn = {"scale": (0.7 * scale, 1.4 * scale)} if scale != 1.0 else {}
-    return Entry(({"amplitude": amplitude},), fixed=fixed, drawn=drawn, **more)  # type: ignore[arg-type]
+    fixed |= {"exponent": exponent}
+    drawn = {} if scale is None else {"scale": (0.7 * scale, 1.4 * scale)}
+    least, most = span
+    return Entry(({"amplitude": amplitude},), most, least, {}, fixed, drawn, (), rivals)
 
 
 LAWS = {
-    "friction_speed": _law("sliding", "slip_speed", "hump", 0.3, scale=0.01, exponent=0.5),
-    "friction_angle": _law("friction", "angle", "sine", 0.5, most=4.0, least=-1.5),
-    "friction_load": _law("friction", "load", "rational", 0.3, scale=4e-7, least=-2.0),
-    "friction_age": _law("friction", "time", "rise", -0.2, scale=0.15, most=3.5),
-    "adhesion_angle": _law("adhesion", "angle", "gaussian", 0.5, scale=0.12, least=-1.8),
-    "adhesion_age": _law("adhesion", "age", "power", 0.3, scale=5e-3, exponent=0.5),
-    "drag_angle": _law("drag", "angle", "sine", 3.0, exponent=1.0),
-    "drag_speed": _law("drag", "speed", "power", 1.0, scale=0.01, exponent=0.5),
-    "drag_rate": _law("fluid", "rate", "power", 1.0, scale=100.0, exponent=0.5),
-    "field_time": _law("field", "time", "rise", 0.05, scale=0.2, least=-10.0),
-    "field_frequency": _law("field", "frequency", "hump", 0.05, scale=60.0, exponent=0.25),
-    "field_amplitude": _law("field", "current", "saturation", -0.1, scale=2.0, most=8.0),
-}
+    "friction_speed": _law(
+        ("sliding", "slip_speed", "hump"), ("friction_anisotropy", _FRICTION), 0.3, (0.0, 10.0),
+        0.01, 0.5,
+    ),
+    "friction_angle": _law(
+        ("friction", "angle", "sine"), ("angle_adhesion", _FRICTION), 0.5, (-1.5, 4.0)
+    ),
+    "friction_load": _law(
+        ("friction", "load", "rational"), ("angle_adhesion", _FRICTION), 0.3, (-2.0, 10.0), 4e-7
+    ),
+    "friction_age": _law(("friction", "time", "rise"), (_FRICTION,), -0.2, (0.0, 3.5), 0.15),
+    "adhesion_angle": _law(
+        ("adhesion", "angle", "gaussian"), (_ADHESION,), 0.5, (-1.8, 10.0), 0.12
+    ),
+    "adhesion_age": _law(
+        ("adhesion", "age", "power"), ("angle_adhesion", _ADHESION), 0.3, (0.0, 10.0), 5e-3, 0.5
+    ),
+    "drag_angle": _law(("drag", "angle", "sine"), ("quadratic_drag",), 3.0),
+    "drag_speed": _law(("drag", "speed", "power"), ("angle_drag",), 1.0, (0.0, 10.0), 0.01, 0.5),
+    "drag_rate": _law(
+        ("fluid", "rate", "power"), ("rotational_drag", "quadratic_drag"), 1.0, (0.0, 10.0),
+        100.0, 0.5,
+    ),
+    "field_time": _law(("field", "time", "rise"), _GAINS, 0.05, (-10.0, 10.0), 0.2),
+    "field_frequency": _law(
+        ("field", "frequency", "hump"), ("eddy_lag",), 0.05, (0.0, 10.0), 60.0, 0.25
+    ),
+    "field_amplitude": _law(("field", "current", "saturation"), _GAINS, -0.1, (0.0, 8.0), 2.0),
+}  # fmt: skip
 """Truths outside the library, by the one place where each acts and what it depends on there.
 
 The names are those of the extensions `free_*` of free shape, without that beginning.

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from blind.catalogue import LAWS, entry
 from blind.kinds import KINDS
 from blind.readings import Readings, readings
 from blind.settings import Drive, conditions
@@ -45,7 +46,7 @@ def make(kind: str, seed: int) -> Made:
         if plan.wanted is None:
             return Made(truth, drives, plain, 0.0, random)
         absorber = Absorber(truth, drives, plain, plan.tables)
-        scaled, strength = _scaled(truth, drives, absorber)
+        scaled, strength = _scaled(truth, drives, plain, absorber)
         found = Made(scaled, drives, readings(scaled, drives, plan.tables), strength, random)
         if plan.wanted[0] <= strength <= plan.wanted[1]:
             return found
@@ -55,35 +56,39 @@ def make(kind: str, seed: int) -> Made:
     return best
 
 
-def _scaled(truth: Truth, drives: list[Drive], absorber: Absorber) -> tuple[Truth, float]:
+def _scaled(
+    truth: Truth, drives: list[Drive], plain: Readings, absorber: Absorber
+) -> tuple[Truth, float]:
     """The truth with each hidden thing scaled by itself, and the least of their strengths.
 
     Where one hides another, the second is what is left once the first is fitted too.
     """
     plan = KINDS[truth.kind]
     assert plan.wanted is not None
-    names = list(truth.hidden)
     tables = plan.tables
+
+    def seen(other: Truth) -> Readings:
+        return readings(other, drives, tables)
+
     if plan.family != "hiding":
-        found = [
-            _alone(truth.only(name), absorber, plan.wanted, lambda t: readings(t, drives, tables))
-            for name in names
-        ]
-        hidden = {name: each.hidden[name] for name, (each, _) in zip(names, found, strict=True)}
-        return _with(truth, hidden), min(strength for _, strength in found)
-    first, second = names
-    large, _ = _alone(truth.only(first), absorber, _HIDING, lambda t: readings(t, drives, tables))
-    both = {**large.hidden}
+        found = {}
+        for name in truth.hidden:
+            rivals = entry(name).rivals if name in LAWS else ()
+            freed = [Absorber(truth, drives, plain, tables, rival) for rival in rivals]
+            found[name] = _alone(truth.only(name), [absorber, *freed], plan.wanted, seen)
+        hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
+        return replace(truth, hidden=hidden), min(strength for _, strength in found.values())
+    first, second = truth.hidden
+    large, _ = _alone(truth.only(first), [absorber], _HIDING, seen)
 
-    def beside(small: Truth) -> Readings:
-        return readings(_with(truth, {**both, **small.hidden}), drives, tables)
+    def both(small: Truth) -> Truth:
+        return replace(truth, hidden={**large.hidden, **small.hidden})
 
-    small, strength = _alone(truth.only(second), absorber.freeing(first), plan.wanted, beside)
-    return _with(truth, {**both, **small.hidden}), strength
-
-
-def _with(truth: Truth, hidden: dict) -> Truth:  # type: ignore[type-arg]
-    return Truth(truth.kind, truth.answer, truth.constants, hidden, truth.correlation)
+    beside = Absorber(truth, drives, plain, tables, first)
+    small, strength = _alone(
+        truth.only(second), [beside], plan.wanted, lambda other: seen(both(other))
+    )
+    return both(small), strength
 
 
 def _miss(strength: float, wanted: tuple[float, float]) -> float:
@@ -94,7 +99,7 @@ def _miss(strength: float, wanted: tuple[float, float]) -> float:
 
 def _alone(
     truth: Truth,
-    absorber: Absorber,
+    absorbers: Sequence[Absorber],
     wanted: tuple[float, float],
     seen: Callable[[Truth], Readings],
 ) -> tuple[Truth, float]:
@@ -104,10 +109,10 @@ def _alone(
     best, nearest = truth, 0.0
     for _ in range(_TRIES):
         level = seen(truth)
-        strength = absorber.strength(level)
+        strength = min(each.strength(level) for each in absorbers)
         if low <= strength <= high:
             # Constants that are far from the truth may absorb more.
-            strength = absorber.searched(level)
+            strength = min(each.searched(level) for each in absorbers)
         if _miss(strength, wanted) < _miss(nearest, wanted):
             best, nearest = truth, strength
         if low <= strength <= high:

@@ -48,7 +48,8 @@ class Kind:
     hidden : tuple of tuple of str
         What is hidden in one data set after the other, names of the catalogue or constants.
     wanted : (float, float), optional
-        Signal to noise of each hidden thing after recalibration, low and high end.
+        Signal to noise of each hidden thing after recalibration, low and high end; of a law also
+        beside each of its rivals.
     tables : tuple of str
         What was measured.
     noise : Noise
@@ -114,7 +115,7 @@ KINDS = {
     "pair": Kind(66, "pair", _PAIRS, (8.0, 16.0)),
     "hiding": Kind(32, "hiding", HIDING, (6.0, 10.0)),
     "unknown": Kind(30, "unknown", (("ripple",),), (15.0, 25.0)),
-    "law": Kind(48, "law", _each(tuple(LAWS)), (15.0, 40.0)),
+    "law": Kind(48, "law", _each(tuple(LAWS)), (8.0, 20.0)),
     "instrument": Kind(
         12, "instrument", _each(("velocity_offset", "velocity_clipping", *_TWINS)), (8.0, 20.0)
     ),

@@ -93,7 +93,7 @@ def _clipped(level: Array, share: float) -> Array:
 def _angles(truth: Truth) -> Array:
     effects = {name: each for name, each in truth.effects.items() if name not in _MEASURED}
     robot, contact = _section(truth, "robot"), _section(truth, "contact")
-    theta = static_tilt_reference(held_fields(), robot, contact, effects)
+    theta: Array = static_tilt_reference(held_fields(), robot, contact, effects)  # type: ignore
     theta = theta * (1.0 + truth.amount("angle_scale", "fraction"))
     theta = theta + truth.amount("angle_offset", "angle")
     return _clipped(theta, truth.amount("angle_clipping", "share"))

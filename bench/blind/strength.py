@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from blind.catalogue import TOP_VOLTAGE
 from blind.readings import Readings
 from blind.settings import (
     ANGLE_SD,
@@ -41,67 +42,70 @@ Array = NDArray[np.float64]
 
 _FEWER = 5.0  # pulses of a draft, for the search from afar
 _STEPS = 12  # of a fit
-_TOP_VOLTAGE = 31.2  # V, of the largest peak
+Settings = list[dict[str, float | str]]
 
 
 class Absorber:
-    """What the constants can undo about a truth, and one cause with them if it is free.
+    """What the constants can undo about a truth.
 
-    The core is used only to say how strong a hidden effect is; no datum comes from it.
+    The core is used only to say how strong a hidden effect is; no datum comes from it. `plain` are
+    the readings of the robot with nothing hidden.
     """
 
     def __init__(
-        self, truth: Truth, drives: Sequence[Drive], plain: Readings, tables: tuple[str, ...]
+        self,
+        truth: Truth,
+        drives: Sequence[Drive],
+        plain: Readings,
+        tables: tuple[str, ...],
+        freed: str | None = None,
     ) -> None:
+        """`freed`: a cause, or a constant without its prior, that is fitted with the constants."""
         known = priors(tables)
-        self._tables = _tables(plain)
-        nuisance = [each for table in self._tables for each in getattr(table, "nuisance", ())]
+        self._beside = _tables(plain)
+        nuisance = [each for table in self._beside for each in table.nuisance]
         uncertain = [*(Uncertain(name, prior) for name, prior in known.items()), *nuisance]
+        causes = _cause(freed)
         coordinates = [prior.coordinate(truth.constants[name]) for name, prior in known.items()]
-        self._centre = np.array([*coordinates, *np.zeros(len(nuisance))])
+        absent = sum(len(each.parameters) for each in causes) + len(nuisance)
+        centre = np.array([*coordinates, *np.zeros(absent)])
+        # The cause may be far from absent, and the way there has jumps.
+        away = np.zeros(len(centre))
+        away[len(coordinates) + len(nuisance) :] = 1.0
+        factors = (0.0, 1.0, -1.0, 2.0, -2.0) if away.any() else (0.0,)
+        self._starts = [Start(centre + factor * away) for factor in factors]
+        # What a film or a free cause adds is near its start in any case.
+        self._wide = freed is None and not nuisance and "velocity" in tables
         sd = np.hypot(SCATTER * plain.velocity, FLOOR) / np.sqrt(TRIALS)
-        spreads = [np.linalg.inv(np.linalg.cholesky(each.covariance)) for each in self._tables]
+        spreads = [np.linalg.inv(np.linalg.cholesky(each.covariance)) for each in self._beside]
         whiten = block_diag(*([np.diag(1.0 / sd)] if len(sd) else []), *spreads)
-        self._drives = list(drives) if len(sd) else []
-        self._problem = self._posed(uncertain, (), whiten, self._observed(plain))
-        self._plain = self._nearby(self._problem)
-
-    def _posed(
-        self, uncertain: Sequence[Uncertain], causes: tuple[Cause, ...], whiten: Array, seen: Array
-    ) -> Problem:
-        scenario = Scenario().replace({"solver.rtol": 1e-5})
-        names = [each.name for each in uncertain]
-        names += [each.name for cause in causes for each in cause.parameters]
-        keys = [k for k, name in enumerate(names) if not name.startswith("tracking.")]
-        simulator = Simulator(scenario, [names[k] for k in keys], 1)
-
-        def predict(settings: list[dict[str, float | str]], values: Array) -> Array:
-            moving = simulator(settings, values[:, keys]) if settings else values[:, :0]
-            return np.hstack([moving, *(each.predict(names, values) for each in self._tables)])
-
         settings = [
             {**{f"drive.{key}": value for key, value in drive.items()}, "drive.pulses": PULSES}
-            for drive in self._drives
+            for drive in drives
         ]
         fewer = [{**each, "drive.pulses": _FEWER, "solver.rtol": 1e-4} for each in settings]
-        return Problem(
-            predict, settings, seen, whiten, np.inf, tuple(uncertain), causes,
+        amplitudes = [each.name for cause in causes for each in cause.parameters]
+        predict = self._model([*(each.name for each in uncertain), *amplitudes])
+        self._problem = Problem(
+            predict, settings, self._observed(plain), whiten, np.inf, tuple(uncertain), causes,
             low_fidelity=lambda _, values: predict(fewer, values),
         )  # fmt: skip
+        self._plain = self._nearby(self._problem)
+
+    def _model(self, names: Sequence[str]) -> Callable[[Settings, Array], Array]:
+        """The core's answer at conditions and values of the parameters `names`."""
+        keys = _scenario_keys(names)
+        scenario = Scenario().replace({"solver.rtol": 1e-5})
+        simulator = Simulator(scenario, [names[k] for k in keys], 1)
+
+        def predict(settings: Settings, values: Array) -> Array:
+            moving = simulator(settings, values[:, keys]) if settings else values[:, :0]
+            return np.hstack([moving, *(each.predict(names, values) for each in self._beside)])
+
+        return predict
 
     def _observed(self, level: Readings) -> Array:
-        return np.concatenate([level.velocity, *(each.observed(level) for each in self._tables)])
-
-    def freeing(self, cause: str) -> Absorber:
-        """The same where a cause of the library is fitted too."""
-        (chosen,) = [each for each in library(Scenario(), {}, _TOP_VOLTAGE) if each.name == cause]
-        other = object.__new__(Absorber)
-        other.__dict__.update(self.__dict__)
-        other._problem = self._posed(
-            self._problem.uncertain, (chosen,), self._problem.whiten, self._problem.observed
-        )
-        other._centre = np.concatenate([self._centre, np.zeros(len(chosen.parameters))])
-        return other
+        return np.concatenate([level.velocity, *(each.observed(level) for each in self._beside)])
 
     def strength(self, level: Readings) -> float:
         """S of readings without noise: what is left of them after recalibration nearby."""
@@ -111,25 +115,27 @@ class Absorber:
         """The same after recalibration that has looked for constants everywhere."""
         problem = replace(self._problem, observed=self._observed(level))
         nearby = self._nearby(problem)
-        # What a film or a free cause has beside the constants is near its start in any case.
-        if self._problem.causes or not self._drives or len(self._problem.uncertain) > len(_FULL):
-            return self._size(nearby)
-        return self._size(min(nearby, recalibrate(problem, 0).null.chi2))
+        return self._size(min(nearby, recalibrate(problem, 0).null.chi2) if self._wide else nearby)
 
     def _size(self, chi2: float) -> float:
         return float(np.sqrt(max(chi2 - self._plain, 0.0)))
 
     def _nearby(self, problem: Problem) -> float:
-        starts = [[Start(self._centre)]]
         candidate = make_candidate(problem, problem.causes)
-        return fit_candidates(problem, [candidate], starts, _STEPS, exact=False)[0].chi2
+        return fit_candidates(problem, [candidate], [self._starts], _STEPS, exact=False)[0].chi2
 
 
-_FULL = priors(("velocity",))
+def _cause(name: str | None) -> tuple[Cause, ...]:
+    """A cause of the library, or a constant whose prior is relaxed; none without a name."""
+    if name is not None and "." in name:
+        return (Cause(name, relaxes_prior=name),)
+    return tuple(each for each in library(Scenario(), {}, TOP_VOLTAGE) if each.name == name)
 
 
 class _Angles:
     """The table of static tilts."""
+
+    nuisance: tuple[Uncertain, ...] = ()
 
     def __init__(self, count: int) -> None:
         self.covariance = ANGLE_SD**2 * np.eye(count)
@@ -145,6 +151,8 @@ class _Angles:
 
 class _Fields:
     """The table of the coils' fields; of the causes only the side of the coils changes it here."""
+
+    nuisance: tuple[Uncertain, ...] = ()
 
     def __init__(self, count: int) -> None:
         self.covariance = FIELD_SD**2 * np.eye(count)
