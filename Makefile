@@ -117,7 +117,7 @@ bench-controllers: install ## a coarse and a fine controller, judged on fresh dr
 
 BLIND_ARGS ?= --seeds 4
 
-blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--seeds 200 --minutes 600")
+blind: install ## blind study of the diagnosis, into bench/results/blind/ (BLIND_ARGS="--jobs 2 --minutes 600")
 	@PYTHONPATH=bench OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) -m blind $(BLIND_ARGS)
 
 DROPS ?= tests/data/square_drops.csv.gz

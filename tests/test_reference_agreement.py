@@ -104,6 +104,25 @@ EFFECTS = {
     "rotational_drag": ({"coefficient": 2e-13}, {"coefficient": 2e-13}),
     "stribeck_friction": ({"velocity": 2e-3}, {"speed": 2e-3, "form": "gaussian"}),
     "eddy_lag": ({"time": 5e-4}, {"time": 5e-4}),
+    **{
+        name: (each, each)
+        for name, each in {
+            "coil_heating": {"coefficient": 0.02},
+            "amplifier_limit": {"voltage": 22.0},
+            "sample_hold": {"period": 1e-3},
+            "edge_time": {"time": 1e-3},
+            "mutual_inductance": {"coupling": 0.05},
+            "gradient_scale": {"fraction": 1.0},
+            "field_gain": {"in_plane": 0.1, "clamp": -0.1},
+            "magnetization_scale": {"fraction": 0.2},
+            "viscous_friction": {"coefficient": 10.0},
+            "friction_anisotropy": {"fraction": 0.2},
+            "angle_adhesion": {"strength": -1.0},
+            "adhesion_ageing": {"rate": 0.1, "time": 1e-3},
+            "quadratic_drag": {"coefficient": 5e-3},
+            "friction_patches": {"amplitude": 0.4, "period": 2e-4},
+        }.items()
+    },
 }
 
 
@@ -115,11 +134,14 @@ def test_mean_velocity_with_an_effect(effect, mode):
     keys = {f"effects.{effect}.{key}": value for key, value in mine.items()}
     velocity = run(keys, **drive).mean_velocity
     reference = simulate_reference(drive, effects={effect: others}, dt=STEP / 2)
-    assert velocity == pytest.approx(reference.mean_velocity, rel=AGREEMENT)
+    # An effect may all but stop the robot, and then its own velocity is no measure.
+    plain = run(**drive).mean_velocity
+    close = {"rel": AGREEMENT, "abs": AGREEMENT * abs(plain)}
+    assert velocity == pytest.approx(reference.mean_velocity, **close)
     # The effect counts here: without it the two would differ. IPP on this base hardly leaves the
     # surface, so restitution has nothing to act on.
     if (effect, mode) != ("restitution", "IPP"):
-        assert abs(run(**drive).mean_velocity / velocity - 1.0) > 5 * AGREEMENT
+        assert abs(velocity / plain - 1.0) > 5 * AGREEMENT
 
 
 @pytest.mark.parametrize("restitution", [0.9, 1.0])

@@ -2,60 +2,74 @@
 
 from __future__ import annotations
 
-import json
+import hashlib
+import subprocess
+import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from blind.generator import write_case, write_more
+import stickslip
+from blind.writing import write_case, write_more
 from stickslip.diagnosis.api import diagnose
 from stickslip.measurement import read_measurement
 
-
-def sealed(folder: Path) -> Path:
-    """File of a data set's answer, beside the data sets; no diagnosis reads it."""
-    return folder.parent.with_name("sealed") / f"{folder.name}.json"
-
-
-def make(folder: Path, kind: str, seed: int) -> dict[str, Any]:
-    """Make one data set and return its answer, or read that of one that was made before."""
-    path = sealed(folder)
-    if not path.exists():
-        answer = write_case(folder, kind, seed)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        low_fidelity = path.with_suffix(".part")
-        low_fidelity.write_text(json.dumps(answer) + "\n")
-        low_fidelity.replace(path)
-    # Numbers and lists as a reader of the file has them, whoever made it.
-    result: dict[str, Any] = json.loads(path.read_text())
-    if (result["kind"], result["seed"]) != (kind, seed):
-        raise RuntimeError(f"{path} is the answer of {result['kind']} {result['seed']}")
-    return result
+_HERE = Path(__file__).resolve().parent
+# Of the study: what decides about the data.
+_DATA = (
+    "catalogue", "generator", "kinds", "noise", "readings", "settings", "strength", "truth",
+    "writing",
+)  # fmt: skip
 
 
-def study(folder: Path, kind: str, seed: int) -> dict[str, Any]:
+def state() -> dict[str, str]:
+    """Which engine and which generator made a row: version, commit, sums of their files."""
+    package = Path(stickslip.__file__).resolve().parent
+    engine = (path for path in package.rglob("*") if path.suffix in (".py", ".so"))
+    reference = (_HERE.parents[1] / "tests" / "reference").glob("[!t]*.py")
+    data = [*(_HERE / f"{name}.py" for name in _DATA), *reference]
+    asked = ("git", "-C", str(_HERE), "rev-parse", "--short", "HEAD")
+    commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
+    return {
+        "version": stickslip.__version__,
+        "commit": commit,
+        "engine": _checksum(engine),
+        "data": _checksum(data),
+    }
+
+
+def _checksum(paths: Iterable[Path]) -> str:
+    total = hashlib.sha256()
+    for path in sorted(paths):
+        total.update(path.name.encode() + path.read_bytes())
+    return total.hexdigest()[:12]
+
+
+def study(kind: str, seed: int) -> dict[str, Any]:
     """Make one data set, diagnose it from its files alone, and return what was said.
 
     Near twins are measured again at the experiments that the diagnosis proposes.
     """
-    answer = make(folder, kind, seed)
-    row = {"folder": folder.name, "answer": answer, **_diagnosed(folder)}
-    drives = [each["drive"] for each in row["said"]["next_experiments"]]
-    if kind == "near twins" and drives:
-        more = folder.with_name(folder.name + "-more")
-        write_more(folder, more, answer, drives)
-        row["followed"] = _diagnosed(more)["said"]
-    return row
+    with tempfile.TemporaryDirectory() as work:
+        folder = Path(work) / "data"
+        answer = write_case(folder, kind, seed)
+        row = {"answer": answer, **_diagnosed(folder)}
+        drives = [each["drive"] for each in row["said"]["next_experiments"]]
+        if kind == "near twins" and drives:
+            more = Path(work) / "more"
+            write_more(folder, more, answer, drives)
+            row["followed"] = _diagnosed(more)["said"]
+        return row
 
 
 def _diagnosed(folder: Path) -> dict[str, Any]:
     start = time.process_time()
-    measurement = read_measurement(folder / "measurement.toml")
-    result = diagnose(measurement, threads=1)
-    said, gain = result.as_dict(), result.gain
+    result = diagnose(read_measurement(folder / "measurement.toml"), threads=1)
+    gain = result.gain
     return {
-        "said": said,
+        "said": result.as_dict(),
+        "reasons": [each.code.name for each in result.verdict.reasons],
         "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
         "cpu_seconds": time.process_time() - start,
-        "simulations": result.posed.simulator.simulated,
     }

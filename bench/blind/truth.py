@@ -1,50 +1,25 @@
-"""What is hidden in each data set of the study, drawn at random.
-
-The forms differ from the library's where the reference simulator has others: friction falls as
-1/(1 + (v/vs)^2) and drag goes with |cos theta|. The true constants come from the priors.
-"""
+"""What is behind one data set, drawn at random. The true constants come from the priors."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-KINDS = (
-    "none",
-    "none, hard",
-    "constant 3 sd",
-    "constant 5 sd",
-    "single",
-    "weak",
-    "near twins",
-    "exact twins",
-    "pair",
-    "unknown",
-    "shuffled",
-)
+from blind.catalogue import CAUSES, INSTRUMENTS, LAWS, Value, entry, parameters
+from blind.kinds import KINDS
+from blind.settings import LIMITS, priors
 
-Drive = dict[str, float | str]
+_USUAL = 2.0  # largest factor between the usual size and that which is drawn first
 
-# Size of each cause that is a strong one, before it is scaled to the wanted signal to noise.
-_SIZES = {
-    "surface_tilt": {"angle": 0.01},
-    "ambient_field": {"Bx": 5e-5},
-    "misalignment": {"angle": 0.04},
-    "stribeck_friction": {"speed": 8e-3, "form": "rational"},
-    "angle_drag": {"amplitude": 3.0, "power": 1},
-    "rotational_drag": {"coefficient": 2e-14},
-    "eddy_lag": {"time": 3e-4},
-    "edge_time": {"time": 5e-4},
-    "field_gain": {"clamp": 0.05},
-    "restitution": {"coefficient": 0.2},
-}
-SINGLES = tuple(_SIZES)
-_TWO_SIDED = ("surface_tilt", "ambient_field", "misalignment", "field_gain")
-_LARGEST = {
-    "stribeck_friction": 0.04, "angle_drag": 20.0, "rotational_drag": 3e-13, "eddy_lag": 2.5e-3,
-    "edge_time": 3e-3, "restitution": 0.5,
-}  # fmt: skip
+
+@dataclass(frozen=True)
+class Hidden:
+    """One hidden thing of the catalogue: how much of it, and its parameters at an amount of 1."""
+
+    amount: float
+    base: dict[str, Value]
 
 
 @dataclass(frozen=True)
@@ -57,117 +32,108 @@ class Truth:
     answer : tuple of str
         Names in the library's words; empty where nothing of the library is hidden.
     constants : dict
-        Of the reference simulator, SI units.
-    effects : dict
-        Its effects, and ``edge_time`` and ``field_gain``, which change the drive.
-    length_scale : float
-        Part by which lengths are read too large.
-    ripple : tuple of float
-        Amplitude, period in the logarithm of the frequency, phase of a factor that no cause has.
+        By dotted key, SI units.
+    hidden : dict of Hidden
+        By name of the catalogue; ``ripple`` is a wave of the velocity that no cause has.
+    correlation : float
+        Of neighbouring errors.
     """
 
     kind: str
     answer: tuple[str, ...]
     constants: dict[str, float]
-    effects: dict[str, dict[str, float | str]] = field(default_factory=dict)
-    length_scale: float = 0.0
-    ripple: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    hidden: dict[str, Hidden] = field(default_factory=dict)
+    correlation: float = 0.0
 
     def without(self) -> Truth:
         """The same robot with nothing hidden."""
-        return replace(self, effects={}, length_scale=0.0, ripple=(0.0, 1.0, 0.0))
+        return replace(self, hidden={})
+
+    def only(self, name: str) -> Truth:
+        """The same robot with one of the hidden things."""
+        return replace(self, hidden={name: self.hidden[name]})
 
     def scaled(self, factor: float) -> Truth:
         """The same with every hidden thing larger by a factor, as far as it can be."""
-        effects = {name: _scaled(name, each, factor) for name, each in self.effects.items()}
-        amplitude, *shape = self.ripple
-        return replace(
-            self,
-            effects=effects,
-            length_scale=float(np.clip(self.length_scale * factor, -0.3, 0.4)),
-            ripple=(float(np.clip(amplitude * factor, 0.0, 0.9)), shape[0], shape[1]),
+        hidden = {
+            name: replace(each, amount=_clipped(name, each.amount * factor))
+            for name, each in self.hidden.items()
+        }
+        return replace(self, hidden=hidden)
+
+    def parameters(self, name: str) -> dict[str, Value]:
+        """Parameters of what is hidden by that name, none if it is not."""
+        if name not in self.hidden:
+            return {}
+        return parameters(name, self.hidden[name].base, self.hidden[name].amount)
+
+    def amount(self, name: str, parameter: str) -> float:
+        """One parameter, 0 where nothing is hidden."""
+        return float(self.parameters(name).get(parameter, 0.0))
+
+    @property
+    def effects(self) -> dict[str, dict[str, Value]]:
+        """Effects of the reference simulator."""
+        causes = {name: self.parameters(name) for name in self.hidden if name in CAUSES}
+        laws = [self.parameters(name) for name in self.hidden if name in LAWS]
+        return {**causes, **({"law": laws[0]} if laws else {})}
+
+    def as_record(self) -> dict[str, Any]:
+        """What a record keeps: all of it, and what follows from it."""
+        hook = next((name for name in self.hidden if name in LAWS), None)
+        return {**asdict(self), "effects": self.effects, "hook": hook}
+
+    @staticmethod
+    def of(record: dict[str, Any]) -> Truth:
+        """The truth of a record."""
+        return Truth(
+            record["kind"],
+            tuple(record["answer"]),
+            dict(record["constants"]),
+            {name: Hidden(**each) for name, each in record["hidden"].items()},
+            record["correlation"],
         )
 
 
-def _scaled(name: str, parameters: dict[str, float | str], factor: float) -> dict[str, float | str]:
-    largest = _LARGEST.get(name, np.inf)
-    result = dict(parameters)
-    for key, value in parameters.items():
-        if key not in ("form", "power"):
-            assert not isinstance(value, str)
-            result[key] = float(np.clip(value * factor, -largest, largest))
-    return result
+def _clipped(name: str, amount: float) -> float:
+    if name == "ripple":
+        return float(np.clip(amount, 0.0, 0.9))
+    return float(np.clip(amount, entry(name).least, entry(name).most))
 
 
-def conditions(kind: str) -> list[Drive]:
-    """Settings of the drive: 30 that vary all its fields; near twins from one mode, one way alone.
-
-    Causes of one field are alike where the other one is always the same, so the hold varies too.
-    """
-    rows: list[Drive] = []
-    modes = ("OPP",) if kind == "near twins" else ("IPP", "OPP")
-    for mode in modes:
-        usual: Drive = {
-            "mode": mode, "base": 0.5e-3, "hold": 1.0e-3, "direction": "+x", "peak": 2.5e-3
-        }  # fmt: skip
-        paces = (20.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0, 120.0)
-        if kind == "near twins":
-            rows += [{**usual, "frequency": pace} for pace in paces]
-            rows += [{**usual, "frequency": pace, "peak": 2.0e-3} for pace in paces[::2]]
-            rows += [{**usual, "frequency": 45.0, "peak": peak} for peak in (1.5e-3, 2e-3, 3e-3)]
-            continue
-        rows += [{**usual, "frequency": pace} for pace in (20.0, 30.0, 45.0, 65.0, 90.0, 120.0)]
-        rows += [{**usual, "frequency": 45.0, "peak": peak} for peak in (1.5e-3, 2e-3, 3e-3)]
-        rows += [{**usual, "frequency": 55.0, "hold": hold} for hold in (0.6e-3, 1.8e-3)]
-        rows += [{**usual, "frequency": 75.0, "base": 0.9e-3}]
-        back = {**usual, "direction": "-x"}
-        rows += [{**back, "frequency": pace} for pace in (25.0, 50.0, 110.0)]
-    return rows
-
-
-def draw(kind: str, random: np.random.Generator) -> Truth:
-    """The truth of a data set, its hidden effects at a usual size."""
-    constants = {
-        "kinetic_friction": min(0.145 + 0.01 * random.standard_normal(), 0.199),
-        "adhesion": max(0.22e-6 + 0.03e-6 * random.standard_normal(), 0.0),
-        "linear": float(np.exp(random.uniform(np.log(1e-6), np.log(1e-4)))),
-        "rotational": 9e-17 * 2.0 ** random.standard_normal(),
-    }
-    answer: tuple[str, ...] = ()
+def draw(kind: str, seed: int, random: np.random.Generator) -> Truth:
+    """The truth of a data set, its hidden things at a usual size; the seed goes round them."""
+    plan = KINDS[kind]
+    constants = {}
+    for name, prior in priors(plan.tables).items():
+        coordinate = float(random.standard_normal())
+        constants[name] = float(np.clip(prior.value(coordinate), *LIMITS.get(name, (0.0, np.inf))))
+    names = plan.hidden[seed % len(plan.hidden)]
+    correlation = float(random.uniform(0.3, 0.9)) if plan.noise.correlated else 0.0
     if kind.startswith("constant"):
-        name = str(random.choice(["kinetic_friction", "adhesion"]))
-        mean, sd = (0.145, 0.01) if name == "kinetic_friction" else (0.22e-6, 0.03e-6)
-        # A static friction of 0.2 leaves kinetic friction room to one side only.
-        sign = -1.0 if name == "kinetic_friction" else float(random.choice([-1.0, 1.0]))
-        constants[name] = mean + float(kind.split()[1]) * sign * sd
-        answer = (f"contact.{name}",)
-    elif kind in ("single", "weak", "shuffled"):
-        answer = (str(random.choice(SINGLES)),)
-    elif kind == "pair":
-        answer = tuple(str(each) for each in random.choice(SINGLES, 2, replace=False))
-    elif kind == "near twins":
-        answer = ("surface_tilt",)
-    elif kind == "exact twins":
-        answer = ("length_scale",)
-    truth = Truth(kind, answer, constants)
-    effects = {name: _effect(name, random) for name in answer if name in _SIZES}
-    if kind == "exact twins":
-        return replace(truth, length_scale=float(random.choice([-0.1, 0.1])))
-    if kind == "unknown":
-        wave = (0.1, float(random.uniform(0.35, 0.6)), float(random.uniform(0, 2 * np.pi)))
-        return replace(truth, ripple=wave)
-    return replace(truth, effects=effects)
+        (name,) = names
+        # Kinetic friction has room to one side only.
+        sign = -1.0 if name in LIMITS else float(random.choice([-1.0, 1.0]))
+        if name == "contact.adhesion":
+            sign = float(random.choice([-1.0, 1.0]))
+        middle = priors(plan.tables)[name]
+        constants[name] = max(float(middle.value(sign * float(kind.split()[1]))), 0.0)
+        return Truth(kind, names, constants, {}, correlation)
+    answer = tuple(name for name in names if name in CAUSES or name in INSTRUMENTS)
+    hidden = {name: _drawn(name, random) for name in names}
+    return Truth(kind, answer, constants, hidden, correlation)
 
 
-def _effect(name: str, random: np.random.Generator) -> dict[str, float | str]:
-    sizes: dict[str, float | str] = dict(_SIZES[name])
-    if name == "ambient_field" and random.random() < 0.5:
-        sizes = {"Bz": 5e-5}
-    if name == "field_gain" and random.random() < 0.5:
-        sizes = {"in_plane": 0.05}
-    sign = float(random.choice([-1.0, 1.0])) if name in _TWO_SIDED else 1.0
-    sign *= float(np.exp(random.uniform(-0.7, 0.7)))
-    return {
-        key: value if isinstance(value, str) or key == "power" else sign * value
-        for key, value in sizes.items()
-    }
+def _drawn(name: str, random: np.random.Generator) -> Hidden:
+    if name == "ripple":
+        # A resonance of the frame that moves the stage, for instance.
+        wave = {"period": random.uniform(0.35, 0.6), "phase": random.uniform(0.0, 2.0 * np.pi)}
+        return Hidden(0.1, {key: float(value) for key, value in wave.items()})
+    own = entry(name)
+    base: dict[str, Value] = {**own.fixed}
+    base |= own.sizes[int(random.integers(len(own.sizes)))]
+    for key, (low, high) in own.drawn.items():
+        base[key] = float(np.exp(random.uniform(np.log(low), np.log(high))))
+    sign = float(random.choice([-1.0, 1.0])) if own.least < 0.0 else 1.0
+    size = float(np.exp(random.uniform(-np.log(_USUAL), np.log(_USUAL))))
+    return Hidden(_clipped(name, sign * size), base)

@@ -13,6 +13,7 @@ from .convergence import ConvergenceReport, converge_reference
 from .drive import Voltages, voltages_of
 from .field import CENTRE_FIELD_PER_AMPERE, coil_field, coil_gradient, coil_wires
 from .simulate import ReferenceRun, simulate_reference
+from .statics import static_tilt_reference
 
 __all__ = [
     "CENTRE_FIELD_PER_AMPERE",
@@ -24,5 +25,6 @@ __all__ = [
     "coil_wires",
     "converge_reference",
     "simulate_reference",
+    "static_tilt_reference",
     "voltages_of",
 ]

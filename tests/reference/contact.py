@@ -7,6 +7,7 @@ impulses with
     0 <= Pn,  un >= target,  Pn (un - target) = 0,
     stick: ut = 0 and |Pt| <= (bound) Pn,   slip: Pt = -sign(ut) (kinetic) Pn.
 
+Both coefficients are 1 + lean times as large for slip to the front, and 1 - lean to the rear.
 `target` is 0, or -e times the approach speed at a corner that lands; `stepper.march` reduces e
 where the kinetic energy would grow. States and outcomes share the same numbers: OPEN, STICK, and
 +1 / -1 for the sign of the slip velocity.
@@ -53,33 +54,36 @@ def _one_slip(vx, vz, omega, rx, rz, target, im, ij, mu, sign):
 
 
 @njit
-def keeping_impulse(vx, vz, omega, rx, rz, im, ij, state, mu):
+def keeping_impulse(vx, vz, omega, rx, rz, im, ij, state, mu, lean):
     """(Pn, Pt) in N s that would keep one corner closed as it sticks or slips now.
 
     Pn < 0 where only a pull could do so: the corner leaves.
     """
     if state == STICK:
         return _one_stick(vx, vz, omega, rx, rz, 0.0, im, ij)
-    _, pn, pt, _ = _one_slip(vx, vz, omega, rx, rz, 0.0, im, ij, mu, state)
+    slipping = mu * (1.0 + lean * state)
+    _, pn, pt, _ = _one_slip(vx, vz, omega, rx, rz, 0.0, im, ij, slipping, state)
     return pn, pt
 
 
 @njit
-def solve_one(vx, vz, omega, rx, rz, target, im, ij, state, bound, mu):
+def solve_one(vx, vz, omega, rx, rz, target, im, ij, state, bound, mu, lean):
     """One corner. `state` is STICK, +1, -1; `bound` the sticking limit, `mu` the slipping one.
 
     The present state is tried first: where several answers exist the contact remembers.
     """
     un = vz - rx * omega
     ps, ts = _one_stick(vx, vz, omega, rx, rz, target, im, ij)
-    can_stick = ps >= 0.0 and abs(ts) <= bound * ps
+    # The corner moves against the force that would have held it.
+    way = -1 if ts > 0.0 else 1
+    can_stick = ps >= 0.0 and abs(ts) <= bound * (1.0 + lean * way) * ps
     outcome = OPEN
     pn = pt = 0.0
     irregular = False
-    # The corner moves against the force that would have held it.
-    first = state if state != STICK else (-1 if ts > 0.0 else 1)
-    forward, pf, tf, _ = _one_slip(vx, vz, omega, rx, rz, target, im, ij, mu, first)
-    back, pb, tb, _ = _one_slip(vx, vz, omega, rx, rz, target, im, ij, mu, -first)
+    first = state if state != STICK else way
+    ahead, behind = mu * (1.0 + lean * first), mu * (1.0 - lean * first)
+    forward, pf, tf, _ = _one_slip(vx, vz, omega, rx, rz, target, im, ij, ahead, first)
+    back, pb, tb, _ = _one_slip(vx, vz, omega, rx, rz, target, im, ij, behind, -first)
     if state == STICK and can_stick:
         outcome, pn, pt = STICK, ps, ts
     elif forward:
@@ -121,7 +125,7 @@ def _pair_slip(total, moment, rx, rz, mu, sign):
 
 
 @njit
-def solve_two(vx, vz, omega, rx, rz, target, im, ij, state, bound, mu):
+def solve_two(vx, vz, omega, rx, rz, target, im, ij, state, bound, mu, lean):
     """Two corners of one face that lies on the plane, at rx (2,) and one common rz.
 
     target, state and bound are (2,). Both slip at one speed, so they stick or slip together, with
@@ -136,24 +140,27 @@ def solve_two(vx, vz, omega, rx, rz, target, im, ij, state, bound, mu):
     lever = rz * pt - moment
     p0 = (lever - rx[1] * total) / (rx[0] - rx[1])
     p1 = total - p0
-    can_stick = p0 >= 0.0 and p1 >= 0.0 and abs(pt) <= bound[0] * p0 + bound[1] * p1
+    way = -1 if pt > 0.0 else 1
+    limit = (1.0 + lean * way) * (bound[0] * p0 + bound[1] * p1)
+    can_stick = p0 >= 0.0 and p1 >= 0.0 and abs(pt) <= limit
     joint = state[0]
-    first = joint if joint != STICK else (-1 if pt > 0.0 else 1)
+    first = joint if joint != STICK else way
     if joint == STICK and can_stick:
         return Solution(vx + im * pt, vz_end, omega_end, p0, p1, STICK, STICK, False)
     for attempt in range(2):
         sign = first if attempt == 0 else -first
         if attempt == 1 and joint != STICK and can_stick:
             return Solution(vx + im * pt, vz_end, omega_end, p0, p1, STICK, STICK, False)
-        q0, q1 = _pair_slip(total, moment, rx, rz, mu, sign)
-        vx_end = vx - im * sign * mu * (q0 + q1)
+        slipping = mu * (1.0 + lean * sign)
+        q0, q1 = _pair_slip(total, moment, rx, rz, slipping, sign)
+        vx_end = vx - im * sign * slipping * (q0 + q1)
         if q0 >= 0.0 and q1 >= 0.0 and sign * (vx_end + rz * omega_end) >= 0.0:
             return Solution(vx_end, vz_end, omega_end, q0, q1, sign, sign, False)
     # One corner opens, or both. The one that the closed solution would pull is tried as open first.
     order = 0 if p0 >= p1 else 1
     for attempt in range(2):
         i = order if attempt == 0 else 1 - order
-        one = solve_one(vx, vz, omega, rx[i], rz, target[i], im, ij, state[i], bound[i], mu)
+        one = solve_one(vx, vz, omega, rx[i], rz, target[i], im, ij, state[i], bound[i], mu, lean)
         other_velocity = one.vz - rx[1 - i] * one.omega
         if not one.irregular and one.outcome0 != OPEN and other_velocity >= target[1 - i]:
             if i == 0:
@@ -179,3 +186,43 @@ def corner_offsets(theta, half_length, half_height, rx, rz):
         b = -half_height if i < 2 else half_height
         rx[i] = a * c + b * s
         rz[i] = -a * s + b * c
+
+
+@njit
+def pick_corners(z, vz, omega, step, touching, rz_now, rx_mid, chosen, old):
+    """Number of corners in question (at most two), written into chosen (2,) and old (2,).
+
+    They are those in contact, whatever their gap, and those that would be below the plane half a
+    step on. A loaded corner is dropped by its own reaction only: one that rounding or rotation
+    lifts for a step would lose adhesion and stick for no reason, an error that no smaller step
+    would cure.
+    """
+    n = 0
+    for i in range(4):
+        if touching[i] and n < 2:
+            chosen[n] = i
+            old[n] = True
+            n += 1
+    for i in range(4):
+        if not touching[i] and n < 2:
+            approach = vz - rx_mid[i] * omega
+            if approach < 0.0 and z + rz_now[i] + 0.5 * step * approach < 0.0:
+                chosen[n] = i
+                old[n] = False
+                n += 1
+    return n
+
+
+@njit
+def impact_gains(before, push, end, after, im, ij):
+    """Whether an impact raises the kinetic energy, from (vx, vz, omega) at the ends of the step.
+
+    push: at the end if nothing touched. after: part of the step that follows the impact; what the
+    forces of the step do before and after it is taken out of the velocities.
+    """
+    gain = 0.0
+    for i in range(3):
+        force = push[i] - before[i]
+        arriving, leaving = before[i] + (1.0 - after) * force, end[i] - after * force
+        gain += (leaving * leaving - arriving * arriving) / (ij if i == 2 else im)
+    return gain > 0.0

@@ -1,6 +1,6 @@
 """Coil voltages of the two sawtooth modes, written from the description of `[drive]` alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -115,3 +115,36 @@ def voltages_of(drive: dict) -> Voltages:
         last_counted=last,
         end=end,
     )
+
+
+def clipped(volts: Voltages, limit: float) -> Voltages:
+    """What amplifiers give that clip at +-limit, V."""
+    start, level, slope = [], [], []
+    ends = np.append(volts.start[1:], np.inf)
+    for begin, end, first, rate in zip(volts.start, ends, volts.level, volts.slope, strict=True):
+        cuts = {float(begin)}
+        for value, change in zip(first, rate, strict=True):
+            for bound in (-limit, limit) if change != 0.0 else ():
+                cut = begin + (bound - value) / change
+                if begin < cut < end:
+                    cuts.add(float(cut))
+        for cut in sorted(cuts):
+            later = min([other for other in (*cuts, end) if other > cut])
+            middle = cut + (0.5 * (later - cut) if np.isfinite(later) else 1.0)
+            inside = np.abs(first + rate * (middle - begin)) < limit
+            start.append(cut)
+            level.append(np.clip(first + rate * (cut - begin), -limit, limit))
+            slope.append(np.where(inside, rate, 0.0))
+    return replace(volts, start=np.array(start), level=np.array(level), slope=np.array(slope))
+
+
+def held(volts: Voltages, period: float) -> Voltages:
+    """The staircase of a controller that gives the voltages at multiples of `period`, s.
+
+    At a jump it gives what comes after it; a nanosecond puts times on that side.
+    """
+    start = period * np.arange(int(np.ceil(volts.end / period - 1e-9)) + 1)
+    start[-1] = volts.end
+    at = np.searchsorted(volts.start, start + 1e-9, side="right") - 1
+    level = volts.level[at] + volts.slope[at] * np.maximum(start - volts.start[at], 0.0)[:, None]
+    return replace(volts, start=start, level=level, slope=np.zeros_like(level))

@@ -25,7 +25,7 @@ _AXIS = {"xp": 0, "xm": 0, "yp": 1, "ym": 1, "clamp": 2}
 _SIDE_OF_CENTRE = {"xp": 1.0, "xm": -1.0, "yp": 1.0, "ym": -1.0, "clamp": -1.0}
 
 
-def coil_wires(name: str) -> np.ndarray:
+def coil_wires(name: str, side: float = SIDE) -> np.ndarray:
     """Corners of a coil in the order in which positive current visits them.
 
     Shape (5, 3), metres; the last corner repeats the first. Positive current turns right-handed
@@ -35,8 +35,8 @@ def coil_wires(name: str) -> np.ndarray:
     first, second = (axis + 1) % 3, (axis + 2) % 3
     corners = np.zeros((5, 3))
     corners[:, axis] = _SIDE_OF_CENTRE[name] * DISTANCE
-    corners[:, first] = np.array([1, -1, -1, 1, 1]) * SIDE / 2
-    corners[:, second] = np.array([1, 1, -1, -1, 1]) * SIDE / 2
+    corners[:, first] = np.array([1, -1, -1, 1, 1]) * side / 2
+    corners[:, second] = np.array([1, 1, -1, -1, 1]) * side / 2
     return corners
 
 
@@ -84,10 +84,10 @@ def wire_loop_planar(corners, px, pz):
     )
 
 
-def coil_field(name: str, point) -> np.ndarray:
-    """Field of one ampere in one coil at one point (3,) in m; shape (3,), T/A."""
+def coil_field(name: str, point, side: float = SIDE) -> np.ndarray:
+    """Field of one ampere in one coil at one point (3,) in m; shape (3,), T/A. side: m."""
     px, py, pz = (float(c) for c in point)
-    return np.array(wire_loop_field(coil_wires(name), px, py, pz))
+    return np.array(wire_loop_field(coil_wires(name, side), px, py, pz))
 
 
 def coil_gradient(name: str, point) -> np.ndarray:

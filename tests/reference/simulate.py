@@ -5,11 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import stepper as slot
-from .drive import complete_drive, voltages_of
-from .field import INDUCTANCE, RESISTANCE, coil_wires
-from .stepper import Model, march
-
-GRAVITY = 9.81  # m/s^2
+from .drive import DRIVE_DEFAULTS, complete_drive, voltages_of
+from .effects import COILS, circuit_with, complete, completed_effects, driven, model_of
+from .field import coil_wires
+from .stepper import march
 
 ROBOT_DEFAULTS = {
     "length": 250e-6,  # m, Table II
@@ -27,17 +26,6 @@ CONTACT_DEFAULTS = {
 DRAG_DEFAULTS = {
     "linear": 1.0e-5,  # N s/m, Eq. (18)
     "rotational": 9.0e-17,  # N m s^2, Eq. (19)
-}
-# Every effect is absent at these values.
-EFFECT_DEFAULTS = {
-    "surface_tilt": {"angle": 0.0},  # rad, > 0 is downhill towards +x of the world
-    "ambient_field": {"Bx": 0.0, "Bz": 0.0},  # T, in the world
-    "misalignment": {"angle": 0.0},  # rad, added to theta in the moment's direction
-    "rotational_drag": {"coefficient": 0.0},  # N m s, torque -coefficient omega
-    "angle_drag": {"amplitude": 0.0, "power": 2},  # 1 + amplitude |cos theta|^power
-    "stribeck_friction": {"speed": 0.0, "form": "gaussian"},  # m/s; or "rational"
-    "eddy_lag": {"time": 0.0},  # s
-    "restitution": {"coefficient": 0.0},  # the same as [contact] restitution
 }
 
 
@@ -79,52 +67,20 @@ class ReferenceRun:
     omega: np.ndarray = field(repr=False)
 
 
-def _complete(name: str, given: dict | None, defaults: dict) -> dict:
-    given = given or {}
-    unknown = set(given) - set(defaults)
-    if unknown:
-        raise ValueError(f"unknown {name} keys: {sorted(unknown)}")
-    return {**defaults, **given}
+def _model(robot, contact, drag, effect, circuit, mirror, pace):
+    return model_of(
+        complete("robot", robot, ROBOT_DEFAULTS),
+        complete("contact", contact, CONTACT_DEFAULTS),
+        complete("drag", drag, DRAG_DEFAULTS),
+        effect, circuit, mirror, pace,
+    )  # fmt: skip
 
 
-def _model(robot, contact, drag, effects, mirror: float) -> Model:
-    """Constants of the kernel in the robot's frame; `mirror` is -1 if that faces the world's -x."""
-    body = _complete("robot", robot, ROBOT_DEFAULTS)
-    touch = _complete("contact", contact, CONTACT_DEFAULTS)
-    fluid = _complete("drag", drag, DRAG_DEFAULTS)
-    given = _complete("effects", effects, EFFECT_DEFAULTS)
-    effect = {k: _complete(f"effects.{k}", given[k], v) for k, v in EFFECT_DEFAULTS.items()}
-    volume = body["length"] * body["width"] * body["height"]
-    tilt = effect["surface_tilt"]["angle"]
-    form = effect["stribeck_friction"]["form"]
-    if form not in ("gaussian", "rational"):
-        raise ValueError(f"effects.stribeck_friction.form = {form!r}")
-    return Model(
-        half_length=float(body["length"] / 2),
-        half_height=float(body["height"] / 2),
-        mass=float(body["mass"]),
-        inertia=float(body["mass"] * (body["height"] ** 2 + body["length"] ** 2) / 12),
-        moment=float(volume * body["magnetization"]),
-        mu_static=float(touch["static_friction"]),
-        mu_kinetic=float(touch["kinetic_friction"]),
-        adhesion=float(touch["adhesion"]),
-        restitution=float(effect["restitution"]["coefficient"] or touch["restitution"]),
-        drag_linear=float(fluid["linear"]),
-        drag_quadratic=float(fluid["rotational"]),
-        drag_rotational=float(effect["rotational_drag"]["coefficient"]),
-        gravity_x=float(mirror * GRAVITY * np.sin(tilt)),
-        gravity_z=float(-GRAVITY * np.cos(tilt)),
-        ambient_x=float(mirror * effect["ambient_field"]["Bx"]),
-        ambient_z=float(effect["ambient_field"]["Bz"]),
-        misalignment=float(effect["misalignment"]["angle"]),
-        angle_drag=float(effect["angle_drag"]["amplitude"]),
-        angle_drag_power=int(effect["angle_drag"]["power"]),
-        stribeck_speed=float(effect["stribeck_friction"]["speed"]),
-        stribeck_rational=bool(form == "rational"),
-        lag_time=float(effect["eddy_lag"]["time"]),
-        resistance=RESISTANCE,
-        inductance=INDUCTANCE,
-    )
+def model_without_drive(robot=None, contact=None, drag=None, effects=None):
+    """Constants of the kernel for a robot that faces +x, with cold coils at rest."""
+    effect = completed_effects({k: v for k, v in (effects or {}).items() if k != "coil_heating"})
+    circuit = circuit_with(driven(voltages_of(DRIVE_DEFAULTS), effect), effect)
+    return _model(robot, contact, drag, effect, circuit, 1.0, DRIVE_DEFAULTS["frequency"])
 
 
 def simulate_reference(
@@ -139,7 +95,7 @@ def simulate_reference(
     """Simulate one drive from rest.
 
     drive, robot, contact, drag: keys and units of the scenario sections of the same names (SI);
-    absent keys take the defaults above. effects: {name: {parameter: value}}, see EFFECT_DEFAULTS.
+    absent keys take the defaults above. effects: {name: {parameter: value}}, see effects.py.
     dt: s, fixed step. rate: Hz of the samples; without it none are kept.
     Raises ValueError for a key or a word that is not known.
     """
@@ -147,9 +103,13 @@ def simulate_reference(
     # With direction "-x" the robot, its moment and the driving coil are turned about z together. In
     # the turned frame nothing differs but what is fixed to the world, so that is what is mirrored.
     mirror = 1.0 if full["direction"] == "+x" else -1.0
-    model = _model(robot, contact, drag, effects, mirror)
-    volts = voltages_of(full)
-    wires = np.stack([coil_wires("xp"), coil_wires("clamp")])
+    effect = completed_effects(effects)
+    full["edge_time"] += effect["edge_time"]["time"]
+    volts = driven(voltages_of(full), effect)
+    circuit = circuit_with(volts, effect)
+    model = _model(robot, contact, drag, effect, circuit, mirror, full["frequency"])
+    # The first coils of the list, as many as have a voltage of their own.
+    wires = np.stack([coil_wires(name) for name in COILS[: volts.level.shape[1]]])
     # The last moment itself must fall inside a step, whichever way its multiple of dt rounds.
     steps = int(np.floor(volts.end / dt + 1e-9)) + 1
     duration = volts.end
@@ -157,7 +117,8 @@ def simulate_reference(
     count = int(np.floor(duration * rate + 1e-9)) + 1 if rate else 0
     samples = np.zeros((count, 6))
     marks, counts = march(
-        model, wires, volts.start, volts.level, volts.slope, float(dt), steps, window,
+        model, wires, volts.start, volts.level @ circuit.to_coils, volts.slope @ circuit.to_coils,
+        float(dt), steps, window,
         float(rate or 1.0), samples,
     )  # fmt: skip
     seconds = window[1] - window[0]

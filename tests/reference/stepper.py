@@ -10,18 +10,28 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
+from . import laws
 from .circuit import advance_circuits
-from .contact import OPEN, STICK, corner_offsets, keeping_impulse, solve_one, solve_two
+from .contact import (
+    OPEN,
+    STICK,
+    corner_offsets,
+    impact_gains,
+    keeping_impulse,
+    pick_corners,
+    solve_one,
+    solve_two,
+)
 from .field import wire_loop_planar
 from .switching import landing_time, leaving_impulse, onset_coefficient
 
-# SI throughout. moment is V M in A m^2.
+# SI throughout. moment is V M in A m^2; mirror is -1 if the robot faces the world's -x; gain (n,)
+# is each coil's field over what the field model gives; gradient is the same of all gradients.
 Model = namedtuple(
     "Model",
-    "half_length half_height mass inertia moment mu_static mu_kinetic adhesion restitution "
+    "half_length half_height mass inertia moment mu_static mu_kinetic lean adhesion restitution "
     "drag_linear drag_quadratic drag_rotational gravity_x gravity_z ambient_x ambient_z "
-    "misalignment angle_drag angle_drag_power stribeck_speed stribeck_rational lag_time "
-    "resistance inductance",
+    "misalignment gradient gain mirror frequency laws circuit",
 )
 
 # The field is re-evaluated when the centre of mass has moved this far; in between its first-order
@@ -37,84 +47,37 @@ TOUCHDOWNS, LIFT_OFFS, IRREGULAR = 0, 1, 2
 
 
 @njit
-def _sliding_coefficient(speed, model):
-    """Kinetic friction coefficient at a slip speed in m/s; constant without the Stribeck effect."""
-    if model.stribeck_speed <= 0.0:
-        return model.mu_kinetic
-    ratio = (speed / model.stribeck_speed) ** 2
-    shape = 1.0 / (1.0 + ratio) if model.stribeck_rational else np.exp(-ratio)
-    return model.mu_kinetic + (model.mu_static - model.mu_kinetic) * shape
-
-
-@njit
-def _wrench(model, near, dx, dz, currents, theta):
+def _wrench(model, near, dx, dz, amperes, theta, arguments):
     """(force x, force z, torque) in N, N m at the centre of mass: magnet and weight, Eqs. (8)-(9).
 
-    near (2, 6): field and derivatives per ampere at a point from which the body is (dx, dz) m away.
+    near (n, 6): field and derivatives per ampere at a point from which the body is (dx, dz) m away;
+    amperes (n,): of the coils, as the field has them.
     """
-    bx, bz = model.ambient_x, model.ambient_z
-    bxx = bxz = bzx = bzz = 0.0
-    for coil in range(2):
-        c = near[coil]
-        bx += currents[coil] * (c[0] + c[2] * dx + c[3] * dz)
-        bz += currents[coil] * (c[1] + c[4] * dx + c[5] * dz)
-        bxx += currents[coil] * c[2]
-        bxz += currents[coil] * c[3]
-        bzx += currents[coil] * c[4]
-        bzz += currents[coil] * c[5]
+    bx = bz = bxx = bxz = bzx = bzz = 0.0
+    for coil in range(amperes.shape[0]):
+        c, current = near[coil], model.gain[coil] * amperes[coil]
+        bx += current * (c[0] + c[2] * dx + c[3] * dz)
+        bz += current * (c[1] + c[4] * dx + c[5] * dz)
+        bxx += current * c[2]
+        bxz += current * c[3]
+        bzx += current * c[4]
+        bzz += current * c[5]
+    strength = 1.0 + laws.total(model.laws.field, arguments)
+    slope = strength * model.gradient
+    bx, bz = model.ambient_x + strength * bx, model.ambient_z + strength * bz
     mx = model.moment * np.cos(theta + model.misalignment)
     mz = -model.moment * np.sin(theta + model.misalignment)
-    force_x = mx * bxx + mz * bxz + model.mass * model.gravity_x
-    force_z = mx * bzx + mz * bzz + model.mass * model.gravity_z
+    force_x = slope * (mx * bxx + mz * bxz) + model.mass * model.gravity_x
+    force_z = slope * (mx * bzx + mz * bzz) + model.mass * model.gravity_z
     return force_x, force_z, mz * bx - mx * bz
-
-
-@njit
-def _pick_corners(z, vz, omega, step, touching, rz_now, rx_mid, chosen, old):
-    """Number of corners in question (at most two), written into chosen (2,) and old (2,).
-
-    They are those in contact, whatever their gap, and those that would be below the plane half a
-    step on. A loaded corner is dropped by its own reaction only: one that rounding or rotation
-    lifts for a step would lose adhesion and stick for no reason, an error that no smaller step
-    would cure.
-    """
-    n = 0
-    for i in range(4):
-        if touching[i] and n < 2:
-            chosen[n] = i
-            old[n] = True
-            n += 1
-    for i in range(4):
-        if not touching[i] and n < 2:
-            approach = vz - rx_mid[i] * omega
-            if approach < 0.0 and z + rz_now[i] + 0.5 * step * approach < 0.0:
-                chosen[n] = i
-                old[n] = False
-                n += 1
-    return n
-
-
-@njit
-def _impact_gains(before, push, end, after, im, ij):
-    """Whether an impact raises the kinetic energy, from (vx, vz, omega) at the ends of the step.
-
-    push: at the end if nothing touched. after: part of the step that follows the impact; what the
-    forces of the step do before and after it is taken out of the velocities.
-    """
-    gain = 0.0
-    for i in range(3):
-        force = push[i] - before[i]
-        arriving, leaving = before[i] + (1.0 - after) * force, end[i] - after * force
-        gain += (leaving * leaving - arriving * arriving) / (ij if i == 2 else im)
-    return gain > 0.0
 
 
 @njit
 def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sample_rate, samples):
     """Integrate from rest, lying flat with its centre at x = 0.
 
-    wires (2, 5, 3) m: in-plane and clamp coil; seg_*: voltage segments; window (2,) s: interval of
-    the averages; samples (n, 6): filled with x, z, theta, vx, vz, omega at multiples of
+    wires (n, 5, 3) m of the coils; seg_*: segments of the modes' voltages; window (2,) s: interval
+    of the averages; samples (n, 6): filled with x, z, theta, vx, vz, omega at multiples of
     1 / sample_rate. Returns marks (10,) and counts (3,), see the slots above: x in m at the
     window's ends, angles in rad, airborne times in s, travel in m of a slipping corner.
     """
@@ -139,28 +102,45 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
 
     x, z, theta = 0.0, half_height, 0.0
     vx = vz = omega = 0.0
-    current, lagged = np.zeros(2), np.zeros(2)
+    circuit = model.circuit
+    modes, coils = circuit.to_coils.shape[1], circuit.to_coils.shape[0]
+    current, lagged, amperes = np.zeros(modes), np.zeros(modes), np.zeros(coils)
     segment, sample = 0, 0
-    decay = np.exp(-step * model.resistance / model.inductance)
+    decay = np.exp(-step / circuit.time_constant)
     at_x, at_z = np.inf, np.inf
-    near = np.zeros((2, 6))
-    hold = step * model.adhesion
+    near = np.zeros((coils, 6))
+    arguments = np.zeros(10)
+    arguments[laws.FREQUENCY] = model.frequency
+    landed = 0.0  # s, when the body last came down from flight
 
     for k in range(steps):
         t, t_next = k * step, (k + 1) * step
         if abs(x - at_x) > FIELD_REFRESH or abs(z - at_z) > FIELD_REFRESH:
             at_x, at_z = x, z
-            for coil in range(2):
+            for coil in range(coils):
                 terms = wire_loop_planar(wires[coil], x, z)
                 for j in range(6):
                     near[coil, j] = terms[j]
-        force_x, force_z, torque = _wrench(model, near, x - at_x, z - at_z, lagged, theta)
+        for coil in range(coils):
+            amperes[coil] = 0.0
+            for mode in range(modes):
+                amperes[coil] += circuit.to_coils[coil, mode] * lagged[mode]
+        # All coils are in-plane but the clamp, the second one.
+        arguments[laws.CURRENT] = np.sqrt(np.sum(amperes**2) - amperes[1] ** 2)
+        grounded = touching.any()
+        arguments[laws.TIME], arguments[laws.ANGLE], arguments[laws.RATE] = t, theta, abs(omega)
+        arguments[laws.SPEED] = np.hypot(vx, vz)
+        arguments[laws.AGE] = t - landed if grounded else 0.0
+        arguments[laws.LOAD] = reaction.sum() / step
+        force_x, force_z, torque = _wrench(
+            model, near, x - at_x, z - at_z, amperes, theta, arguments
+        )
 
         # Drag acts on the mean of the old and the new velocity: it damps at any step length.
-        drag = 0.5 * step * model.drag_linear
-        if model.angle_drag != 0.0:
-            drag *= 1.0 + model.angle_drag * abs(np.cos(theta)) ** model.angle_drag_power
-        twist = 0.5 * step * (model.drag_quadratic * abs(omega) + model.drag_rotational)
+        damped = 0.5 * step * (1.0 + laws.total(model.laws.fluid, arguments))
+        drag = damped * (model.drag_linear + laws.total(model.laws.drag, arguments))
+        twist = damped * (model.drag_quadratic * abs(omega) + model.drag_rotational)
+        hold = step * model.adhesion * (1.0 + laws.total(model.laws.adhesion, arguments))
         im = 1.0 / (model.mass + drag)
         ij = 1.0 / (model.inertia + twist)
         # Velocity at the end of the step if nothing touched.
@@ -170,7 +150,7 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
 
         corner_offsets(theta, half_length, half_height, rx_now, rz_now)
         corner_offsets(theta + 0.5 * step * omega, half_length, half_height, rx, rz)
-        n = _pick_corners(z, vz, omega, step, touching, rz_now, rx, chosen, old)
+        n = pick_corners(z, vz, omega, step, touching, rz_now, rx, chosen, old)
         new_vx, new_vz, new_omega = push_x, push_z, push_omega
         landing = after = 0.0
         # Where Newton's law would create energy, bisection finds the largest restitution that does
@@ -186,21 +166,27 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                 corner_offsets(flat, half_length, half_height, rx, rz)
             # Adhesion, shared by the corners that touch, and what each corner may do.
             free_z, free_omega = push_z, push_omega
+            middle = rx[chosen[0]] if n == 1 else 0.0
+            arguments[laws.PLACE] = model.mirror * (x + middle)
             slide = 0.0
             for j in range(n):
+                slide = max(slide, abs(vx + rz[chosen[j]] * omega))
+            arguments[laws.SLIP_SPEED] = slide
+            rough = 1.0 + laws.total(model.laws.friction, arguments)
+            mu_static, mu_kinetic = rough * model.mu_static, rough * model.mu_kinetic
+            for j in range(n):
                 i = chosen[j]
-                slide = max(slide, abs(vx + rz[i] * omega))
                 target[j] = 0.0
                 if old[j]:
                     pull = hold / held
                     state[j] = slip[i]
                     # In an impact a slipping corner is stopped by kinetic friction or not at all.
                     stopped = impact and slip[i] != STICK
-                    bound[j] = model.mu_kinetic if stopped else model.mu_static
+                    bound[j] = mu_kinetic if stopped else mu_static
                 else:
                     # A landing corner may stop at once, but only kinetic friction can stop it.
                     state[j] = STICK if j == 0 else state[0]
-                    bound[j] = model.mu_kinetic
+                    bound[j] = mu_kinetic
                     approach = vz - rx[i] * omega
                     gain = push_z - vz - rx[i] * (push_omega - omega)
                     landing = landing_time(z + rz_now[i], approach, step)
@@ -216,33 +202,37 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                     pull = hold * share_given[i] / n
                 free_z -= im * pull
                 free_omega += ij * pull * rx[i]
-            mu = model.mu_kinetic if impact else _sliding_coefficient(slide, model)
+            mu = mu_kinetic
+            if not impact:
+                mu += rough * laws.total(model.laws.sliding, arguments)
             keep_n = keep_t = 0.0
             if n == 1:
                 i = chosen[0]
                 keep_n, keep_t = keeping_impulse(
-                    push_x, free_z, free_omega, rx[i], rz[i], im, ij, state[0], mu
-                )
+                    push_x, free_z, free_omega, rx[i], rz[i], im, ij, state[0], mu,
+                    model.lean,
+                )  # fmt: skip
                 load_now = 1.0
                 if not impact and state[0] == STICK and keep_n > 0.0:
-                    load_now = abs(keep_t) / (model.mu_static * keep_n)
-                    if load_now > 1.0 > load[i] and model.stribeck_speed <= 0.0:
-                        mu = onset_coefficient(load[i], load_now, model.mu_static, mu)
+                    way = -1.0 if keep_t > 0.0 else 1.0
+                    load_now = abs(keep_t) / (mu_static * (1.0 + model.lean * way) * keep_n)
+                    if load_now > 1.0 > load[i]:
+                        mu = onset_coefficient(load[i], load_now, mu_static, mu)
                 load[i] = load_now
                 s = solve_one(
                     push_x, free_z, free_omega, rx[i], rz[i], target[0], im, ij,
-                    state[0], bound[0], mu,
+                    state[0], bound[0], mu, model.lean,
                 )  # fmt: skip
             else:
                 pair_rx[0], pair_rx[1] = rx[chosen[0]], rx[chosen[1]]
                 s = solve_two(
                     push_x, free_z, free_omega, pair_rx, rz[chosen[0]], target, im, ij,
-                    state, bound, mu,
+                    state, bound, mu, model.lean,
                 )  # fmt: skip
                 load[chosen[0]] = load[chosen[1]] = 1.0
             new_vx, new_vz, new_omega = s.vx, s.vz, s.omega
             if impact and most > least:
-                gains = _impact_gains(
+                gains = impact_gains(
                     (vx, vz, omega), (push_x, push_z, push_omega), (s.vx, s.vz, s.omega),
                     after if n == 1 else 0.0, im, ij,
                 )  # fmt: skip
@@ -282,8 +272,11 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         z += landing * vz + (step - landing) * new_vz
         theta += landing * omega + (step - landing) * new_omega
 
+        if n > 0 and not grounded:
+            landed = t + landing
         closed = 0
         first = -1
+        reaction[:] = 0.0
         for j in range(n):
             i = chosen[j]
             if outcome[j] == OPEN:
@@ -334,6 +327,6 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                 marks[SLIP_UP if new_omega > 0.0 else SLIP_DOWN] += travel
         vx, vz, omega = new_vx, new_vz, new_omega
         segment = advance_circuits(
-            t, t_next, decay, segment, seg_start, seg_level, seg_slope, current, lagged, model
+            t, t_next, decay, segment, seg_start, seg_level, seg_slope, current, lagged, circuit
         )
     return marks, counts

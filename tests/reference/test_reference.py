@@ -13,8 +13,9 @@ from . import (
 )
 from .circuit import advance_circuits
 from .contact import STICK, solve_two
+from .effects import GRAVITY
 from .field import COIL_NAMES, RESISTANCE
-from .simulate import GRAVITY, _model
+from .simulate import model_without_drive
 
 IPP = {"mode": "IPP", "frequency": 100.0, "base": 0.5e-3, "hold": 1e-3, "pulses": 6}
 NO_FIELD = {"peak": 0.0, "base": 0.0, "hold": 0.0, "frequency": 100.0, "ramp": 0.0}
@@ -69,16 +70,18 @@ def test_finite_edge_and_ramp_down():
 
 @pytest.mark.parametrize("lag", [0.0, 2e-3])
 def test_circuit_meets_a_voltage_jump_inside_a_step(lag):
-    model = _model(None, None, None, {"eddy_lag": {"time": lag}}, 1.0)
-    start, level = np.array([0.0, 2.5e-4]), np.array([[0.0, 0.0], [10.0, -10.0]])
+    circuit = model_without_drive(effects={"eddy_lag": {"time": lag}}).circuit
+    start, volts = np.array([0.0, 2.5e-4]), np.array([[0.0, 0.0], [10.0, -10.0]])
+    level = volts @ circuit.to_coils
     current, lagged = np.zeros(2), np.zeros(2)
     step, segment = 1e-4, 0
-    decay = np.exp(-step / 7e-3)
+    decay = np.exp(-step / circuit.time_constant)
     for k in range(100):
         segment = advance_circuits(
             k * step, (k + 1) * step, decay, segment, start, level, 0 * level, current, lagged,
-            model,
+            circuit,
         )  # fmt: skip
+    current, lagged = circuit.to_coils @ current, circuit.to_coils @ lagged
     since = 100 * step - 2.5e-4
     assert current == pytest.approx((1 - np.exp(-since / 7e-3)) * np.array([1, -1]), rel=1e-12)
     # Two first-order lags in a row; the step's linear input errs by (step / 7 ms)^2 / 12.
@@ -125,12 +128,12 @@ def test_block_slides_down_a_steep_tilt_as_newton_says():
 def test_flat_landing_on_a_second_corner_follows_momentum():
     # A block that turns about its sticking front corner falls flat: both normal velocities vanish.
     # Sticking would need friction H / L = 0.4 of the normal impulse; with mu 0.2 both corners slip.
-    model = _model(None, None, None, None, 1.0)
+    model = model_without_drive()
     a, b, omega = model.half_length, model.half_height, -100.0
     vx, vz = b * omega, a * omega
     end = solve_two(
         vx, vz, omega, np.array([a, -a]), -b, np.zeros(2), 1 / model.mass, 1 / model.inertia,
-        np.array([STICK, STICK]), np.array([0.2, 0.145]), 0.145,
+        np.array([STICK, STICK]), np.array([0.2, 0.145]), 0.145, 0.0,
     )  # fmt: skip
     assert (end.vz, end.omega) == (0.0, 0.0)
     assert end.p0 + end.p1 == pytest.approx(-model.mass * vz)

@@ -1,0 +1,176 @@
+"""What one row of a record says, one question each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from blind.catalogue import CAUSES, HOOK_OF, INSTRUMENT_NAMES, entry
+from blind.kinds import KINDS
+
+Row = dict[str, Any]
+
+# Share of the wanted signal to noise below which a data set is not counted: with its constants the
+# cause cannot be as strong as the kind asks for.
+_REACHED = 0.9
+# Codes of a verdict's reasons that say that a cause was named and something is left over.
+_LEFT_OVER = ("SMOOTH_REST", "PAIR_LEADS_TOO_LITTLE")
+# Parameters whose library form is the generator's too, so that their values can be compared.
+_SAME_FORM = {
+    f"{name}.{key}"
+    for name, each in CAUSES.items()
+    if not each.fixed
+    for size in each.sizes
+    for key in size
+}
+
+
+def truth_of(row: Row) -> set[str]:
+    return set(row["answer"]["answer"])
+
+
+def verdict_of(row: Row) -> str:
+    return str(row["said"]["verdict"])
+
+
+def causes_said(row: Row) -> set[str]:
+    """Names of the headline."""
+    cause = row["said"]["cause"]
+    return set() if cause is None else {cause} if isinstance(cause, str) else set(cause)
+
+
+def alarm(row: Row) -> bool:
+    return verdict_of(row) != "none"
+
+
+def named(row: Row) -> bool:
+    return verdict_of(row) == "named"
+
+
+def rightly_named(row: Row) -> bool:
+    return named(row) and causes_said(row) == truth_of(row)
+
+
+def claimed(row: Row) -> bool:
+    return verdict_of(row) in ("named", "pair")
+
+
+def pair_claimed(row: Row) -> bool:
+    return verdict_of(row) == "pair"
+
+
+def unexplained(row: Row) -> bool:
+    return verdict_of(row) == "unexplained"
+
+
+def wrongly_claimed(row: Row) -> bool:
+    return claimed(row) and causes_said(row) != truth_of(row)
+
+
+def exact_pair(row: Row) -> bool:
+    return pair_claimed(row) and causes_said(row) == truth_of(row)
+
+
+def false_cause(row: Row) -> bool:
+    """A claim that has a cause which is not hidden."""
+    return claimed(row) and not causes_said(row) <= truth_of(row)
+
+
+def structure_blamed(row: Row) -> bool:
+    """A claim of something that is no constant, or a set that has none."""
+    structural = ["." not in name for name in causes_said(row)]
+    return any(structural) if claimed(row) else bool(structural) and all(structural)
+
+
+def found(row: Row) -> bool:
+    return verdict_of(row) not in ("none", "data-problem")
+
+
+def in_set(row: Row) -> bool:
+    """The truth is what is said or among it."""
+    truth = truth_of(row)
+    return bool(truth) and truth <= causes_said(row)
+
+
+def first_in_rank(row: Row) -> bool:
+    chance = {name: p for name, p in row["said"]["probabilities"].items()
+              if name not in ("none", "unknown")}  # fmt: skip
+    return max(chance, key=lambda name: chance[name], default="") in truth_of(row)
+
+
+def parameters_within(row: Row) -> bool:
+    """All comparable parameters of a right name within two standard deviations."""
+    return all(abs(gap) <= 2.0 for gap in _pulls(row))
+
+
+def _pulls(row: Row) -> list[float]:
+    result = []
+    for name, each in row["said"]["parameters"].items():
+        if name in _SAME_FORM:
+            effect, parameter = name.split(".")
+            truth = row["answer"]["effects"].get(effect, {}).get(parameter, 0.0)
+            result.append((each["value"] - truth) / max(each["sd"], 1e-300))
+    return result
+
+
+def comparable(row: Row) -> bool:
+    return rightly_named(row) and bool(_pulls(row))
+
+
+def gained(row: Row) -> bool:
+    gain = row["said"]["gain"]
+    return gain is not None and bool(gain["heldout_chi2_after"] < gain["heldout_chi2_before"])
+
+
+def halved(row: Row) -> bool:
+    gain = row["said"]["gain"]
+    return gain is not None and bool(gain["mae_after"] <= 0.5 * gain["mae_before"])
+
+
+def consistent(row: Row) -> bool:
+    return row["gain"] is not None and bool(row["gain"]["p_value"] > 0.05)
+
+
+def followed(row: Row) -> bool:
+    return row.get("followed") is not None
+
+
+def followed_right(row: Row) -> bool:
+    return followed(row) and rightly_named({"answer": row["answer"], "said": row["followed"]})
+
+
+def second_said(row: Row) -> bool:
+    """The hidden second cause is said, or that something is left beside the first."""
+    if row["answer"]["answer"][1] in causes_said(row):
+        return True
+    return named(row) and any(code in _LEFT_OVER for code in row.get("reasons", ()))
+
+
+def hook_right(row: Row) -> bool:
+    """All that is said acts where the truth acts."""
+    hooks = {HOOK_OF.get(name) for name in causes_said(row)}
+    return hooks == {row["answer"]["hook"]}
+
+
+def false_term(row: Row) -> bool:
+    return claimed(row) and not hook_right(row)
+
+
+def instrument_said(row: Row) -> bool:
+    """The distortion is said, or one that no reading could tell from it."""
+    (truth,) = row["answer"]["answer"]
+    return bool(causes_said(row) & {truth, *entry(truth).accepted})
+
+
+def physical_claimed(row: Row) -> bool:
+    """A claim of a cause in the robot where a reading is wrong."""
+    return claimed(row) and not causes_said(row) <= set(INSTRUMENT_NAMES)
+
+
+def strong_enough(row: Row) -> bool:
+    """Whether what is hidden is as strong as its kind asks for."""
+    wanted = KINDS[row["answer"]["kind"]].wanted
+    return wanted is None or row["answer"]["strength"] >= _REACHED * wanted[0]
+
+
+def any_row(row: Row) -> bool:
+    return True

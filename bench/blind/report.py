@@ -1,0 +1,108 @@
+"""The tables of a blind study in Markdown.
+
+``python -m blind.report RECORD`` prints those of a record.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from blind.questions import Row, causes_said, found
+from blind.scoring import by_cause, calibration, counted, judged, read
+
+# What a diagnosis may cost, CPU seconds: in the median, and at most (two minutes on two cores).
+_MEDIAN, _MOST = 20.0, 240.0
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Counts beside what is asked, the calibration of the probabilities, and the cost."""
+    lines = [
+        "| hidden | counted | count | share | 95 % interval | asked | met |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for each in judged(rows):
+        bound = "at most" if each["at_most"] else "at least"
+        asked = "-" if each["asked"] is None else f"{bound} {each['asked']:.0%}"
+        met = {None: "-", True: "yes", False: "no"}[each["met"]]
+        lines.append(
+            f"| {each['kind']} | {each['what']} | {each['count']} of {each['total']} "
+            f"| {each['count'] / each['total']:.0%} | {each['low']:.0%} to {each['high']:.0%} "
+            f"| {asked} | {met} |"
+        )
+    lines += ["", "| most likely, thought to be so by | on average | true |", "| --- | --- | --- |"]
+    lines += [
+        f"| {each['from']:.0%} to {each['to']:.0%} | {each['mean']:.0%} "
+        f"| {each['count']} of {each['total']}, {each['count'] / each['total']:.0%} |"
+        for each in calibration(rows)
+    ]
+    return "\n".join([*lines, *_cost(rows)])
+
+
+def _cost(rows: Sequence[Row]) -> list[str]:
+    seconds = [row["cpu_seconds"] for row in rows]
+    if not seconds:
+        return []
+    some = [row["cpu_seconds"] for row in rows if found(row)] or [0.0]
+    return [
+        "",
+        f"{len(rows)} data sets of up to 30 conditions; a diagnosis takes {np.median(seconds):.0f} "
+        f"s CPU time in the median (asked: {_MEDIAN:.0f}), {np.median(some):.0f} s where "
+        f"something is found, {max(seconds):.0f} s at most (asked: {_MOST:.0f}).",
+    ]
+
+
+def cause_table(rows: Sequence[Row]) -> str:
+    """Counts by cause and kind."""
+    lines = [
+        "| cause | hidden as | data sets | in the set | named | wrong claims |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    lines += [
+        f"| {each['cause']} | {each['kind']} | {each['total']} | {each['in_set']} "
+        f"| {each['named']} | {each['wrong']} |"
+        for each in by_cause(rows)
+    ]
+    return "\n".join(lines)
+
+
+def misses(rows: Sequence[Row]) -> str:
+    """Every data set that missed what is asked: kind, seed, truth, and what was said."""
+    by_name = {(row["answer"]["kind"], row["answer"]["seed"]): row for row in rows}
+    failed: dict[tuple[str, int], list[str]] = {}
+    for each in judged(rows):
+        for seed in each["missed"]:
+            failed.setdefault((each["kind"], seed), []).append(each["what"])
+    lines = [
+        "| kind | seed | truth | S | said | missed |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for (kind, seed), what in sorted(failed.items()):
+        row = by_name[kind, seed]
+        truth = row["answer"].get("hook") or " + ".join(row["answer"]["answer"]) or "-"
+        said = " ".join([row["said"]["verdict"], ", ".join(sorted(causes_said(row)))])
+        lines.append(
+            f"| {kind} | {seed} | {truth} | {row['answer']['strength']:.1f} | {said} "
+            f"| {'; '.join(what)} |"
+        )
+    return "\n".join(lines)
+
+
+def report(rows: Sequence[Row]) -> str:
+    """All tables, and what they are of."""
+    parts = [table(rows)]
+    left = len(rows) - len(counted(rows))
+    if left:
+        parts.append(
+            f"Not counted: {left} data sets whose hidden cause cannot be as strong as asked for."
+        )
+    states = {tuple(sorted(row.get("state", {}).items())) for row in rows}
+    parts += [", ".join(f"{key} {value}" for key, value in each) for each in sorted(states) if each]
+    return "\n\n".join([*parts, cause_table(rows), misses(rows)])
+
+
+if __name__ == "__main__":
+    print(report(read(Path(sys.argv[1]))))
