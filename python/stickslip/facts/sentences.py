@@ -136,6 +136,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_angle": _extended(", and the extended model by {extended!d:.2f} degrees"),
     "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
     "extended_advance": _extended("; with the cause {extended!u:.5g} um"),
+    "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,
     "torque_meaning": lambda f: _TORQUES[f["variable"]],
     "force_meaning": lambda f: _FORCES[f["variable"]],

@@ -18,6 +18,9 @@ not proposed."""
 
 # Starts of a parameter that sets a place, in spans: the whole range and parts of it. Chosen.
 _PLACES = (0.1, 0.3, 1.0, 3.0)
+# Largest factor, and logarithm of the largest and the inverse of the least place in spans. Chosen:
+# beyond, a form is another one of them.
+_ENDS = np.array([100.0, np.log(100.0)])
 # Fewest values of the curve that a formula may leave over: with none, any formula fits.
 _LEAST_LEFT = 1
 
@@ -129,7 +132,10 @@ def find_formula(
             return np.asarray(whiten @ (curve - parameters[0] * form.shape(v, place)))
 
         starts = itertools.product((-0.3, 0.3), np.log(_PLACES) if form.place else (0.0,))
-        ends = [least_squares(missed, np.array([a, b])[:count], max_nfev=200) for a, b in starts]
+        ends = [
+            least_squares(missed, np.array([a, b])[:count], bounds=(-_ENDS[:count], _ENDS[:count]))
+            for a, b in starts
+        ]
         best = min(ends, key=lambda end: end.cost)
         chi2 = 2.0 * best.cost
         p_value = float(chi2_law.sf(chi2, len(curve) - count))

@@ -19,20 +19,26 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import (
     Fit,
     Start,
-    fitted_parameters,
+    free_parameters,
     make_candidate,
     physical_covariance,
     ranked,
 )
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
 from stickslip.diagnosis.fit.multistart import fit_candidates
-from stickslip.diagnosis.fit.single_cause import quick_fits, refine
+from stickslip.diagnosis.fit.single_cause import (
+    quick_fits,
+    refine,
+    refit_worse_than_null,
+    starts_by_misfit,
+)
 from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.formulas import Formula, find_formula
 from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.free_shapes import HOOKS, Hook, curve_design
 from stickslip.diagnosis.model.problem import Problem
 from stickslip.facts import Code, Fact
+from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -41,6 +47,9 @@ if TYPE_CHECKING:
 
 # Points at which a curve is drawn, and coverage of its band.
 _POINTS, BAND = 61, 0.9
+# Starts of each hook beside the null, of those with one knot moved. Chosen: with fewer a curve that
+# changes its sign is missed, each costs the stages of a quick fit.
+_STARTS = 3
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -68,19 +77,25 @@ class FreeShape(OneLine):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Curve(OneLine):
-    """The law's relative change f against its argument; shape (points,).
+    """A law against its argument, which has the argument's unit; the others shape (points,).
 
     Attributes
     ----------
-    argument, change, low, high : ndarray
-        In the argument's unit; `low` and `high` hold the change with a probability of 90 % at each
-        point.
+    argument : ndarray
+    law, low, high : ndarray
+        The law, in `unit`, and the ends that hold it with a probability of 90 % at each point. The
+        constant that belongs to it is in them, as the data often tell their product alone.
+    constant : float
+        That constant in the fit; 1 for the field, whose law is over that of the model.
+    unit : str
     """
 
     argument: Array
-    change: Array
+    law: Array
     low: Array
     high: Array
+    constant: float
+    unit: str
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -112,10 +127,12 @@ class OpenSet(OneLine):
 
     @property
     def accepted(self) -> bool:
-        """Whether the first explains the data, by evidence and on conditions not fitted too."""
-        gain = self.gain
-        better = gain is None or gain.interval[0] > 0.0
-        return self.first.p_value >= ADEQUATE and self.first.lead >= MARGIN and better
+        """Whether the first explains the data, and nothing that was held out speaks against it."""
+        explains = self.first.p_value >= ADEQUATE and self.first.lead >= MARGIN
+        if self.gain is None:
+            return explains
+        same = self.gain.choice == self.first.fit.name
+        return explains and same and self.gain.interval[1] > 0.0
 
     @property
     def rivals(self) -> tuple[FreeShape, ...]:
@@ -139,7 +156,8 @@ class OpenSet(OneLine):
             said.append(Fact(Code.FREE_SHAPE_RIVALS, {**first, "others": others}))
         if self.gain is not None:
             fall = {"before": self.gain.chi2_before, "after": self.gain.chi2_after}
-            said.append(Fact(Code.FREE_SHAPE_GAIN, {**fall, "count": len(self.gain.held_out)}))
+            known = {"count": len(self.gain.held_out), "certain": self.gain.interval[0] > 0.0}
+            said.append(Fact(Code.FREE_SHAPE_GAIN, {**fall, **known}))
         if self.formula is not None:
             fields = {"formula": self.formula.in_numbers(self.first.hook.unit)}
             said.append(Fact(Code.FREE_SHAPE_FORMULA, {**fields, "argument": first["argument"]}))
@@ -152,7 +170,7 @@ class OpenSet(OneLine):
             "accepted": self.accepted,
             "hooks": self.table().to_dict("records"),
             "curve": {name: getattr(curve, name).tolist()
-                      for name in ("argument", "change", "low", "high")},
+                      for name in ("argument", "law", "low", "high")} | {"unit": curve.unit},
             "formula": None if formula is None else {
                 "text": formula.text, "a": formula.a, "b": formula.b, "p_value": formula.p_value
             },
@@ -220,9 +238,9 @@ def explore_free_shapes(
     hooks = {hook.effect: hook for hook in HOOKS}
     x = np.concatenate([constants, np.zeros(problem.size - problem.base_count)])
     (null,) = fit_candidates(problem, [make_candidate(problem)], [[Start(x)]], 6)
-    candidates = [make_candidate(problem, [cause]) for cause in problem.causes]
-    starts = [[Start(null.x)] for _ in candidates]
-    fits = refine(problem, quick_fits(problem, candidates, starts), {})
+    fits = _fits(problem, null)
+    # With errors that are taken as too large, five knots may be led astray.
+    fits = refit_worse_than_null(problem, null, fits)
     shapes = tuple(
         FreeShape(
             hooks[fit.name],
@@ -241,16 +259,57 @@ def explore_free_shapes(
     return OpenSet(problem, shapes, gain, curve, formula)
 
 
+def _fits(problem: Problem, null: Fit) -> tuple[Fit, ...]:
+    """The best fit at each hook, from the null and from changes of one knot alone.
+
+    The constants of the null make up for the law as far as they can, so that a change also begins
+    at the middle of their priors.
+    """
+    candidates, begins = [], []
+    for cause in problem.causes:
+        points = []
+        for constants in (null.x, np.zeros(problem.size)):
+            for column in problem.columns([cause]):
+                for sign in (1.0, -1.0):
+                    x = constants.copy()
+                    x[column] = sign
+                    points.append(Start(x))
+        candidates.append(make_candidate(problem, [cause]))
+        begins.append(points)
+    ordered = starts_by_misfit(problem, candidates, begins)
+    plan = [
+        (candidate, start)
+        for candidate, points in zip(candidates, ordered, strict=True)
+        for start in (Start(null.x), *points[:_STARTS])
+    ]
+    quick = quick_fits(problem, [each for each, _ in plan], [[start] for _, start in plan], 1)
+    best: dict[str, Fit] = {}
+    others: dict[str, list[Start]] = {}
+    for fit in sorted(quick, key=lambda fit: fit.chi2):
+        if best.setdefault(fit.name, fit) is not fit:
+            others.setdefault(fit.name, []).append(Start.of(fit))
+    return refine(problem, list(best.values()), others, survivors=len(best))
+
+
 def _curve(problem: Problem, shape: FreeShape, scenario: Scenario) -> tuple[Curve, Formula | None]:
     """The curve of a fit with its band, and a formula for it."""
-    hook, span = shape.hook, shape.span
-    knots = fitted_parameters(problem, shape.fit)
-    values = problem.physical(shape.fit.x[None, :])[0][[each.column for each in knots]]
-    spread = physical_covariance(shape.fit, knots)
+    hook, span, fit = shape.hook, shape.span, shape.fit
+    values = problem.physical(fit.x[None, :])[0]
+    knots = [each for each in free_parameters(problem, fit) if each.name in hook.knots]
+    own = [each for each in free_parameters(problem, fit) if each.name == hook.constant]
+    constant, unit = 1.0, "of the model's"
+    if hook.constant is not None:
+        constant = float(values[own[0].column] if own else scenario.get(hook.constant))
+        unit = known_keys()[hook.constant].unit
     argument = np.linspace(-span if hook.both_ways else 0.0, span, _POINTS)
     design = curve_design(scenario, hook, span, argument)
-    change = design @ values
-    width = normal_law.ppf(0.5 + 0.5 * BAND) * np.sqrt(np.sum((design @ spread) * design, axis=1))
+    change = values[[each.column for each in knots]]
+    factor = 1.0 + design @ change
+    slopes = np.hstack([*(factor[:, None] for _ in own), constant * design])
+    spread = physical_covariance(fit, [*own, *knots])
+    sd = np.sqrt(np.sum((slopes @ spread) * slopes, axis=1))
+    width, law = normal_law.ppf(0.5 + 0.5 * BAND) * sd, constant * factor
+    curve = Curve(argument, law, law - width, law + width, constant, unit)
     places = argument[np.argmax(design, axis=0)]
-    formula = find_formula(places, values, spread, span, hook.unit == "rad")
-    return Curve(argument, change, change - width, change + width), formula
+    alone = physical_covariance(fit, knots)
+    return curve, find_formula(places, change, alone, span, hook.unit == "rad")

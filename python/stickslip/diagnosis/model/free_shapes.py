@@ -59,6 +59,12 @@ class Hook:
         return f"{self.quantity} over {self.argument}"
 
     @property
+    def constant(self) -> str | None:
+        """Key of the constant that the law is times 1 + f; the field has none."""
+        keys = {"friction": "contact.kinetic_friction", "adhesion": "contact.adhesion"}
+        return {**keys, "drag": "drag.linear"}.get(self.quantity)
+
+    @property
     def span_key(self) -> str:
         return f"{PREFIX}{self.effect}.span"
 

@@ -75,17 +75,20 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
 
 def free_shape(found: OpenSet) -> Figure:
     """The curve of the first hook with its band and formula, and how the hooks rank."""
-    figure, frames = new_figure(9.0, 3.4, 1, 2)
-    left, right = frames[0]
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[3, 2])
     hook, curve = found.first.hook, found.curve
     left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
                       label=f"{BAND:.0%} band")  # fmt: skip
-    left.plot(curve.argument, curve.change, color=VERMILION, label="curve of free shape")
+    left.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
     if found.formula is not None:
-        law = found.formula.at(curve.argument, found.first.span)
-        left.plot(curve.argument, law, "--", color=BLUE, label=found.formula.text)
-    left.axhline(0.0, color=DARK_GREY, lw=0.8)
-    left.set(xlabel=f"{hook.argument} ({hook.unit})", ylabel=f"relative change of {hook.quantity}")
+        law = curve.constant * (1.0 + found.formula.at(curve.argument, found.first.span))
+        left.plot(curve.argument, law, "--", color=BLUE, label=f"1 + {found.formula.text}")
+    left.axhline(curve.constant, color=DARK_GREY, lw=0.8, label="without f")
+    unit = "" if curve.unit == "-" else f" ({curve.unit})"
+    left.set(xlabel=f"{hook.argument} ({hook.unit})", ylabel=f"{hook.quantity}{unit}")
     left.legend(fontsize=8, frameon=False)
     names = [each.hook.name for each in found.shapes]
     colours = [VERMILION if each is found.first else BLUE for each in found.shapes]

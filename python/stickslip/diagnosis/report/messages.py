@@ -48,7 +48,9 @@ def _verdict(found: Findings) -> str:
     if verdict.kind == "none":
         return "Nothing beyond the recalibrated model can be seen in these data."
     if verdict.kind == "unexplained":
-        return "Something is there that no cause that was tried and no pair of them explains."
+        text = "Something is there that no cause that was tried and no pair of them explains."
+        shape = found.free_shape
+        return text + (f" A law of another shape does: {shape.hook.name}." if shape else "")
     if verdict.kind == "data-problem":
         return f"The data do not allow a diagnosis. {verdict.reasons[0]}"
     both = " and ".join(verdict.causes)
