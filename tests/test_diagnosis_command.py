@@ -147,7 +147,9 @@ def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
     monkeypatch.setattr(diagnose_command, "_tell", lambda *given: told.append(given))
     path = write(tmp_path, {})
     with pytest.raises(NotWritten):
-        diagnose_command.command.callback(path, tmp_path / "found", False, 0, 1)
+        diagnose_command.command.callback(
+            path, tmp_path / "found", as_json=False, seed=0, free_shapes=False, threads=1
+        )
     assert told == [(found, False)]
 
 

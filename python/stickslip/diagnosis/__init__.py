@@ -12,8 +12,11 @@ from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.discrimination import Separation, separate
 from stickslip.diagnosis.inference.experiment_design import Experiment
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.formulas import Formula
+from stickslip.diagnosis.inference.open_set import Curve, FreeShape, OpenSet
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.inference.verdict import Verdict
+from stickslip.diagnosis.model.free_shapes import Hook
 from stickslip.diagnosis.model.problem import (
     AuxiliaryData,
     Cause,
@@ -31,13 +34,18 @@ __all__ = [
     "Candidate",
     "Cause",
     "CauseParameter",
+    "Curve",
     "Detection",
     "Diagnosis",
     "Experiment",
     "Findings",
     "Fit",
+    "Formula",
+    "FreeShape",
     "Gain",
+    "Hook",
     "NoiseModel",
+    "OpenSet",
     "Options",
     "Plots",
     "PosedProblem",
