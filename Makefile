@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-before blind drops fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-diagnosis bench-before blind drops fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -114,6 +114,13 @@ bench-stepping: install ## restores without a changed bit, cost of steps and rol
 
 bench-controllers: install ## a coarse and a fine controller, judged on fresh draws of 256 robots
 	@OPENBLAS_NUM_THREADS=1 $(RUN) bench/controllers.py
+
+COST_DATA ?= bench/results/diagnosis-data
+
+bench-diagnosis: install ## CPU time and simulations of diagnoses (COST_DATA=<folder of data sets>)
+	@test -d $(COST_DATA) || PYTHONPATH=bench $(RUN) -m blind --write $(COST_DATA) \
+	    --kinds "single;pair;hiding;law" --seeds 3
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/diagnosis.py $(COST_DATA)
 
 BLIND_ARGS ?= --seeds 4
 
