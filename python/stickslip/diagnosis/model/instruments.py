@@ -25,9 +25,6 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse
 
 Read = Callable[[Array, Array, Array], Array]
-"""``read(reading, predicted, values)``: what was read so far and what the physics predicts, both of
-shape (vectors, m), and the instrument's own parameters of shape (vectors, parameters)."""
-
 _EVERY = slice(None)
 _LARGEST = 30.0  # error that is searched, in sizes that would not surprise; chosen: far out
 
@@ -112,7 +109,7 @@ def scale(
     parameter = CauseParameter(f"{name}.error", "-", -largest, largest, size)
 
     def read(reading: Array, _: Array, values: Array) -> Array:
-        return _changed(reading, rows, lambda some: some * (1.0 + values[:, :1]))
+        return _changed(reading, rows, _some(reading, rows) * (1.0 + values[:, :1]))
 
     return Instrument(name, (parameter,), "readings are too large by a factor", read=read)
 
@@ -144,7 +141,7 @@ def offset(
     parameter = CauseParameter(f"{name}.shift", unit, -end, end, size)
 
     def read(reading: Array, _: Array, values: Array) -> Array:
-        return _changed(reading, rows, lambda some: some + values[:, :1])
+        return _changed(reading, rows, _some(reading, rows) + values[:, :1])
 
     return Instrument(name, (parameter,), "readings have a wrong zero", read=read)
 
@@ -204,7 +201,7 @@ def clipping(
 
     def read(reading: Array, _: Array, values: Array) -> Array:
         limit = np.where(values[:, :1] > 0.0, values[:, :1], np.inf)
-        return _changed(reading, rows, lambda some: np.clip(some, -limit, limit))
+        return _changed(reading, rows, np.clip(_some(reading, rows), -limit, limit))
 
     return Instrument(name, (parameter,), "readings saturate at a limit", read=read)
 
@@ -266,13 +263,13 @@ def delay(
         return result
 
     def read(reading: Array, _: Array, values: Array) -> Array:
-        return _changed(reading, rows, lambda some: late(some, values[:, 0]))
+        return _changed(reading, rows, late(_some(reading, rows), values[:, 0]))
 
     return Instrument(name, (parameter,), "readings are late", read=read)
 
 
 def marker_place(
-    x: ArrayLike | slice,
+    x: ArrayLike | slice | None,
     z: ArrayLike | slice | None,
     size: float,
     *,
@@ -291,12 +288,12 @@ def marker_place(
     ----------
     x, z : array_like or slice
         Places of the point among the observables, m: indices, or masks of shape (m,), of the same
-        number in the same order. `z` may be None where only x is observed.
+        number in the same order. One that is not observed is None.
     size : float
         Distance that would not surprise, above 0, m.
     theta : array_like or slice, optional
         The predicted angles that belong to them, rad: indices or a mask too.
-    angle : array_like, shape (number of x,), optional
+    angle : array_like, shape (number of rows,), optional
         The angles themselves, rad, where they are known and not predicted.
     largest : float, optional
         What is searched, to all sides, m; 30 times the size, if not given.
@@ -320,8 +317,11 @@ def marker_place(
         along, across = values[:, :1], values[:, 1:]
         aside = along * np.cos(turned) + across * np.sin(turned)
         above = across * np.cos(turned) - along * np.sin(turned)
-        moved = _changed(reading, x, lambda some: some + _fitting(aside, some))
-        return moved if z is None else _changed(moved, z, lambda some: some + _fitting(above, some))
+        for rows, shift in ((x, aside), (z, above)):
+            if rows is not None:
+                some = _some(reading, rows)
+                reading = _changed(reading, rows, some + _fitting(shift, some))
+        return reading
 
     return Instrument(name, parameters, "the tracked point lies elsewhere on the body", read=read)
 
@@ -334,10 +334,10 @@ def _some(observables: Array, rows: ArrayLike | slice) -> Array:
         refuse("rows", rows, f"indices or a mask of {observables.shape[1]} observables")
 
 
-def _changed(reading: Array, rows: ArrayLike | slice, change: Callable[[Array], Array]) -> Array:
-    """A copy of the readings with some of them changed."""
+def _changed(reading: Array, rows: ArrayLike | slice, values: Array) -> Array:
+    """A copy of the readings with new values of some of them."""
     result = reading.copy()
-    result[:, rows if isinstance(rows, slice) else np.asarray(rows)] = change(_some(reading, rows))
+    result[:, rows if isinstance(rows, slice) else np.asarray(rows)] = values
     return result
 
 
