@@ -53,7 +53,7 @@ def with_instruments(predict: Predict, instruments: Sequence[Instrument]) -> Pre
         ``predict(conditions, parameters)``, as for `diagnose_model`, of the physics alone.
     instruments : sequence of Instrument
         The first one reads what `predict` returns, each further one what the one before it has
-        read. Their rows are those of the measured conditions.
+        read. Rows that are given hold for the measured conditions and for no others.
 
     Returns
     -------
