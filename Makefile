@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-diagnosis bench-before blind drops fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -131,6 +131,9 @@ DROPS ?= tests/data/square_drops.csv.gz
 
 drops: install ## real drops beside the core, into bench/results/ (DROPS=<file>)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONPATH=bench $(RUN) -m real.drops $(DROPS)
+
+scoreboard: install ## measured sets with a known answer, diagnosed, into bench/results/ (DROPS=<file>)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONPATH=bench $(RUN) -m real.scoreboard --drops $(DROPS)
 
 FUZZ_ARGS ?= --minutes 5 --seed 0
 

@@ -79,8 +79,16 @@ def test_examples_in_docstrings(name):
 def test_every_public_name_is_on_the_page_of_the_interface():
     text = (DOCS / "reference" / "api.md").read_text()
     listed = set(re.findall(r"^\.\. auto\w+:: ([\w.]+)$", text, re.MULTILINE))
-    names = set(stickslip.__all__) - {"__version__", "plot"}
+    names = set(stickslip.__all__) - {"__version__", "instruments", "plot"}
     names |= {f"stickslip.plot.{name}" for name in stickslip.plot.__all__}
+    home = stickslip.instruments.__name__
+    made = {
+        name
+        for name, each in vars(stickslip.instruments).items()
+        if getattr(each, "__module__", "") == home and not name.startswith("_")
+    }
+    assert "with_instruments" in made
+    names |= {f"stickslip.instruments.{name}" for name in made}
     assert names <= listed, names - listed
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from stickslip.control.prediction import Prediction as Prediction
     from stickslip.diagnosis.api import diagnose as diagnose
     from stickslip.diagnosis.api import diagnose_model as diagnose_model
+    from stickslip.diagnosis.model import instruments as instruments
     from stickslip.diagnosis.model.problem import Cause as Cause
     from stickslip.diagnosis.model.problem import CauseParameter as CauseParameter
     from stickslip.diagnosis.model.problem import Uncertain as Uncertain
@@ -81,7 +82,6 @@ _HOME = {
         "errors": ("ScenarioError", "SimulationError"),
         "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
-        "plot": ("plot",),
         "reproduction.study": ("reproduce",),
         "scenario.named_effects": ("effects",),
         "scenario.scenario": ("Scenario", "load"),
@@ -104,17 +104,19 @@ _HOME = {
     }.items()
     for name in names
 }
+# Modules that are public names themselves.
+_MODULES = {"instruments": "diagnosis.model.instruments", "plot": "plot"}
 
 # Hidden from type checkers, which take the names from above: they read no computed list, and would
 # take any name for an attribute.
 if not TYPE_CHECKING:
-    __all__ = sorted(_HOME)
+    __all__ = sorted({*_HOME, *_MODULES})
 
     def __getattr__(name: str) -> Any:
-        if name not in _HOME:
+        if name not in __all__:
             raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-        module = importlib.import_module(f"stickslip.{_HOME[name]}")
-        value = module if name == _HOME[name] else getattr(module, name)
+        module = importlib.import_module(f"stickslip.{_MODULES.get(name) or _HOME[name]}")
+        value = module if name in _MODULES else getattr(module, name)
         globals()[name] = value
         return value
 

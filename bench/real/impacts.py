@@ -1,0 +1,280 @@
+"""First impacts of the drops as data for `stickslip.diagnose_model`, with models of one's own.
+
+Two tables of the same impacts: how high the marker is at contact, and its velocity and the spin
+after it. What the camera and the body may hide from them is among the suspects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from stickslip import (
+    Cause,
+    CauseParameter,
+    Diagnosis,
+    Prior,
+    Uncertain,
+    diagnose_model,
+    instruments,
+)
+from stickslip.diagnosis import Problem
+
+from .contacts import ABOUT, SIDE, Impacts, reach, single_impacts
+from .flights import Drops, find_flights, fit_flights
+
+GYRATION = SIDE / np.sqrt(6.0)
+"""Radius of gyration of a uniform square, m."""
+
+_LEAST_TILT = 0.15
+"""rad. Chosen: a square that is nearer to lying flat touches with two corners within a frame."""
+_QUARTER = np.pi / 2
+_NORMAL_MAD = 1.4826
+"""Standard deviation of a normal law over its median absolute deviation."""
+
+
+_FARTHEST = 5.0
+"""Errors, beyond which an impact is left out. Chosen: two impacts within a frame, which the flights
+do not always tell, lie ten errors off and more."""
+_ROUNDS = 5
+"""Of fit and error. Chosen: the errors then change by less than a tenth."""
+_RANGE, _STEP = 6.0, 1e-3
+"""Largest coordinate of a constant in that fit, and how far inside it begins. Chosen: six standard
+deviations of a prior, and a step that is nothing beside one."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """What `stickslip.diagnose_model` needs of a table of impacts.
+
+    Attributes
+    ----------
+    predict : callable
+    observed : numpy.ndarray, shape (kinds * impacts,)
+        One kind of observable after another.
+    uncertain : tuple of Uncertain
+    causes : tuple of Cause
+    kinds : int
+    """
+
+    predict: Callable[[Impacts, np.ndarray], np.ndarray]
+    observed: np.ndarray
+    uncertain: tuple[Uncertain, ...]
+    causes: tuple[Cause, ...]
+    kinds: int
+
+
+def _cause(name: str, meaning: str, *parameters: tuple[str, str, float, float, float]) -> Cause:
+    """A cause; each parameter is its word, unit, lowest and highest value and scale."""
+    return Cause(
+        name, tuple(CauseParameter(f"{name}.{word}", *rest) for word, *rest in parameters), meaning
+    )
+
+
+_ANGLE = _cause(
+    "angle_offset", "angles are read from a wrong zero", ("angle", "rad", -0.3, 0.3, 0.03)
+)
+"""An instrument, but the angles are conditions here, so that the models have it themselves."""
+_ROUNDING = _cause("rounding", "the corners are rounded", ("radius", "m", 0.0, 0.015, 2e-3))
+_SLOPE = _cause("plate_slope", "the plate rises along x", ("slope", "-", -0.1, 0.1, 5e-3))
+
+
+def first_impacts(drops: Drops) -> Impacts:
+    """The first impact of each drop that stands alone, of a square that is not nearly flat.
+
+    States are those of the marker, as they are read.
+    """
+    flights = find_flights(drops)
+    constants = fit_flights(drops, flights)
+    found = single_impacts(drops, flights, replace(constants, marker_x=0.0, marker_z=0.0))
+    _, first = np.unique(found.drop, return_index=True)
+    theta = found.before[first, 2]
+    tilted = np.abs((theta + _QUARTER / 2) % _QUARTER - _QUARTER / 2) > _LEAST_TILT
+    first = first[tilted]
+    return Impacts(found.drop[first], found.before[first], found.after[first])
+
+
+def predicted_heights(impacts: Impacts, parameters: np.ndarray) -> np.ndarray:
+    """Height of the square's middle at contact, m.
+
+    Columns: height of the plate (m), offset of the angle (rad), radius of the corners (m), slope.
+    """
+    plate, offset, rounding, slope = (column[:, None] for column in parameters.T)
+    x, _, theta = impacts.before[:, :3].T
+    down = reach(theta - offset, 0.5 * SIDE - rounding) + rounding
+    return plate + slope * (x - ABOUT) + down
+
+
+def height_table(impacts: Impacts) -> Table:
+    """Heights at contact: which suspect makes them differ from those of a square on a plate?"""
+    theta = impacts.before[:, 2]
+    meters = (
+        instruments.marker_place(None, slice(None), 1e-3, angle=theta, largest=0.02),
+        instruments.scale(0.01, name="length_scale"),
+    )
+    return Table(
+        instruments.with_instruments(predicted_heights, meters),
+        impacts.before[:, 1],
+        (Uncertain("plate", Prior("normal", 0.0, 5e-3), "m", suspect=False),),
+        (_ANGLE, _ROUNDING, _SLOPE, *meters),
+        1,
+    )
+
+
+def predicted_impacts(impacts: Impacts, parameters: np.ndarray) -> np.ndarray:
+    """Velocity (m/s) of the marker after an impact, then spin times `GYRATION` (m/s).
+
+    An impact of a rigid body at one corner: what friction can stop is stopped or, by the tangential
+    restitution, turned back; else the corner slips. Columns: restitution, friction, radius of
+    gyration (m), then the parameters of `IMPACT_CAUSES`.
+    """
+    columns = (column[:, None] for column in parameters.T)
+    restitution, friction, gyration, *rest = columns
+    offset, rounding, slope, turned_back, softer, faster, shift, *places = rest
+    mass_along, mass_across, marker_along, marker_across = places
+    velocity = impacts.before[:, 3:]
+    theta = impacts.before[:, 2] - offset
+    ahead, down = _corner(theta, rounding)
+    cos, sin = np.cos(theta), np.sin(theta)
+    ahead = ahead + mass_along * cos + mass_across * sin + shift
+    down = down + mass_along * sin - mass_across * cos
+    beside = marker_along * cos + marker_across * sin
+    above = marker_across * cos - marker_along * sin
+    spin = velocity[:, 2] + 0.0 * theta
+    # The marker moves with v + spin * (above, -beside); the axes are then turned along the plate.
+    centre = velocity[:, 0] - spin * above, velocity[:, 1] + spin * beside
+    vx, vz = centre[0] + slope * centre[1], centre[1] - slope * centre[0]
+    ahead, down = ahead - slope * down, down + slope * ahead
+    approach = spin * ahead - vz
+    push_x, push_z = _impulse(
+        (vx - spin * down, -approach),
+        (ahead, down, gyration),
+        restitution * np.exp(-softer * (approach - 1.0)),
+        friction * np.exp(-faster * (approach - 1.0)),
+        turned_back,
+    )
+    after = spin - (down * push_x + ahead * push_z) / gyration**2
+    vx, vz = vx + push_x, vz + push_z
+    vx, vz = vx - slope * vz, vz + slope * vx
+    return np.concatenate([vx + after * above, vz - after * beside, GYRATION * after], axis=1)
+
+
+IMPACT_CAUSES = (
+    _ANGLE,
+    _ROUNDING,
+    _SLOPE,
+    _cause(
+        "tangential_restitution", "slip is turned back in part", ("fraction", "-", 0.0, 1.0, 0.3)
+    ),
+    _cause("softer_when_fast", "restitution falls with speed", ("rate", "s/m", -1.0, 1.0, 0.1)),
+    _cause("slippery_when_fast", "friction falls with speed", ("rate", "s/m", -2.0, 2.0, 0.3)),
+    _cause("contact_place", "the corner gives way along x", ("shift", "m", -0.01, 0.01, 1e-3)),
+    _cause(
+        "mass_place",
+        "the middle lies off the centre of mass",
+        ("along", "m", -0.01, 0.01, 1e-3),
+        ("across", "m", -0.01, 0.01, 1e-3),
+    ),
+    _cause(
+        "marker_place",
+        "the marker lies off the centre of mass",
+        ("along", "m", -0.01, 0.01, 1e-3),
+        ("across", "m", -0.01, 0.01, 1e-3),
+    ),
+)
+
+
+def _corner(theta: np.ndarray, rounding: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far ahead of the middle and below it the square touches, m."""
+    half = 0.5 * SIDE - rounding
+    within = theta - np.floor(theta / _QUARTER) * _QUARTER
+    return half * (np.cos(within) - np.sin(within)), reach(theta, half) + rounding
+
+
+def _impulse(
+    corner: tuple[np.ndarray, np.ndarray],
+    arm: tuple[np.ndarray, np.ndarray, np.ndarray],
+    restitution: np.ndarray,
+    friction: np.ndarray,
+    turned_back: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Impulse by mass, m/s, along x and z, from the corner's velocity and where it lies."""
+    slip, rise = corner
+    ahead, down, gyration = arm
+    along, up = 1.0 + (down / gyration) ** 2, 1.0 + (ahead / gyration) ** 2
+    mixed = ahead * down / gyration**2
+    gain_x, gain_z = -(1.0 + turned_back) * slip, -(1.0 + restitution) * rise
+    both = along * up - mixed**2
+    stopped_x = (up * gain_x - mixed * gain_z) / both
+    stopped_z = (along * gain_z - mixed * gain_x) / both
+    sense = np.sign(slip)
+    slipped_z = gain_z / (up - sense * friction * mixed)
+    stops = np.abs(stopped_x) <= friction * stopped_z
+    push_x = np.where(stops, stopped_x, -sense * friction * slipped_z)
+    return push_x, np.where(stops, stopped_z, slipped_z)
+
+
+def velocity_table(impacts: Impacts) -> Table:
+    """Velocities after impact: which suspect makes them differ from those of a rigid square?"""
+    uncertain = (
+        Uncertain("restitution", Prior("normal", 0.5, 0.2)),
+        Uncertain("friction", Prior("log-uniform", 0.02, 0.6)),
+        Uncertain("gyration", Prior("normal", GYRATION, 2e-4), "m"),
+    )
+    after = impacts.after[:, 3:] * [1.0, 1.0, GYRATION]
+    return Table(predicted_impacts, after.T.ravel(), uncertain, IMPACT_CAUSES, 3)
+
+
+def diagnose_table(pose: Callable[[Impacts], Table], impacts: Impacts) -> Diagnosis:
+    """The diagnosis, with errors that the fit of all suspects at once leaves.
+
+    No impact was repeated. What no suspect explains serves as the error of each kind of observable,
+    after impacts that lie far beyond it were left out.
+    """
+    _, rest = _errors(pose(impacts), impacts, "soft_l1")
+    inside = np.all(rest.reshape(-1, len(impacts.drop)) < _FARTHEST, axis=0)
+    kept = Impacts(impacts.drop[inside], impacts.before[inside], impacts.after[inside])
+    table = pose(kept)
+    sd, _ = _errors(table, kept, "linear")
+    return diagnose_model(
+        table.predict,
+        kept,
+        table.observed,
+        table.uncertain,
+        table.causes,
+        sd=sd,
+        group=np.tile(np.arange(len(kept.drop)), table.kinds),
+    )
+
+
+def _errors(table: Table, impacts: Impacts, loss: str) -> tuple[np.ndarray, np.ndarray]:
+    """Standard deviation of each observable, and what all suspects leave of it, over that.
+
+    With the linear loss by the squares, else by the median, so that odd impacts do not widen it.
+    """
+    count = len(table.observed)
+    problem = Problem(
+        table.predict, impacts, table.observed, np.eye(count), np.inf, table.uncertain, table.causes
+    )
+    low, high = (np.clip(end, -_RANGE, _RANGE) for end in problem.limits())
+    x = np.clip(np.zeros(problem.size), low + _STEP, high - _STEP)
+    by_kind = table.observed.reshape(table.kinds, -1)
+    sd = np.repeat(np.std(by_kind, axis=1) / 10.0, by_kind.shape[1])
+
+    def misfit(x: np.ndarray) -> np.ndarray:
+        return np.concatenate([problem.residuals(x[None, :])[0] / sd, x])
+
+    share = np.sqrt(count / (count - problem.size))
+    rest = np.zeros(count)
+    for _ in range(_ROUNDS):
+        x = least_squares(misfit, x, bounds=(low, high), loss=loss).x
+        rest = np.abs(problem.residuals(x[None, :])[0])
+        kinds = rest.reshape(table.kinds, -1)
+        middle = _NORMAL_MAD * np.median(kinds, axis=1)
+        if loss == "linear":
+            middle = np.sqrt(np.mean(kinds**2, axis=1))
+        sd = np.repeat(share * middle, kinds.shape[1])
+    return sd, rest / sd
