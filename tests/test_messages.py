@@ -108,6 +108,9 @@ EXAMPLES = {
         {**COLUMN, "scatter": 0.5, "stated": 0.4}, r"z .* 0\.5 m .* 0\.4 m"
     ),
     Code.FRAME_NOISE_UNKNOWN: ({**COLUMN, "taken": 0.6}, r"z .* 0\.6 m"),
+    Code.FRAMES_CORRELATED: (
+        {**COLUMN, "value": 0.612, "low": 0.4, "high": 0.8}, r"z .* 0\.61 \(0\.40 to 0\.80\)"
+    ),
     Code.ROUNDED_COLUMN: ({**COLUMN, "step": 0.5, "taken": 0.14}, r"z .* 0\.5 m; .* 0\.14 m"),
     Code.PERIODS_DIFFER: ({**COLUMN, "scatter": 0.5}, r"z .* 0\.5 m"),
     Code.ADVANCE_SCATTERS: ({**COLUMN, "scatter": 0.5}, r"z .* 0\.5 m"),

@@ -64,6 +64,7 @@ class Code(str, Enum):
     FRAME_NOISE_ABOVE_STATED = "frame-noise-above-stated"  #: Frames scatter more than was stated.
     #: Nothing tells the noise of a frame; the whole misfit counts as noise.
     FRAME_NOISE_UNKNOWN = "frame-noise-unknown"
+    FRAMES_CORRELATED = "frames-correlated"  #: Frames that follow each other share their error.
     ROUNDED_COLUMN = "rounded-column"  #: A film is rounded to steps wider than its noise.
     PERIODS_DIFFER = "periods-differ"  #: Periods of a film differ by more than the noise of frames.
     ADVANCE_SCATTERS = "advance-scatters"  #: Periods of a film advance by different distances.

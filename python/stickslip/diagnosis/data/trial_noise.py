@@ -19,7 +19,7 @@ from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.data.error_correlation import ErrorCorrelation, Runs
+    from stickslip.diagnosis.data.autoregression import ErrorCorrelation, Runs
 
 FEWEST_DOF = 4
 """Degrees of freedom from which on the noise is taken from the trials and not from a statement.
