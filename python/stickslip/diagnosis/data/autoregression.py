@@ -26,14 +26,13 @@ for all errors together, that is widened where the noise counts as known, see `a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.stats import chi2 as chi2_law
 
-from stickslip._util.arrays import Array, Indices, Mask
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.one_line import OneLine
 from stickslip.facts import Code, Fact
 
@@ -77,15 +76,14 @@ class Runs(OneLine):
     run: Indices
     place: Array
 
-    def at(self, kept: Mask) -> Runs:
-        """Those of some readings, `kept` of shape (n,)."""
+    def at(self, kept: Indices) -> Runs:
+        """Those of some readings, whose indices are `kept`."""
         return Runs(self.run[kept], self.place[kept])
 
-    def rows(self) -> Iterator[Indices]:
+    def rows(self) -> list[Indices]:
         """Indices of the readings of each run in their order."""
-        for each in np.unique(self.run[self.run >= 0]):
-            mine = np.flatnonzero(self.run == each)
-            yield mine[np.argsort(self.place[mine], kind="stable")]
+        runs = [np.flatnonzero(self.run == each) for each in np.unique(self.run[self.run >= 0])]
+        return [mine[np.argsort(self.place[mine], kind="stable")] for mine in runs]
 
     def gaps(self) -> tuple[Indices, Array]:
         """All readings, run by run, and the distance of each from the one before it.

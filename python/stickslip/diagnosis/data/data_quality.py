@@ -170,8 +170,8 @@ def _drifting(
         """In which errors that are correlated along a run, as a drift is, are independent."""
         if noise.runs is None or noise.correlation is None:
             return columns
-        flat = columns.reshape(len(columns), -1)
-        return noise.runs.at(usable).whitened(flat, noise.correlation.value).reshape(columns.shape)
+        flat, runs = columns.reshape(len(columns), -1), noise.runs.at(np.flatnonzero(usable))
+        return runs.whitened(flat, noise.correlation.value).reshape(columns.shape)
 
     basis = column_basis(independent(_design(index, block, noise)[usable]))
     free = int(usable.sum()) - basis.shape[1] - 1

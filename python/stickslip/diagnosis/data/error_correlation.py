@@ -127,7 +127,7 @@ def _estimate(noise: NoiseModel, trials: Trials, runs: Runs) -> ErrorCorrelation
     if not used.any():
         return _too_few(0)
     condition, sd = trials.condition[used], noise.sd[trials.condition[used]]
-    value, within = trials.value[used], runs.at(used)
+    value, within = trials.value[used], runs.at(np.flatnonzero(used))
     design = np.eye(len(noise.mean))[condition][:, np.unique(condition)]
     block = completed(trials.block)
     if block is not None and noise.setups.shape[1]:
@@ -160,7 +160,7 @@ def _about_curves(value: Array, sd: Array, runs: Runs) -> tuple[Array, Array, Ru
     """Readings of the longer runs over their error, and a basis of smooth curves, one a run."""
     kept = [rows for rows in runs.rows() if len(rows) >= SHORTEST_CURVE]
     if not kept:
-        return np.zeros(0), np.zeros((0, 0)), runs.at(np.zeros(len(value), dtype=bool))
+        return np.zeros(0), np.zeros((0, 0)), runs.at(np.zeros(0, dtype=np.int64))
     used = np.concatenate(kept)
     columns: list[Array] = []
     first = 0
