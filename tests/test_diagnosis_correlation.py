@@ -222,6 +222,11 @@ def test_too_few_readings_and_steps_are_said():
     found = with_correlation(noise, Trials(few, np.arange(4), None, None, np.zeros(4, int)))
     assert found.correlation is None
     assert [each.code for each in found.notes] == [Code.CORRELATION_UNKNOWN]
+    # Readings without any scatter tell nothing of it.
+    for exact in (LEVEL, 0.0 * LEVEL):
+        noise, _ = stated_noise(exact, np.arange(SIZE), SD)
+        found = with_correlation(noise, Trials(exact, np.arange(SIZE), None, None, CURVE))
+        assert [each.code for each in found.notes] == [Code.CORRELATION_UNKNOWN]
     steps = np.where(X > 0.5, 3.0, 1.0)
     noise, _ = stated_noise(steps, np.arange(SIZE), SD)
     found = with_correlation(noise, Trials(steps, np.arange(SIZE), None, None, CURVE))

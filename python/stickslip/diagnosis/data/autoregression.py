@@ -54,6 +54,10 @@ _POINTS = (np.arange(9) + 0.5) / 9.0
 """Probabilities of the quantiles by which the posterior is averaged. Chosen: more change variances
 by less than a hundredth."""
 
+_EXACT = 1e-9
+"""Part of the readings below which what is left is rounding. Chosen: between the rounding of a
+double, 1e-16, and that of any table."""
+
 _DRAWS, _TAIL = 2000, 0.975
 """Draws for each point in `averaged`, and the quantile that is asked for. Chosen: nearer to the
 verdict's levels than the median, as in `reading_noise.widening`; it is then known to 2 %."""
@@ -160,14 +164,18 @@ class ErrorCorrelation(OneLine):
         return Fact(Code.ERRORS_CORRELATED, {**known, **amount})
 
 
-def likeliest(scatter: Array, basis: Array, runs: Runs, origin: str) -> ErrorCorrelation:
-    """The correlation of scatter, shape (n,), about what is free.
+def likeliest(scatter: Array, basis: Array, runs: Runs, origin: str) -> ErrorCorrelation | None:
+    """The correlation of scatter, shape (n,), about what is free; None where nothing scatters.
 
     `basis`, shape (n, p), is an orthonormal basis of the columns of X.
     """
     free = len(scatter) - basis.shape[1]
+    # What the columns explain has no influence, but would take digits.
+    left = scatter - basis @ (basis.T @ scatter)
+    if np.linalg.norm(left) <= _EXACT * np.linalg.norm(scatter):
+        return None
     order, gap = runs.gaps()
-    products = _products(np.column_stack([basis, scatter])[order], gap)
+    products = _products(np.column_stack([basis, left])[order], gap)
     losses, variances = np.array([_loss(products, math.tanh(each), free) for each in _TRIED]).T
     curve = CubicSpline(_TRIED, losses)(_FINER)
     best = int(np.argmin(curve))

@@ -140,7 +140,7 @@ def _estimate(noise: NoiseModel, trials: Trials, runs: Runs) -> ErrorCorrelation
     free = len(value) - basis.shape[1]
     if free >= FEWEST_FREE:
         scatter = (value - noise.mean[condition]) / sd
-        return likeliest(scatter, basis, within, "repeats")
+        return likeliest(scatter, basis, within, "repeats") or _too_few(0)
     scatter, basis, curves = _about_curves(value, sd, within)
     free = len(scatter) - basis.shape[1]
     if free < FEWEST_FREE:
@@ -149,7 +149,7 @@ def _estimate(noise: NoiseModel, trials: Trials, runs: Runs) -> ErrorCorrelation
     left = _independent_variance(scatter, basis)
     if math.isinf(noise.dof) and chi2_law.sf(free * left, free) < _NOT_SMOOTH:
         return Fact(Code.CURVES_NOT_SMOOTH, {"ratio": math.sqrt(left)})
-    return likeliest(scatter, basis, curves, "smooth curves")
+    return likeliest(scatter, basis, curves, "smooth curves") or _too_few(0)
 
 
 def _too_few(free: int) -> Fact:
