@@ -80,6 +80,17 @@ EXAMPLES = {
     Code.NO_BLOCK_COLUMN: ({}, "column block"),
     Code.ONE_BLOCK: ({}, "only one set-up"),
     Code.SETUPS_NOT_CROSSED: ({}, "another set-up"),
+    Code.ERRORS_CORRELATED: (
+        {"value": 0.612, "low": 0.4, "high": 0.8, "origin": "repeats", "readings": 60,
+         "effective": 21.4},
+        r"0\.61 \(0\.40 to 0\.80, from repeats\), .* 60 .* 21 independent",
+    ),
+    Code.ERRORS_INDEPENDENT: (
+        {"value": 0.1, "low": -0.2, "high": 0.3, "origin": "smooth curves"},
+        r"0\.10 \(-0\.20 to 0\.30, from smooth curves\).*independent",
+    ),
+    Code.CORRELATION_UNKNOWN: ({"free": 5, "needed": 8}, "5 degrees .* 8 .*independent"),
+    Code.CURVES_NOT_SMOOTH: ({"ratio": 2.25}, r"2\.2 times .*independent"),
     Code.UNEVEN_SETUP: (
         {"setup": 3, "ratio": 2.5, "p_value": 1e-5}, r"set-up 3.* 2\.5 times .* 1e-05"
     ),
@@ -97,6 +108,9 @@ EXAMPLES = {
         {**COLUMN, "scatter": 0.5, "stated": 0.4}, r"z .* 0\.5 m .* 0\.4 m"
     ),
     Code.FRAME_NOISE_UNKNOWN: ({**COLUMN, "taken": 0.6}, r"z .* 0\.6 m"),
+    Code.FRAMES_CORRELATED: (
+        {**COLUMN, "value": 0.612, "low": 0.4, "high": 0.8}, r"z .* 0\.61 \(0\.40 to 0\.80\)"
+    ),
     Code.ROUNDED_COLUMN: ({**COLUMN, "step": 0.5, "taken": 0.14}, r"z .* 0\.5 m; .* 0\.14 m"),
     Code.PERIODS_DIFFER: ({**COLUMN, "scatter": 0.5}, r"z .* 0\.5 m"),
     Code.ADVANCE_SCATTERS: ({**COLUMN, "scatter": 0.5}, r"z .* 0\.5 m"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stickslip.diagnosis.api import diagnose, diagnose_model
+from stickslip.diagnosis.data.autoregression import ErrorCorrelation, Runs
 from stickslip.diagnosis.data.trial_noise import NoiseModel
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Ranking
 from stickslip.diagnosis.fit.profile_likelihood import Profile
@@ -37,6 +38,7 @@ __all__ = [
     "Curve",
     "Detection",
     "Diagnosis",
+    "ErrorCorrelation",
     "Experiment",
     "Findings",
     "Fit",
@@ -53,6 +55,7 @@ __all__ = [
     "Problem",
     "Profile",
     "Ranking",
+    "Runs",
     "Sensitivities",
     "Separation",
     "Settings",

@@ -35,7 +35,8 @@ def check_inputs(
         raise ScenarioError("condition: allowed is an index from 0 for each trial, none missing")
     block = None if options.block is None else np.asarray(options.block, dtype=np.int64)
     order = None if options.order is None else np.asarray(options.order)
-    trials = Trials(values, index, block, order)
+    run = None if options.run is None else np.asarray(options.run, dtype=np.int64)
+    trials = Trials(values, index, block, order, run)
     _check_lengths(trials, options)
     _check_names(uncertain, causes)
     return trials
@@ -49,6 +50,8 @@ def _check_lengths(trials: Trials, options: Options) -> None:
     rules = (
         ("block: allowed is an index for each trial",
          trials.block is None or trials.block.shape == shape),
+        ("run: allowed is an index for each trial",
+         trials.run is None or trials.run.shape == shape),
         ("order: allowed is a number for each trial",
          order is None or (order.shape == shape and order.dtype.kind in "iuf")),
         ("group: allowed is an index for each condition",

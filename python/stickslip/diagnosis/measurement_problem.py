@@ -218,6 +218,7 @@ def _data(
         condition=walks.trials.condition,
         block=walks.trials.block,
         order=walks.trials.order,
+        run=walks.trials.run,
         auxiliary=known,
         relative_sd=max(stated, default=math.nan),
         singleton_condition=find_singleton_condition(walks.conditions),

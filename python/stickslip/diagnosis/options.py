@@ -30,11 +30,17 @@ class Options(OneLine):
         Index of each trial's condition; without it every trial is a condition of its own.
     block, order : array_like, shape (n,), optional
         Index of each trial's set-up (-1: not known), and its place in time, a number.
+    run : array_like of int, shape (n,), optional
+        Index of the run in which each trial was read (-1: not known), such as a sweep over a curve
+        or a film. Errors of readings that follow each other in a run may be correlated; in the
+        order of `order` where all trials of a run have one, else in that of the rows. Without it
+        errors are taken as independent, but for those that set-ups share.
     relative_sd : float
         Relative error of one trial, above 0, used where repeats are too few; NaN if not known.
     sd : array_like, shape (m,) or (m, m), optional
         Standard deviation of the mean of each condition in the observable's unit, or their
-        covariance, if it is known otherwise; no noise is estimated then.
+        covariance, if it is known otherwise; no noise is estimated then. A covariance is used as it
+        is; to standard deviations the correlation within runs is added.
     group : array_like of int, shape (m,), optional
         Conditions that are held out together, numbered from 0; each by itself if not given.
     singleton_condition : int, optional
@@ -67,6 +73,7 @@ class Options(OneLine):
     condition: ArrayLike | None = None
     block: ArrayLike | None = None
     order: ArrayLike | None = None
+    run: ArrayLike | None = None
     relative_sd: float = math.nan
     sd: ArrayLike | None = None
     group: ArrayLike | None = None
@@ -87,7 +94,7 @@ class Options(OneLine):
         object.__setattr__(self, "seed", int(self.seed))  # of numpy's numbers too
         if self.singleton_condition is not None:
             check_whole("singleton_condition", self.singleton_condition)
-        for name in ("condition", "block", "group"):
+        for name in ("condition", "block", "run", "group"):
             if getattr(self, name) is not None:
                 _check_indices(name, getattr(self, name))
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
+from stickslip.diagnosis.data.error_correlation import with_correlation
 from stickslip.diagnosis.data.trial_noise import NoiseModel, fit_noise, stated_noise, whitener
 from stickslip.diagnosis.data.trials import Trials
 from stickslip.diagnosis.fit.baseline import Recalibration, recalibrate
@@ -119,10 +120,15 @@ def estimate_noise(state: State) -> None:
     """The noise of the trials, or what is stated of it."""
     trials, options = state.trials, state.options
     if options.sd is None:
-        state.noise = fit_noise(trials.value, trials.condition, trials.block, options.relative_sd)
-        state.covariance = state.noise.covariance
+        noise = fit_noise(trials.value, trials.condition, trials.block, options.relative_sd)
+        state.covariance = noise.covariance
     else:
-        state.noise, state.covariance = stated_noise(trials.value, trials.condition, options.sd)
+        noise, state.covariance = stated_noise(trials.value, trials.condition, options.sd)
+    # A stated covariance holds the correlation already.
+    complete = options.sd is not None and np.ndim(options.sd) == 2
+    state.noise = noise if complete else with_correlation(noise, trials)
+    if state.noise.runs is not None:
+        state.covariance = state.noise.covariance
     state.notes += state.noise.notes
 
 

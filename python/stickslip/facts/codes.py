@@ -47,6 +47,10 @@ class Code(str, Enum):
     NO_BLOCK_COLUMN = "no-block-column"
     ONE_BLOCK = "one-block"  #: There is one set-up only.
     SETUPS_NOT_CROSSED = "setups-not-crossed"  #: No condition was repeated in another set-up.
+    ERRORS_CORRELATED = "errors-correlated"  #: Neighbouring readings of a run share their error.
+    ERRORS_INDEPENDENT = "errors-independent"  #: No correlation within runs is seen.
+    CORRELATION_UNKNOWN = "correlation-unknown"  #: Too few readings in runs tell it.
+    CURVES_NOT_SMOOTH = "curves-not-smooth"  #: Nor do runs that smooth curves do not follow.
     UNEVEN_SETUP = "uneven-setup"  #: The trials of one set-up scatter more than all others.
     MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
     FEW_PULSES = "few-pulses"  #: Drives so short that their velocities include the start-up.
@@ -60,6 +64,7 @@ class Code(str, Enum):
     FRAME_NOISE_ABOVE_STATED = "frame-noise-above-stated"  #: Frames scatter more than was stated.
     #: Nothing tells the noise of a frame; the whole misfit counts as noise.
     FRAME_NOISE_UNKNOWN = "frame-noise-unknown"
+    FRAMES_CORRELATED = "frames-correlated"  #: Frames that follow each other share their error.
     ROUNDED_COLUMN = "rounded-column"  #: A film is rounded to steps wider than its noise.
     PERIODS_DIFFER = "periods-differ"  #: Periods of a film differ by more than the noise of frames.
     ADVANCE_SCATTERS = "advance-scatters"  #: Periods of a film advance by different distances.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,6 +54,10 @@ class VelocityData(OneLine):
         Index of the set-up; -1 where the table does not say.
     order : ndarray, shape (n,)
         Sequence number; NaN where the table does not say.
+    sweep : ndarray, shape (n,)
+        Which trial of its condition it is: trials of several conditions with the same number were
+        measured in one sweep. By the labels of `trial` where conditions share them, else by the
+        order of the rows of a condition.
     relative_sd : float
         Stated relative error of one trial; NaN where it is not known.
     """
@@ -62,6 +67,7 @@ class VelocityData(OneLine):
     condition: Indices
     block: Indices
     order: Array
+    sweep: Indices
     relative_sd: float = math.nan
 
 
@@ -78,6 +84,7 @@ class _Trial(NamedTuple):
     velocity: float
     setting: tuple[tuple[str, Any], ...]
     block: str
+    label: str
     order: float
     line: Line
 
@@ -113,6 +120,7 @@ def read_velocity(
         _numbered([each.setting for each in kept]),
         block[sound],
         np.array([each.order for each in kept]),
+        _sweeps(trials)[sound],
         relative_sd,
     )
     return data, left_out
@@ -122,6 +130,20 @@ def _numbered(values: Sequence[Any]) -> Indices:
     """Each value's place among the different ones in the order in which they come; -1 of none."""
     places = {value: k for k, value in enumerate(dict.fromkeys(filter(None, values)))}
     return np.array([places.get(value, -1) for value in values], dtype=np.int64)
+
+
+def _sweeps(trials: Sequence[_Trial]) -> Indices:
+    """See `VelocityData`; outliers must not be left out before, as they are part of a sweep."""
+    labelled = {(each.label, each.setting) for each in trials if each.label}
+    if len({label for label, _ in labelled}) < len(labelled):
+        return _numbered([each.label for each in trials])
+    seen: Counter[tuple[object, ...]] = Counter()
+    places = []
+    for each in trials:
+        key = (each.block, each.setting)
+        places.append(seen[key])
+        seen[key] += 1
+    return np.array(places, dtype=np.int64)
 
 
 def _sound_rows(
@@ -177,7 +199,8 @@ def _trial(line: Line, cells: Mapping[str, str], drive: list[str], scenario: Sce
     setting = _setting(cells, drive, scenario)
     _check_units(dict(setting))
     order = _number("order", cells["order"]) if cells.get("order") else math.nan
-    return _Trial(velocity, setting, cells.get("block", ""), order, line)
+    words = (cells.get("block", ""), cells.get("trial", ""))
+    return _Trial(velocity, setting, *words, order, line)
 
 
 def _number(column: str, cell: str) -> float:

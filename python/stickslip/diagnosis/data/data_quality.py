@@ -165,15 +165,24 @@ def _drifting(
     usable = np.isfinite(place) & moving(values, index)
     if usable.sum() < _FEWEST_PAIRS:
         return None
-    basis = column_basis(_design(index, block, noise)[usable])
+
+    def independent(columns: Array) -> Array:
+        """In which errors that are correlated along a run, as a drift is, are independent."""
+        if noise.runs is None or noise.correlation is None:
+            return columns
+        flat, runs = columns.reshape(len(columns), -1), noise.runs.at(np.flatnonzero(usable))
+        return runs.whitened(flat, noise.correlation.value).reshape(columns.shape)
+
+    basis = column_basis(independent(_design(index, block, noise)[usable]))
     free = int(usable.sum()) - basis.shape[1] - 1
-    centred = _projected(place[usable], basis)
-    if free < 1 or float(centred @ centred) <= 1e-9 * float(place[usable] @ place[usable]):
+    timed = independent(place[usable])
+    centred = _projected(timed, basis)
+    if free < 1 or float(centred @ centred) <= 1e-9 * float(timed @ timed):
         return None
     # A drift shifts all velocities alike, or all in proportion, whatever their sign.
     scatter = (values - noise.mean[index]) / noise.sd[index]
     chances = [
-        _drift(_projected((scatter * toward)[usable], basis), centred, free)
+        _drift(_projected(independent((scatter * toward)[usable]), basis), centred, free)
         for toward in (1.0, np.sign(noise.mean[index]))
     ]
     p_value = 2.0 * min(chances)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,9 @@ from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.data.autoregression import ErrorCorrelation, Runs
 
 FEWEST_DOF = 4
 """Degrees of freedom from which on the noise is taken from the trials and not from a statement.
@@ -64,6 +68,12 @@ class NoiseModel(OneLine):
     setups : ndarray, shape (m, set-ups)
         Share of each condition's trials in each set-up; no columns where that is not known.
     notes : tuple of Fact
+    correlation : ErrorCorrelation, optional
+        Of the errors within runs, where it could be estimated; see `with_correlation`.
+    runs : Runs, optional
+        Runs of the trials, where their errors are taken as correlated.
+    mean_correlation : ndarray, shape (m, m), optional
+        There, the covariance of the means in units of `sd`.
     """
 
     mean: Array
@@ -76,6 +86,9 @@ class NoiseModel(OneLine):
     dof: float
     setups: Array
     notes: tuple[Fact, ...]
+    correlation: ErrorCorrelation | None = None
+    runs: Runs | None = None
+    mean_correlation: Array | None = None
 
     @property
     def covariance(self) -> Array:
@@ -91,6 +104,8 @@ class NoiseModel(OneLine):
         shift = self.setups * np.sqrt(self.floor**2 + (self.relative * level) ** 2)[:, None]
         gain = shift * np.sign(level)[:, None]
         own = np.diag(self.sd**2 / self.count)
+        if self.mean_correlation is not None:
+            own = self.sd[:, None] * self.mean_correlation * self.sd
         shared = self.between**2 * shift @ shift.T + self.between_gain**2 * gain @ gain.T
         return np.asarray(own + shared)
 

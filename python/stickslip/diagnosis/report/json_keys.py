@@ -137,6 +137,7 @@ def _details(found: Findings, posed: PosedProblem, unit: str) -> dict[str, Any]:
             "between_setups": found.noise.between,
             "between_setups_gain": found.noise.between_gain,
             "dof": found.noise.dof,
+            "correlation": _correlation(found),
         },
         "recalibrated": _recalibrated(found),
         "flat_directions": _sentences(flat_directions(problem, found.null)),
@@ -154,6 +155,21 @@ def _details(found: Findings, posed: PosedProblem, unit: str) -> dict[str, Any]:
         "held_out_level": _level(found, unit),
         "held_out_p_value": None if gain is None else gain.p_value,
         "conditions": _condition_rows(found, posed),
+    }
+
+
+def _correlation(found: Findings) -> dict[str, Any] | None:
+    """The correlation of errors within runs, where it could be estimated."""
+    known = found.noise.correlation
+    if known is None:
+        return None
+    return {
+        "value": known.value,
+        "interval": [known.low, known.high],
+        "origin": known.origin,
+        "used": known.used,
+        "readings": known.readings,
+        "effective_readings": known.effective,
     }
 
 

@@ -19,7 +19,9 @@ from stickslip.diagnosis.observables.observable import Observable
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
+    FrameErrors,
     Kind,
+    correlation_of_frames,
     cycle_scatter,
     fold,
     frame_noise,
@@ -273,11 +275,19 @@ def _quantity(
         # Rounding is an error of its own where the noise does not carry a reading over a step.
         sd = quantum / math.sqrt(12.0)
         said.append(Fact(Code.ROUNDED_COLUMN, {**_column(name), "step": quantum, "taken": sd}))
-    shared = cycle_scatter(folded, residual, kind, sd)
+    place = np.flatnonzero(used)
+    known = correlation_of_frames(folded, residual, kind, place)
+    independent = FrameErrors(place)
+    if known is not None and known.used:
+        independent = FrameErrors(place, known.value, known.points)
+        interval = {"value": known.value, "low": known.low, "high": known.high}
+        said.append(Fact(Code.FRAMES_CORRELATED, {**_column(name), **interval}))
+    shared = cycle_scatter(folded, residual, kind, sd, independent)
     if shared > 0.0:
         code = Code.ADVANCE_SCATTERS if kind == "drift" else Code.PERIODS_DIFFER
         said.append(Fact(code, {**_column(name), "scatter": shared}))
-    return Quantity(name, used, values[used], folded, sd, *reduce(folded, kind, sd, shared))
+    reduced = reduce(folded, kind, sd, shared, independent)
+    return Quantity(name, used, values[used], folded, sd, *reduced)
 
 
 def _column(name: str) -> dict[str, str]:

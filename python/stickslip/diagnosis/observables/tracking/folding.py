@@ -6,7 +6,7 @@ a comparison: both are blurred alike.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +14,14 @@ from numpy.typing import NDArray
 
 from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.root_mean_square import root_mean_square
+from stickslip.diagnosis.data.autoregression import (
+    FEWEST_FREE,
+    ErrorCorrelation,
+    Runs,
+    averaged,
+    likeliest,
+)
+from stickslip.diagnosis.data.trial_noise import column_basis
 from stickslip.scenario.scenario import Scenario
 
 Kind = Literal["level", "place", "drift"]
@@ -108,7 +116,13 @@ def _numbered(label: NDArray[Any]) -> Indices:
     return np.unique(label, return_inverse=True)[1].astype(np.int64)
 
 
-def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> tuple[Array, Array]:
+def reduce(
+    folded: Fold,
+    kind: Kind,
+    sd: float,
+    cycle_sd: float = 0.0,
+    independent: FrameErrors | None = None,
+) -> tuple[Array, Array]:
     """Matrix that maps frames to observables, shape (k, n), and the observables' covariance.
 
     By generalised least squares with the correlation of the errors.
@@ -120,17 +134,84 @@ def reduce(folded: Fold, kind: Kind, sd: float, cycle_sd: float = 0.0) -> tuple[
 
     `sd` is the noise of one frame. `cycle_sd` is common to all frames of a period: of a "drift" the
     scatter of its advance, whose sum is a random walk; else an independent shift of each period.
+    `independent` takes errors that follow each other to independent ones.
     """
-    design = _design(folded, kind)
-    shared = _shared(folded, kind) * cycle_sd
+    independent = independent or FrameErrors(np.arange(len(folded.bin)))
+    design = independent.of(_design(folded, kind))
+    shared = independent.of(_shared(folded, kind) * cycle_sd)
     # Woodbury: the inverse of sd^2 + Z Z^T without a matrix of frames by frames.
     inner = np.eye(shared.shape[1]) * sd**2 + shared.T @ shared
     weighted = design - shared @ np.linalg.solve(inner, shared.T @ design)
     normal = design.T @ weighted
-    coefficients = np.linalg.solve(normal, weighted.T)
-    covariance = sd**2 * np.linalg.inv(normal)
     wanted = _contrasts(folded, kind)
-    return wanted @ coefficients, wanted @ covariance @ wanted.T
+    matrix = wanted @ independent.transposed(
+        np.asarray(np.linalg.solve(normal, weighted.T), dtype=float)
+    )
+    if not independent.points.size:
+        return matrix, wanted @ (sd**2 * np.linalg.inv(normal)) @ wanted.T
+    common = matrix @ _shared(folded, kind) * cycle_sd
+    return matrix, sd**2 * independent.covariance(matrix) + common @ common.T
+
+
+@dataclass(frozen=True, eq=False)
+class FrameErrors:
+    """First-order correlation of the errors of the frames of a film.
+
+    `place`, shape (n,), is the number of each frame in the film, so that a lost one is a gap.
+    `points` are equally probable correlations, from 0 to 1; none where errors are independent.
+    """
+
+    place: Indices
+    correlation: float = 0.0
+    points: Array = field(default_factory=lambda: np.zeros(0))
+
+    def covariance(self, matrix: Array) -> Array:
+        """Covariance of what a matrix, shape (k, n), makes of unit errors, see `averaged`."""
+        found = []
+        gap = np.diff(self.place).astype(float)
+        for each in self.points.tolist():
+            # From the last frame back, what each innovation adds to it and to all later ones.
+            link = each**gap
+            parts = np.array(matrix)
+            for k in range(len(gap) - 1, -1, -1):
+                parts[:, k] += link[k] * parts[:, k + 1]
+            parts *= np.concatenate([[1.0], np.sqrt(1.0 - link**2)])
+            found.append(parts @ parts.T)
+        return averaged(np.array(found))
+
+    def of(self, columns: Array) -> Array:
+        """Columns, shape (n, k), in which the errors are independent."""
+        runs = Runs(np.zeros(len(self.place), dtype=np.int64), self.place.astype(float))
+        return runs.whitened(columns, self.correlation)
+
+    def transposed(self, rows: Array) -> Array:
+        """Rows, shape (k, n), for such columns, as those for the frames themselves."""
+        link = self.correlation ** np.diff(self.place).astype(float)
+        size = np.concatenate([[1.0], np.sqrt(1.0 - link**2)])
+        scaled = rows / size
+        scaled[:, :-1] -= link * scaled[:, 1:]
+        return np.asarray(scaled)
+
+
+def correlation_of_frames(
+    folded: Fold, residual: Array, kind: Kind, place: Indices
+) -> ErrorCorrelation | None:
+    """Correlation of the errors of frames that follow each other; None of too few frames.
+
+    `residual` is as for `frame_noise`. Free are a level for each phase and a shift or an advance of
+    each period: what repeats with the drive is the motion, and a camera's error does not. Of
+    programs of voltages, which repeat nothing, it is not known.
+    """
+    steady = folded.steady
+    if not steady.any():
+        return None
+    walk = _finer(folded)
+    design = np.hstack([_design(walk, kind), _shared(walk, kind)])[steady]
+    basis = column_basis(design[:, np.any(design != 0.0, axis=0)])
+    if int(steady.sum()) - basis.shape[1] < FEWEST_FREE:
+        return None
+    runs = Runs(np.zeros(int(steady.sum()), dtype=np.int64), place[steady].astype(float))
+    return likeliest(residual[steady], basis, runs, "repeats")
 
 
 def _design(folded: Fold, kind: Kind) -> Array:
@@ -237,7 +318,9 @@ def _finer(folded: Fold) -> Fold:
     return replace(folded, bin=_numbered(np.where(folded.steady, walk, folded.bin)))
 
 
-def cycle_scatter(folded: Fold, residual: Array, kind: Kind, sd: float) -> float:
+def cycle_scatter(
+    folded: Fold, residual: Array, kind: Kind, sd: float, independent: FrameErrors | None = None
+) -> float:
     """Standard deviation of the error that a period's frames share, beside their own noise `sd`.
 
     By restricted maximum likelihood; 0 where the gain in likelihood is below ``_WORTH``.
@@ -245,7 +328,10 @@ def cycle_scatter(folded: Fold, residual: Array, kind: Kind, sd: float) -> float
     finer = _finer(folded)
     if not _advances(finer):
         return 0.0
-    design, shared = _design(finer, kind), _shared(folded, kind)
+    independent = independent or FrameErrors(np.arange(len(folded.bin)))
+    design = independent.of(_design(finer, kind))
+    shared = independent.of(_shared(folded, kind))
+    residual = independent.of(residual[:, None])[:, 0]
     basis = np.linalg.qr(design)[0]
     clean = shared - basis @ (basis.T @ shared)
     left, singular, _ = np.linalg.svd(clean, full_matrices=False)
