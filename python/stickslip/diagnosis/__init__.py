@@ -27,6 +27,7 @@ from stickslip.diagnosis.model.problem import (
 from stickslip.diagnosis.options import Options
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.results import Diagnosis, Plots
+from stickslip.diagnosis.rounds import Round, diagnose_in_rounds
 from stickslip.scenario.priors import Prior
 
 __all__ = [
@@ -53,12 +54,14 @@ __all__ = [
     "Problem",
     "Profile",
     "Ranking",
+    "Round",
     "Sensitivities",
     "Separation",
     "Settings",
     "Uncertain",
     "Verdict",
     "diagnose",
+    "diagnose_in_rounds",
     "diagnose_model",
     "separate",
 ]
