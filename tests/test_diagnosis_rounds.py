@@ -109,8 +109,11 @@ def test_a_table_of_trials_has_the_settings_that_differ_from_the_scenario():
     table = trial_table(_experiments(2), data)
     assert list(table)[6:] == ["pulses", "trial", "block", "order", "velocity"]
     assert table["trial"].tolist() == [1, 2, 3] * 2
-    assert table["block"].nunique() == 1
-    assert table[["order", "velocity"]].isna().all(axis=None)
+    (block,) = set(table["block"])
+    table["velocity"] = np.linspace(1e-3, 2e-3, len(table))
+    (later,) = set(trial_table(_experiments(1), data.with_velocities(table))["block"])
+    assert later != block
+    assert table["order"].isna().all()
 
 
 def test_new_trials_are_one_more_table_without_those_that_were_not_measured(tmp_path):
@@ -255,6 +258,29 @@ def test_a_budget_without_next_is_refused():
     assert "--budget" in done.stderr
 
 
+def test_without_a_finding_nothing_is_proposed(tmp_path):
+    path, found = write(tmp_path, {}), tmp_path / "found"
+    done = stickslip("diagnose", path, "--out", found, "--next", 2, "--seed", 3, "--json")
+    said = json.loads(done.stdout)
+    assert said["verdict"] == "none"
+    assert said["next"] == {
+        "safe": False, "why": str(Fact(Code.NOTHING_TO_SEPARATE, {"verdict": "none"})),
+        "proposed": 0, "measured": 0, "budget": 3, "table": None,
+    }  # fmt: skip
+    assert not (found / TABLE).exists()
+
+
+def test_a_table_that_is_not_read_is_mentioned(tmp_path):
+    path, found = write(tmp_path, {}), tmp_path / "found"
+    head, *rows = (tmp_path / "velocity.csv").read_text().splitlines()
+    (tmp_path / "velocity.csv").write_text("\n".join([head, *rows[:3]]) + "\n")
+    found.mkdir()
+    (found / TABLE).write_text("never read")
+    done = stickslip("diagnose", path, "--out", found)
+    assert done.stdout.startswith("data-problem")
+    assert f"{found / TABLE} is not read, as --next is not given" in done.stderr
+
+
 @pytest.fixture
 def diagnosed(monkeypatch):
     """Measurements that were diagnosed; the verdict is ambiguous up to this many tables."""
@@ -306,6 +332,7 @@ def test_rounds_end_when_nothing_can_be_measured(diagnosed):
     [
         (lambda _: "fast", {}, 'measure.*: allowed are numbers in m/s, one for each trial'),
         (lambda _: [[1e-3]], {}, "one for each trial"),
+        (3.0, {}, "measure = 3.0: allowed is a function of a drive"),
         (lambda _: 1e-3, {"budget": -1}, "budget = -1: allowed is a whole number from 0"),
         (lambda _: 1e-3, {"at_once": 0}, "at_once = 0: allowed is a whole number from 1"),
     ],

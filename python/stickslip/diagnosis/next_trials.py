@@ -39,7 +39,7 @@ def trial_table(
     """A row for each of the trials of each experiment, without a velocity.
 
     Where tables of the measurement say which trials belong to one set-up, these have a `block` too:
-    one for all, which no earlier table has. Where they have an `order`, there is an empty one.
+    one for all, which no earlier round has. Where they have an `order`, there is an empty one.
     """
     import pandas as pd
 
@@ -47,7 +47,8 @@ def trial_table(
     tables = measurement.velocity
     known: dict[str, Any] = {}
     if any(np.any(each.block >= 0) for each in tables):
-        known["block"] = f"next-{len(tables)}"
+        # All rounds may stand in one table; the number of conditions grows with each.
+        known["block"] = f"after-{sum(len(each.conditions) for each in tables)}"
     if any(np.any(np.isfinite(each.order)) for each in tables):
         known["order"] = math.nan
     columns = [*names, "trial", *known, "velocity"]

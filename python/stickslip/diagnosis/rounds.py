@@ -19,7 +19,7 @@ from stickslip.diagnosis.next_trials import trial_table
 from stickslip.diagnosis.results import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value, check_whole, shown
+from stickslip.scenario.keys import Value, check_whole, refuse, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -87,10 +87,12 @@ def diagnose_in_rounds(
     Raises
     ------
     ScenarioError
-        As for `diagnose`, if a number is not allowed, or `measure` returns no velocities.
+        As for `diagnose`; if an argument is not allowed; if `measure` returns no velocities.
     """
     import pandas as pd
 
+    if not callable(measure):
+        refuse("measure", measure, "a function of a drive")
     check_whole("budget", budget)
     check_whole("at_once", at_once, 1)
     rounds: list[Round] = []
