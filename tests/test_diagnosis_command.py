@@ -150,7 +150,7 @@ def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
         diagnose_command.command.callback(
             path, tmp_path / "found", as_json=False, seed=0, free_shapes=False, threads=1
         )
-    assert told == [(found, False)]
+    assert told == [(found, False, None)]
 
 
 def test_the_command_is_listed_with_an_example():

@@ -1,5 +1,7 @@
 """Which experiment tells the candidates apart, where nothing was measured."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,23 @@ def test_a_named_cause_is_compared_with_the_runner_up():
     near = [fit for fit in others if best.log_evidence - fit.log_evidence < MARGIN]
     assert {fit.name for fit in worth.candidates[2:]} == {fit.name for fit in near} - {best.name}
     assert np.all(worth.pair[:, 0] == 0)
+
+
+def test_the_one_candidate_of_an_ambiguous_verdict_is_compared_like_a_name():
+    found = shared_diagnosis(3, wave=1.0)
+    doubted = dataclasses.replace(
+        found, verdict=dataclasses.replace(found.verdict, kind="ambiguous")
+    )
+    # A pair of the cause with any other one says the same of it.
+    named, one = (
+        separate(each, lambda rows, p: predict(None, p)[:, rows], np.arange(len(X)))
+        for each in (found, doubted)
+    )
+    assert len(one.candidates) > 1
+    assert one.candidates == named.candidates
+    own = set(found.verdict.causes)
+    for fit in one.candidates[1:]:
+        assert not own & {cause.name for cause in fit.candidate.causes}
 
 
 def test_a_candidate_at_the_limit_of_what_can_be_computed_is_compared_too():

@@ -186,6 +186,16 @@ EXAMPLES = {
         {"formula": "f(u) = a u with a = 3 per m/s", "argument": "speed"}, r"speed: f\(u\) = a u"
     ),
     Code.PAIR_NEEDED: ({"name": "a + b"}, r"a \+ b"),
+    Code.NAME_SAFE: (
+        {"name": "a", "margin": 3.0, "alike_margin": 6.0},
+        "a is safe, .* it by at least 3, .* alike by at least 6",
+    ),
+    Code.NEAR_RIVAL: (
+        {"name": "a", "rival": "b + c", "lead": 1.25, "needed": 3.0},
+        r"a is not safe: b \+ c is 1\.2 behind .* and 3 behind would be enough",
+    ),
+    Code.NO_SAFE_NAME: ({}, "ambiguous"),
+    Code.NOTHING_TO_SEPARATE: ({"verdict": "unexplained"}, "verdict unexplained there are no"),
     Code.SEPARATES: (
         {"first": "a", "second": "b", "chi2": 5.5, "trials": 3, "needed": 4.0},
         r"separates a from b: with 3 trials a chi-square of 5\.5 is expected; a chi-square of 4 ",

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.model.problem import Uncertain as Uncertain
     from stickslip.diagnosis.options import Options as Options
     from stickslip.diagnosis.results import Diagnosis as Diagnosis
+    from stickslip.diagnosis.rounds import diagnose_in_rounds as diagnose_in_rounds
     from stickslip.errors import ScenarioError as ScenarioError
     from stickslip.errors import SimulationError as SimulationError
     from stickslip.measurement.reading import Measurement as Measurement
@@ -79,6 +80,7 @@ _HOME = {
         "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
         "diagnosis.options": ("Options",),
         "diagnosis.results": ("Diagnosis",),
+        "diagnosis.rounds": ("diagnose_in_rounds",),
         "errors": ("ScenarioError", "SimulationError"),
         "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),

@@ -15,17 +15,36 @@ from stickslip.cli.targets import check_folder_target
 from stickslip.scenario.toml_file import voltages_beside
 
 if TYPE_CHECKING:
+    from stickslip.cli.next_table import Rounds
     from stickslip.diagnosis.results import Diagnosis
     from stickslip.measurement.reading import Measurement
 
 
-@click.command("diagnose", epilog="\b\nExample:\n  stickslip diagnose measurement.toml --out found")
+@click.command(
+    "diagnose",
+    epilog="\b\nExample:\n"
+    "  stickslip diagnose measurement.toml --out found\n"
+    "  stickslip diagnose measurement.toml --out found --next 1",
+)
 @click.argument("measurement", type=PATH)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder for report.html, report.json and extended.toml.  [default: diagnosis; with "
-    "--json none]",
+    "--json and without --next none]",
+)
+@click.option(
+    "--next",
+    "most",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Where no name is safe, write up to N drives to measure into next.csv in the folder of "
+    "--out. The velocities that were filled in there are read by the next call.",
+)
+@click.option(
+    "--budget",
+    type=click.IntRange(1),
+    help="With --next: experiments that may be measured in all.  [default: 3]",
 )
 @JSON
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
@@ -42,6 +61,8 @@ def command(
     seed: int,
     free_shapes: bool,
     threads: int | None,
+    most: int | None = None,
+    budget: int | None = None,
 ) -> None:
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
@@ -51,20 +72,43 @@ def command(
     from stickslip.diagnosis.report.html import EXTENDED, FILES
     from stickslip.measurement import read_measurement
 
+    if budget is not None and most is None:
+        raise click.UsageError("--budget: allowed is --budget beside --next")
     data = read_measurement(measurement)
-    if out is None and not as_json:
+    if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
+    rounds = None
     if out is not None:
         check_folder_target(out, [*FILES, voltages_beside(Path(EXTENDED)).name])
+        data, rounds = _with_next(data, out, most, budget)
     how = {"seed": seed, "threads": threads, "free_shapes": free_shapes}
-    result = _diagnosed(data, out, how, as_json)
-    _tell(result, as_json)
+    result = _diagnosed(data, out, how, as_json, rounds)
+    _tell(result, as_json, rounds)
     if out is not None and not as_json:
         say(f"  in {out}: {', '.join(FILES)}")
 
 
+def _with_next(
+    data: Measurement, out: Path, most: int | None, budget: int | None
+) -> tuple[Measurement, Rounds | None]:
+    """The measurement with what was filled in of the proposed drives, if ``--next`` is given."""
+    from stickslip.cli.next_table import PREDICTIONS, TABLE, with_measured
+    from stickslip.diagnosis.rounds import BUDGET
+
+    if most is not None:
+        check_folder_target(out, [TABLE, PREDICTIONS])
+        return with_measured(data, out, most, BUDGET if budget is None else budget)
+    if (out / TABLE).exists():
+        say(f"stickslip: {out / TABLE} is not read, as --next is not given", err=True)
+    return data, None
+
+
 def _diagnosed(
-    data: Measurement, out: Path | None, how: Mapping[str, Any], as_json: bool
+    data: Measurement,
+    out: Path | None,
+    how: Mapping[str, Any],
+    as_json: bool,
+    rounds: Rounds | None,
 ) -> Diagnosis:
     """The diagnosis with its experiments, and its report where one is wanted, while a bar shows."""
     from stickslip.diagnosis.api import diagnose
@@ -85,20 +129,27 @@ def _diagnosed(
             if out is not None:
                 bar(0.97, "report")
                 result.save_report(out)
+            if rounds is not None:
+                rounds.write(result)
     except OSError:
         if bar.stage == "report":  # the verdict is printed even if a disk was full
-            _tell(result, as_json)
+            _tell(result, as_json, rounds)
         raise
     return result
 
 
-def _tell(result: Diagnosis, as_json: bool) -> None:
+def _tell(result: Diagnosis, as_json: bool, rounds: Rounds | None) -> None:
     from stickslip.diagnosis.report.messages import experiment_lines
 
     if as_json:
-        click.echo(json_text(result.as_dict()))
+        said = result.as_dict()
+        click.echo(json_text(said if rounds is None else {**said, "next": rounds.as_dict(result)}))
         return
-    experiments = result.propose_experiments()
     lines = result.verdict_lines()
-    for line in lines + experiment_lines(result.findings, experiments, result.posed.conditions):
+    if rounds is None:
+        experiments = result.propose_experiments()
+        lines += experiment_lines(result.findings, experiments, result.posed.conditions)
+    else:
+        lines += rounds.lines(result)
+    for line in lines:
         say(line)

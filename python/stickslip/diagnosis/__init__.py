@@ -28,6 +28,7 @@ from stickslip.diagnosis.model.problem import (
 from stickslip.diagnosis.options import Options
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.results import Diagnosis, Plots
+from stickslip.diagnosis.rounds import Round, diagnose_in_rounds
 from stickslip.scenario.priors import Prior
 
 __all__ = [
@@ -55,6 +56,7 @@ __all__ = [
     "Problem",
     "Profile",
     "Ranking",
+    "Round",
     "Runs",
     "Sensitivities",
     "Separation",
@@ -62,6 +64,7 @@ __all__ = [
     "Uncertain",
     "Verdict",
     "diagnose",
+    "diagnose_in_rounds",
     "diagnose_model",
     "separate",
 ]

@@ -7,24 +7,24 @@ from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis import tables
-from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.discrimination import TRIALS, Separation, separate
 from stickslip.diagnosis.inference.experiment_design import PROPOSED, Experiment, propose
 from stickslip.diagnosis.inference.extended_model import extended_scenario, extended_values
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.next_step import next_step, worth_measuring
 from stickslip.diagnosis.inference.open_set import OpenSet
 from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
+from stickslip.diagnosis.next_trials import trial_table
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.messages import no_gain_lines, set_lines, table_lines, verdict_lines
-from stickslip.diagnosis.report.plots import OWN_LABELS, Plots, abscissa, refuse_own
+from stickslip.diagnosis.report.plots import OWN_LABELS, Plots, refuse_own
 from stickslip.errors import ScenarioError
+from stickslip.facts import Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, check_whole, refuse
 from stickslip.scenario.scenario import Scenario
@@ -190,23 +190,10 @@ class Diagnosis:
         ScenarioError
             If the data allow no diagnosis, or a setting is not one that a drive can have.
         """
-        import pandas as pd
-
-        from stickslip.diagnosis.printed_table import PrintedTable
-
         if self.verdict.kind == "data-problem":
             raise ScenarioError("predict: the data allow no diagnosis, so no model was fitted")
         at, settings = self._conditions(conditions)
-        columns: dict[str, Any] = {}
-        for name, fit in (("recalibrated", self.findings.null), ("extended", self.verdict.fit)):
-            if fit is not None:
-                level, variance = predict_with_variance(
-                    self.findings.problem, fit, self.posed.model.velocities, at
-                )
-                columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
-        found = pd.DataFrame(columns)
-        given = pd.DataFrame() if settings is None else pd.DataFrame(settings)
-        return PrintedTable(pd.concat([given, found], axis=1))
+        return tables.prediction_table(self.findings, self.posed.model.velocities, at, settings)
 
     @property
     def plot(self) -> Plots:
@@ -236,6 +223,22 @@ class Diagnosis:
         check_whole("count", count)
         # The first ones are the same, however many are asked for.
         return self._experiments[:count] if count <= PROPOSED else self._proposed(count)
+
+    @property
+    def next_step(self) -> Fact:
+        """Whether what is claimed is safe (the code ``name-safe``), or why it is not."""
+        return next_step(self.findings)
+
+    def next_trials(self, count: int = PROPOSED) -> DataFrame:
+        """The drives to measure next, a row for each trial, with an empty column `velocity`.
+
+        When that is filled in, `Measurement.with_velocities` takes the table. Of the drives of
+        `propose_experiments`, whose parameter and errors these are, it has those that can decide
+        something; none where `next_step` needs none.
+        """
+        experiments = worth_measuring(self.next_step, self.propose_experiments(count))
+        assert self.measurement is not None  # for a model of one's own none are proposed
+        return trial_table(experiments, self.measurement)
 
     def separate(self, conditions: Any, trials: int = TRIALS) -> Separation | None:
         """How well the leading candidates could be told apart at conditions not measured yet.
@@ -313,30 +316,23 @@ class Diagnosis:
         OSError
             If a file cannot be written.
         """
-        from stickslip.diagnosis.report.html import FILES, report_sections, write_report
-        from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
-        from stickslip.diagnosis.report.section import free_shape_section, model_section
+        from stickslip.diagnosis.report.saving import save_of_measurement, save_of_own_model
 
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
-        check_folder(folder, FILES)  # before what takes long
-        source: Measurement | OwnData
-        if self.measurement is not None:
-            changed = (
-                title is not None,
-                place is not None,
-                labels != OWN_LABELS,
-                unit != _OWN_UNIT,
-            )
-            refuse_own("save_report", ("title", "place", "labels", "unit"), changed)
-            source, unit = self.measurement, gain_unit(self.posed)
-            sections = report_sections(self.posed.comparisons(self.findings))
-            sections += [] if self.open_set is None else [free_shape_section(self.open_set)]
-        else:
-            source = OwnData("Diagnosis" if title is None else title)
-            at = abscissa(place, len(self.findings.noise.mean))
-            sections = [model_section(self.findings, at, labels)]
-        write_report(folder, self.findings, self.posed, source, self._experiments, sections, unit)
+        if self.measurement is None:
+            own = (title, place, labels, unit)
+            save_of_own_model(folder, self.findings, self.posed, *own)
+            return
+        changed = (
+            title is not None,
+            place is not None,
+            labels != OWN_LABELS,
+            unit != _OWN_UNIT,
+        )
+        refuse_own("save_report", ("title", "place", "labels", "unit"), changed)
+        given = (self.measurement, self._experiments)
+        save_of_measurement(folder, self.findings, self.posed, *given)
 
     def _conditions(self, given: Any) -> tuple[Any, list[dict[str, Value]] | None]:
         """What the model takes, and the settings in a table where they have names."""

@@ -17,10 +17,13 @@ from stickslip.diagnosis.fit.fit_result import (
     ranked,
 )
 from stickslip.diagnosis.fit.goodness import adequacy
+from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.fit.profile_likelihood import FAR
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.model.problem import Predict
 from stickslip.diagnosis.report.parameters import estimates, with_profiles
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -84,6 +87,23 @@ def candidate_table(found: Findings) -> DataFrame:
         for fit in fits
     }
     return _frame("candidate", entries, ["log_evidence", "delta", "chi2", "p", "converged"])
+
+
+def prediction_table(
+    found: Findings, velocities: Predict, at: Any, settings: list[dict[str, Value]] | None
+) -> DataFrame:
+    """See `Diagnosis.predict`; `at` are the conditions as the model takes them."""
+    import pandas as pd
+
+    from stickslip.diagnosis.printed_table import PrintedTable
+
+    columns: dict[str, Any] = {}
+    for name, fit in (("recalibrated", found.null), ("extended", found.verdict.fit)):
+        if fit is not None:
+            level, variance = predict_with_variance(found.problem, fit, velocities, at)
+            columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
+    given = pd.DataFrame() if settings is None else pd.DataFrame(settings)
+    return PrintedTable(pd.concat([given, pd.DataFrame(columns)], axis=1))
 
 
 def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:

@@ -116,6 +116,10 @@ class Code(str, Enum):
     PAIR_NEEDED = "pair-needed"  #: No single cause explains the data as well as the pair.
 
     # What to measure next.
+    NAME_SAFE = "name-safe"  #: What is claimed leads all that lack it by enough.
+    NEAR_RIVAL = "near-rival"  #: A candidate is too near to what is claimed.
+    NO_SAFE_NAME = "no-safe-name"  #: The verdict is ambiguous.
+    NOTHING_TO_SEPARATE = "nothing-to-separate"  #: The verdict leaves no candidates.
     SEPARATES = "separates"  #: A drive tells two candidates apart.
     #: A drive is the best of those that were tried, and does not tell two candidates apart.
     SEPARATES_TOO_LITTLE = "separates-too-little"

@@ -138,6 +138,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_advance": _extended("; with the cause {extended!u:.5g} um"),
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,
+    "distance": lambda f: f"{abs(f['lead']):.1f} {'behind' if f['lead'] >= 0.0 else 'ahead'}",
     "torque_meaning": lambda f: _TORQUES[f["variable"]],
     "force_meaning": lambda f: _FORCES[f["variable"]],
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Fact
+from stickslip.measurement.new_trials import read_new_trials
 from stickslip.measurement.tables import (
     NothingSound,
     read_numbers,
@@ -141,6 +142,30 @@ class Measurement(OneLine):
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
+
+    def with_velocities(self, table: DataFrame | str | PathLike[str]) -> Measurement:
+        """The same with one more table of velocities, such as that of `Diagnosis.next_trials`.
+
+        Rows without a velocity were not measured, and are not used.
+
+        Parameters
+        ----------
+        table : DataFrame or path of a CSV file
+            As for `from_dataframe`: one row a trial.
+
+        Raises
+        ------
+        ScenarioError
+            With one line, if a column is missing or unknown, a row with a velocity is not sound, no
+            row has one, or all trials are in the measurement already.
+        """
+        path, word = Path("DataFrame"), "row"
+        if isinstance(table, str | PathLike):
+            path, word = Path(table), "line"
+        rows = read_rows(path) if word == "line" else rows_of_frame(table)
+        no_sd = _relative_sd(None)  # what the other tables state counts for all
+        data, lost = read_new_trials(path, rows, self.scenario, no_sd, self.velocity, word)
+        return replace(self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost))
 
 
 def read_measurement(path: str | PathLike[str]) -> Measurement:

@@ -49,9 +49,10 @@ def separate(
 ) -> Separation | None:
     """Compare what the candidates predict at conditions that were not measured.
 
-    What is named is to be told from the runner-up and what is close to that, an ambiguous set's
-    members from one another. Each candidate is taken as fitted, with its own uncertainty at the new
-    condition; where nothing was found, there is nothing to separate.
+    What is named, or the one candidate of an ambiguous verdict, is to be told from the runner-up
+    and what is close to that, an ambiguous set's members from one another. Each candidate is taken
+    as fitted, with its own uncertainty at the new condition; where nothing was found, there is
+    nothing to separate.
 
     Parameters
     ----------
@@ -100,16 +101,10 @@ def _candidates(found: Findings) -> list[Fit]:
     if not found.detection.found:
         return []
     fits = list(ranked([*found.ranking.singles, *found.ranking.pairs], priced=True))
-    chosen, kind = found.verdict.fit, found.verdict.kind
-    if chosen is not None and kind in ("named", "pair"):
-        # What has the cause and one more says the same of it.
-        own = set(chosen.candidate.causes)
-        others = [fit for fit in fits if not own <= set(fit.candidate.causes)]
-        # Only the runner-up and those beside it: farther ones are told apart already, however much
-        # more they would differ elsewhere.
-        first = max((fit.priced_evidence for fit in others), default=0.0)
-        fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
-    elif chosen is not None and kind == "ambiguous":
+    chosen = found.verdict.fit
+    if chosen is None:
+        return fits[:_CANDIDATES]
+    if found.verdict.kind == "ambiguous":
         # Only those that the verdict cannot choose between.
         names, size = set(found.verdict.causes), len(chosen.candidate.causes)
         undecided = [
@@ -118,5 +113,13 @@ def _candidates(found: Findings) -> list[Fit]:
             if len(fit.candidate.causes) == size
             and {each.name for each in fit.candidate.causes} <= names
         ]
-        fits = undecided if len(undecided) > 1 else fits
+        if len(undecided) > 1:
+            return undecided[:_CANDIDATES]
+    # What has the cause and one more says the same of it.
+    own = set(chosen.candidate.causes)
+    others = [fit for fit in fits if not own <= set(fit.candidate.causes)]
+    # Only the runner-up and those beside it: farther ones are told apart already, however much
+    # more they would differ elsewhere.
+    first = max((fit.priced_evidence for fit in others), default=0.0)
+    fits = [chosen, *(fit for fit in others if first - fit.priced_evidence < MARGIN)]
     return fits[:_CANDIDATES]

@@ -22,9 +22,7 @@ PROPOSED = 3
 DECISIVE = 4.0
 """Expected chi-square that tells two candidates apart: two standard deviations."""
 
-# Values of the drive's settings that are proposed: words as they are, numbers as multiples of the
-# middle of what was measured. Chosen.
-_CHOICES: dict[str, tuple[Value, ...]] = {
+CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.mode": ("IPP", "OPP"),
     "drive.direction": ("+x", "-x"),
     "drive.frequency": (0.5, 1.0, 1.5),
@@ -32,6 +30,9 @@ _CHOICES: dict[str, tuple[Value, ...]] = {
     "drive.hold": (0.7, 1.0, 1.3),
     "drive.edge": ("rise", "fall"),
 }
+"""Values of the drive's settings that are proposed: words as they are, numbers as multiples of the
+middle of what was measured. Chosen."""
+
 # What one measurement beside the drive would settle, for the causes that it sees.
 _LOOKS = {
     Code.LOOK_AT_CURRENTS: (
@@ -68,7 +69,7 @@ class Experiment:
 
     def __str__(self) -> str:
         settings = {f"drive.{key}": value for key, value in self.drive.items()}
-        return f"{in_words(settings, list(_CHOICES))}. {self.why}"
+        return f"{in_words(settings, list(CHOICES))}. {self.why}"
 
     @property
     def decides(self) -> bool:
@@ -160,14 +161,14 @@ def _middle(conditions: Sequence[Mapping[str, Value]], key: str) -> float:
 def _proposals(conditions: Sequence[Mapping[str, Value]]) -> list[dict[str, Value]]:
     """Variations of the measured conditions, none of which was measured."""
     by_mode: dict[Value, dict[str, Value]] = {}
-    for mode in _CHOICES["drive.mode"]:
+    for mode in CHOICES["drive.mode"]:
         # A mode that was not measured has what the others had.
         mine = [each for each in conditions if each["drive.mode"] == mode] or conditions
         middles = {f"drive.{key}": _middle(mine, key) for key in ("base", "hold")}
         by_mode[mode] = {**mine[0], **middles}
     frequency, peak = _middle(conditions, "frequency"), _middle(conditions, "peak")
     found: dict[tuple[tuple[str, Value], ...], dict[str, Value]] = {}
-    for mode, direction, pace, field, clamp, edge in itertools.product(*_CHOICES.values()):
+    for mode, direction, pace, field, clamp, edge in itertools.product(*CHOICES.values()):
         drive = dict(by_mode[mode])
         top = _rounded(peak * float(field))
         drive |= {

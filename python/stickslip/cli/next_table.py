@@ -1,0 +1,176 @@
+"""The drives that ``stickslip diagnose --next`` proposes, in a table that is filled in and read."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip._util.atomic_files import read_bytes, text_writer, write_together
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.inference.experiment_design import Experiment
+    from stickslip.diagnosis.results import Diagnosis
+    from stickslip.measurement.reading import Measurement
+
+TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
+_MOST_BYTES = 1 << 26  # of a report, as of a table
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """How far the experiments of a folder have come.
+
+    Attributes
+    ----------
+    folder : Path
+    most : int
+        Experiments that are proposed in one round.
+    budget : int
+        Experiments that may be measured in all.
+    measured : int
+        Experiments of the table that have been measured.
+    trials : int
+        Their trials that are used.
+    """
+
+    folder: Path
+    most: int
+    budget: int
+    measured: int
+    trials: int
+
+    def proposed(self, result: Diagnosis) -> list[Experiment]:
+        """What is to be measured next, within the budget."""
+        from stickslip.diagnosis.inference.next_step import worth_measuring
+
+        count = max(min(self.most, self.budget - self.measured), 0)
+        return worth_measuring(result.next_step, result.propose_experiments(count))
+
+    def write(self, result: Diagnosis) -> None:
+        """Write both tables, if something is proposed; what was filled in stays as it is."""
+        from stickslip.diagnosis.next_trials import prediction_table, setting_columns, trial_table
+
+        experiments = self.proposed(result)
+        if not experiments or result.measurement is None:
+            return
+        path = self.folder / TABLE
+        trials = trial_table(experiments, result.measurement)
+        predictions = prediction_table(experiments, setting_columns(result.measurement))
+        texts = {
+            path: _below_what_was_measured(path, trials),
+            self.folder / PREDICTIONS: predictions.to_csv(index=False, float_format="%.6g"),
+        }
+        write_together({path: text_writer(text) for path, text in texts.items()})
+
+    def lines(self, result: Diagnosis) -> list[str]:
+        """What was read, whether the name is safe, and else what to measure and why."""
+        from stickslip.diagnosis.data.conditions import changes
+        from stickslip.diagnosis.inference.experiment_design import advice
+        from stickslip.facts import Code
+
+        path = self.folder / TABLE
+        lines = [f"  read from {path}: {self.trials} trials of {_count(self.measured)}"]
+        lines = [*(lines if self.measured else []), f"  {result.next_step}"]
+        experiments = self.proposed(result)
+        if experiments:
+            far = f"{self.measured} of at most {self.budget} measured"
+            lines += [
+                f"  to measure: {_count(len(experiments))}, in {path}; {far}",
+                "    Fill in its column velocity (m/s), and run this command again.",
+            ]
+        elif result.next_step.code in (Code.NEAR_RIVAL, Code.NO_SAFE_NAME):
+            lines.append(f"  nothing is proposed: {self._why_none()}")
+        for number, each in enumerate(experiments, start=1):
+            lines.append(f"  {number}. {changes(each.drive, result.posed.conditions)}. {each.why}")
+            lines.append(f"     expected: {_expected(each)}")
+        return lines + [f"  beside the drive: {fact}" for fact in advice(result.findings)]
+
+    def as_dict(self, result: Diagnosis) -> dict[str, Any]:
+        """The key `next` of ``--json``."""
+        from stickslip.facts import Code
+
+        experiments = self.proposed(result)
+        return {
+            "safe": result.next_step.code is Code.NAME_SAFE,
+            "why": str(result.next_step),
+            "proposed": len(experiments),
+            "measured": self.measured,
+            "budget": self.budget,
+            "table": str(self.folder / TABLE) if experiments else None,
+        }
+
+    def _why_none(self) -> str:
+        if self.measured >= self.budget:
+            more = self.measured + self.most
+            return f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
+        return "no drive that was tried would decide anything."
+
+
+def with_measured(
+    data: Measurement, folder: Path, most: int, budget: int
+) -> tuple[Measurement, Rounds]:
+    """The measurement with what was filled in since the last round, and how far this has come."""
+    from stickslip.diagnosis.next_trials import setting_columns
+    from stickslip.measurement.new_trials import unmeasured
+    from stickslip.measurement.tables import check_columns, read_rows
+
+    path = folder / TABLE
+    if not path.exists():
+        return data, Rounds(folder, most, budget, 0, 0)
+    _check_owner(data, folder)
+    header, rows = read_rows(path)
+    check_columns(path, header, [*setting_columns(data), "velocity"])
+    if len(unmeasured((header, rows))) == len(rows):
+        return data, Rounds(folder, most, budget, 0, 0)
+    data = data.with_velocities(path)
+    new = data.velocity[-1]
+    return data, Rounds(folder, most, budget, len(new.conditions), len(new.velocity))
+
+
+def _check_owner(data: Measurement, folder: Path) -> None:
+    """Refuse what was proposed for another measurement, as far as the report beside it tells."""
+    from stickslip.diagnosis.report.html import JSON
+
+    path = folder / JSON
+    try:
+        name = json.loads(read_bytes(path, _MOST_BYTES, "report"))["name"]
+    except (ScenarioError, ValueError, KeyError, TypeError):
+        return  # no report, or none that says
+    if name != data.name:
+        raise ScenarioError(
+            f"{folder / TABLE} is of another measurement, {shown(name)}, by the report beside it: "
+            "allowed is a folder --out for each measurement"
+        )
+
+
+def _below_what_was_measured(path: Path, trials: Any) -> str:
+    """The text of the table: its lines without those that were not measured, and new ones below."""
+    from stickslip.measurement.new_trials import unmeasured
+    from stickslip.measurement.tables import read_rows
+
+    if not path.exists():
+        return str(trials.to_csv(index=False))
+    table = read_rows(path)
+    empty = set(unmeasured(table))
+    lines = path.read_text(encoding="utf-8-sig").splitlines()
+    kept = [line for number, line in enumerate(lines, start=1) if number not in empty]
+    new = trials.reindex(columns=table[0]).to_csv(index=False, header=False)
+    return "\n".join([*kept, str(new)])
+
+
+def _expected(experiment: Experiment) -> str:
+    """What each candidate predicts, with the error of its fit."""
+    from stickslip.diagnosis.report.messages import rounded
+
+    return "; ".join(
+        f"{rounded(1e3 * each['velocity'], 1e3 * each['sd'])} mm/s with {name}"
+        for name, each in experiment.predictions.items()
+    )
+
+
+def _count(experiments: int) -> str:
+    return f"{experiments} experiment{'' if experiments == 1 else 's'}"

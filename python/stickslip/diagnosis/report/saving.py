@@ -1,0 +1,49 @@
+"""The report of a measurement, and that of a model of one's own: what each is made of."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+from numpy.typing import ArrayLike
+
+from stickslip._util.atomic_files import check_folder
+from stickslip.diagnosis.inference.experiment_design import Experiment
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.html import FILES, report_sections, write_report
+from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
+from stickslip.diagnosis.report.plots import abscissa
+from stickslip.diagnosis.report.section import free_shape_section, model_section
+from stickslip.measurement.reading import Measurement
+
+Folder = str | PathLike[str]
+
+
+def save_of_measurement(
+    folder: Folder,
+    found: Findings,
+    posed: PosedProblem,
+    measurement: Measurement,
+    experiments: list[Experiment],
+) -> None:
+    """Write the report of a measurement, with a section for each kind of its data."""
+    check_folder(folder, FILES)  # before what takes long
+    sections = report_sections(posed.comparisons(found))
+    sections += [] if found.open_set is None else [free_shape_section(found.open_set)]
+    write_report(folder, found, posed, measurement, experiments, sections, gain_unit(posed))
+
+
+def save_of_own_model(
+    folder: Folder,
+    found: Findings,
+    posed: PosedProblem,
+    title: str | None,
+    place: ArrayLike | None,
+    labels: tuple[str, str],
+    unit: str,
+) -> None:
+    """Write the report of a model of one's own; see `Diagnosis.save_report`."""
+    check_folder(folder, FILES)
+    source = OwnData("Diagnosis" if title is None else title)
+    section = model_section(found, abscissa(place, len(found.noise.mean)), labels)
+    write_report(folder, found, posed, source, [], [section], unit)

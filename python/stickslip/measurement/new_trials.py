@@ -1,0 +1,76 @@
+"""Trials that were measured after the others, in a table that a person has just filled in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from stickslip.errors import ScenarioError
+from stickslip.facts import Code, Fact
+from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns
+from stickslip.measurement.velocity import VelocityData, read_velocity
+from stickslip.scenario.scenario import Scenario
+
+_OF_THE_WHOLE = (Code.ROWS_LEFT_OUT, Code.OUTLIER)
+"""Facts that blame no cell: how many rows are wrong, and a trial that others contradict."""
+
+
+def read_new_trials(
+    path: Path,
+    table: Rows,
+    scenario: Scenario,
+    relative_sd: float,
+    earlier: Sequence[VelocityData],
+    word: str = "line",
+) -> tuple[VelocityData, list[Fact]]:
+    """The trials of a table of proposed drives, and which of them are left out as outliers.
+
+    Rows without a velocity were not measured. All others have to be sound, as whoever has just
+    filled them in can correct them: where a long table of old data is used as far as it goes, this
+    one is refused. The arguments are those of `read_velocity`, and the tables that are there.
+
+    Raises
+    ------
+    ScenarioError
+        With the first row that is not sound, if none has a velocity, or if all trials are among the
+        `earlier` ones.
+    """
+    header, rows = table
+    check_columns(path, header, ["velocity"])
+    empty = set(unmeasured(table))
+    filled = [(line, row) for line, row in rows if line not in empty]
+    if not filled:
+        raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
+    try:
+        data, left_out = read_velocity(path, (header, filled), scenario, relative_sd, word)
+    except NothingSound as error:
+        raise _refused(path, error.fact.fields["why"]) from None
+    for fact in left_out:
+        if fact.code not in _OF_THE_WHOLE:
+            raise _refused(path, fact)
+    known = {trial for each in earlier for trial in _trials(each)}
+    if known.issuperset(_trials(data)):
+        twice = "all its trials are in the measurement already"
+        raise ScenarioError(f"{path}: {twice}: allowed is once, or they would count twice")
+    return data, left_out
+
+
+def unmeasured(table: Rows) -> list[Line]:
+    """Lines of the rows whose velocity is empty."""
+    header, rows = table
+    at = header.index("velocity")
+    return [line for line, row in rows if at < len(row) and not row[at]]
+
+
+def _refused(path: Path, fact: Fact) -> ScenarioError:
+    text = str(Fact(fact.code, {**fact.fields, "table": str(path)}))
+    if fact.code is Code.NOT_A_NUMBER and fact.fields["column"] == "velocity":
+        text += " Allowed is a number in m/s, or nothing where the trial was not measured."
+    return ScenarioError(text)
+
+
+def _trials(data: VelocityData) -> list[tuple[object, ...]]:
+    """Each trial's settings and velocity."""
+    settings = [tuple(sorted(each.items())) for each in data.conditions]
+    pairs = zip(data.condition.tolist(), data.velocity.tolist(), strict=True)
+    return [(settings[at], velocity) for at, velocity in pairs]
