@@ -18,7 +18,7 @@ from stickslip.scenario.named_effects import effects
 
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain",
-    "next_experiments", "left_out", "seed", "version",
+    "next_experiments", "left_out", "open_set", "seed", "version",
 }  # fmt: skip
 
 
