@@ -226,13 +226,6 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
         assert Truth.of(made.truth.as_record()) == made.truth
 
 
-@pytest.mark.slow
-def test_a_cause_that_another_one_hides_is_left_as_strong_as_asked_for():
-    made = make("hiding", 1)
-    assert made.truth.answer == HIDING[1]
-    assert KINDS["hiding"].wanted[0] <= made.strength <= KINDS["hiding"].wanted[1]
-
-
 def test_a_data_set_is_written_as_a_measurement(tmp_path):
     answer = write_case(tmp_path / "a", "none, all tables", 3)
     assert answer["answer"] == ()

@@ -81,7 +81,7 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
 
     # The library is left out, which spares most of the time: the law is no cause of it.
     monkeypatch.setattr(measurement_problem, "library", lambda *given: ())
-    hook, span, knots = HOOK["free_friction_speed"], 0.02, (0.0, 0.35, 0.45, 0.3, 0.1)
+    hook, span, knots = HOOK["free_friction_speed"], 0.03, (0.15, 0.3, 0.4, 0.3, 0.2)
     hidden = {hook.span_key: span, **dict(zip(hook.knots, knots, strict=True))}
     conditions = [
         {"drive.mode": mode, "drive.frequency": frequency, "drive.peak": peak}
@@ -90,7 +90,7 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
         for peak in (2e-3, 3e-3)
     ]
     data = Measurement.from_dataframe(
-        pd.DataFrame(measured(hidden, conditions, 3)),
+        pd.DataFrame(measured(hidden, conditions, 4)),
         BASE,
         uncertain={
             "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},

@@ -146,9 +146,14 @@ def second_said(row: Row) -> bool:
 
 
 def hook_right(row: Row) -> bool:
-    """All that is said acts where the truth acts."""
-    hooks = {HOOK_OF.get(name) for name in causes_said(row)}
-    return hooks == {row["answer"]["hook"]}
+    """All that is said acts where the truth acts.
+
+    Where no cause is claimed, what is said is the law of another shape that was accepted.
+    """
+    said, shapes = causes_said(row), row["said"].get("open_set")
+    if not said and shapes is not None and shapes["accepted"]:
+        said = {shapes["hooks"][0]["effect"]}
+    return {HOOK_OF.get(name) for name in said} == {row["answer"]["hook"]}
 
 
 def false_term(row: Row) -> bool:

@@ -26,6 +26,10 @@ constants and a cause leave one degree of freedom."""
 _RARE = 0.002
 """p-value below which a drift or an uneven set-up is said. Chosen: one in 500 sound data sets."""
 
+_LASTING = 0.97
+"""Correlation of errors that follow each other above which they are a drift themselves. Chosen:
+such errors last for thirty readings, most of a table."""
+
 _SPREAD = 3.0
 """Variance of the conditions, in units of that of their means' errors, below which they are alike.
 Chosen: means of nothing but noise have 1."""
@@ -169,6 +173,8 @@ def _drifting(
     def independent(columns: Array) -> Array:
         """In which errors that are correlated along a run, as a drift is, are independent."""
         if noise.runs is None or noise.correlation is None:
+            return columns
+        if noise.correlation.value > _LASTING:
             return columns
         flat, runs = columns.reshape(len(columns), -1), noise.runs.at(np.flatnonzero(usable))
         return runs.whitened(flat, noise.correlation.value).reshape(columns.shape)
