@@ -26,7 +26,7 @@ from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.open_set import OpenSet, explore_free_shapes
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library
-from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans, with_spans
+from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
 from stickslip.diagnosis.model.simulator import (
@@ -117,7 +117,8 @@ def diagnose_measurement(
 
     options = replace(options, seed=seed, progress=progress, low_fidelity=low_fidelity)
     found = run_steps(model, conditions, observed, [*shared, *nuisance], causes, options)
-    if found.verdict.kind == "unexplained" or (free_shapes and found.detection.found):
+    wanted = free_shapes and found.verdict.kind not in ("none", "data-problem")
+    if wanted or found.verdict.kind == "unexplained":
         say = progress or (lambda fraction, stage: None)
         say(0.9, "laws of a free shape")
         found = replace(found, open_set=_open_set(found, options, model, simulator, conditions))
@@ -150,10 +151,20 @@ def _open_set(
     }
     recalibrated = simulator.scenario.replace({key: float(value) for key, value in own.items()})
     spans = find_spans([recalibrated.replace(each) for each in conditions], simulator.threads)
-    causes = tuple(hook.cause for hook in HOOKS if hook.effect in spans)
+    # A law that the scenario has, or that is uncertain, is no candidate.
+    stated = {key.split(".")[1] for key in own if key.startswith("effects.")}
+    hooks = [each for each in HOOKS if each.effect in spans]
+    hooks = [each for each in hooks if each.effect not in {*recalibrated.effects, *stated}]
+    causes = tuple(hook.cause for hook in hooks)
     knots = [parameter.name for cause in causes for parameter in cause.parameters]
-    free = Simulator(with_spans(simulator.scenario, spans), [*own, *knots], simulator.threads)
-    bent = Combined(free, [*names, *knots], [*own, *knots], model.observables)
+    # Observables have scenarios of their own, so that the spans are columns as the knots are.
+    reach = {hook.span_key: spans[hook.effect] for hook in hooks}
+    fixed = np.array(list(reach.values()))
+    free = Simulator(simulator.scenario, [*own, *knots, *reach], simulator.threads)
+    combined = Combined(free, [*names, *knots, *reach], [*own, *knots, *reach], model.observables)
+
+    def bent(conditions: Conditions, values: Array) -> Array:
+        return combined(conditions, np.hstack([values, np.tile(fixed, (len(values), 1))]))
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return bent([_low_fidelity(free.scenario, each) for each in conditions], values)

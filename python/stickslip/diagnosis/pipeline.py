@@ -225,6 +225,7 @@ def compare_effects(state: State) -> None:
     problem, null, sensitivities = state.base.problem, state.base.null, state.base.sensitivities
     state.cosines = distinguishability(problem, sensitivities, null.residual)
     state.screened = linear_evidence(problem, sensitivities, null.residual)
+    state.smooth_bound = None
     if state.options.settings is not None and state.compared:
         state.smooth_bound = smooth_residual_bound(problem, null, state.options.settings)
 

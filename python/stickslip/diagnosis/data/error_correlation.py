@@ -105,6 +105,9 @@ def with_correlation(noise: NoiseModel, trials: Trials) -> NoiseModel:
         sd=factor * noise.sd,
         floor=factor * noise.floor,
         relative=factor * noise.relative,
+        # In units of a trial's error, which has grown; what set-ups share has not.
+        between=noise.between / factor,
+        between_gain=noise.between_gain / factor,
         runs=runs,
         mean_correlation=averaged(covariances) if stated else np.mean(covariances, axis=0),
     )

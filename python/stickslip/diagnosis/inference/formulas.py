@@ -58,15 +58,15 @@ FORMS = (
     Form("a", lambda v, b: np.ones_like(v)),
     Form("a u", lambda v, b: v, power=1.0),
     Form("a u^2", lambda v, b: v**2, power=2.0),
-    Form("a sqrt(u)", lambda v, b: np.sqrt(np.abs(v)), power=0.5),
+    Form("a sqrt(|u|)", lambda v, b: np.sqrt(np.abs(v)), power=0.5),
     Form("a sin(u)^2", lambda v, b: np.sin(v) ** 2, angle=True),
     Form("a cos(u)^2", lambda v, b: np.cos(v) ** 2, angle=True),
-    Form("a u / (b + u)", lambda v, b: v / (b + np.abs(v)), True),
-    Form("a exp(-u / b)", lambda v, b: np.exp(-np.abs(v) / b), True),
-    Form("a (1 - exp(-u / b))", lambda v, b: 1.0 - np.exp(-np.abs(v) / b), True),
+    Form("a u / (b + |u|)", lambda v, b: v / (b + np.abs(v)), True),
+    Form("a exp(-|u| / b)", lambda v, b: np.exp(-np.abs(v) / b), True),
+    Form("a (1 - exp(-|u| / b))", lambda v, b: 1.0 - np.exp(-np.abs(v) / b), True),
     Form("a (1 - exp(-(u / b)^2))", lambda v, b: 1.0 - np.exp(-((v / b) ** 2)), True),
-    Form("a (u / b) exp(1 - u / b)", lambda v, b: v / b * np.exp(1.0 - np.abs(v) / b), True),
-    Form("a ln(1 + u / b)", lambda v, b: np.log1p(np.abs(v) / b), True),
+    Form("a (u / b) exp(1 - |u| / b)", lambda v, b: v / b * np.exp(1.0 - np.abs(v) / b), True),
+    Form("a ln(1 + |u| / b)", lambda v, b: np.log1p(np.abs(v) / b), True),
 )
 
 

@@ -15,7 +15,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, second_causes, singles_beside
-from stickslip.diagnosis.fit.fit_result import Fit, Ranking, ranked
+from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
 from stickslip.diagnosis.fit.multistart import refit_keeping_starts
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
@@ -161,7 +161,10 @@ def compare_candidates(
     if sufficient:
         say(0.6, "looking for a second cause")
         pairs = second_causes(base.problem, singles[0], base.random_restarts)
-        return base, Ranking(base.null, singles, pairs)
+        least = singles[0].log_evidence + PAIR_PRICE
+        # A pair that leads has to be held against all pairs.
+        if all(pair.log_evidence <= least for pair in pairs):
+            return base, Ranking(base.null, singles, pairs)
     say(0.6, "fitting pairs of causes")
     if base.problem is not problem:
         centres = with_stated_errors(base.problem, centres)

@@ -2,7 +2,7 @@
 
 First the hook is found, by fits of a free curve at each place of the model; then its shape, with a
 band; then a formula, where one fits as well. A hook is only proposed if its curve explains the data
-and predicts conditions that its fit has not seen better than the recalibrated model.
+and what it predicts of conditions that its fit has not seen does not speak against it.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class OpenSet(OneLine):
         """Whether the first explains the data, and nothing that was held out speaks against it."""
         explains = self.first.p_value >= ADEQUATE and self.first.lead >= MARGIN
         if self.gain is None:
-            return explains
+            return False
         same = self.gain.choice == self.first.fit.name
         return explains and same and self.gain.interval[1] > 0.0
 
@@ -304,12 +304,15 @@ def _curve(problem: Problem, shape: FreeShape, scenario: Scenario) -> tuple[Curv
     argument = np.linspace(-span if hook.both_ways else 0.0, span, _POINTS)
     design = curve_design(scenario, hook, span, argument)
     change = values[[each.column for each in knots]]
-    factor = 1.0 + design @ change
-    slopes = np.hstack([*(factor[:, None] for _ in own), constant * design])
+    # As the core cuts it off.
+    factor = np.maximum(1.0 + design @ change, 0.0)
+    slopes = np.hstack(
+        [*(factor[:, None] for _ in own), constant * design * (factor > 0.0)[:, None]]
+    )
     spread = physical_covariance(fit, [*own, *knots])
     sd = np.sqrt(np.sum((slopes @ spread) * slopes, axis=1))
     width, law = normal_law.ppf(0.5 + 0.5 * BAND) * sd, constant * factor
-    curve = Curve(argument, law, law - width, law + width, constant, unit)
+    curve = Curve(argument, law, np.maximum(law - width, 0.0), law + width, constant, unit)
     places = argument[np.argmax(design, axis=0)]
     alone = physical_covariance(fit, knots)
     return curve, find_formula(places, change, alone, span, hook.unit == "rad")

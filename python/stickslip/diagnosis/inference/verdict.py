@@ -210,6 +210,8 @@ def _second_look(said: Fit, pairs: Sequence[Fit]) -> tuple[Fact, ...]:
         return ()
     (other,) = set(beside[0].candidate.causes) - set(said.candidate.causes)
     lead = beside[0].log_evidence - said.log_evidence
+    if lead >= PAIR_PRICE:
+        return ()  # it leads and does not explain the data, which the runner-up's sentence says
     fields = {"name": said.name, "other": other.name, "lead": lead, "needed": PAIR_PRICE}
     return (Fact(Code.NOTHING_LEFT, fields),)
 

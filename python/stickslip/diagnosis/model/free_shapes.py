@@ -7,7 +7,7 @@ how large a change would not surprise.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,11 +144,6 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
 
 def _without_law(hook: Hook, scenario: Scenario) -> bool:
     return hook.quantity == "adhesion" and scenario.contact.adhesion == 0.0
-
-
-def with_spans(scenario: Scenario, spans: Mapping[str, float]) -> Scenario:
-    """The scenario with the spans of the hooks, whose knots are all zero."""
-    return scenario.replace({f"{PREFIX}{name}.span": span for name, span in spans.items()})
 
 
 def curve_design(scenario: Scenario, hook: Hook, span: float, arguments: Array) -> Array:
