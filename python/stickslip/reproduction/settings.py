@@ -64,7 +64,7 @@ class Setting:
     base, hold : float
         T.
     free : mapping of float
-        What a search sets beside, SI: all names of `FREE`; none of them in the grid.
+        What a search sets beside, SI: all names of ``FREE``; none of them in the grid.
     """
 
     mode: Mode

@@ -112,7 +112,7 @@ class FilmComparison:
 
 
 class FilmObservable(Observable):
-    """Frames of one run, folded on the drive's phase; see `Observable`.
+    """Frames of one run, folded on the drive's phase; see ``Observable``.
 
     Parameters
     ----------
