@@ -94,7 +94,7 @@ def free_shape(found: OpenSet) -> Figure:
     colours = [VERMILION if each is found.first else BLUE for each in found.shapes]
     right.barh(names, [each.lead for each in found.shapes], color=colours)
     right.invert_yaxis()
-    right.set_xlabel("log-evidence above the recalibrated model")
+    right.set_xlabel("log-evidence above no change")
     return figure
 
 
