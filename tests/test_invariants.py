@@ -14,6 +14,7 @@ from helpers import (
     ON_A_FACE,
     QUICK_COILS,
     STICKING,
+    check_energy_balance,
     corner_offsets,
     energy,
     is_mode,
@@ -240,18 +241,7 @@ def test_energy_balance_with_the_work_of_the_changing_field(drive):
     power = -(mx * bx_rate + mz * bz_rate)
     power -= 1e-5 * (seen.vx**2 + seen.vz**2) + 9e-17 * np.abs(seen.omega) ** 3
     power += seen.friction_force * np.nan_to_num(seen.slip_velocity)
-    content = energy(seen)
-    bounds = np.flatnonzero(np.diff(quiet.astype(int)))
-    checked = 0
-    for first, last in zip(bounds[::2] + 1, bounds[1::2], strict=True):
-        if last - first < 20:
-            continue
-        work = np.sum(0.5 * (power[first:last] + power[first + 1 : last + 1])) / rate
-        size = np.sum(np.abs(power[first:last])) / rate + 1e-6 * MOMENT * 2.5e-3
-        # The trapezium rule at 2 us errs by (2 pi 1000 Hz 2 us)^2 / 12 = 1.3e-5.
-        assert content[last] - content[first] == pytest.approx(work, abs=2e-5 * size)
-        checked += 1
-    assert checked >= 5
+    check_energy_balance(seen, power, quiet, rate)
 
 
 def test_modes_say_what_the_slip_velocity_says():
