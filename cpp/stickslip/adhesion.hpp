@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "stickslip/free_curve.hpp"
+#include "stickslip/smooth_effects.hpp"
 
 namespace stickslip {
 
@@ -14,30 +15,28 @@ namespace stickslip {
 /// touch, zero at those that do not. With a finite `range` it fades linearly to zero at that gap,
 /// and corners near the surface share it so that it has a potential (docs/theory/contact.md).
 struct Adhesion {
-    double strength = 0.0;     ///< N
-    double range = 0.0;        ///< m, zero: contact only
-    double angle_loss = 0.0;   ///< -, effect `angle_adhesion`
-    double ageing_rate = 0.0;  ///< -, effect `adhesion_ageing`
-    double ageing_time = 1.0;  ///< s
-    FreeCurve angle = {};      ///< effect `free_adhesion_angle`, of the tilt
-    FreeCurve age = {};        ///< effect `free_adhesion_age`, of the time since touch-down
+    double strength = 0.0;  ///< N
+    double range = 0.0;     ///< m, zero: contact only
+    SmoothAdhesion<double> smooth = {};
+    FreeCurve angle = {};  ///< effect `free_adhesion_angle`, of the tilt
+    FreeCurve age = {};    ///< effect `free_adhesion_age`, of the time since touch-down
 
+    bool has_free_shape() const { return !angle.absent() || !age.absent(); }
     /// Whether a contact is as strong at all angles and ages.
     bool is_constant() const {
-        return angle_loss == 0.0 && ageing_rate == 0.0 && angle.absent() && age.absent();
+        return smooth.angle_loss == 0.0 && smooth.ageing_rate == 0.0 && !has_free_shape();
     }
 
     /// Strength of a contact at the sine and cosine of theta, `seconds` after it was made, in N.
     double of_contact(double sine, double cosine, double seconds) const {
-        double result = strength;
-        if (angle_loss != 0.0) result *= 1.0 - angle_loss * sine * sine;
-        return result * (ageing(seconds) * angle.factor_at_angle(sine, cosine));
+        return strength * smooth.at_angle(sine) *
+               (ageing(seconds) * angle.factor_at_angle(sine, cosine));
     }
 
     /// The same's derivative by theta, N/rad.
     double slope_of_contact(double sine, double cosine, double seconds) const {
-        const double loss = 1.0 - angle_loss * sine * sine;
-        const double loss_slope = -2.0 * angle_loss * sine * cosine;
+        const double loss = smooth.at_angle(sine);
+        const double loss_slope = -2.0 * smooth.angle_loss * sine * cosine;
         double slope = loss_slope * angle.factor_at_angle(sine, cosine);
         if (!angle.absent()) slope += loss * angle.factor_slope(std::atan2(sine, cosine));
         return slope * (strength * ageing(seconds));
@@ -85,10 +84,7 @@ struct Adhesion {
 private:
     // Factor of a contact that was made `seconds` ago.
     double ageing(double seconds) const {
-        const double past = std::max(seconds, 0.0);
-        double factor = age.factor(past);
-        if (ageing_rate != 0.0) factor *= 1.0 + ageing_rate * std::log1p(past / ageing_time);
-        return factor;
+        return smooth.aged(seconds) * age.factor(std::max(seconds, 0.0));
     }
 };
 

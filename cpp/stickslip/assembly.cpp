@@ -158,23 +158,24 @@ Model make_model(const Scenario& s) {
     model.translational_drag_quadratic = e.quadratic_drag_coefficient;
     model.rotational_drag_linear = e.rotational_drag_coefficient;
     model.rotational_drag_quadratic = s.drag.rotational;
-    model.friction = {s.contact.static_friction,
-                      s.contact.kinetic_friction,
-                      {.stribeck_velocity = e.stribeck_friction_velocity,
-                       .viscous = e.viscous_friction_coefficient,
-                       .anisotropy = e.friction_anisotropy_fraction,
-                       // A sine in the world's x is its negative in the turned robot's.
-                       .patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,
-                       .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period,
-                       .speed = FreeCurve(e.free_friction_speed),
-                       .angle = FreeCurve(e.free_friction_angle),
-                       .load = FreeCurve(e.free_friction_load),
-                       .time = FreeCurve(e.free_friction_age)}};
+    model.friction = {
+        s.contact.static_friction,
+        s.contact.kinetic_friction,
+        {.smooth = {.stribeck_velocity = e.stribeck_friction_velocity,
+                    .viscous = e.viscous_friction_coefficient,
+                    .anisotropy = e.friction_anisotropy_fraction,
+                    // A sine in the world's x is its negative in the turned robot's.
+                    .patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,
+                    .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period},
+         .speed = FreeCurve(e.free_friction_speed),
+         .angle = FreeCurve(e.free_friction_angle),
+         .load = FreeCurve(e.free_friction_load),
+         .time = FreeCurve(e.free_friction_age)}};
     model.adhesion = {.strength = s.contact.adhesion,
                       .range = s.contact.adhesion_range,
-                      .angle_loss = e.angle_adhesion_strength,
-                      .ageing_rate = e.adhesion_ageing_rate,
-                      .ageing_time = e.adhesion_ageing_time,
+                      .smooth = {.angle_loss = e.angle_adhesion_strength,
+                                 .ageing_rate = e.adhesion_ageing_rate,
+                                 .ageing_time = e.adhesion_ageing_time},
                       .angle = FreeCurve(e.free_adhesion_angle),
                       .age = FreeCurve(e.free_adhesion_age)};
     model.drag_shape = {.angle = FreeCurve(e.free_drag_angle),

@@ -13,7 +13,11 @@ constexpr double kStale = 1000.0;  // turns of a base pose that is of another qu
 }  // namespace
 
 Dynamics::Dynamics(const Model& model, LocalField field)
-    : model_(&model), field_(std::move(field)), extended_(model.has_force_effects()) {
+    : model_(&model),
+      field_(std::move(field)),
+      forces_{model.gradient_excess, model.translational_drag * model.angle_drag,
+              model.translational_drag_quadratic},
+      extended_(model.has_force_effects()) {
     if (!model.field_shape.absent()) field_.set_shape(model.field_shape);
     robot_.mass = model.mass;
     robot_.per_mass = 1.0 / model.mass;
@@ -49,13 +53,7 @@ void Dynamics::extend(const Expansion& expansion, const PlanarField& field, doub
                       const Pose& pose, double vx, double vz, double omega, Load& load) const {
     const Model& m = *model_;
     const double cosine = cosine_of_tilt(pose), sine = sine_of_tilt(pose);
-    double drag = m.translational_drag * m.angle_drag * cosine * cosine;
-    // A root takes as long as all the rest of this.
-    if (m.translational_drag_quadratic != 0.0) {
-        drag += m.translational_drag_quadratic * std::hypot(vx, vz);
-    }
-    load.fx += m.gradient_excess * (mx * field.dbx_dx + mz * field.dbx_dz) - drag * vx;
-    load.fz += m.gradient_excess * (mx * field.dbx_dz + mz * field.dbz_dz) - drag * vz;
+    const double drag = forces_.add(field, mx, mz, cosine, vx, vz, load);
     load.contact_adhesion = m.adhesion.of_contact(sine, cosine, age_ + expansion.tau);
     if (!m.drag_shape.absent()) {
         shape_drag(sine, cosine, vx, vz, omega, m.translational_drag + drag, load);

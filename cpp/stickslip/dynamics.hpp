@@ -141,8 +141,13 @@ public:
 
     /// Whether the formulas of a PlainDynamics are all there is to it.
     bool is_plain() const {
-        return !extended_ && model_->adhesion.range == 0.0 && model_->friction.is_plain() &&
-               model_->field_shape.absent();
+        return !extended_ && model_->friction.is_plain() && model_->is_smooth();
+    }
+    /// The effects of a model that `is_smooth`.
+    SmoothEffects<double> smooth_effects() const {
+        return {
+            forces_, model_->adhesion.smooth, model_->friction.smooth(), turn_.sine, turn_.cosine,
+            age_};
     }
     /// Takes over the base that a pack has moved on.
     void set_base(const BasePose<double>& base) { robot_.base = base; }
@@ -231,6 +236,7 @@ private:
 
     const Model* model_;
     LocalField field_;
+    SmoothForces<double> forces_;
     bool extended_;
     static constexpr int kNoQuadrant = 1 << 30;
 

@@ -4,26 +4,22 @@
 #include <limits>
 
 #include "stickslip/free_curve.hpp"
+#include "stickslip/smooth_effects.hpp"
 
 namespace stickslip {
 
 /// Named extensions of Coulomb friction, each absent at zero.
 struct FrictionExtensions {
-    double stribeck_velocity = 0.0;  ///< m/s, effect `stribeck_friction`
-    double viscous = 0.0;            ///< s/m, effect `viscous_friction`
-    double anisotropy = 0.0;         ///< -, effect `friction_anisotropy`
-    double patch_amplitude = 0.0;    ///< -, effect `friction_patches`
-    double patch_wavenumber = 0.0;   ///< 1/m
-    FreeCurve speed = {};            ///< effect `free_friction_speed`, of the slip velocity's size
-    FreeCurve angle = {};            ///< effect `free_friction_angle`, of the tilt
-    FreeCurve load = {};             ///< effect `free_friction_load`, of the normal force
-    FreeCurve time = {};             ///< effect `free_friction_age`, of the time in the run
+    SmoothFriction<double> smooth = {};
+    FreeCurve speed = {};  ///< effect `free_friction_speed`, of the slip velocity's size
+    FreeCurve angle = {};  ///< effect `free_friction_angle`, of the tilt
+    FreeCurve load = {};   ///< effect `free_friction_load`, of the normal force
+    FreeCurve time = {};   ///< effect `free_friction_age`, of the time in the run
 
-    bool absent() const {
-        return stribeck_velocity == 0.0 && viscous == 0.0 && anisotropy == 0.0 &&
-               patch_amplitude == 0.0 && speed.absent() && angle.absent() && load.absent() &&
-               time.absent();
+    bool has_free_shape() const {
+        return !speed.absent() || !angle.absent() || !load.absent() || !time.absent();
     }
+    bool absent() const { return smooth.absent() && !has_free_shape(); }
 };
 
 /// A contact as friction sees it.
@@ -47,6 +43,8 @@ public:
           plain_(extensions.absent()) {}
 
     bool is_plain() const { return plain_; }
+    bool has_free_shape() const { return extensions_.has_free_shape(); }
+    const SmoothFriction<double>& smooth() const { return extensions_.smooth; }
 
     double static_coefficient = 0.0;
     double kinetic_coefficient = 0.0;
@@ -71,13 +69,8 @@ public:
     const FreeCurve& load() const { return extensions_.load; }
     [[gnu::noinline]] double kinetic_of_no_load(double slip, double slip_velocity,
                                                 const ContactPoint& at) const {
-        const FrictionExtensions& e = extensions_;
-        double coefficient = kinetic_coefficient + e.viscous * std::abs(slip_velocity);
-        if (e.stribeck_velocity != 0.0) {
-            const double ratio = slip_velocity / e.stribeck_velocity;
-            coefficient += (static_coefficient - kinetic_coefficient) * std::exp(-ratio * ratio);
-        }
-        return coefficient * place(slip, at) * e.speed.factor(std::abs(slip_velocity));
+        return extensions_.smooth.kinetic(static_coefficient, kinetic_coefficient, slip_velocity) *
+               place(slip, at) * extensions_.speed.factor(std::abs(slip_velocity));
     }
 
     /// Shortest time (s) over which a free shape may change it while nothing moves.
@@ -88,10 +81,9 @@ public:
 
 private:
     double place(double slip, const ContactPoint& at) const {
-        const FrictionExtensions& e = extensions_;
-        return (1.0 + e.anisotropy * slip) *
-               (1.0 + e.patch_amplitude * std::sin(e.patch_wavenumber * at.x)) *
-               (e.angle.factor_at_angle(at.sine, at.cosine) * e.time.factor(at.time));
+        return extensions_.smooth.place(slip, at.x) *
+               (extensions_.angle.factor_at_angle(at.sine, at.cosine) *
+                extensions_.time.factor(at.time));
     }
 
     FrictionExtensions extensions_;

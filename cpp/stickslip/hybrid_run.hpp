@@ -14,6 +14,7 @@
 #include "stickslip/event_location.hpp"
 #include "stickslip/hybrid_state.hpp"
 #include "stickslip/initial_state.hpp"
+#include "stickslip/lane_numbers.hpp"
 #include "stickslip/progress_watch.hpp"
 #include "stickslip/recording.hpp"
 #include "stickslip/simulation.hpp"
@@ -67,11 +68,15 @@ public:
     template <class Phase>
     auto observer(Phase& phase);
     void interrupt() { result_.status = Status::interrupted; }
-    /// Whether lanes can have it: no named effect, and nothing to look for within the steps.
-    bool is_plain() const {
-        return dynamics_.is_plain() && circuit_.exponentials() == 1 && !recorder_.on_grid() &&
-               !stop_;
+    /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
+    /// steps.
+    bool fits_packs() const {
+        return model_.is_smooth() &&
+               circuit_.exponentials() <= EffectNumbers<double>::kMostExponentials &&
+               !recorder_.on_grid() && !stop_;
     }
+    /// Whether its phases have no named effect.
+    bool is_plain() const { return dynamics_.is_plain() && circuit_.exponentials() == 1; }
     PhaseMemory& memory() { return memory_; }
     Dynamics& dynamics() { return dynamics_; }
     const BodyState& body() const { return state_.body; }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <type_traits>
 #include <vector>
 
 #include "stickslip/phases.hpp"
@@ -7,10 +9,20 @@
 
 namespace stickslip {
 
+/// What runs with named effects have beside the numbers of plain ones.
+template <class Real>
+struct EffectNumbers {
+    static constexpr int kMostExponentials = 3;
+
+    std::array<FurtherExponential<Real>, kMostExponentials - 1> further;
+    SmoothEffects<Real> effects;
+};
+struct NoEffectNumbers {};
+
 /// All that the steps of a phase need, of one run (D is Dynamics) or of a pack of runs (D is
 /// PackDynamics). The members are numbers throughout, in one order: number k of run i of a pack of
-/// N is double k N + i of its memory.
-template <template <class> class PhaseOf, class D>
+/// N is double k N + i of its memory. `kEffects`: whether of runs with named effects.
+template <template <class> class PhaseOf, class D, bool kEffects>
 struct LaneNumbers {
     using Real = typename D::Real;
     using Phase = PhaseOf<D>;
@@ -18,6 +30,7 @@ struct LaneNumbers {
     Tsit5Progress<Phase> progress;
     PlainDynamics<Real> robot;
     FieldStretch<Real> field;
+    [[no_unique_address]] std::conditional_t<kEffects, EffectNumbers<Real>, NoEffectNumbers> named;
     Real contact_x, slip;                      ///< of a phase that has them, see make_phase
     Real workspace;                            ///< m, how far the robot may go
     std::array<Real, Phase::kEvents> unarmed;  ///< 1 while a function has not been positive, else 0
@@ -25,9 +38,9 @@ struct LaneNumbers {
 };
 
 /// The phase of these numbers.
-template <template <class> class PhaseOf, class D>
-[[gnu::always_inline]] inline PhaseOf<D> make_phase(const LaneNumbers<PhaseOf, D>& numbers,
-                                                    D& dynamics) {
+template <template <class> class PhaseOf, class D, bool kEffects>
+[[gnu::always_inline]] inline PhaseOf<D> make_phase(
+    const LaneNumbers<PhaseOf, D, kEffects>& numbers, D& dynamics) {
     using Phase = PhaseOf<D>;
     if constexpr (Phase::kFlies) {
         return Phase(dynamics);
@@ -50,8 +63,12 @@ struct LaneRound {
 /// bytes.
 struct LaneKernels {
     using Step = LaneRound (*)(double* numbers);
-    int size = 0;  ///< runs in a pack; 1: there are no packs, and no steps of them
-    Step corner_stick = nullptr, corner_slip = nullptr, flight = nullptr;
+    struct Steps {
+        Step corner_stick = nullptr, corner_slip = nullptr, flight = nullptr;
+    };
+    int size = 0;         ///< runs in a pack; 1: there are no packs, and no steps of them
+    Steps plain = {};     ///< of runs without named effects
+    Steps extended = {};  ///< of runs with them
 };
 
 /// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of

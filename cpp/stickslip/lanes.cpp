@@ -1,5 +1,6 @@
 #include "stickslip/lanes.hpp"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <type_traits>
@@ -11,22 +12,57 @@
 namespace stickslip {
 namespace {
 
+/// The packs of runs with named effects, or of those without.
+template <bool kEffects>
+class PhasePacks {
+public:
+    PhasePacks(int size, const LaneKernels::Steps& steps)
+        : stick_(size, steps.corner_stick),
+          slip_(size, steps.corner_slip),
+          flight_(size, steps.flight) {}
+
+    void add(const CornerStickPhase&, Lane& lane) { stick_.add(lane); }
+    void add(const CornerSlipPhase&, Lane& lane) { slip_.add(lane); }
+    void add(const FlightPhase&, Lane& lane) { flight_.add(lane); }
+
+    /// Runs of the fullest pack.
+    std::size_t fullest() const {
+        return std::max({stick_.count(), slip_.count(), flight_.count()});
+    }
+    /// One step of the fullest, see PhasePack::step.
+    void step(const std::function<void(Lane&)>& leave, const std::function<void(Lane&)>& end,
+              bool stay) {
+        const std::size_t most = fullest();
+        if (stick_.count() == most) {
+            stick_.step(leave, end, stay);
+        } else if (slip_.count() == most) {
+            slip_.step(leave, end, stay);
+        } else {
+            flight_.step(leave, end, stay);
+        }
+    }
+
+private:
+    PhasePack<CornerStickPhaseOf, kEffects> stick_;
+    PhasePack<CornerSlipPhaseOf, kEffects> slip_;
+    PhasePack<FlightPhaseOf, kEffects> flight_;
+};
+
 /// The runs of a thread, each in the pack of its phase.
 class LaneGroup {
 public:
     LaneGroup(const LaneKernels& kernels, std::size_t most, const std::function<void(Lane&)>& done)
         : done_(done),
           has_packs_(kernels.size > 1 && most >= kLeast),
-          stick_(kernels.size, kernels.corner_stick),
-          slip_(kernels.size, kernels.corner_slip),
-          flight_(kernels.size, kernels.flight) {}
+          plain_(kernels.size, kernels.plain),
+          extended_(kernels.size, kernels.extended) {}
 
     std::size_t size() const { return lanes_.size(); }
     /// No run will follow those that are here.
     void set_last() { is_last_ = true; }
 
     void start(Lane& lane) {
-        if (!has_packs_ || !lane.loop.is_plain()) {
+        if (!has_packs_ || !lane.loop.fits_packs()) {
             lane.loop.go();
             done_(lane);
             return;
@@ -49,13 +85,10 @@ public:
         const auto leave = [this](Lane& lane) { play(lane); };
         const auto end = [this](Lane& lane) { this->end(lane); };
         const bool stay = !is_few();
-        const std::size_t stick = stick_.count(), slip = slip_.count(), flight = flight_.count();
-        if (stick >= slip && stick >= flight) {
-            stick_.step(leave, end, stay);
-        } else if (slip >= flight) {
-            slip_.step(leave, end, stay);
+        if (plain_.fullest() >= extended_.fullest()) {
+            plain_.step(leave, end, stay);
         } else {
-            flight_.step(leave, end, stay);
+            extended_.step(leave, end, stay);
         }
     }
 
@@ -71,7 +104,7 @@ private:
                 if (kNever || is_few()) {
                     loop.play(phase);
                 } else if constexpr (!kNever) {
-                    pack_of(phase).add(lane);
+                    loop.is_plain() ? plain_.add(phase, lane) : extended_.add(phase, lane);
                     added = true;
                 }
             });
@@ -88,19 +121,14 @@ private:
     // Whether so few runs are left that they are quicker one by one.
     bool is_few() const { return is_last_ && lanes_.size() < kLeast; }
 
-    auto& pack_of(const CornerStickPhase&) { return stick_; }
-    auto& pack_of(const CornerSlipPhase&) { return slip_; }
-    auto& pack_of(const FlightPhase&) { return flight_; }
-
     const std::function<void(Lane&)>& done_;
     // Fewer runs are quicker one by one: a step of a pack costs as much as those of two or three.
     static constexpr std::size_t kLeast = 4;
     bool has_packs_;
     bool is_last_ = false;
     std::vector<Lane*> lanes_;
-    PhasePack<CornerStickPhaseOf> stick_;
-    PhasePack<CornerSlipPhaseOf> slip_;
-    PhasePack<FlightPhaseOf> flight_;
+    PhasePacks<false> plain_;
+    PhasePacks<true> extended_;
 };
 
 }  // namespace

@@ -44,6 +44,7 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
       gain_(gain),
       ambient_x_(ambient_x),
       ambient_z_(ambient_z) {
+    for (auto& each : further_) each.basis.fill(FurtherExponential<double>::kNothing);
     set_workspace();
 }
 
@@ -77,6 +78,9 @@ void LocalField::set_segment(const CurrentSegment& segment) {
     min_time_constant_ =
         0.5 / *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
     stretch_.rate = segment.rate[0];
+    for (std::size_t j = 1; j < static_cast<std::size_t>(segment.exponentials); ++j) {
+        further_[j - 1].rate = segment.rate[j];
+    }
     if (expanded_) combine();
 }
 
@@ -88,13 +92,6 @@ void LocalField::rebase(double x, double z) {
         std::abs(z - stretch_.centre_z) > half) {
         expand(x, z);
         combine();
-    }
-}
-
-void LocalField::add_further(std::size_t j, double tau, Expansion& expansion) const {
-    const double fading = exponential(-segment_.rate[j] * tau);
-    for (std::size_t i = 0; i < Expansion::kTerms; ++i) {
-        expansion.terms[i] += further_basis_[j - 1][i] * fading;
     }
 }
 
@@ -146,7 +143,7 @@ void LocalField::combine() {
             if (coefficient == 0.0) continue;
             for (std::size_t i = 0; i < Expansion::kTerms; ++i) sum[i] += coefficient * unit_[k][i];
         }
-        (b < 3 ? stretch_.basis[b] : further_basis_[b - 3]) = sum;
+        (b < 3 ? stretch_.basis[b] : further_[b - 3].basis) = sum;
     }
     stretch_.basis[0][0] += ambient_x_;
     stretch_.basis[0][1] += ambient_z_;

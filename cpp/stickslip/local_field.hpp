@@ -67,6 +67,25 @@ struct FieldStretch {
     }
 };
 
+/// What an exponential beside the first adds to the field of a stretch.
+template <class Real>
+struct FurtherExponential {
+    using Terms = typename ExpansionOf<Real>::Terms;
+
+    Terms basis;
+    Real rate;  ///< 1/s
+
+    /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
+    static constexpr double kNothing = -0.0;
+
+    [[gnu::always_inline]] void add(Real tau, ExpansionOf<Real>& expansion) const {
+        const Real fading = exponential(-rate * tau);
+        for (std::size_t i = 0; i < basis.size(); ++i) {
+            expansion.terms[i] = expansion.terms[i] + basis[i] * fading;
+        }
+    }
+};
+
 /// B_y on the plane of motion (T) at currents of the coils that make the field (A): that of the
 /// coils yp and ym, whose field has no other part there; zero without their currents. gain: as of a
 /// LocalField.
@@ -132,15 +151,16 @@ public:
     Expansion at(double tau) const {
         Expansion result = stretch_.at(tau);
         for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
-            add_further(j, tau, result);
+            further_[j - 1].add(tau, result);
         }
         if (shape_) multiply(tau, result);
         return result;
     }
 
-    /// The stretch as the formulas see it, where one exponential makes all of it and no shape
-    /// multiplies it.
+    /// The stretch as the formulas see it, where no shape multiplies it: its first exponential.
     const FieldStretch<double>& stretch() const { return stretch_; }
+    /// What exponential j adds, counted from 0 and beginning with 1, where there is such a one.
+    const FurtherExponential<double>& further(std::size_t j) const { return further_[j - 1]; }
 
 private:
     using Terms = Expansion::Terms;
@@ -148,7 +168,6 @@ private:
     void set_workspace();
     void expand(double x, double z);
     void combine();
-    void add_further(std::size_t j, double tau, Expansion& expansion) const;
     void multiply(double tau, Expansion& expansion) const;
 
     const CoilSet* coils_;
@@ -164,7 +183,7 @@ private:
     std::array<Terms, kCoilCount> unit_ = {};  // per ampere of each coil
     FieldStretch<double> stretch_ = {};
     // Of the second exponential and those after it.
-    std::array<Terms, kMaxExponentials - 1> further_basis_ = {};
+    std::array<FurtherExponential<double>, kMaxExponentials - 1> further_ = {};
 };
 
 template <class Real>

@@ -55,6 +55,12 @@ struct Model {
                !drag_shape.absent() || !adhesion.is_constant() || !user_effects.empty();
     }
 
+    /// Whether the named effects between events are all among the SmoothEffects.
+    bool is_smooth() const {
+        return adhesion.range == 0.0 && !adhesion.has_free_shape() && !friction.has_free_shape() &&
+               drag_shape.absent() && field_shape.absent() && user_effects.empty();
+    }
+
     /// Shortest time (s) over which a free shape may change the forces while nothing moves.
     double least_time() const {
         const double field = field_shape.time.absent() ? std::numeric_limits<double>::infinity()

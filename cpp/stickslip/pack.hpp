@@ -171,6 +171,31 @@ template <int N>
     return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(std::bit_cast<Bits>(a.v) & ~sign));
 }
 
+/// The square root, which IEEE 754 rounds as it does a sum.
+inline double root(double a) {
+    return std::sqrt(a);
+}
+template <int N>
+[[gnu::always_inline]] inline Pack<N> root(Pack<N> a) {
+#if defined(__SSE2__)
+    if constexpr (N == 2) return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm_sqrt_pd(a.v)));
+#endif
+#if defined(__AVX2__)
+    if constexpr (N == 4) {
+        return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm256_sqrt_pd(a.v)));
+    }
+#endif
+#if defined(__AVX512F__)
+    if constexpr (N == 8) {
+        // With all members: the form without a mask has a warning of uninitialized numbers.
+        return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm512_maskz_sqrt_pd(0xff, a.v)));
+    }
+#endif
+    Pack<N> result;
+    for (int i = 0; i < N; ++i) result.v[i] = std::sqrt(a.v[i]);
+    return result;
+}
+
 /// Bits of numbers as integers of the same size, and back.
 inline std::int64_t to_bits(double a) {
     return std::bit_cast<std::int64_t>(a);

@@ -12,8 +12,9 @@
 
 namespace stickslip {
 
-/// The pack of the runs that are in one kind of phase, and those that wait for a place in it.
-template <template <class> class PhaseOf>
+/// The pack of the runs that are in one kind of phase, all with named effects or all without, and
+/// those that wait for a place in it.
+template <template <class> class PhaseOf, bool kEffects>
 class PhasePack {
 public:
     using Phase = PhaseOf<Dynamics>;
@@ -51,7 +52,7 @@ public:
 
 private:
     using Loop = Lane::Loop;
-    using N = LaneNumbers<PhaseOf, Dynamics>;
+    using N = LaneNumbers<PhaseOf, Dynamics, kEffects>;
     static constexpr std::size_t kNumbers = sizeof(N) / sizeof(double);
     static constexpr std::size_t kMostPlaces = 8;
 
@@ -100,7 +101,7 @@ private:
                 numbers.progress = loop.integrator().begin(
                     phase, loop.memory(), loop.tau(), loop.tau_end(), phase.begin(loop.body()));
                 numbers.robot = loop.dynamics().robot();
-                numbers.field = loop.dynamics().field().stretch();
+                set_field(numbers, loop.dynamics());
                 numbers.contact_x = phase.contact_x(numbers.progress.step.first);
                 numbers.slip = loop.slip();
                 numbers.workspace = loop.dynamics().field().workspace();
@@ -108,6 +109,15 @@ private:
                 write(numbers, place, ranges);
             }
         });
+    }
+
+    // The field, and the effects that may be on it.
+    static void set_field(N& numbers, const Dynamics& dynamics) {
+        numbers.field = dynamics.field().stretch();
+        if constexpr (kEffects) {
+            const LocalField& field = dynamics.field();
+            numbers.named = {{field.further(1), field.further(2)}, dynamics.smooth_effects()};
+        }
     }
 
     static void set_memory(N& numbers, const PhaseMemory& memory) {
@@ -152,7 +162,7 @@ private:
         set_memory(numbers, loop.memory());
         write(numbers, place, {kState, kStart, kStartEvents, kBase, kUnarmed});
         if (field.centre_x != numbers.field.centre_x || field.centre_z != numbers.field.centre_z) {
-            numbers.field = field;
+            set_field(numbers, loop.dynamics());
             write(numbers, place, {kField});
         }
     }

@@ -258,7 +258,7 @@ TEST_CASE("friction: the coefficient while slipping, with and without Stribeck's
     const FrictionLaw plain{0.2, 0.145};
     CHECK(plain.kinetic(1, 0.0, {}) == 0.145);
     CHECK(plain.kinetic(1, -1.0, {}) == 0.145);
-    const FrictionLaw stribeck{0.2, 0.145, {.stribeck_velocity = 1e-3}};
+    const FrictionLaw stribeck{0.2, 0.145, {.smooth = {.stribeck_velocity = 1e-3}}};
     CHECK(stribeck.kinetic(1, 0.0, {}) == doctest::Approx(0.2).epsilon(1e-15));
     CHECK(stribeck.kinetic(1, 1e-3, {}) ==
           doctest::Approx(0.145 + 0.055 / std::exp(1.0)).epsilon(1e-15));

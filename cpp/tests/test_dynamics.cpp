@@ -263,8 +263,8 @@ double adhesion_potential(const Model& model, int quadrant, double angle, double
         if (allowed) best = std::max(best, value);
     }
     const double sine = std::sin(angle + quadrant * kQuarterTurn);
-    return -kStrength * (1.0 - model.adhesion.angle_loss * sine * sine) * model.adhesion.range *
-           best;
+    return -kStrength * (1.0 - model.adhesion.smooth.angle_loss * sine * sine) *
+           model.adhesion.range * best;
 }
 
 }  // namespace
@@ -313,7 +313,7 @@ TEST_CASE("adhesion with a range: its wrench is the gradient of a potential") {
     int near_two = 0, near_three = 0;
     for (int n = 0; n < 2000; ++n) {
         Model model = sticky(random.coin() ? range : 1e-4);
-        if (random.coin()) model.adhesion.angle_loss = random.between(-2.0, 1.0);
+        if (random.coin()) model.adhesion.smooth.angle_loss = random.between(-2.0, 1.0);
         Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
         const int quadrant = random.integer(-4, 4);
         // In flight the angle may run out of its quadrant.
@@ -349,7 +349,7 @@ TEST_CASE("adhesion with a range: no work on a closed path of height and angle")
     const FreeCurve bent({FreeReach::both_ways, 0.1, {0.0, 0.8, 0.1, -0.5, 0.8}});
     for (const auto& [loss, curve] :
          {std::pair{0.0, FreeCurve()}, {0.7, FreeCurve()}, {0.0, bent}, {0.7, bent}}) {
-        model.adhesion.angle_loss = loss;
+        model.adhesion.smooth.angle_loss = loss;
         model.adhesion.angle = curve;
         Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
         // An ellipse over the lying face, of no mirror symmetry, which comes within range of one

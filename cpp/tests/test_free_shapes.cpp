@@ -126,8 +126,8 @@ TEST_CASE("free drag: the force times the factors of angle, speed and rate, the 
 TEST_CASE("free friction: each law is a factor at its argument") {
     Random random(2);
     FrictionExtensions e;
-    e.anisotropy = 0.2;
-    e.viscous = 3.0;
+    e.smooth.anisotropy = 0.2;
+    e.smooth.viscous = 3.0;
     const FrictionLaw named(0.2, 0.145, e);
     e.speed = random_curve(random, FreeReach::anchored, 0.02);
     e.angle = random_curve(random, FreeReach::both_ways, 1.0);
@@ -201,8 +201,8 @@ TEST_CASE("free adhesion: each law is a factor, and its slope the derivative by 
     Random random(4);
     Adhesion named;
     named.strength = 0.22e-6;
-    named.angle_loss = 0.4;
-    named.ageing_rate = 0.3;
+    named.smooth.angle_loss = 0.4;
+    named.smooth.ageing_rate = 0.3;
     Adhesion shaped = named;
     shaped.angle = random_curve(random, FreeReach::both_ways, 1.0);
     shaped.age = random_curve(random, FreeReach::from_zero, 0.1);

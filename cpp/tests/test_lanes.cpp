@@ -33,8 +33,28 @@ Scenario random_scenario(Random& random, int number) {
     s.solver.rtol = random.coin() ? 1e-6 : 1e-8;
     if (number % 5 == 0) s.record = {RecordKind::events, 0.0};
     if (number % 7 == 1) s.record = {RecordKind::uniform, 2e3};
-    if (number % 7 == 3) s.effects.angle_adhesion_strength = 0.5;
-    if (number % 11 == 5) s.effects.mutual_inductance_coupling = 0.1;
+    // Named effects, alone and together, of which packs have all but the last two.
+    Effects& e = s.effects;
+    if (number % 7 == 3) e.angle_adhesion_strength = 0.5;
+    if (number % 11 == 5) e.mutual_inductance_coupling = 0.1;
+    if (number % 3 == 1) {
+        const auto some = [&] { return random.integer(0, 3) == 0; };
+        if (some()) e.gradient_scale_fraction = random.between(-0.3, 0.3);
+        if (some()) e.angle_drag_strength = random.between(-0.9, 2.0);
+        if (some()) e.quadratic_drag_coefficient = random.between(0.0, 1e-2);
+        if (some()) e.adhesion_ageing_rate = random.between(0.0, 1.0);
+        if (some()) e.stribeck_friction_velocity = random.between(1e-4, 1e-2);
+        if (some()) e.viscous_friction_coefficient = random.between(0.0, 10.0);
+        if (some()) e.friction_anisotropy_fraction = random.between(-0.3, 0.3);
+        if (some()) {
+            e.friction_patches_amplitude = random.between(-0.3, 0.3);
+            e.friction_patches_period = random.between(1e-5, 1e-3);
+        }
+        if (some()) e.eddy_lag_time = random.between(1e-5, 1e-3);
+        if (some()) e.coil_heating_coefficient = random.between(0.0, 0.3);
+    }
+    if (number % 17 == 4) s.contact.adhesion_range = 1e-6;
+    if (number % 17 == 9) e.free_drag_speed.knots = {0.1, 0.2, 0.3, 0.2, 0.1};
     if (number % 13 == 2) s.solver.max_steps = 500;
     return s;
 }
@@ -63,7 +83,7 @@ std::vector<double> numbers(const RunResult& run) {
 }  // namespace
 
 TEST_CASE("lanes: every run has the bits that it has alone, in packs of any width and number") {
-    constexpr std::size_t kRuns = 90;
+    constexpr std::size_t kRuns = 150;
     Random random(7);
     std::vector<Scenario> scenarios;
     std::vector<RunResult> alone;
@@ -73,7 +93,7 @@ TEST_CASE("lanes: every run has the bits that it has alone, in packs of any widt
         alone.push_back(simulate(scenarios.back()));
         ok += alone.back().status == Status::ok;
     }
-    CHECK(ok > 70);
+    CHECK(ok > 115);
     for (const LaneKernels& kernels : all_lane_kernels()) {
         for (const std::size_t count : {1, 3, 40}) {
             std::vector<RunResult> results(kRuns);

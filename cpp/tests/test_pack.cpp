@@ -37,6 +37,23 @@ TEST_CASE("pack: the exponential is within two units in the last place") {
     CHECK(exponential(-1e9) >= 0.0);
 }
 
+TEST_CASE("pack: logarithm and sine are those of the C library but for rounding") {
+    Random random(4);
+    for (int n = 0; n < 20000; ++n) {
+        const double a = std::pow(10.0, random.between(-300.0, 300.0));
+        const double near = 1.0 + std::pow(10.0, random.between(-15.0, 0.0));
+        // Two units in the last place, and half a unit of the C library's value.
+        for (const double x : {a, near}) {
+            const double allowed = std::max(2.5 * std::abs(std::log(x)), 1.0) * kRounding;
+            CHECK(std::abs(logarithm(x) - std::log(x)) < allowed);
+        }
+        const double b = random.between(-1.0, 1.0) * std::pow(10.0, random.between(-3.0, 6.4));
+        CHECK(std::abs(sine(b) - std::sin(b)) < 1.5 * kRounding);
+    }
+    CHECK(logarithm(1.0) == 0.0);
+    CHECK(sine(0.0) == 0.0);
+}
+
 TEST_CASE("pack: the rough logarithm and power are good enough for the width of a step") {
     Random random(2);
     for (int n = 0; n < 20000; ++n) {
@@ -63,6 +80,9 @@ TEST_CASE("pack: each member has the bits of the double") {
             CHECK(same(lesser(p, q).v[i], std::min(a[u], b[u])));
             CHECK(same(greater(p, q).v[i], std::max(a[u], b[u])));
             CHECK(same(exponential(-magnitude(p)).v[i], exponential(-std::abs(a[u]))));
+            CHECK(same(logarithm(magnitude(p)).v[i], logarithm(std::abs(a[u]))));
+            CHECK(same(sine(40.0 * q).v[i], sine(40.0 * b[u])));
+            CHECK(same(root(magnitude(q)).v[i], std::sqrt(std::abs(b[u]))));
             CHECK(same(rough_log2(magnitude(p)).v[i], rough_log2(std::abs(a[u]))));
             CHECK(same(rough_exp2(q).v[i], rough_exp2(b[u])));
             CHECK(((members(p < q) >> i & 1u) == 1u) == (a[u] < b[u]));
