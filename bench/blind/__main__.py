@@ -12,10 +12,11 @@ import json
 import os
 import time
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
-from blind.case import state, study
+from blind.case import prepared, state, study
 from blind.kinds import KINDS, plan
 from blind.report import report
 from blind.scoring import judged, read, slim
@@ -33,6 +34,8 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="data sets at a time")
     parser.add_argument("--minutes", type=float, default=600.0, help="begin none after this time")
     parser.add_argument("--write", type=Path, help="only write the data sets, into this folder")
+    parser.add_argument("--store", type=Path, help="keep data sets here, and take those there are")
+    parser.add_argument("--only-store", action="store_true", help="make them without a diagnosis")
     parser.add_argument("--out", type=Path, default=Path("bench/results/blind"))
     options = parser.parse_args()
     options.kinds = options.kinds.split(";")
@@ -42,6 +45,11 @@ def main() -> None:
     if options.write is not None:
         _write(options.write, asked)
         return
+    if options.only_store:
+        if options.store is None:
+            parser.error("--only-store: needs --store")
+        _fill(options.store, asked, options.jobs)
+        return
     out: Path = options.out
     out.mkdir(parents=True, exist_ok=True)
     with (out / "lock").open("w") as lock:
@@ -49,7 +57,7 @@ def main() -> None:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             parser.error(f"--out {out}: another study is at work there")
-        _run(out, asked, options.jobs, options.minutes)
+        _run(out, asked, options)
 
 
 def _write(folder: Path, asked: list[tuple[str, int]]) -> None:
@@ -63,19 +71,28 @@ def _write(folder: Path, asked: list[tuple[str, int]]) -> None:
         print(folder / f"{number:04d}" / "measurement.toml", flush=True)
 
 
-def _run(out: Path, asked: list[tuple[str, int]], jobs: int, minutes: float) -> None:
+def _fill(store: Path, asked: list[tuple[str, int]], jobs: int) -> None:
+    with ProcessPoolExecutor(jobs) as pool:
+        for (kind, seed), _ in zip(
+            asked, pool.map(prepared, *zip(*asked, strict=True), repeat(store)), strict=True
+        ):
+            print(f"{kind} {seed}", flush=True)
+
+
+def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -> None:
+    jobs, store = options.jobs, options.store
     record, now = out / RECORD, state()
     rows = [row for row in _recorded(record) if _same(row, now)]
     done = {(row["answer"]["kind"], row["answer"]["seed"]) for row in rows}
     waiting = [each for each in asked if each not in done]
     failed: list[str] = []
-    end = time.monotonic() + 60.0 * minutes
+    end = time.monotonic() + 60.0 * options.minutes
     running: dict[Future[dict[str, Any]], tuple[str, int]] = {}
     with ProcessPoolExecutor(jobs) as pool, record.open("a") as file:
         while running or waiting:
             while waiting and len(running) < jobs and time.monotonic() < end:
                 kind, seed = waiting.pop(0)
-                running[pool.submit(study, kind, seed)] = (kind, seed)
+                running[pool.submit(study, kind, seed, store)] = (kind, seed)
             if not running:
                 break
             for future in wait(running, return_when=FIRST_COMPLETED).done:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import subprocess
 import tempfile
 import time
@@ -27,16 +28,19 @@ def state() -> dict[str, str]:
     """Which engine and which generator made a row: version, commit, sums of their files."""
     package = Path(stickslip.__file__).resolve().parent
     engine = (path for path in package.rglob("*") if path.suffix in (".py", ".so"))
-    reference = (_HERE.parents[1] / "tests" / "reference").glob("[!t]*.py")
-    data = [*(_HERE / f"{name}.py" for name in _DATA), *reference]
     asked = ("git", "-C", str(_HERE), "rev-parse", "--short", "HEAD")
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
     return {
         "version": stickslip.__version__,
         "commit": commit,
         "engine": _checksum(engine),
-        "data": _checksum(data),
+        "data": _generator(),
     }
+
+
+def _generator() -> str:
+    reference = (_HERE.parents[1] / "tests" / "reference").glob("[!t]*.py")
+    return _checksum([*(_HERE / f"{name}.py" for name in _DATA), *reference])
 
 
 def _checksum(paths: Iterable[Path]) -> str:
@@ -46,14 +50,31 @@ def _checksum(paths: Iterable[Path]) -> str:
     return total.hexdigest()[:12]
 
 
-def study(kind: str, seed: int) -> dict[str, Any]:
+def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
+    """Folder and answer of a data set in a store, made if it is not there.
+
+    Data sets do not depend on the engine, so a new state of it takes those of the last one; those
+    of another generator lie in another folder.
+    """
+    place = store / _generator() / f"{kind.replace(', ', '-').replace(' ', '_')}-{seed}"
+    if not place.exists():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=place.parent) as work:
+            made = Path(work) / "made"
+            answer = write_case(made / "data", kind, seed)
+            (made / "answer.json").write_text(json.dumps(answer) + "\n")
+            made.rename(place)
+    return place / "data", json.loads((place / "answer.json").read_text())
+
+
+def study(kind: str, seed: int, store: Path | None = None) -> dict[str, Any]:
     """Make one data set, diagnose it from its files alone, and return what was said.
 
-    Near twins are measured again at the experiments that the diagnosis proposes.
+    Near twins are measured again at the experiments that the diagnosis proposes. With a `store`
+    the data set is taken from there, or kept there.
     """
     with tempfile.TemporaryDirectory() as work:
-        folder = Path(work) / "data"
-        answer = write_case(folder, kind, seed)
+        folder, answer = prepared(kind, seed, Path(work) if store is None else store)
         row = {"answer": answer, **_diagnosed(folder)}
         drives = [each["drive"] for each in row["said"]["next_experiments"]]
         if kind == "near twins" and drives:

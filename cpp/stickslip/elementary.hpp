@@ -55,7 +55,7 @@ template <class Real>
     return twos * kLn2High + (twos * kLn2Low + 2.0 * artanh);
 }
 
-/// sin(a), within 3e-16 for |a| < 3e6 and within the rounding of a beyond.
+/// sin(a), within 5e-16 for |a| < 3e6 and within the rounding of a beyond.
 template <class Real>
 [[gnu::always_inline]] inline Real sine(Real a) {
     // pi in three parts, of which a multiple by less than 2^20 of the first two is exact.
