@@ -46,7 +46,7 @@ from stickslip.facts import Code, Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.run_notes import peak_voltages
+from stickslip.simulation.scenario_notes import peak_voltages
 
 # Most pulses of a low-fidelity simulation. Chosen: enough for the first stages of a search.
 _LOW_FIDELITY_PULSES = 5.0

@@ -5,37 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stickslip import _core
-from stickslip.scenario.sections import Solver
+from stickslip.simulation.scenario_notes import scenario_notes, weight
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
-
-HIGH_VOLTAGE = 200.0
-"""Voltages of the drive above this are noted, V; Table I's 6.5 mT need 67.5 V."""
-
-LOOSE_TOLERANCE = 1e-5
-"""Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
-mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
-
-
-STEADY_PULSES = 4
-"""Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
-
-
-def counts_start_up(scenario: Scenario) -> bool:
-    """Whether a pulsed drive is so short that its measuring window begins after the ramp."""
-    return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
 
 
 def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) -> list[str]:
     """Facts about a run, a line each; none for most runs."""
     return [
         *(_of_condition if condition_met else _of_end)(scenario, summary),
-        *_of_motion(summary),
-        *_of_drive(scenario),
-        *_of_contact(scenario),
-        *_of_solver(scenario),
+        *_of_motion(scenario, summary),
+        *scenario_notes(scenario),
     ]
 
 
@@ -73,14 +54,16 @@ def _of_end(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     ]
 
 
-def _of_motion(summary: dict[str, Any]) -> list[str]:
+def _of_motion(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     notes = []
     low, high = summary["theta_min"], summary["theta_max"]
     events = summary["events"]
     if summary["mean_velocity"] == 0.0 and low == high:
         moved = any(events.values())
         notes.append(
-            "the robot did not move in the measuring window" if moved else "the robot never moved"
+            "the robot did not move in the measuring window"
+            if moved
+            else f"the robot never moved: {_why_it_rests(scenario, summary)}"
         )
     if events["roll_over"]:
         count = events["roll_over"]
@@ -97,44 +80,26 @@ def _of_motion(summary: dict[str, Any]) -> list[str]:
     return notes
 
 
-def _of_drive(scenario: Scenario) -> list[str]:
-    notes = []
-    if counts_start_up(scenario):
-        notes.append(
-            f"drive.pulses = {scenario.drive.pulses} is fewer than {STEADY_PULSES}: the measuring "
-            "window begins after the ramp and includes the start-up"
-        )
-    for name, volts in peak_voltages(scenario).items():
-        if volts > HIGH_VOLTAGE:
-            amperes = volts / scenario.coil.resistance
-            notes.append(
-                f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A in the steady "
-                "state"
-            )
-    return notes
+def _why_it_rests(scenario: Scenario, summary: dict[str, Any]) -> str:
+    """What holds a robot that never moved, by the moments about the corner that it would tip on.
 
-
-def _of_contact(scenario: Scenario) -> list[str]:
-    back = scenario.contact.tangential_restitution
-    rebounds = scenario.contact.restitution or scenario.get("effects.restitution.coefficient")
-    if back == 0.0 or rebounds:
-        return []
-    return [
-        f"contact.tangential_restitution = {back:g} has no effect while contact.restitution is 0: "
-        "only a corner that rebounds gives slip back"
-    ]
-
-
-def _of_solver(scenario: Scenario) -> list[str]:
-    rtol = scenario.solver.rtol
-    if rtol <= LOOSE_TOLERANCE:
-        return []
-    return [
-        f"solver.rtol = {rtol:g} is looser than {LOOSE_TOLERANCE:g}: the mean velocity may be off "
-        f"by a per cent or more; the default, {Solver().rtol:g}, is recommended"
-    ]
-
-
-def peak_voltages(scenario: Scenario) -> dict[str, float]:
-    """Largest magnitude of the voltage that the drive asks of each coil, V."""
-    return dict(zip(_core.coil_names, scenario.to_core().asked_voltages(), strict=True))
+    The largest torque of a field is that of one across the moment, Eq. (8). A body that lies on a
+    face is held by its weight and by the adhesion of the face, half the face's length away.
+    """
+    robot = scenario.robot
+    field = summary["field_max"]
+    if field == 0.0:
+        return "there was no field"
+    moment = robot.magnetization * robot.length * robot.width * robot.height
+    moment *= 1.0 + float(scenario.get("effects.magnetization_scale.fraction"))
+    torque = abs(moment) * field
+    stands = abs(math.sin(summary["theta_max"])) > math.sqrt(0.5)
+    lever = 0.5 * (robot.height if stands else robot.length)
+    held = lever * (weight(scenario) + scenario.contact.adhesion)
+    said = (
+        f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m, and "
+        f"weight and adhesion hold it with {held:.2g} N m"
+    )
+    if torque <= held:
+        return f"{said}; a larger drive.peak or drive.hold is needed, or less contact.adhesion"
+    return f"{said}, so that the field was too nearly along its moment, or too slow to tip it"

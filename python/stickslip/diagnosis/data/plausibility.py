@@ -10,7 +10,7 @@ from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.conditions import Conditions, in_words, named, varied
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
-from stickslip.simulation.run_notes import STEADY_PULSES
+from stickslip.simulation.scenario_notes import STEADY_PULSES
 
 _MOST = 50.0
 """Ratio beyond which a size is far from the usual one. Chosen: below 57

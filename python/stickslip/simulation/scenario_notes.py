@@ -1,0 +1,159 @@
+"""What a colleague would ask about a scenario before it is run: values that are hardly meant so.
+
+Each limit lies beyond what robots, coils and drives of this kind have; within it there is no note.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from stickslip import _core
+from stickslip.scenario.sections import Solver
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
+HIGH_VOLTAGE = 200.0
+"""Voltages of the drive above this are noted, V; Table I's 6.5 mT need 67.5 V."""
+
+LOOSE_TOLERANCE = 1e-5
+"""Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
+mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
+
+DENSITIES = 100.0, 25_000.0
+"""Densities outside of these are noted, kg/m3: foams are lighter, and no element is heavier (osmium
+has 22 600)."""
+
+LEAST_SWING = 0.02
+"""Parts of the asked swing of the field below this are noted. With the coils of Table I that is a
+sawtooth of more than 890 Hz; the paper's 200 Hz give 9 %."""
+
+MUCH_ADHESION = 20.0
+"""Adhesion above so many times the weight is noted; the paper's is 0.9 times."""
+
+STEADY_PULSES = 4
+"""Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
+
+
+def counts_start_up(scenario: Scenario) -> bool:
+    """Whether a pulsed drive is so short that its measuring window begins after the ramp."""
+    return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
+
+
+def scenario_notes(scenario: Scenario) -> list[str]:
+    """Values of a scenario that are hardly meant so, a line each; none for most scenarios."""
+    return [
+        *_of_drive(scenario),
+        *_of_coils(scenario),
+        *_of_body(scenario),
+        *_of_contact(scenario),
+        *_of_solver(scenario),
+    ]
+
+
+def peak_voltages(scenario: Scenario) -> dict[str, float]:
+    """Largest magnitude of the voltage that the drive asks of each coil, V."""
+    return dict(zip(_core.coil_names, scenario.to_core().asked_voltages(), strict=True))
+
+
+def field_swing(frequency: float, time_constant: float) -> float:
+    """Swing of the steady field of a sawtooth whose voltage is sudden on one side, over that asked.
+
+    The current follows the voltage by Eq. (1) with the time constant (s). Over a period T from the
+    jump, a sawtooth of swing 1 that falls from 1 gives i(t) = 1 - t/T + c - exp(-t/tau) /
+    (1 - exp(-T/tau)) with c = tau/T, which is least at the jump.
+    """
+    share = 1.0 / (frequency * time_constant)
+    fall = -math.expm1(-share)
+    top = -math.log(fall / share)  # t/tau where i is largest
+    return (1.0 - math.exp(-top)) / fall - top / share
+
+
+def weight(scenario: Scenario) -> float:
+    """Weight of the robot, N."""
+    return scenario.robot.mass * scenario.environment.gravity
+
+
+def _of_drive(scenario: Scenario) -> list[str]:
+    notes = []
+    if counts_start_up(scenario):
+        notes.append(
+            f"drive.pulses = {scenario.drive.pulses} is fewer than {STEADY_PULSES}: the measuring "
+            "window begins after the ramp and includes the start-up"
+        )
+    for name, volts in peak_voltages(scenario).items():
+        if volts > HIGH_VOLTAGE:
+            amperes = volts / scenario.coil.resistance
+            notes.append(
+                f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A in the steady "
+                "state"
+            )
+    return notes
+
+
+def _of_coils(scenario: Scenario) -> list[str]:
+    drive, coil = scenario.drive, scenario.coil
+    asked = drive.peak - drive.base
+    if drive.mode == "program" or asked == 0.0:
+        return []
+    share = field_swing(drive.frequency, coil.inductance / coil.resistance)
+    if share >= LEAST_SWING:
+        return []
+    corner = coil.resistance / (2.0 * math.pi * coil.inductance)
+    return [
+        f"drive.frequency = {drive.frequency:g} is {drive.frequency / corner:.3g} times the corner "
+        f"frequency of the coils, R/(2 pi L) = {corner:.3g} Hz: within a period the field comes to "
+        f"swing by {1e3 * share * asked:.2g} mT of the {1e3 * asked:.3g} mT between drive.base and "
+        "drive.peak"
+    ]
+
+
+def _of_body(scenario: Scenario) -> list[str]:
+    robot = scenario.robot
+    density = robot.mass / (robot.length * robot.width * robot.height)
+    if DENSITIES[0] <= density <= DENSITIES[1]:
+        return []
+    return [
+        f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with robot.length, "
+        f"width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g} kg/m3"
+    ]
+
+
+def _of_contact(scenario: Scenario) -> list[str]:
+    notes = []
+    contact, pull = scenario.contact, weight(scenario)
+    tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
+    # Along the surface, and what presses the robot on it.
+    along, across = pull * math.sin(tilt), pull * math.cos(tilt) + contact.adhesion
+    if along > contact.static_friction * across:
+        notes.append(
+            f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: without "
+            f"any field the robot slides, as {along:.3g} N of its weight act along the surface and "
+            f"contact.static_friction = {contact.static_friction:g} gives "
+            f"{contact.static_friction * across:.3g} N"
+        )
+    if contact.adhesion > MUCH_ADHESION * pull:
+        notes.append(
+            f"contact.adhesion = {contact.adhesion:g} N is {contact.adhesion / pull:.3g} times the "
+            "weight"
+            if pull > 0.0
+            else f"contact.adhesion = {contact.adhesion:g} N acts on a robot without weight"
+        )
+    back = contact.tangential_restitution
+    if back and not (contact.restitution or scenario.get("effects.restitution.coefficient")):
+        notes.append(
+            f"contact.tangential_restitution = {back:g} has no effect while contact.restitution is "
+            "0: only a corner that rebounds gives slip back"
+        )
+    return notes
+
+
+def _of_solver(scenario: Scenario) -> list[str]:
+    rtol = scenario.solver.rtol
+    if rtol <= LOOSE_TOLERANCE:
+        return []
+    return [
+        f"solver.rtol = {rtol:g} is looser than {LOOSE_TOLERANCE:g}: the mean velocity may be off "
+        f"by a per cent or more; the default, {Solver().rtol:g}, is recommended"
+    ]
