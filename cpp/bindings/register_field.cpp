@@ -58,6 +58,14 @@ Array gradient(const CoilSet& coils, const Array& points, const Array& currents)
     return result;
 }
 
+/// One value a coil.
+template <double CoilGeometry::*kMember>
+PerCoil of_each(const CoilSet& coils) {
+    PerCoil result;
+    for (std::size_t k = 0; k < kCoilCount; ++k) result[k] = coils.geometry()[k].*kMember;
+    return result;
+}
+
 std::vector<double> flat(const Array& values) {
     return {values.data(), values.data() + values.size()};
 }
@@ -95,16 +103,26 @@ Array readings(const Scenario& base, const std::vector<std::string>& keys, const
 
 void register_field(py::module_& module) {
     py::class_<CoilSet>(module, "CoilSet")
-        .def(py::init([](double side, double distance, double turns) {
-                 return CoilSet({.side = side, .distance = distance, .turns = turns});
+        .def(py::init([](const PerCoil& side, const PerCoil& distance, const PerCoil& turns) {
+                 PerCoilOf<CoilGeometry> geometry;
+                 for (std::size_t k = 0; k < kCoilCount; ++k) {
+                     geometry[k] = {side[k], distance[k], turns[k]};
+                 }
+                 return CoilSet(geometry);
              }),
-             py::arg("side") = CoilGeometry{}.side, py::arg("distance") = CoilGeometry{}.distance,
-             py::arg("turns") = CoilGeometry{}.turns)
-        .def_property_readonly("side", [](const CoilSet& self) { return self.geometry().side; })
-        .def_property_readonly("distance",
-                               [](const CoilSet& self) { return self.geometry().distance; })
-        .def_property_readonly("turns", [](const CoilSet& self) { return self.geometry().turns; })
-        .def_property_readonly("centre_field_per_ampere", &CoilSet::centre_field_per_ampere)
+             py::arg("side"), py::arg("distance"), py::arg("turns"))
+        .def_property_readonly("side", &of_each<&CoilGeometry::side>)
+        .def_property_readonly("distance", &of_each<&CoilGeometry::distance>)
+        .def_property_readonly("turns", &of_each<&CoilGeometry::turns>)
+        .def_property_readonly("centre_field_per_ampere",
+                               [](const CoilSet& self) {
+                                   PerCoil result;
+                                   for (const Coil coil : kAllCoils) {
+                                       result[static_cast<std::size_t>(coil)] =
+                                           self.centre_field_per_ampere(coil);
+                                   }
+                                   return result;
+                               })
         .def("field", &field, py::arg("points"), py::arg("currents"))
         .def("gradient", &gradient, py::arg("points"), py::arg("currents"))
         .def("shares", &shares, py::arg("points"), py::arg("currents"));

@@ -11,6 +11,7 @@
 #include "register.hpp"
 #include "stickslip/assembly.hpp"
 #include "stickslip/free_shapes.hpp"
+#include "stickslip/own_coils.hpp"
 #include "stickslip/parameters.hpp"
 #include "stickslip/recording.hpp"
 
@@ -194,6 +195,14 @@ void register_scenario(py::module_& module) {
             },
             py::arg("rate"), py::arg("start") = 0.0, py::arg("fields") = kEveryColumn)
         .def("check", &check)
+        .def("coils", [](const Scenario& self) { return coil_set(world_coils(self)); })
+        .def("resistances",
+             [](const Scenario& self) {
+                 const PerCoilOf<CoilParameters> coils = world_coils(self);
+                 PerCoil result;
+                 for (std::size_t k = 0; k < kCoilCount; ++k) result[k] = coils[k].resistance;
+                 return result;
+             })
         .def("program", [](const Scenario& self) { return blocks_of(world_program(self)); })
         .def("asked_voltages", &asked_voltages)
         .def(

@@ -8,6 +8,7 @@
 
 #include "stickslip/initial_state.hpp"
 #include "stickslip/number_text.hpp"
+#include "stickslip/own_coils.hpp"
 
 namespace stickslip {
 namespace {
@@ -87,6 +88,7 @@ void check(const Scenario& s) {
                     "contact.static_friction", s.contact.static_friction,
                     "a kinetic friction that is not above the static one");
     }
+    check_own_coils(s);
     if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
         refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
                     "contact.restitution", s.contact.restitution, "a sum of at most 1");
@@ -194,8 +196,11 @@ Model make_model(const Scenario& s) {
 Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
     const Effects& e = s.effects;
     CircuitParameters parameters;
-    parameters.resistance.fill(s.coil.resistance);
-    parameters.inductance = s.coil.inductance;
+    const PerCoilOf<CoilParameters> coils = robot_coils(s);
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        parameters.resistance[k] = coils[k].resistance;
+        parameters.inductance[k] = coils[k].inductance;
+    }
     parameters.coupling = e.mutual_inductance_coupling;
     parameters.lag = e.eddy_lag_time;
     if (e.coil_heating_coefficient != 0.0) {
@@ -233,10 +238,16 @@ VoltageProgram asked_program(const Scenario& s) {
     if (s.drive.mode == DriveMode::program) {
         return s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
     }
-    const CoilSet coils(s.coil.geometry);
+    const PerCoilOf<CoilParameters> coils = robot_coils(s);
+    const CoilSet windings = coil_set(coils);
+    PerCoil volts_per_tesla;
+    for (const Coil coil : kAllCoils) {
+        const auto k = static_cast<std::size_t>(coil);
+        volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
+    }
     Drive drive = s.drive;
     drive.edge_time += s.effects.edge_time_time;
-    return sawtooth_program(drive, s.coil.resistance / coils.centre_field_per_ampere());
+    return sawtooth_program(drive, volts_per_tesla);
 }
 
 VoltageProgram make_program(const Scenario& s) {
@@ -265,9 +276,11 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
                                     const std::atomic<bool>* stop) {
     double field = std::hypot(scenario.effects.ambient_field_bx, scenario.effects.ambient_field_bz);
     const PerCoil current = initial_currents(scenario);
-    for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const double held = program.largest_voltage()[k] / scenario.coil.resistance;
-        field += std::max(held, std::abs(current[k])) * coils.centre_field_per_ampere();
+    const PerCoilOf<CoilParameters> own = robot_coils(scenario);
+    for (const Coil coil : kAllCoils) {
+        const auto k = static_cast<std::size_t>(coil);
+        const double held = program.largest_voltage()[k] / own[k].resistance;
+        field += std::max(held, std::abs(current[k])) * coils.centre_field_per_ampere(coil);
     }
     const double radius = model.shape.radius();
     const double weight = model.mass * scenario.gravity + model.adhesion.strength;

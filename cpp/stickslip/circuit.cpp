@@ -58,9 +58,12 @@ Circuit::Circuit(const CircuitParameters& p)
     }
     Matrix modes = Matrix::Identity();
     if (!is_coupled_) {
-        time_constant_ = p.inductance * per_root.cwiseAbs2();
+        time_constant_ =
+            Eigen::Map<const Vector>(p.inductance.data()).cwiseProduct(per_root.cwiseAbs2());
     } else {
-        const Matrix inductance = p.inductance * mutual_inductance(p.coupling);
+        const Eigen::Map<const Vector> self(p.inductance.data());
+        const Matrix sizes = (self * self.transpose()).cwiseSqrt();
+        const Matrix inductance = sizes.cwiseProduct(mutual_inductance(p.coupling));
         const Matrix scaled = per_root.asDiagonal() * inductance * per_root.asDiagonal();
         const Eigen::SelfAdjointEigenSolver<Matrix> solver(scaled);
         modes = solver.eigenvectors();

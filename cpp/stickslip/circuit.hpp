@@ -38,7 +38,7 @@ PerCoil squared_integrals(const CurrentSegment& segment);
 
 struct CircuitParameters {
     PerCoil resistance = {};  ///< ohm
-    double inductance = 0.0;  ///< H
+    PerCoil inductance = {};  ///< H
     double coupling = 0.0;    ///< mutual over self inductance, by size; see `mutual_inductance`
     double lag = 0.0;         ///< s, with which the field follows the currents
 };

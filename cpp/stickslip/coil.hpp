@@ -12,7 +12,9 @@ inline constexpr std::array<Coil, kCoilCount> kAllCoils{Coil::xp, Coil::xm, Coil
                                                         Coil::clamp};
 
 /// One value a coil.
-using PerCoil = std::array<double, kCoilCount>;
+template <class T>
+using PerCoilOf = std::array<T, kCoilCount>;
+using PerCoil = PerCoilOf<double>;
 
 /// Currents or voltages as a robot turned by 180 degrees about z sees them: the coils of each pair
 /// change places, and fields along x and y change sign.

@@ -50,23 +50,29 @@ const char* name(Coil coil) {
     return kNames[static_cast<std::size_t>(coil)];
 }
 
-CoilSet::CoilSet(const CoilGeometry& geometry) : geometry_(geometry) {
-    require_positive(geometry.side, "side (m)");
-    require_positive(geometry.distance, "distance (m)");
-    require_positive(geometry.turns, "turns");
+CoilSet::CoilSet(const CoilGeometry& geometry)
+    : CoilSet(PerCoilOf<CoilGeometry>{geometry, geometry, geometry, geometry, geometry}) {}
+
+CoilSet::CoilSet(const PerCoilOf<CoilGeometry>& geometry) : geometry_(geometry) {
+    for (const CoilGeometry& each : geometry) {
+        require_positive(each.side, "side (m)");
+        require_positive(each.distance, "distance (m)");
+        require_positive(each.turns, "turns");
+    }
 }
 
 FieldAndGradient CoilSet::unit_field(Coil coil, const Eigen::Vector3d& point) const {
     const Placement& placement = kPlacements[static_cast<std::size_t>(coil)];
     const auto& [axis, sign, polarity] = placement;
-    const double half_side = 0.5 * geometry_.side;
+    const CoilGeometry& own = geometry_[static_cast<std::size_t>(coil)];
+    const double half_side = 0.5 * own.side;
 
-    const Eigen::Vector3d local(sign[0] * point[axis[0]] - geometry_.distance,
-                                sign[1] * point[axis[1]], sign[2] * point[axis[2]]);
+    const Eigen::Vector3d local(sign[0] * point[axis[0]] - own.distance, sign[1] * point[axis[1]],
+                                sign[2] * point[axis[2]]);
     if (on_square_coil(half_side, local)) throw_on_wire(coil, point);
     const FieldAndGradient in_local = square_coil_field(half_side, local);
 
-    const double scale = polarity * (kMu0Over4Pi * geometry_.turns);
+    const double scale = polarity * (kMu0Over4Pi * own.turns);
     FieldAndGradient result;
     for (std::size_t k = 0; k < 3; ++k) {
         const auto row = static_cast<Eigen::Index>(k);
@@ -92,8 +98,9 @@ FieldAndGradient CoilSet::field(const Eigen::Vector3d& point, const Currents& cu
     return total;
 }
 
-double CoilSet::centre_field_per_ampere() const {
-    return unit_field(Coil::xp, Eigen::Vector3d::Zero()).field[0];
+double CoilSet::centre_field_per_ampere(Coil coil) const {
+    const Placement& placement = kPlacements[static_cast<std::size_t>(coil)];
+    return unit_field(coil, Eigen::Vector3d::Zero()).field[placement.axis[0]];
 }
 
 }  // namespace stickslip

@@ -11,10 +11,10 @@ namespace stickslip {
 /// value differs by 1.3e-10).
 inline constexpr double kMu0Over4Pi = 1e-7;
 
-/// Five equal square coils around the origin. Defaults: Table I of Pawashe et al., RSS 2008.
+/// A square coil that faces the origin. Defaults: Table I of Pawashe et al., RSS 2008.
 struct CoilGeometry {
     double side = 0.1385;     ///< effective side length, m
-    double distance = 0.099;  ///< from the origin to each coil's plane, m
+    double distance = 0.099;  ///< from the origin to the coil's plane, m
     double turns = 510.0;     ///< N_t
 
     friend bool operator==(const CoilGeometry&, const CoilGeometry&) = default;
@@ -25,13 +25,14 @@ using Currents = Eigen::Matrix<double, kCoilCount, 1>;
 
 /// The field of the coils in the frame of the device: right-handed, z up, origin at the centre.
 /// Positive current in ANY coil gives a field along the positive axis (+x, +y or +z) at the origin.
-/// All coils are one coil rotated, so a rotated or mirrored situation has the same bits.
+/// Equal coils are one coil rotated, so a rotated or mirrored situation has the same bits.
 class CoilSet {
 public:
-    /// Throws std::invalid_argument if a dimension is not positive and finite.
+    /// Five equal coils. Throws std::invalid_argument if a dimension is not positive and finite.
     explicit CoilSet(const CoilGeometry& geometry = {});
+    explicit CoilSet(const PerCoilOf<CoilGeometry>& geometry);
 
-    const CoilGeometry& geometry() const { return geometry_; }
+    const PerCoilOf<CoilGeometry>& geometry() const { return geometry_; }
 
     /// Field (T/A) and gradient (T/m/A) of one coil at `point` (m) for unit current, equations
     /// (3)-(7). Throws std::domain_error if the point is within `kWireRadius` of its wire.
@@ -41,11 +42,11 @@ public:
     /// part. Throws std::domain_error if the point is on the wire of a coil that has current.
     FieldAndGradient field(const Eigen::Vector3d& point, const Currents& currents) const;
 
-    /// Field at the origin per ampere in one coil, T/A; the same for all five.
-    double centre_field_per_ampere() const;
+    /// Field at the origin, along the coil's positive axis, per ampere in one coil, T/A.
+    double centre_field_per_ampere(Coil coil = Coil::xp) const;
 
 private:
-    CoilGeometry geometry_;
+    PerCoilOf<CoilGeometry> geometry_;
 };
 
 }  // namespace stickslip

@@ -7,6 +7,7 @@
 
 #include "stickslip/assembly.hpp"
 #include "stickslip/contact.hpp"
+#include "stickslip/own_coils.hpp"
 
 namespace stickslip {
 namespace {
@@ -20,7 +21,7 @@ public:
     explicit Driven(const Scenario& scenario)
         : model_(make_model(scenario)),
           program_(make_program(scenario)),
-          coils_(scenario.coil.geometry),
+          coils_(coil_set(robot_coils(scenario))),
           circuit_(make_circuit(scenario, program_)),
           dynamics_(model_, make_local_field(scenario, program_, coils_)),
           stretches_(program_, scenario.effects.sample_hold_period, {}) {}

@@ -12,7 +12,7 @@ constexpr auto kClampCoil = static_cast<std::size_t>(Coil::clamp);
 
 }  // namespace
 
-VoltageProgram sawtooth_program(const Drive& drive, double volts_per_tesla) {
+VoltageProgram sawtooth_program(const Drive& drive, const PerCoil& volts_per_tesla) {
     if (drive.mode == DriveMode::program) {
         throw std::invalid_argument("a voltage program has no sawtooth");
     }
@@ -21,8 +21,9 @@ VoltageProgram sawtooth_program(const Drive& drive, double volts_per_tesla) {
     // `pulsing` is the field of the coil that plays the sawtooth, whichever it is.
     const auto voltages = [&](double pulsing, double holding) {
         PerCoil volts = {};
-        volts[kInPlane] = volts_per_tesla * (in_plane_pulses ? pulsing : holding);
-        volts[kClampCoil] = volts_per_tesla * sign * (in_plane_pulses ? holding : pulsing);
+        volts[kInPlane] = volts_per_tesla[kInPlane] * (in_plane_pulses ? pulsing : holding);
+        volts[kClampCoil] =
+            volts_per_tesla[kClampCoil] * sign * (in_plane_pulses ? holding : pulsing);
         return volts;
     };
     const PerCoil off = {};

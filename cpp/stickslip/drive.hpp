@@ -29,9 +29,9 @@ struct Drive {
 };
 
 /// Voltages of IPP or OPP in the robot's own frame, in which it is always driven towards +x.
-/// volts_per_tesla: coil voltage for a field at the centre. Throws std::invalid_argument for a mode
-/// without pulses.
-VoltageProgram sawtooth_program(const Drive& drive, double volts_per_tesla);
+/// volts_per_tesla: voltage of each coil for a field at the centre. Throws std::invalid_argument
+/// for a mode without pulses.
+VoltageProgram sawtooth_program(const Drive& drive, const PerCoil& volts_per_tesla);
 
 /// The coil of the world's frame that drives a robot along the surface.
 Coil in_plane_coil(Direction direction);

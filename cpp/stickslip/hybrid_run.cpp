@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "stickslip/own_coils.hpp"
+
 namespace stickslip {
 
 HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
@@ -14,7 +16,7 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       amplifier_limit_(scenario.effects.amplifier_limit_voltage),
       field_gain_(stickslip::field_gain(scenario)),
       chain_(make_measurement_chain(scenario)),
-      coils_(scenario.coil.geometry),
+      coils_(coil_set(robot_coils(scenario))),
       model_(make_model(scenario)),
       circuit_(make_circuit(scenario, program_)),
       dynamics_(model_, make_local_field(scenario, program_, coils_)),

@@ -24,6 +24,17 @@ PlanarGradient gradient_at(const CoilSet& coils, Coil coil, double x, double z) 
 
 }  // namespace
 
+namespace {
+
+// The least over all coils of what `of` makes of each.
+double least(const CoilSet& coils, auto of) {
+    double result = std::numeric_limits<double>::infinity();
+    for (const CoilGeometry& each : coils.geometry()) result = std::min(result, of(each));
+    return result;
+}
+
+}  // namespace
+
 double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
                     double z) {
     double result = 0.0;
@@ -39,8 +50,11 @@ double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& cu
 LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x,
                        double ambient_z)
     : coils_(&coils),
-      reach_(std::min(
-          kReach, kReachPart * std::hypot(coils.geometry().distance, 0.5 * coils.geometry().side))),
+      reach_(std::min(kReach, kReachPart * least(coils,
+                                                 [](const CoilGeometry& each) {
+                                                     return std::hypot(each.distance,
+                                                                       0.5 * each.side);
+                                                 }))),
       gain_(gain),
       ambient_x_(ambient_x),
       ambient_z_(ambient_z) {
@@ -52,7 +66,8 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
 void LocalField::set_workspace() {
     const bool driven = std::any_of(gain_.begin(), gain_.end(), [](double g) { return g != 0.0; });
     workspace_ =
-        driven ? kWorkspace * coils_->geometry().distance : std::numeric_limits<double>::infinity();
+        driven ? kWorkspace * least(*coils_, [](const CoilGeometry& each) { return each.distance; })
+               : std::numeric_limits<double>::infinity();
 }
 
 void LocalField::set_gain(const PerCoil& gain) {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "stickslip/free_shapes.hpp"
+#include "stickslip/own_coils.hpp"
 
 namespace stickslip {
 namespace {
@@ -337,7 +338,7 @@ std::vector<EffectDescription> make_effects() {
 }  // namespace
 
 const std::vector<Parameter>& parameters() {
-    static const std::vector<Parameter> table = with_free_shapes(make_parameters());
+    static const std::vector<Parameter> table = with_free_shapes(with_own_coils(make_parameters()));
     return table;
 }
 
@@ -347,7 +348,8 @@ const std::vector<Choice>& choices() {
 }
 
 const std::vector<EffectDescription>& effects() {
-    static const std::vector<EffectDescription> table = with_free_shapes(make_effects());
+    static const std::vector<EffectDescription> table =
+        with_free_shapes(with_own_coils(make_effects()));
     return table;
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "stickslip/assembly.hpp"
+#include "stickslip/own_coils.hpp"
 #include "stickslip/scenario_rows.hpp"
 
 namespace stickslip {
@@ -46,14 +47,15 @@ std::vector<double> probe_readings(const Scenario& base, const std::vector<std::
     const ScenarioRows rows(base, keys, values);
     std::vector<double> readings(rows.size() * places.size(), kNaN);
     // Most rows have the coils of the row before, and these are most of the work.
-    CoilGeometry geometry;
+    PerCoilOf<CoilGeometry> geometry;
     std::vector<double> shares;
     for (std::size_t row = 0; row < rows.size(); ++row) {
         const std::optional<Scenario> scenario = rows[row];
         if (!scenario) continue;
-        if (shares.empty() || !(scenario->coil.geometry == geometry)) {
-            geometry = scenario->coil.geometry;
-            shares = coil_shares(CoilSet(geometry), places, currents);
+        const CoilSet coils = coil_set(world_coils(*scenario));
+        if (shares.empty() || !(coils.geometry() == geometry)) {
+            geometry = coils.geometry();
+            shares = coil_shares(coils, places, currents);
         }
         const Effects& effects = scenario->effects;
         const double ambient[kAxes] = {effects.ambient_field_bx, 0.0, effects.ambient_field_bz};

@@ -13,11 +13,20 @@
 
 namespace stickslip {
 
-/// One coil; all five are equal. Table I.
+/// One coil, Table I.
 struct CoilParameters {
     CoilGeometry geometry;
     double resistance = 10.0;  ///< ohm
     double inductance = 0.07;  ///< H
+};
+
+/// Values of one coil that differ from those of all; zero: they do not.
+struct OwnCoil {
+    double resistance = 0.0;  ///< ohm
+    double inductance = 0.0;  ///< H
+    double side = 0.0;        ///< m
+    double distance = 0.0;    ///< m
+    double turns = 0.0;
 };
 
 /// Table II.
@@ -81,6 +90,8 @@ struct Effects {
     double length_scale_fraction = 0.0;
     double clock_scale_fraction = 0.0;
     double angle_offset_angle = 0.0;  ///< rad
+    // coils that are not as all, in the world's frame; see own_coils.cpp
+    PerCoilOf<OwnCoil> own_coils = {};
     // free shapes, each absent while its knots are zero; see free_shapes.cpp
     FreeShape free_friction_speed{FreeReach::anchored, 0.02};     ///< of m/s
     FreeShape free_friction_angle{FreeReach::both_ways, 1.5};     ///< of rad
@@ -131,7 +142,7 @@ struct RecordSettings {
 struct Scenario {
     Drive drive;
     VoltageProgram program;  ///< V, world frame; used by DriveMode::program
-    CoilParameters coil;
+    CoilParameters coil;     ///< of all five, where one has no own values
     RobotParameters robot;
     ContactParameters contact;
     DragParameters drag;

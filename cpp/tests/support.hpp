@@ -57,7 +57,7 @@ inline PerCoil all_driven() {
 inline Circuit equal_coils(double resistance, double inductance, double lag) {
     CircuitParameters parameters;
     parameters.resistance.fill(resistance);
-    parameters.inductance = inductance;
+    parameters.inductance.fill(inductance);
     parameters.lag = lag;
     return Circuit(parameters);
 }

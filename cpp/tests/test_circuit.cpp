@@ -179,7 +179,7 @@ namespace {
 CircuitParameters table_one(double inductance = kInductance, double coupling = 0.0) {
     CircuitParameters parameters;
     parameters.resistance.fill(kResistance);
-    parameters.inductance = inductance;
+    parameters.inductance.fill(inductance);
     parameters.coupling = coupling;
     return parameters;
 }

@@ -16,6 +16,8 @@ using stickslip::test::kRounding;
 namespace {
 
 constexpr double kVoltsPerTesla = 1e4;  // near R over the field of one ampere
+constexpr PerCoil kEachVoltsPerTesla = {kVoltsPerTesla, kVoltsPerTesla, kVoltsPerTesla,
+                                        kVoltsPerTesla, kVoltsPerTesla};
 
 struct Expected {
     double time, in_plane, clamp;  // s, T, T
@@ -57,7 +59,7 @@ TEST_CASE("drive: every breakpoint of in-plane pulsing") {
     for (const Edge edge : {Edge::rise, Edge::fall}) {
         drive.edge = edge;
         const double peak_time = edge == Edge::rise ? 2e-3 : 23e-3;
-        const VoltageProgram program = sawtooth_program(drive, kVoltsPerTesla);
+        const VoltageProgram program = sawtooth_program(drive, kEachVoltsPerTesla);
         REQUIRE(program.blocks().size() == 3);
         CHECK(program.blocks()[0].repeats == 1);
         CHECK(program.blocks()[1].repeats == 7);
@@ -77,7 +79,7 @@ TEST_CASE("drive: every breakpoint of out-of-plane pulsing") {
     for (const Edge edge : {Edge::rise, Edge::fall}) {
         drive.edge = edge;
         const double peak_time = edge == Edge::rise ? 2e-3 : 23e-3;
-        const VoltageProgram program = sawtooth_program(drive, kVoltsPerTesla);
+        const VoltageProgram program = sawtooth_program(drive, kEachVoltsPerTesla);
         REQUIRE(program.blocks().size() == 3);
         check_block(program.blocks()[0], {{0.0, 0.0, 0.0}, {0.05, 1e-3, 0.5e-3}});
         check_block(program.blocks()[1],
@@ -92,8 +94,8 @@ TEST_CASE("drive: the clamp's polarity is the sign of the clamp coil and of noth
         down.mode = up.mode = mode;
         down.clamp = Clamp::down;
         up.clamp = Clamp::up;
-        const VoltageProgram a = sawtooth_program(down, kVoltsPerTesla);
-        const VoltageProgram b = sawtooth_program(up, kVoltsPerTesla);
+        const VoltageProgram a = sawtooth_program(down, kEachVoltsPerTesla);
+        const VoltageProgram b = sawtooth_program(up, kEachVoltsPerTesla);
         for (std::size_t i = 0; i < a.blocks().size(); ++i) {
             for (std::size_t j = 0; j < a.blocks()[i].points.size(); ++j) {
                 PerCoil mirrored = a.blocks()[i].points[j].voltage;
@@ -110,7 +112,7 @@ TEST_CASE("drive: without edge time the edge is a jump") {
     drive.edge_time = 0.0;
     for (const Edge edge : {Edge::rise, Edge::fall}) {
         drive.edge = edge;
-        const VoltageBlock pulse = sawtooth_program(drive, kVoltsPerTesla).blocks()[1];
+        const VoltageBlock pulse = sawtooth_program(drive, kEachVoltsPerTesla).blocks()[1];
         const std::size_t jump = edge == Edge::rise ? 0 : 1;
         CHECK(pulse.points[jump].time == pulse.points[jump + 1].time);
         CHECK(std::abs(pulse.points[jump].voltage[0] - pulse.points[jump + 1].voltage[0]) ==
@@ -123,7 +125,7 @@ TEST_CASE("drive: no ramps, no blocks for them, and any number of pulses is one 
     drive.ramp = 0.0;
     drive.ramp_down = 0.0;
     drive.pulses = 1'000'000'000'000;
-    const VoltageProgram program = sawtooth_program(drive, kVoltsPerTesla);
+    const VoltageProgram program = sawtooth_program(drive, kEachVoltsPerTesla);
     REQUIRE(program.blocks().size() == 1);
     CHECK(program.blocks()[0].points.size() == 3);
     CHECK(program.blocks()[0].repeats == 1'000'000'000'000);
@@ -132,7 +134,7 @@ TEST_CASE("drive: no ramps, no blocks for them, and any number of pulses is one 
 TEST_CASE("drive: a free program has no sawtooth") {
     Drive drive = example();
     drive.mode = DriveMode::program;
-    CHECK_THROWS_AS(sawtooth_program(drive, kVoltsPerTesla), std::invalid_argument);
+    CHECK_THROWS_AS(sawtooth_program(drive, kEachVoltsPerTesla), std::invalid_argument);
 }
 
 TEST_CASE("turned: the field of the turned robot's coils is the turned field") {
@@ -183,7 +185,7 @@ TEST_CASE("the voltages that a drive asks for are not those that an amplifier gi
 
 TEST_CASE("the coil that drives a robot along the surface has its voltage in the world's frame") {
     for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {
-        const VoltageProgram own = sawtooth_program(example(), kVoltsPerTesla);
+        const VoltageProgram own = sawtooth_program(example(), kEachVoltsPerTesla);
         const VoltageProgram world = direction == Direction::plus_x ? own : turned(own);
         for (const Coil coil : {Coil::xp, Coil::xm, Coil::yp, Coil::ym}) {
             const double volts = world.largest_voltage()[static_cast<std::size_t>(coil)];

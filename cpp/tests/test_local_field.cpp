@@ -56,7 +56,7 @@ double gradient_difference(const PlanarField& a, const PlanarField& b) {
 
 // m, from a point of the plane y = 0 between the coils to the nearest wire.
 double distance_to_wires(double x, double z) {
-    const double a = 0.5 * paper_coils().geometry().side, c = paper_coils().geometry().distance;
+    const double a = 0.5 * CoilGeometry().side, c = CoilGeometry().distance;
     const double wires_along_y = std::hypot(c - std::abs(x), a - std::abs(z));
     const double of_clamp = std::hypot(c + z, a - std::abs(x));
     const double wires_beside = std::min(std::hypot(c - std::abs(x), a), std::hypot(c + z, a));
@@ -217,7 +217,7 @@ TEST_CASE("local field: an ambient field is added, and a coil that is not driven
 TEST_CASE("local field: near the coils' planes is outside") {
     LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
     field.set_segment(steady({1.0, 0.0, 0.0, 0.0, 0.0}));
-    const double limit = 0.9 * paper_coils().geometry().distance;
+    const double limit = 0.9 * CoilGeometry().distance;
     const auto outside = [&](double x, double z) {
         field.rebase(x, z);
         return field.outside();

@@ -31,11 +31,11 @@ _MOST_POINTS = 100_000
 def volts_per_tesla(coil: Coil | None = None) -> float:
     """Voltage of one coil for a steady-state field of 1 T at the centre, V/T.
 
-    Resistance over field per ampere, Eqs. (1)-(7). All five coils have the same.
+    Resistance over field per ampere, Eqs. (1)-(7); of coils without values of their own.
     """
     coil = coil or Coil()
-    winding = _core.CoilSet(coil.side, coil.distance, coil.turns)
-    return coil.resistance / winding.centre_field_per_ampere
+    winding = _core.CoilSet([coil.side] * 5, [coil.distance] * 5, [coil.turns] * 5)
+    return coil.resistance / winding.centre_field_per_ampere[0]
 
 
 class Waveform:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array
 
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
 
 class Coils:
-    """Five equal square coils around the origin; the frame is right-handed with z up.
+    """Five square coils around the origin; the frame is right-handed with z up.
 
     Positive current in any coil gives a field along the positive axis (+x, +y or +z) at the
     origin. Each winding counts as one filament (equations (2)-(7) of Pawashe, Floyd and Sitti,
@@ -18,12 +23,12 @@ class Coils:
 
     Parameters
     ----------
-    side : float
-        Effective side length of each coil, m.
-    distance : float
-        Distance from the origin to each coil's plane, m.
-    turns : float
-        Number of turns of each coil.
+    side : float or array_like of shape (5,)
+        Effective side length of all coils, or of each in the order of `COIL_NAMES`, m.
+    distance : float or array_like of shape (5,)
+        Distance from the origin to a coil's plane, m.
+    turns : float or array_like of shape (5,)
+        Number of turns.
 
     Raises
     ------
@@ -37,31 +42,43 @@ class Coils:
     array([0.00096258, 0.        , 0.        ])
     """
 
-    def __init__(self, side: float = 0.1385, distance: float = 0.099, turns: float = 510.0) -> None:
-        self._core = _core.CoilSet(float(side), float(distance), float(turns))
+    def __init__(
+        self, side: ArrayLike = 0.1385, distance: ArrayLike = 0.099, turns: ArrayLike = 510.0
+    ) -> None:
+        self._core = _core.CoilSet(*map(_five, (side, distance, turns)))
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Coils:
+        """The coils of a scenario, with what ``[effects.coil_xp]`` .. say of single ones."""
+        made = cls()
+        made._core = scenario.to_core().coils()
+        return made
 
     def __repr__(self) -> str:
         return f"Coils(side={self.side}, distance={self.distance}, turns={self.turns})"
 
     @property
-    def side(self) -> float:
-        """Effective side length, m."""
-        return self._core.side
+    def side(self) -> float | Array:
+        """Effective side length, m; shape (5,) where it differs."""
+        return _one_or_five(self._core.side)
 
     @property
-    def distance(self) -> float:
-        """Distance from the origin to each coil's plane, m."""
-        return self._core.distance
+    def distance(self) -> float | Array:
+        """Distance from the origin to a coil's plane, m; shape (5,) where it differs."""
+        return _one_or_five(self._core.distance)
 
     @property
-    def turns(self) -> float:
-        """Number of turns."""
-        return self._core.turns
+    def turns(self) -> float | Array:
+        """Number of turns; shape (5,) where it differs."""
+        return _one_or_five(self._core.turns)
 
     @property
-    def centre_field_per_ampere(self) -> float:
-        """Field at the origin per ampere in one coil, T/A; the same for all five."""
-        return self._core.centre_field_per_ampere
+    def centre_field_per_ampere(self) -> float | Array:
+        """Field at the origin, along a coil's positive axis, per ampere in it alone, T/A.
+
+        One number, or shape (5,) where the coils differ.
+        """
+        return _one_or_five(self._core.centre_field_per_ampere)
 
     def field(self, points: ArrayLike, currents: ArrayLike) -> Array:
         """Magnetic field of all coils, equations (3)-(7) superposed.
@@ -108,6 +125,18 @@ class Coils:
         """
         flat_points, flat_currents, shape = _flatten(points, currents)
         return self._core.gradient(flat_points, flat_currents).reshape(*shape, 3, 3)
+
+
+def _five(values: ArrayLike) -> list[float]:
+    """One value a coil, of one for all or of five; other shapes are a ValueError."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape not in ((), (5,)):
+        raise ValueError(f"a value of the coils must have shape () or (5,); got {array.shape}")
+    return [float(each) for each in np.broadcast_to(array, 5)]
+
+
+def _one_or_five(values: list[float]) -> float | Array:
+    return values[0] if len(set(values)) == 1 else np.array(values)
 
 
 def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:

@@ -82,9 +82,10 @@ def _of_drive(scenario: Scenario) -> list[str]:
             f"drive.pulses = {scenario.drive.pulses} is fewer than {STEADY_PULSES}: the measuring "
             "window begins after the ramp and includes the start-up"
         )
-    for name, volts in peak_voltages(scenario).items():
+    resistances = scenario.to_core().resistances()
+    for (name, volts), ohms in zip(peak_voltages(scenario).items(), resistances, strict=True):
         if volts > HIGH_VOLTAGE:
-            amperes = volts / scenario.coil.resistance
+            amperes = volts / ohms
             notes.append(
                 f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A in the steady "
                 "state"
@@ -93,14 +94,18 @@ def _of_drive(scenario: Scenario) -> list[str]:
 
 
 def _of_coils(scenario: Scenario) -> list[str]:
-    drive, coil = scenario.drive, scenario.coil
+    drive, core = scenario.drive, scenario.to_core()
     asked = drive.peak - drive.base
     if drive.mode == "program" or asked == 0.0:
         return []
-    share = field_swing(drive.frequency, coil.inductance / coil.resistance)
+    name = core.in_plane_coil if drive.mode == "IPP" else "clamp"
+    resistance = core.resistances()[_core.coil_names.index(name)]
+    own = float(scenario.get(f"effects.coil_{name}.inductance"))
+    inductance = own or scenario.coil.inductance
+    share = field_swing(drive.frequency, inductance / resistance)
     if share >= LEAST_SWING:
         return []
-    corner = coil.resistance / (2.0 * math.pi * coil.inductance)
+    corner = resistance / (2.0 * math.pi * inductance)
     return [
         f"drive.frequency = {drive.frequency:g} is {drive.frequency / corner:.3g} times the corner "
         f"frequency of the coils, R/(2 pi L) = {corner:.3g} Hz: within a period the field comes to "

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
 from stickslip.scenario.keys import Key
-from stickslip.scenario.named_effects import effects, is_free_shape
+from stickslip.scenario.named_effects import effects, is_free_shape, is_own_coil
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
@@ -58,7 +58,8 @@ _SCALES_IN_RANGE = 5.0
 def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tuple[Cause, ...]:
     """All extensions of a known law that the scenario does not know yet, as causes.
 
-    A free shape fits whatever is odd at its place, so that it would always win: it is no cause.
+    A free shape fits whatever is odd at its place, so that it would always win: it is no cause. Nor
+    are a coil's own values, which are measured, and which `field_gain` stands for.
 
     Parameters
     ----------
@@ -76,6 +77,7 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tu
         if each.parameters
         and each.name not in {*scenario.effects, *stated}
         and not is_free_shape(each.name)
+        and not is_own_coil(each.name)
     )
 
 

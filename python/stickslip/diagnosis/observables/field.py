@@ -52,8 +52,7 @@ class FieldObservable(TableObservable):
             largest = max(float(np.max(np.abs(table[key]))) for key in columns)
             refuse_larger(title, what, largest, most, unit)
         self._base = scenario.to_core()
-        coil = scenario.coil
-        coils = _core.CoilSet(coil.side, coil.distance, coil.turns)
+        coils = self._base.coils()
         settings = np.stack([table[key] for key in (*COIL_NAMES, *_PLACE)], axis=1)
         fields = np.stack([table[key] for key in _FIELD], axis=1)
         count = len(COIL_NAMES)
