@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
-from stickslip.diagnosis import measurement_problem
+from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
+from stickslip.diagnosis.inference.open_set import explore_free_shapes
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.facts import Code, Fact
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
 HOOK = {hook.effect: hook for hook in HOOKS}
@@ -59,6 +62,62 @@ def test_spans_are_what_the_runs_reach():
     # One frequency tells nothing of a law over it, and there is no law of what is not there.
     alone = find_spans([slow.replace({"contact.adhesion": 0.0})], threads=1)
     assert not {"free_field_frequency", "free_adhesion_angle", "free_adhesion_age"} & set(alone)
+
+
+X = np.linspace(1.0, 3.0, 24)
+WAVES = np.sin(np.outer(np.arange(4, 9), X))
+
+
+def explored(observed, left=lambda null, fit: (), sd=0.05):
+    """The law of a model whose knots are waves on a line, from data of known noise."""
+    hook = HOOK["free_drag_speed"]
+    problem = Problem(
+        lambda _, p: p[:, :1] * X + (p[:, 1:] @ WAVES if p.shape[1] > 1 else 0.0),
+        None, observed, np.eye(len(X)) / sd, math.inf,
+        (Uncertain("slope", Prior("normal", 1.0, 0.5)),), (hook.cause,),
+    )  # fmt: skip
+    spans = {hook.effect: 0.01}
+    held_out, covariance = np.arange(0, len(X), 3), sd**2 * np.eye(len(X))
+    return explore_free_shapes(problem, covariance, np.zeros(1), spans, held_out, BASE, 0, left)
+
+
+# Without noise: the law at knots of at most 0.6, two sd of its prior, takes all of the misfit.
+LAW = np.array([0.5, -0.4, 0.3, 0.6, -0.2]) @ WAVES
+
+
+def test_a_law_that_nothing_speaks_against_is_accepted():
+    found = explored(X + LAW)
+    assert (found.accepted, found.against) == (True, ())
+
+
+@pytest.mark.parametrize(
+    ("observed", "code"),
+    [
+        # The slope is four standard deviations of its prior above its middle.
+        ((1.0 + 4.0 * 0.5) * X + LAW, Code.CONSTANT_PULLED),
+        # One reading is 5.5 errors off, of which six of 24 free parameters leave 4.7 or so; noise
+        # gives 4.2 among 24 in less than one case of a thousand.
+        (X + LAW + 5.5 * 0.05 * (np.arange(24) == 11), Code.ERRORS_CONTRADICTED),
+        # A knot of 3.6 is beyond 3, the largest that is searched.
+        (X + LAW + 3.0 * WAVES[3], Code.AT_LIMIT),
+    ],
+    ids=lambda given: given.value if isinstance(given, Code) else "",
+)
+def test_a_law_is_withheld_for_what_withholds_a_name(observed, code):
+    found = explored(observed)
+    assert code in [each.code for each in found.against]
+    assert not found.accepted
+    assert code in [each.code for each in found.facts()]
+
+
+def test_a_law_that_a_table_contradicts_or_that_leaves_something_smooth_is_withheld():
+    def left(null, fit):
+        assert null.chi2 > fit.chi2
+        return (Fact(Code.SMOOTH_REST, {"name": fit.name, "percent": 50.0, "needed": 70.0}),)
+
+    found = explored(X + LAW, left)
+    assert not found.accepted
+    assert found.facts()[-1].code is Code.SMOOTH_REST
 
 
 def measured(hidden, conditions, seed):

@@ -14,7 +14,7 @@ from stickslip.diagnosis.inference.verdict import (
     Table,
     Verdict,
     checked_on_training_subset,
-    contradicting,
+    contradictions,
     decide,
 )
 from stickslip.facts import Code, Fact
@@ -82,12 +82,12 @@ def test_a_name_that_leaves_one_reading_far_off_is_withheld():
 
 def test_each_table_is_judged_by_its_own_noise():
     # Eight residuals of 1.7: p = 0.003 where the noise is known, 0.08 where eight trials told it.
-    fit = SimpleNamespace(residual=np.concatenate([np.full(8, 1.7), np.full(8, 1.0)]))
+    fit = SimpleNamespace(name="wave", residual=np.repeat([1.7, 1.0], 8))
     rows = np.arange(8)
     known = [Table("velocity", rows, math.inf), Table("angle", rows + 8, math.inf)]
-    assert contradicting(fit, known) == ["velocity"]
-    assert contradicting(fit, [Table("velocity", rows, 8.0), known[1]]) == []
-    assert contradicting(fit, known[:1]) == []
+    assert [each.fields["kind"] for each in contradictions(fit, known)] == ["velocity"]
+    assert contradictions(fit, [Table("velocity", rows, 8.0), known[1]]) == ()
+    assert contradictions(fit, known[:1]) == ()
 
 
 def test_a_verdict_that_changes_on_the_training_subset_is_ambiguous():

@@ -19,12 +19,14 @@ from stickslip.diagnosis.data.plausibility import (
 )
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
+from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
 from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.open_set import OpenSet, explore_free_shapes
 from stickslip.diagnosis.inference.smooth_residual import Settings
+from stickslip.diagnosis.inference.verdict import contradictions, smooth_rest
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
@@ -180,8 +182,22 @@ def _open_set(
         len(found.noise.mean), options.seed, options.group, options.singleton_condition
     )
     inverse = np.linalg.inv(problem.whiten)
+
+    def left(null: Fit, fit: Fit) -> tuple[Fact, ...]:
+        return (
+            *smooth_rest(null, fit, found.smooth_bound),
+            *contradictions(fit, found.tables),
+        )
+
     return explore_free_shapes(
-        problem, inverse @ inverse.T, null.x[:count], spans, held_out, free.scenario, options.seed
+        problem,
+        inverse @ inverse.T,
+        null.x[:count],
+        spans,
+        held_out,
+        free.scenario,
+        options.seed,
+        left,
     )
 
 

@@ -15,7 +15,7 @@ from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.open_set import FreeShape, OpenSet
-from stickslip.diagnosis.inference.verdict import Verdict
+from stickslip.diagnosis.inference.verdict import Table, Verdict
 from stickslip.diagnosis.model.problem import Array, Problem
 from stickslip.facts import Fact
 
@@ -50,6 +50,8 @@ class Findings(OneLine):
         Profiles of the parameters of the verdict's fit.
     notes : tuple of Fact
     seed : int
+    tables : tuple of Table
+        Kinds of data that have to agree each.
     open_set : OpenSet, optional
         Laws of a free shape, where no cause explains the data or they were asked for.
     """
@@ -70,6 +72,7 @@ class Findings(OneLine):
     profiles: tuple[Profile, ...]
     notes: tuple[Fact, ...]
     seed: int
+    tables: tuple[Table, ...]
     open_set: OpenSet | None = None
 
     @property

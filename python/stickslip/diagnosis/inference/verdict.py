@@ -124,32 +124,36 @@ def decide(
     said = _decided(problem, ranking, cosines, improves_prediction, chance)
     if said.fit is None or said.kind not in ("named", "pair"):
         return said
-    share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
-    if share is not None and share < LEAST_SHARE:
-        part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
-        reason = Fact(Code.SMOOTH_REST, {"name": said.fit.name, **part})
+    smooth = smooth_rest(ranking.null, said.fit, smooth_bound)
+    if smooth:
         # The probability of causes that leave something smooth behind goes to the unknown.
         moved = {name: 0.0 if name in said.causes else p for name, p in chance.items()}
         moved["unknown"] += sum(chance[name] for name in said.causes)
-        return Verdict("unexplained", (), None, (reason,), moved)
-    against = contradicting(said.fit, tables)
-    if against:
-        level = {"name": said.fit.name, "level": ADEQUATE / len(tables)}
-        fact = Fact(Code.TABLE_CONTRADICTS, level)
-        reasons = tuple(fact.of(kind=each) for each in against)
-        return replace(said, kind="ambiguous", reasons=reasons)
-    return said
+        return Verdict("unexplained", (), None, smooth, moved)
+    against = contradictions(said.fit, tables)
+    return replace(said, kind="ambiguous", reasons=against) if against else said
 
 
-def contradicting(fit: Fit, tables: Sequence[Table]) -> list[str]:
+def smooth_rest(null: Fit, fit: Fit, smooth_bound: float | None) -> tuple[Fact, ...]:
+    """That a fit leaves too much that is smooth, where it does."""
+    share = share_of_smooth_bound(null, fit, smooth_bound)
+    if share is None or share >= LEAST_SHARE:
+        return ()
+    part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
+    return (Fact(Code.SMOOTH_REST, {"name": fit.name, **part}),)
+
+
+def contradictions(fit: Fit, tables: Sequence[Table]) -> tuple[Fact, ...]:
     """Tables, of several, whose own misfit is too large although the whole may be adequate."""
     found = []
-    for table in tables:
+    for table in tables if len(tables) > 1 else ():
         mine = fit.residual[table.rows]
         # As many chances to fail by noise alone as there are tables.
-        if lack_of_fit_p(float(mine @ mine), len(mine), table.dof) < ADEQUATE / len(tables):
-            found.append(table.kind)
-    return found if len(tables) > 1 else []
+        level = ADEQUATE / len(tables)
+        if lack_of_fit_p(float(mine @ mine), len(mine), table.dof) < level:
+            said = {"kind": table.kind, "name": fit.name, "level": level}
+            found.append(Fact(Code.TABLE_CONTRADICTS, said))
+    return tuple(found)
 
 
 def share_of_smooth_bound(null: Fit, fit: Fit, smooth_bound: float | None) -> float | None:
@@ -191,9 +195,9 @@ def _decided(
         said = Fact(Code.NOT_SEPARATED, {"causes": list(names), "margin": MARGIN})
         if all(fit in alike or fit is best for fit in candidates):
             said = Fact(Code.ALIKE, {"causes": list(names), "limit": SAME})
-        reasons = (said, *_reasons_against(problem, null, best))
+        reasons = (said, *reasons_against(problem, null, best))
         return Verdict("ambiguous", names, best, reasons, chance)
-    reasons = _reasons_against(problem, null, best, improves_prediction)
+    reasons = reasons_against(problem, null, best, improves_prediction)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, reasons, chance)
     others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
@@ -251,7 +255,7 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
     return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
 
 
-def _reasons_against(
+def reasons_against(
     problem: Problem, null: Fit, best: Fit, improves_prediction: Callable[[Fit], bool] | None = None
 ) -> tuple[Fact, ...]:
     """Why a candidate that leads all others is not claimed all the same."""
@@ -331,7 +335,7 @@ def _without_single(
         several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": MARGIN}
         reasons: tuple[Fact, ...] = (Fact(Code.SEVERAL_PAIRS, several),)
     else:
-        reasons = _reasons_against(problem, ranking.null, best, improves_prediction)
+        reasons = reasons_against(problem, ranking.null, best, improves_prediction)
     if reasons:
         return Verdict("ambiguous", causes, best, reasons, chance)
     return Verdict("pair", causes, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)
