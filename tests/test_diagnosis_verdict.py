@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
-from stickslip.diagnosis import diagnose_model
+from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.fit.fit_result import Ranking
 from stickslip.diagnosis.inference.verdict import (
     Table,
@@ -16,6 +16,7 @@ from stickslip.diagnosis.inference.verdict import (
     checked_on_training_subset,
     contradictions,
     decide,
+    most_pulled,
 )
 from stickslip.facts import Code, Fact
 
@@ -68,6 +69,40 @@ def test_a_name_whose_fit_pulls_a_constant_far_is_withheld():
         assert (said.kind, "wave" in said.causes) == (kind, True)
         codes = [each.code for each in said.reasons]
         assert (Code.CONSTANT_PULLED in codes) == (kind == "ambiguous")
+
+
+@pytest.mark.parametrize("count", [1, 2, 9, 30])
+def test_the_limit_of_pulls_refuses_as_few_right_fits_however_many_constants_there_are(count):
+    # Honest constants that the data do not determine are pulled by standard normal amounts, and
+    # one of several independent ones is beyond L with 1 - (1 - 2 Q(L))^n, less than 2 n Q(L).
+    limit, draws = most_pulled(count), 40_000
+    pulls = np.random.default_rng(count).standard_normal((draws, count))
+    refused = np.mean(np.max(np.abs(pulls), axis=1) > limit)
+    expected = 1.0 - (1.0 - math.erfc(limit / math.sqrt(2.0))) ** count
+    # Five standard errors of the share.
+    assert refused == pytest.approx(expected, abs=5.0 * math.sqrt(expected / draws))
+    assert expected < 0.0251
+    # Beyond two constants no more is given away than the bound's own gap, 0.025^2 / 2, and than is
+    # lost by 2.5 itself for fewer.
+    assert count < 2 or expected > 0.025 - 0.025**2
+
+
+def test_many_constants_of_instruments_do_not_refuse_a_right_name():
+    # One of twenty, which the data hardly determine, is 2.8 sd of its prior off: more than one
+    # constant may be, and less than the largest of twenty is in one case of forty, 3.2.
+    def predict(_, p):
+        shifts = p[:, 1:20] @ np.eye(19, len(X))
+        return line(_, p[:, [0, *range(20, p.shape[1])]]) + 1e-4 * shifts
+
+    tiny = [Uncertain(f"pixel {k}", Prior("normal", 0.0, 1.0)) for k in range(19)]
+    for pull, kind in ((2.8, "named"), (3.6, "ambiguous")):
+        observed = (1.0 + pull * 0.5) * X + np.sin(4 * X)
+        said = diagnose_model(
+            predict, None, observed, [replace(SLOPE, suspect=False), *tiny], [WAVE],
+            sd=np.full(len(X), SD),
+        ).verdict  # fmt: skip
+        assert (said.kind, said.causes) == (kind, ("wave",))
+        assert (Code.CONSTANT_PULLED in [each.code for each in said.reasons]) == (pull > 3.2)
 
 
 def test_a_name_that_leaves_one_reading_far_off_is_withheld():

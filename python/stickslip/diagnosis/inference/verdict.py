@@ -36,10 +36,10 @@ derived: with a smaller one a cause is named that leaves much unexplained; with 
 larger one noise, part of which a smooth function explains, refuses right causes."""
 
 
-MOST_PULLED = 2.5
-"""Pull of a constant, in standard deviations of its prior, beyond which a fit is not claimed.
-Chosen: with two honest constants one fit in forty has a larger one, and so has a fit whose constant
-makes up for something else than the cause."""
+MOST_PULLED, _PULLED_SHARE = 2.5, 0.025
+"""Pull of a constant, in standard deviations of its prior, beyond which a fit is not claimed, and
+the share of right fits that it may refuse; see `most_pulled`. Chosen: the share is that of two
+honest constants at this limit, and a constant that makes up for something else is pulled more."""
 
 CONTRADICTED = 1e-3
 """p-value of the largest residual of all below which the error model is contradicted. Chosen: one
@@ -272,8 +272,8 @@ def reasons_against(
         reasons.append(Fact(Code.NOT_PREDICTED_BETTER, name))
     pulls = _pulls(problem, best)
     most = max(pulls, key=lambda each: abs(pulls[each]), default=None)
-    if most is not None and abs(pulls[most]) > MOST_PULLED:
-        pull = {"constant": most, "pull": pulls[most], "limit": MOST_PULLED}
+    if most is not None and abs(pulls[most]) > most_pulled(len(pulls)):
+        pull = {"constant": most, "pull": pulls[most], "limit": most_pulled(len(pulls))}
         reasons.append(Fact(Code.CONSTANT_PULLED, {**name, **pull}))
     largest = float(np.max(np.abs(best.residual[: len(problem.observed)])))
     if _largest_p(problem, largest) < CONTRADICTED:
@@ -293,6 +293,16 @@ def _largest_p(problem: Problem, residual: float) -> float:
     """Probability that noise makes a larger residual among all, at most, in errors."""
     law = student_law(problem.dof) if math.isfinite(problem.dof) else normal_law()
     return float(2.0 * len(problem.observed) * law.sf(residual))
+
+
+def most_pulled(count: int) -> float:
+    """Largest pull that is claimed where there are some constants, cameras' and others'.
+
+    Each of n honest constants lies beyond L on either side with a probability of 2 Q(L), so that
+    one of them does with at most 2 n Q(L), whatever their correlation. This is `_PULLED_SHARE`
+    where Q(L) = 0.0125 / n.
+    """
+    return max(MOST_PULLED, float(normal_law.isf(0.5 * _PULLED_SHARE / max(count, 1))))
 
 
 def _pulls(problem: Problem, fit: Fit) -> dict[str, float]:
