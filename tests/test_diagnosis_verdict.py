@@ -147,16 +147,8 @@ def test_a_verdict_that_changes_on_the_training_subset_is_ambiguous():
     assert checked_on_training_subset(both, ranking, "wave").kind == "pair"
 
 
-def behind(lead):
-    """That the pair of bend and wave is the runner-up."""
-    return Code.RUNNER_UP, {"name": "bend + wave", "lead": pytest.approx(lead)}
-
-
-def ahead(lead):
-    """That it leads, but does not explain the data."""
-    return Code.OTHER_LEADS_UNEXPLAINED, {"name": "bend + wave", "lead": pytest.approx(lead)}
-
-
+# The bend, and not the pair that has the wave and the bend: it says the same of the wave.
+BEHIND = (Code.RUNNER_UP, {"name": "bend", "lead": 20.0})
 LESS_LIKELY = (Code.LESS_LIKELY, {"explaining": "wave", "name": "bend"})
 
 
@@ -172,16 +164,41 @@ def standing(evidence, misfit, causes, like):
     ("wave", "bend", "both", "word", "said"),
     [
         # Log-evidence and misfit of 24 readings; above 43 (p < 0.01) it is not explained.
-        ((90.0, 20.0), (70.0, 30.0), (96.0, 18.0), "named", behind(0.7)),
+        ((90.0, 20.0), (70.0, 30.0), (96.0, 18.0), "named", BEHIND),
         ((90.0, 20.0), (88.7, 60.0), (70.0, 18.0), "ambiguous", (Code.NOT_SEPARATED, {})),
         ((90.0, 20.0), (95.0, 60.0), (70.0, 18.0), "unexplained", LESS_LIKELY),
         ((90.0, 20.0), (92.0, 60.0), (97.5, 18.0), "unexplained", LESS_LIKELY),
         ((90.0, 60.0), (70.0, 60.0), (95.0, 18.0), "unexplained", (Code.PAIR_LEADS_TOO_LITTLE, {})),
         ((90.0, 60.0), (70.0, 60.0), (97.0, 60.0), "unexplained", (Code.NO_EXPLANATION, {})),
-        ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", ahead(2.3)),
+        ((90.0, 20.0), (70.0, 60.0), (99.0, 60.0), "named", BEHIND),
     ],
 )
 def test_the_reason_says_why_the_verdict_is_not_more_definite(wave, bend, both, word, said):
+    verdict = judged(wave, bend, both)
+    assert verdict.kind == word
+    code, fields = said
+    assert verdict.reasons[0].code is code
+    assert {key: verdict.reasons[0].fields[key] for key in fields} == fields
+
+
+@pytest.mark.parametrize(
+    ("both", "code", "lead"),
+    [
+        # Less than 6.7 above the wave's 90; more than that by 2.3, but with a misfit of p < 0.01.
+        ((96.0, 18.0), Code.NOTHING_LEFT, 6.0),
+        ((99.0, 60.0), Code.OTHER_LEADS_UNEXPLAINED, 2.3),
+    ],
+)
+def test_what_a_second_cause_adds_is_said_beside_a_name(both, code, lead):
+    verdict = judged((90.0, 20.0), (70.0, 60.0), both)
+    assert (verdict.kind, verdict.causes) == ("named", ("wave",))
+    _, second = verdict.reasons
+    assert second.code is code
+    assert second.fields["lead"] == pytest.approx(lead)
+
+
+def judged(wave, bend, both):
+    """The verdict on fits of two causes and of both, by their log-evidence and misfit."""
     given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND))
     singles = [standing(*at, (each,), fitted(given, [each]))
                for at, each in ((wave, WAVE), (bend, BEND))]  # fmt: skip
@@ -189,8 +206,4 @@ def test_the_reason_says_why_the_verdict_is_not_more_definite(wave, bend, both, 
     singles.sort(key=lambda fit: -fit.log_evidence)
     ranking = Ranking(fitted(given), tuple(singles), (pair,))
     found = SimpleNamespace(found=True)
-    verdict = decide(given, found, ranking, np.eye(2), {}, lambda fit: True)
-    assert verdict.kind == word
-    code, fields = said
-    assert verdict.reasons[0].code is code
-    assert {key: verdict.reasons[0].fields[key] for key in fields} == fields
+    return decide(given, found, ranking, np.eye(2), {}, lambda fit: True)

@@ -13,10 +13,11 @@ from scipy.stats import t as student_law
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.distinguishability import SAME
-from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
+from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
 from stickslip.diagnosis.inference.detection import ALPHA, Detection
 from stickslip.diagnosis.inference.probabilities import probabilities
+from stickslip.diagnosis.inference.runner_up import describe_runner_up, second_look
 from stickslip.diagnosis.model.problem import Array, Indices, Problem
 from stickslip.facts import Code, Fact
 
@@ -200,39 +201,9 @@ def _decided(
     reasons = reasons_against(problem, null, best, improves_prediction)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, reasons, chance)
-    others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
-    second = describe_runner_up(problem, best, null, others)
-    return Verdict(
-        "named", (best.name,), best, (second, *_second_look(best, ranking.pairs)), chance
-    )
-
-
-def _second_look(said: Fit, pairs: Sequence[Fit]) -> tuple[Fact, ...]:
-    """What a second cause beside a named one would add at best."""
-    beside = [pair for pair in pairs if set(said.candidate.causes) <= set(pair.candidate.causes)]
-    if not beside:
-        return ()
-    (other,) = set(beside[0].candidate.causes) - set(said.candidate.causes)
-    lead = beside[0].log_evidence - said.log_evidence
-    if lead >= PAIR_PRICE:
-        return ()  # it leads and does not explain the data, which the runner-up's sentence says
-    fields = {"name": said.name, "other": other.name, "lead": lead, "needed": PAIR_PRICE}
-    return (Fact(Code.NOTHING_LEFT, fields),)
-
-
-def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> Fact:
-    """How the best other candidate, or the null, compares with what is said.
-
-    By log-evidence after the price of a second cause.
-    """
-    second = ranked([null, *others], priced=True)[0]
-    lead = said.priced_evidence - second.priced_evidence
-    if lead >= 0.0:
-        return Fact(Code.RUNNER_UP, {"name": second.name, "lead": lead})
-    if _adequate(problem, [second]):
-        return Fact(Code.OTHER_LEADS, {"name": second.name, "lead": -lead})
-    unexplained = {"name": second.name, "lead": -lead, "level": ADEQUATE}
-    return Fact(Code.OTHER_LEADS_UNEXPLAINED, unexplained)
+    second = describe_runner_up(problem, best, null, [*singles, *ranking.pairs])
+    look = second_look(problem, best, ranking.pairs)
+    return Verdict("named", (best.name,), best, (second, *look), chance)
 
 
 def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
