@@ -9,6 +9,7 @@ from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, si
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
 from stickslip.diagnosis.inference.open_set import explore_free_shapes
+from stickslip.diagnosis.inference.verdict import reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
 from stickslip.diagnosis.model.problem import Problem
 from stickslip.facts import Code, Fact
@@ -68,7 +69,11 @@ X = np.linspace(1.0, 3.0, 24)
 WAVES = np.sin(np.outer(np.arange(4, 9), X))
 
 
-def explored(observed, left=lambda null, fit: (), sd=0.05):
+def against(problem, null, fit):
+    return reasons_against(problem, null, fit, ())
+
+
+def explored(observed, against=against, sd=0.05):
     """The law of a model whose knots are waves on a line, from data of known noise."""
     hook = HOOK["free_drag_speed"]
     problem = Problem(
@@ -78,7 +83,7 @@ def explored(observed, left=lambda null, fit: (), sd=0.05):
     )  # fmt: skip
     spans = {hook.effect: 0.01}
     held_out, covariance = np.arange(0, len(X), 3), sd**2 * np.eye(len(X))
-    return explore_free_shapes(problem, covariance, np.zeros(1), spans, held_out, BASE, 0, left)
+    return explore_free_shapes(problem, covariance, np.zeros(1), spans, held_out, BASE, 0, against)
 
 
 # Without noise: the law at knots of at most 0.6, two sd of its prior, takes all of the misfit.
@@ -110,12 +115,12 @@ def test_a_law_is_withheld_for_what_withholds_a_name(observed, code):
     assert code in [each.code for each in found.facts()]
 
 
-def test_a_law_that_a_table_contradicts_or_that_leaves_something_smooth_is_withheld():
-    def left(null, fit):
+def test_a_law_that_leaves_something_smooth_is_withheld():
+    def smooth(problem, null, fit):
         assert null.chi2 > fit.chi2
         return (Fact(Code.SMOOTH_REST, {"name": fit.name, "percent": 50.0, "needed": 70.0}),)
 
-    found = explored(X + LAW, left)
+    found = explored(X + LAW, smooth)
     assert not found.accepted
     assert found.facts()[-1].code is Code.SMOOTH_REST
 

@@ -17,6 +17,7 @@ from stickslip.diagnosis.inference.verdict import (
     contradictions,
     decide,
     most_pulled,
+    reasons_against,
 )
 from stickslip.facts import Code, Fact
 
@@ -113,6 +114,20 @@ def test_a_name_that_leaves_one_reading_far_off_is_withheld():
     said = diagnosed(X + np.sin(4 * X) + off)
     assert said.kind == "ambiguous"
     assert Code.ERRORS_CONTRADICTED in [each.code for each in said.reasons]
+
+
+@pytest.mark.parametrize(("table", "refused"), [("a", False), ("b", True)])
+def test_a_reading_is_judged_by_the_degrees_of_freedom_of_its_own_table(table, refused):
+    # One of 24 readings is off by 6 errors, of which the fit's two parameters leave 5.7. That is
+    # rarer than 0.001 where the noise is known (b), 24 * 2 Q(5.7) = 3e-7, and not where it has six
+    # degrees of freedom (a), by Student's law 0.03. By the 24 degrees of freedom of both tables
+    # together, 0.0002, it would be in either.
+    off = np.zeros(len(X))
+    off[4 if table == "a" else 16] = 6.0 * SD
+    fit = fitted(replace(problem(X + np.sin(4 * X) + off), dof=24.0), [WAVE])
+    tables = [Table("a", np.arange(12), 6.0), Table("b", np.arange(12, 24), math.inf)]
+    said = reasons_against(replace(problem(X), dof=24.0), fit, fit, tables)
+    assert (Code.ERRORS_CONTRADICTED in [each.code for each in said]) == refused
 
 
 def test_each_table_is_judged_by_its_own_noise():

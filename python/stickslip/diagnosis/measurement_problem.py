@@ -26,11 +26,15 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.open_set import OpenSet, explore_free_shapes
 from stickslip.diagnosis.inference.smooth_residual import Settings
-from stickslip.diagnosis.inference.verdict import contradictions, smooth_rest
+from stickslip.diagnosis.inference.verdict import (
+    contradictions,
+    reasons_against,
+    smooth_rest,
+)
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
-from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Problem, Uncertain
 from stickslip.diagnosis.model.simulator import (
     TOLERANCES,
     Simulator,
@@ -183,8 +187,9 @@ def _open_set(
     )
     inverse = np.linalg.inv(problem.whiten)
 
-    def left(null: Fit, fit: Fit) -> tuple[Fact, ...]:
+    def against(problem: Problem, null: Fit, fit: Fit) -> tuple[Fact, ...]:
         return (
+            *reasons_against(problem, null, fit, found.tables),
             *smooth_rest(null, fit, found.smooth_bound),
             *contradictions(fit, found.tables),
         )
@@ -197,7 +202,7 @@ def _open_set(
         held_out,
         free.scenario,
         options.seed,
-        left,
+        against,
     )
 
 

@@ -34,7 +34,7 @@ from stickslip.diagnosis.fit.single_cause import (
 )
 from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.formulas import Formula, find_formula
-from stickslip.diagnosis.inference.verdict import MARGIN, reasons_against
+from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.free_shapes import HOOKS, Hook, curve_design
 from stickslip.diagnosis.model.problem import Problem
 from stickslip.facts import Code, Fact
@@ -213,7 +213,7 @@ def explore_free_shapes(
     held_out: Indices,
     scenario: Scenario,
     seed: int,
-    left: Callable[[Fit, Fit], tuple[Fact, ...]],
+    against: Callable[[Problem, Fit, Fit], tuple[Fact, ...]],
 ) -> OpenSet | None:
     """Fit a free curve at each hook, and rank them.
 
@@ -233,9 +233,8 @@ def explore_free_shapes(
         Any that knows the effects.
     seed : int
         Of the bootstrap of the gain.
-    left : callable
-        What the fit of its second argument leaves of the data that speaks against it, beside that
-        of its first, the recalibrated model.
+    against : callable
+        ``against(problem, null, fit)`` is what speaks against a fit, beside the recalibrated model.
 
     Returns
     -------
@@ -261,12 +260,11 @@ def explore_free_shapes(
         for fit in ranked(fits)
     )
     first = shapes[0]
-    against = (*reasons_against(problem, null, first.fit), *left(null, first.fit))
     gain = measure_gain(
         problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
     )
     curve, formula = _curve(problem, first, scenario)
-    return OpenSet(problem, shapes, against, gain, curve, formula)
+    return OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, formula)
 
 
 def _fits(problem: Problem, null: Fit) -> tuple[Fit, ...]:

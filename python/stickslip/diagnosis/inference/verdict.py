@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -122,7 +121,7 @@ def decide(
     if not detection.found:
         passed = Fact(Code.NOTHING_DETECTED, {"p_value": detection.p_value, "level": ALPHA})
         return Verdict("none", (), None, (passed,), chance)
-    said = _decided(problem, ranking, cosines, improves_prediction, chance)
+    said = _decided(problem, ranking, cosines, improves_prediction, chance, tables)
     if said.fit is None or said.kind not in ("named", "pair"):
         return said
     smooth = smooth_rest(ranking.null, said.fit, smooth_bound)
@@ -172,15 +171,16 @@ def _decided(
     cosines: Array,
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
+    tables: Sequence[Table],
 ) -> Verdict:
     """The verdict if something was detected, before smooth functions and tables are asked."""
     singles, null = ranking.singles, ranking.null
     best = next(iter(_adequate(problem, singles)), None)
     if best is None or singles[0].log_evidence > best.log_evidence + MARGIN:
-        return _without_single(problem, ranking, improves_prediction, chance)
+        return _without_single(problem, ranking, improves_prediction, chance, tables)
     led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
     if _adequate(problem, led):
-        return _without_single(problem, ranking, improves_prediction, chance)
+        return _without_single(problem, ranking, improves_prediction, chance, tables)
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
     # A candidate that is not quite adequate itself may still be too near to be dismissed.
     close = [fit for fit in singles if best.log_evidence - fit.log_evidence < MARGIN]
@@ -196,9 +196,9 @@ def _decided(
         said = Fact(Code.NOT_SEPARATED, {"causes": list(names), "margin": MARGIN})
         if all(fit in alike or fit is best for fit in candidates):
             said = Fact(Code.ALIKE, {"causes": list(names), "limit": SAME})
-        reasons = (said, *reasons_against(problem, null, best))
+        reasons = (said, *reasons_against(problem, null, best, tables))
         return Verdict("ambiguous", names, best, reasons, chance)
-    reasons = reasons_against(problem, null, best, improves_prediction)
+    reasons = reasons_against(problem, null, best, tables, improves_prediction)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, reasons, chance)
     second = describe_runner_up(problem, best, null, [*singles, *ranking.pairs])
@@ -227,7 +227,11 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
 
 
 def reasons_against(
-    problem: Problem, null: Fit, best: Fit, improves_prediction: Callable[[Fit], bool] | None = None
+    problem: Problem,
+    null: Fit,
+    best: Fit,
+    tables: Sequence[Table],
+    improves_prediction: Callable[[Fit], bool] | None = None,
 ) -> tuple[Fact, ...]:
     """Why a candidate that leads all others is not claimed all the same."""
     reasons = []
@@ -246,9 +250,12 @@ def reasons_against(
     if most is not None and abs(pulls[most]) > most_pulled(len(pulls)):
         pull = {"constant": most, "pull": pulls[most], "limit": most_pulled(len(pulls))}
         reasons.append(Fact(Code.CONSTANT_PULLED, {**name, **pull}))
-    largest = float(np.max(np.abs(best.residual[: len(problem.observed)])))
-    if _largest_p(problem, largest) < CONTRADICTED:
-        fields = {**name, "errors": largest, "level": CONTRADICTED}
+    off = np.abs(best.residual[: len(problem.observed)])
+    chance = _chance(off, tables, problem.dof)
+    rarest = int(np.argmin(chance))
+    # As many chances to be that far off by noise alone as there are readings.
+    if len(chance) * chance[rarest] < CONTRADICTED:
+        fields = {**name, "errors": float(off[rarest]), "level": CONTRADICTED}
         reasons.append(Fact(Code.ERRORS_CONTRADICTED, fields))
     extra = best.candidate.free[problem.base_count :]
     low, high = (end[extra] for end in problem.limits())
@@ -260,10 +267,15 @@ def reasons_against(
     return tuple(reasons)
 
 
-def _largest_p(problem: Problem, residual: float) -> float:
-    """Probability that noise makes a larger residual among all, at most, in errors."""
-    law = student_law(problem.dof) if math.isfinite(problem.dof) else normal_law()
-    return float(2.0 * len(problem.observed) * law.sf(residual))
+def _chance(off: Array, tables: Sequence[Table], dof: float) -> Array:
+    """Probability that noise alone makes each residual, in errors, larger: by its own table's.
+
+    By that of all, with degrees of freedom `dof`, where there are no tables.
+    """
+    freedom = np.full(len(off), dof)
+    for table in tables:
+        freedom[table.rows] = table.dof
+    return np.asarray(2.0 * student_law.sf(off, freedom))
 
 
 def most_pulled(count: int) -> float:
@@ -294,6 +306,7 @@ def _without_single(
     ranking: Ranking,
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
+    tables: Sequence[Table],
 ) -> Verdict:
     """The verdict if no single cause can be claimed: a pair, a set of pairs, or unexplained."""
     best_single = ranking.singles[0] if ranking.singles else ranking.null
@@ -316,7 +329,7 @@ def _without_single(
         several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": MARGIN}
         reasons: tuple[Fact, ...] = (Fact(Code.SEVERAL_PAIRS, several),)
     else:
-        reasons = reasons_against(problem, ranking.null, best, improves_prediction)
+        reasons = reasons_against(problem, ranking.null, best, tables, improves_prediction)
     if reasons:
         return Verdict("ambiguous", causes, best, reasons, chance)
     return Verdict("pair", causes, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)
