@@ -99,8 +99,8 @@ def _examined(observed, shape):
     """What `carriers` looks at of data with a bump of this shape."""
     bump = Cause("bump", (CauseParameter("bump.height", "-", -5.0, 5.0, 1.0),))
     given = problem(observed, (bump,), lambda _, p: p[:, :1] * X + p[:, 1:2] * shape)
-    verdict = SimpleNamespace(fit=fitted(given, [bump]))
-    return SimpleNamespace(problem=given, null=fitted(given), verdict=verdict)
+    extended = given, fitted(given, [bump])
+    return SimpleNamespace(problem=given, null=fitted(given), extended=extended)
 
 
 def test_carrying_conditions_have_their_share_of_the_chi_square_decrease():
@@ -129,7 +129,7 @@ def test_three_conditions_at_most_carry_a_verdict_and_none_where_there_is_none()
     assert shares == sorted(shares, reverse=True)
     assert 3.0 / len(X) < sum(shares) < 1.0
     assert carriers(broad, 0) == []
-    broad.verdict.fit = None
+    broad.extended = None
     assert carriers(broad, len(X)) == []
 
 

@@ -123,18 +123,20 @@ def diagnose_measurement(
 
     options = replace(options, seed=seed, progress=progress, low_fidelity=low_fidelity)
     found = run_steps(model, conditions, observed, [*shared, *nuisance], causes, options)
+    bent = model
     wanted = free_shapes and found.verdict.kind not in ("none", "data-problem")
     if wanted or found.verdict.kind == "unexplained":
         say = progress or (lambda fraction, stage: None)
         say(0.9, "laws of a free shape")
-        found = replace(found, open_set=_open_set(found, options, model, simulator, conditions))
+        shapes, bent = _open_set(found, options, model, simulator, conditions)
+        found = replace(found, open_set=shapes)
         say(1.0, "done")
     # The steps know nothing of drives and tables.
     of_conditions = [start_up_included(walks.conditions), standing_still(*walks.seen)]
     of_tables = [fact for each in observables for fact in each.notes]
     notes = (*filter(None, of_conditions), *found.notes, *of_tables)
     left_out = (*(fact for each in observables for fact in each.left_out), *lost)
-    posed = PosedProblem(model, walks.conditions, simulator, given, left_out)
+    posed = PosedProblem(model, walks.conditions, simulator, given, left_out, bent)
     return replace(found, notes=notes), posed
 
 
@@ -144,10 +146,13 @@ def _open_set(
     model: Combined,
     simulator: Simulator,
     conditions: Conditions,
-) -> OpenSet | None:
-    """Laws of a free shape at the recalibrated model; None where no velocity was measured."""
+) -> tuple[OpenSet | None, Combined]:
+    """Laws of a free shape at the recalibrated model, and the model that has them.
+
+    No laws, and the model as it is, where no velocity was measured.
+    """
     if not conditions:
-        return None
+        return None, model
     problem, null = found.problem, found.null
     count = problem.base_count
     constants = problem.physical(null.x[None, :])[0][:count]
@@ -165,12 +170,8 @@ def _open_set(
     knots = [parameter.name for cause in causes for parameter in cause.parameters]
     # Observables have scenarios of their own, so that the spans are columns as the knots are.
     reach = {hook.span_key: spans[hook.effect] for hook in hooks}
-    fixed = np.array(list(reach.values()))
     free = Simulator(simulator.scenario, [*own, *knots, *reach], simulator.threads)
-    combined = Combined(free, [*names, *knots, *reach], [*own, *knots, *reach], model.observables)
-
-    def bent(conditions: Conditions, values: Array) -> Array:
-        return combined(conditions, np.hstack([values, np.tile(fixed, (len(values), 1))]))
+    bent = Combined(free, [*names, *knots], [*own, *knots], model.observables, reach)
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return bent([_low_fidelity(free.scenario, each) for each in conditions], values)
@@ -194,7 +195,7 @@ def _open_set(
             *contradictions(fit, found.tables),
         )
 
-    return explore_free_shapes(
+    shapes = explore_free_shapes(
         problem,
         inverse @ inverse.T,
         null.x[:count],
@@ -204,6 +205,7 @@ def _open_set(
         options.seed,
         against,
     )
+    return shapes, bent
 
 
 def _walks(

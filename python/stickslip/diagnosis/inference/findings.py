@@ -83,6 +83,15 @@ class Findings(OneLine):
         return self.open_set.first if self.open_set.accepted else None
 
     @property
+    def extended(self) -> tuple[Problem, Fit] | None:
+        """The fit of the extended model after the problem that it is of, where there is one."""
+        if self.verdict.fit is not None:
+            return self.problem, self.verdict.fit
+        if self.open_set is None or self.free_shape is None:
+            return None
+        return self.open_set.problem, self.free_shape.fit
+
+    @property
     def held_out(self) -> NDArray[np.bool_]:
         """Which of the problem's observables were held out for the gain, shape (m,)."""
         rows = () if self.gain is None else self.gain.held_out
