@@ -189,13 +189,13 @@ def pose(
 
 
 def fit_baseline(state: State) -> None:
-    """The constants within their priors; errors that set-ups share follow the model that is fitted.
+    """The constants within their priors; errors that are shared follow the model that is fitted.
 
     An error that many conditions share must not follow what was measured, see `NoiseModel`.
     """
     state.recalibration = recalibrate(state.problem, state.options.seed)
     null, noise = state.recalibration.null, state.noise
-    if noise.between > 0.0 or noise.between_gain > 0.0:
+    if noise.shared:
         m = len(noise.mean)
         predicted = state.problem.predicted(null.x[None, :])[0, :m]
         level = np.where(np.isfinite(predicted), predicted, noise.mean)
