@@ -11,12 +11,15 @@ from stickslip.diagnosis.data.error_correlation import with_correlation
 from stickslip.diagnosis.data.trial_noise import fit_noise, stated_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
+from stickslip.diagnosis.input_checks import check_inputs
 from stickslip.diagnosis.observables.tracking.folding import (
     FrameErrors,
     correlation_of_frames,
     fold,
     reduce,
 )
+from stickslip.diagnosis.options import Options
+from stickslip.diagnosis.pipeline import State, estimate_noise, fit_baseline, pose
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code
 from stickslip.measurement import Measurement
@@ -336,3 +339,34 @@ def test_lost_frames_are_gaps():
     rows = np.random.default_rng(11).standard_normal((2, 6))
     assert errors_of.covariance(rows) == pytest.approx(rows @ covariance @ rows.T, rel=1e-12)
     assert errors_of.transposed(rows) == pytest.approx(rows @ white, abs=1e-12)
+
+
+def test_correlated_errors_follow_the_fitted_level_and_not_the_readings():
+    # Relative errors of a curve of m = 12 readings, mean of four sweeps. With a covariance in
+    # proportion to the readings y = v (1 + e), generalised least squares takes the level as
+    # 1'Y R 1 / 1'Y R Y 1, with Y = 1 / y and R the inverse of the correlation, whose entries sum to
+    # s: to second order in e it is low by sd^2 (1 + (m - 2) / s), 0.8 standard errors here.
+    m, sweeps, phi, relative = 12, 4, 0.8, 0.2
+    shape = np.linspace(1.0, 3.0, m)
+    correlation = phi ** np.abs(np.subtract.outer(np.arange(m), np.arange(m)))
+    lower, inverse = np.linalg.cholesky(correlation), np.linalg.inv(correlation)
+    s = np.sum(inverse)
+    sd = relative / math.sqrt(sweeps)
+    bias = sd**2 * (1.0 + (m - 2.0) / s) / (sd / math.sqrt(s))
+    assert bias == pytest.approx(0.82, abs=0.01)
+    level = Uncertain("level", Prior("log-uniform", 0.2, 5.0), suspect=False)
+    options = Options(condition=np.tile(np.arange(m), sweeps), run=np.repeat(np.arange(sweeps), m))
+    gaps = []
+    for seed in range(60):
+        error = relative * np.random.default_rng(seed).standard_normal((sweeps, m)) @ lower.T
+        state = State(options, check_inputs((shape * (1.0 + error)).ravel(), [level], [], options))
+        estimate_noise(state)
+        pose(state, lambda _, p: p[:, :1] * shape, None, [level], [])
+        fit_baseline(state)
+        found = level.prior.value(state.recalibration.null.x[0])
+        # By the covariance of the truth the level is a weighted mean, without any bias.
+        right = 1.0 + np.sum(inverse @ error.mean(axis=0)) / s
+        gaps.append((found - right) / (sd / math.sqrt(s)))
+    # A quarter of that bias, and four standard errors of this mean.
+    assert abs(np.mean(gaps)) < 0.25 * bias
+    assert 4.0 * np.std(gaps) / math.sqrt(len(gaps)) < 0.25 * bias

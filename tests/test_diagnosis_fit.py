@@ -136,6 +136,21 @@ def test_a_difference_uses_the_side_that_can_be_computed():
     assert fit.slope[:, 0] == pytest.approx(X, rel=1e-9)
 
 
+def test_derivatives_that_are_taken_anew_are_followed_by_whole_steps():
+    # The search begins with derivatives that point the wrong way. Two failures shrink its radius to
+    # 0.04, and then new derivatives, exact on a line, promise the whole way of 1.7: to double the
+    # radius from there would take six steps, from 1 it takes two.
+    shapes = np.stack([X, X**2, np.sin(2 * X)])
+    uncertain = [Uncertain(name, Prior("normal", 0.0, 1.0)) for name in "abc"]
+    given = problem(lambda _, p: p @ shapes, np.array([1.0, -1.0, 1.0]) @ shapes, uncertain)
+    start = Start(np.zeros(3), -shapes.T)
+    found = fit_candidates(given, [make_candidate(given)], [[start]], 5)[0]
+    # The linear answer, J'J + 1 being the normal matrix with the prior's rows.
+    j = shapes.T / SD
+    expected = np.linalg.solve(j.T @ j + np.eye(3), j.T @ j @ [1.0, -1.0, 1.0])
+    assert found.x == pytest.approx(expected, abs=1e-3)
+
+
 def test_a_search_gets_past_the_jump_of_a_condition():
     # One condition is off by 40 errors while the slope is below 0.78. It pulls the least squares of
     # that side down by 40 j_5 / J'J = 0.05, to where the walk stays; with Cauchy's loss it weighs

@@ -10,13 +10,16 @@ import pytest
 from line_model import SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.data.conditions import find_singleton_condition
-from stickslip.diagnosis.fit.baseline import recalibrate
+from stickslip.diagnosis.fit.baseline import model_roughness, recalibrate
+from stickslip.diagnosis.fit.fit_result import Start, make_candidate
+from stickslip.diagnosis.fit.multistart import fit_candidates
 from stickslip.diagnosis.fit.sensitivity import find_sensitivities
 from stickslip.diagnosis.inference.constancy import changing, refit_parts
 from stickslip.diagnosis.inference.cross_validation import split
 from stickslip.diagnosis.inference.detection import detect
 from stickslip.diagnosis.inference.evidence import carriers, flat_directions
 from stickslip.diagnosis.inference.experiment_design import advice
+from stickslip.diagnosis.inference.model_comparison import AssessedBaseline, settled
 from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
 from stickslip.diagnosis.report.messages import headline, rounded
@@ -31,6 +34,29 @@ def test_the_fit_is_the_linear_answer():
     expected = float(j @ ((observed - X) / SD) / (j @ j + 1.0))
     assert fit.x[0] == pytest.approx(expected, abs=1e-6)
     assert fit.covariance[0, 0] == pytest.approx(1.0 / (j @ j + 1.0), rel=1e-6)
+
+
+def test_scatter_of_the_model_that_was_seen_once_stays_in_the_errors():
+    # Above a slope of 1.4 each prediction jumps by half an error as the slope changes; below the
+    # model is smooth. The first null stands above, and a candidate has led to the better one below.
+    def jumping(_, p):
+        jump = np.where(p[:, :1] > 1.4, 0.5 * SD * np.sign(np.sin(1e5 * p[:, :1] + X)), 0.0)
+        return line(_, p) + jump
+
+    given = problem(X, (WAVE,), jumping)
+    start = Start(np.array([1.0, 0.0]))  # a slope of 1.5
+    (above,) = fit_candidates(given, [make_candidate(given)], [[start]], 0)
+    data = SD**2 * np.eye(len(X))
+    rough = model_roughness(given, above, 0)
+    # Signs that are as likely one as the other, of 24 draws.
+    assert rough == pytest.approx(0.5 * SD, rel=0.5)
+    nothing = find_sensitivities(given, above)
+    base = AssessedBaseline(given, data, rough, above, nothing, None)
+    base, _ = settled(base, data, [fitted(given, [WAVE])], 0)
+    assert base.null.x[0] == pytest.approx(0.0, abs=1e-3)
+    assert model_roughness(given, base.null, 0) == pytest.approx(0.0, abs=1e-9)
+    assert base.roughness == pytest.approx(rough)
+    assert base.problem.sd == pytest.approx(np.sqrt(SD**2 + rough**2))
 
 
 def test_a_constant_that_changes_is_found_and_one_that_does_not_is_not():
@@ -73,8 +99,8 @@ def _examined(observed, shape):
     """What `carriers` looks at of data with a bump of this shape."""
     bump = Cause("bump", (CauseParameter("bump.height", "-", -5.0, 5.0, 1.0),))
     given = problem(observed, (bump,), lambda _, p: p[:, :1] * X + p[:, 1:2] * shape)
-    verdict = SimpleNamespace(fit=fitted(given, [bump]))
-    return SimpleNamespace(problem=given, null=fitted(given), verdict=verdict)
+    extended = given, fitted(given, [bump])
+    return SimpleNamespace(problem=given, null=fitted(given), extended=extended)
 
 
 def test_carrying_conditions_have_their_share_of_the_chi_square_decrease():
@@ -103,7 +129,7 @@ def test_three_conditions_at_most_carry_a_verdict_and_none_where_there_is_none()
     assert shares == sorted(shares, reverse=True)
     assert 3.0 / len(X) < sum(shares) < 1.0
     assert carriers(broad, 0) == []
-    broad.verdict.fit = None
+    broad.extended = None
     assert carriers(broad, len(X)) == []
 
 

@@ -1,14 +1,22 @@
 """Where no cause explains the data: which law has another shape, its curve, and a formula."""
 
+import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
-from stickslip.diagnosis import measurement_problem
+from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
+from stickslip.diagnosis.inference.open_set import explore_free_shapes
+from stickslip.diagnosis.inference.verdict import reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.observables import Combined
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.facts import Code, Fact
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
 HOOK = {hook.effect: hook for hook in HOOKS}
@@ -61,10 +69,106 @@ def test_spans_are_what_the_runs_reach():
     assert not {"free_field_frequency", "free_adhesion_angle", "free_adhesion_age"} & set(alone)
 
 
+X = np.linspace(1.0, 3.0, 24)
+WAVES = np.sin(np.outer(np.arange(4, 9), X))
+
+
+def against(problem, null, fit):
+    return reasons_against(problem, null, fit, ())
+
+
+def explored(observed, against=against, sd=0.05):
+    """The law of a model whose knots are waves on a line, from data of known noise."""
+    hook = HOOK["free_drag_speed"]
+    problem = Problem(
+        lambda _, p: p[:, :1] * X + (p[:, 1:] @ WAVES if p.shape[1] > 1 else 0.0),
+        None, observed, np.eye(len(X)) / sd, math.inf,
+        (Uncertain("slope", Prior("normal", 1.0, 0.5)),), (hook.cause,),
+    )  # fmt: skip
+    spans = {hook.effect: 0.01}
+    held_out, covariance = np.arange(0, len(X), 3), sd**2 * np.eye(len(X))
+    return explore_free_shapes(problem, covariance, np.zeros(1), spans, held_out, BASE, 0, against)
+
+
+# Without noise: the law at knots of at most 0.6, two sd of its prior, takes all of the misfit.
+LAW = np.array([0.5, -0.4, 0.3, 0.6, -0.2]) @ WAVES
+
+
+def test_a_law_that_nothing_speaks_against_is_accepted():
+    found = explored(X + LAW)
+    assert (found.accepted, found.against) == (True, ())
+
+
+@pytest.mark.parametrize(
+    ("observed", "code"),
+    [
+        # The slope is four standard deviations of its prior above its middle.
+        ((1.0 + 4.0 * 0.5) * X + LAW, Code.CONSTANT_PULLED),
+        # One reading is 5.5 errors off, of which six of 24 free parameters leave 4.7 or so; noise
+        # gives 4.2 among 24 in less than one case of a thousand.
+        (X + LAW + 5.5 * 0.05 * (np.arange(24) == 11), Code.ERRORS_CONTRADICTED),
+        # A knot of 3.6 is beyond 3, the largest that is searched.
+        (X + LAW + 3.0 * WAVES[3], Code.AT_LIMIT),
+    ],
+    ids=lambda given: given.value if isinstance(given, Code) else "",
+)
+def test_a_law_is_withheld_for_what_withholds_a_name(observed, code):
+    found = explored(observed)
+    assert code in [each.code for each in found.against]
+    assert not found.accepted
+    assert code in [each.code for each in found.facts()]
+
+
+def test_a_law_that_leaves_something_smooth_is_withheld():
+    def smooth(problem, null, fit):
+        assert null.chi2 > fit.chi2
+        return (Fact(Code.SMOOTH_REST, {"name": fit.name, "percent": 50.0, "needed": 70.0}),)
+
+    found = explored(X + LAW, smooth)
+    assert not found.accepted
+    assert found.facts()[-1].code is Code.SMOOTH_REST
+
+
+def test_tables_of_all_kinds_are_compared_with_the_law():
+    hook, observed = HOOK["free_drag_speed"], X + LAW
+    found = explored(observed)
+    asked = {}
+    table = SimpleNamespace(
+        observed=observed,
+        nuisance=(),
+        comparison=lambda names, before, after, held: asked.update(
+            {name: (before[k], after[k]) for k, name in enumerate(names)}
+        ),
+    )
+    names = ["slope", *hook.knots]
+    bent = Combined(None, names, names, [table], {hook.span_key: 0.01})
+    posed = PosedProblem(
+        Combined(None, names[:1], names[:1], [table]), [], None, np.zeros(0), (), bent
+    )
+    posed.comparisons(
+        SimpleNamespace(
+            problem=found.problem,
+            null=SimpleNamespace(x=np.array([0.4])),
+            free_shape=found.first,
+            extended=(found.problem, found.first.fit),
+            held_out=np.zeros(len(X), bool),
+        )
+    )
+    values = found.problem.physical(found.first.fit.x[None, :])[0].tolist()
+    # A slope of 1 + 0.4 times 0.5 in the recalibrated model, whose law is straight.
+    before = [1.2, *[0.0] * 5, 0.01]
+    assert asked == {
+        name: pytest.approx(pair)
+        for name, *pair in zip([*names, hook.span_key], before, [*values, 0.01], strict=True)
+    }
+
+
+TRUE = {"contact.kinetic_friction": 0.15, "drag.linear": 1.2e-5}
+
+
 def measured(hidden, conditions, seed):
     """Three trials at each condition with 3 % of noise, of a robot with a hidden law."""
-    true = {"contact.kinetic_friction": 0.15, "drag.linear": 1.2e-5}
-    runs = simulate_batch([BASE.replace({**each, **true, **hidden}) for each in conditions])
+    runs = simulate_batch([BASE.replace({**each, **TRUE, **hidden}) for each in conditions])
     random = np.random.default_rng(seed)
     rows = []
     for each, run in zip(conditions, runs, strict=True):
@@ -109,8 +213,28 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     held = (curve.low <= truth) & (truth <= curve.high)
     assert np.mean(held[inside]) > 0.6
     assert np.corrcoef(curve.law[inside], truth[inside])[0, 1] > 0.8
+    # Parameters, predictions and the extended scenario are of the model with the law.
+    keys = list(found.extended.uncertain.keys)
+    assert keys == list(found.params.index) == list(found.covariance.index)
+    assert keys[2:] == hook.knots
+    assert [found.extended.get(key) for key in keys] == found.params["value"].tolist()
+    assert set(found.params.loc[hook.knots, "unit"]) == {"-"}
+    np.testing.assert_array_equal(found.extended.uncertain.matrix, found.covariance)
+    assert found.params["sd"].to_numpy() == pytest.approx(np.sqrt(np.diag(found.covariance)))
+    assert np.all(found.conf_int()["low"] < found.params["value"])
+    at = {"drive.mode": "OPP", "drive.frequency": 55.0, "drive.peak": 2.5e-3}
+    row = found.predict([{key.removeprefix("drive."): value for key, value in at.items()}]).iloc[0]
+    run = simulate(found.extended.replace(at))
+    assert row["extended"] == pytest.approx(run.mean_velocity, rel=1e-3)
+    truth = simulate_batch([BASE.replace({**at, **TRUE, **hidden})])[0].mean_velocity
+    assert abs(row["extended"] - truth) < abs(row["recalibrated"] - truth)
     # The extended scenario holds the law, and runs.
     found.save_report(tmp_path)
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert list(report["parameters"]) == [key.removeprefix("effects.") for key in hook.knots]
+    errors = [(each["velocity"] - each["extended"]) / each["sd"] for each in report["conditions"]]
+    # As the law explains the data, with chi-square of about one a condition.
+    assert np.mean(np.square(errors)) < 2.5
     extended = load(tmp_path / "extended.toml")
     assert extended.effects[hook.effect]["span"] == pytest.approx(shapes.first.span)
     assert simulate(extended).ok

@@ -11,6 +11,7 @@ from command_line import stickslip
 from helpers import run
 from made_measurement import write
 from stickslip._util.atomic_files import check_folder
+from stickslip.diagnosis import Cause
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
 from stickslip.diagnosis.inference.evidence import pattern, where_it_lives
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
@@ -308,7 +309,7 @@ def test_the_headline_of_a_constant_has_the_comparison():
 
 def close(name, evidence):
     """What standing looks at of a fit."""
-    causes = tuple(SimpleNamespace(name=each) for each in name.split(" + "))
+    causes = tuple(Cause(each) for each in name.split(" + ") if each != "none")
     return SimpleNamespace(
         name=name,
         candidate=SimpleNamespace(causes=causes),
@@ -319,12 +320,14 @@ def close(name, evidence):
 
 def test_close_pairs_are_not_combined_to_another():
     pairs = [close("a + b", 50.0), close("c + d", 48.5), close("a + c", 30.0)]
+    # Which holds a member of the set and one cause more.
+    more = close("a + b + e", 49.0)
     verdict = SimpleNamespace(kind="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0])
     found = SimpleNamespace(
         problem=None,
         verdict=verdict,
         null=close("none", 0.0),
-        ranking=SimpleNamespace(singles=[close("a", 20.0)], pairs=pairs),
+        ranking=SimpleNamespace(singles=[close("a", 20.0)], pairs=[*pairs, more]),
         detection=SimpleNamespace(found=True),
     )
     assert [fit.name for fit in set_members(found)] == ["a + b", "c + d"]

@@ -19,16 +19,22 @@ from stickslip.diagnosis.data.plausibility import (
 )
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
+from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
 from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import Progress
 from stickslip.diagnosis.inference.open_set import OpenSet, explore_free_shapes
 from stickslip.diagnosis.inference.smooth_residual import Settings
+from stickslip.diagnosis.inference.verdict import (
+    contradictions,
+    reasons_against,
+    smooth_rest,
+)
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
-from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Problem, Uncertain
 from stickslip.diagnosis.model.simulator import (
     TOLERANCES,
     Simulator,
@@ -117,18 +123,20 @@ def diagnose_measurement(
 
     options = replace(options, seed=seed, progress=progress, low_fidelity=low_fidelity)
     found = run_steps(model, conditions, observed, [*shared, *nuisance], causes, options)
+    bent = model
     wanted = free_shapes and found.verdict.kind not in ("none", "data-problem")
     if wanted or found.verdict.kind == "unexplained":
         say = progress or (lambda fraction, stage: None)
         say(0.9, "laws of a free shape")
-        found = replace(found, open_set=_open_set(found, options, model, simulator, conditions))
+        shapes, bent = _open_set(found, options, model, simulator, conditions)
+        found = replace(found, open_set=shapes)
         say(1.0, "done")
     # The steps know nothing of drives and tables.
     of_conditions = [start_up_included(walks.conditions), standing_still(*walks.seen)]
     of_tables = [fact for each in observables for fact in each.notes]
     notes = (*filter(None, of_conditions), *found.notes, *of_tables)
     left_out = (*(fact for each in observables for fact in each.left_out), *lost)
-    posed = PosedProblem(model, walks.conditions, simulator, given, left_out)
+    posed = PosedProblem(model, walks.conditions, simulator, given, left_out, bent)
     return replace(found, notes=notes), posed
 
 
@@ -138,10 +146,13 @@ def _open_set(
     model: Combined,
     simulator: Simulator,
     conditions: Conditions,
-) -> OpenSet | None:
-    """Laws of a free shape at the recalibrated model; None where no velocity was measured."""
+) -> tuple[OpenSet | None, Combined]:
+    """Laws of a free shape at the recalibrated model, and the model that has them.
+
+    No laws, and the model as it is, where no velocity was measured.
+    """
     if not conditions:
-        return None
+        return None, model
     problem, null = found.problem, found.null
     count = problem.base_count
     constants = problem.physical(null.x[None, :])[0][:count]
@@ -159,12 +170,8 @@ def _open_set(
     knots = [parameter.name for cause in causes for parameter in cause.parameters]
     # Observables have scenarios of their own, so that the spans are columns as the knots are.
     reach = {hook.span_key: spans[hook.effect] for hook in hooks}
-    fixed = np.array(list(reach.values()))
     free = Simulator(simulator.scenario, [*own, *knots, *reach], simulator.threads)
-    combined = Combined(free, [*names, *knots, *reach], [*own, *knots, *reach], model.observables)
-
-    def bent(conditions: Conditions, values: Array) -> Array:
-        return combined(conditions, np.hstack([values, np.tile(fixed, (len(values), 1))]))
+    bent = Combined(free, [*names, *knots], [*own, *knots], model.observables, reach)
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return bent([_low_fidelity(free.scenario, each) for each in conditions], values)
@@ -180,9 +187,25 @@ def _open_set(
         len(found.noise.mean), options.seed, options.group, options.singleton_condition
     )
     inverse = np.linalg.inv(problem.whiten)
-    return explore_free_shapes(
-        problem, inverse @ inverse.T, null.x[:count], spans, held_out, free.scenario, options.seed
+
+    def against(problem: Problem, null: Fit, fit: Fit) -> tuple[Fact, ...]:
+        return (
+            *reasons_against(problem, null, fit, found.tables),
+            *smooth_rest(null, fit, found.smooth_bound),
+            *contradictions(fit, found.tables),
+        )
+
+    shapes = explore_free_shapes(
+        problem,
+        inverse @ inverse.T,
+        null.x[:count],
+        spans,
+        held_out,
+        free.scenario,
+        options.seed,
+        against,
     )
+    return shapes, bent
 
 
 def _walks(

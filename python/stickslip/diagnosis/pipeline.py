@@ -83,6 +83,17 @@ class State:
         return self.noise.dof if self.noise.dof > 0 else math.inf
 
     @property
+    def tables(self) -> tuple[Table, ...]:
+        """Kinds of data, where `Options.source` tells them."""
+        count, kinds = len(self.noise.mean), np.array(list(self.options.source))
+        rows = [np.flatnonzero(kinds == kind) for kind in dict.fromkeys(self.options.source)]
+        # Only the noise of the trials, the first rows, was estimated.
+        return tuple(
+            Table(str(kinds[each[0]]), each, self.dof if each[0] < count else math.inf)
+            for each in rows
+        )
+
+    @property
     def compared(self) -> bool:
         """Whether there is reason to look for a cause."""
         return self.data_problem is None and self.base.detection.found
@@ -178,13 +189,13 @@ def pose(
 
 
 def fit_baseline(state: State) -> None:
-    """The constants within their priors; errors that set-ups share follow the model that is fitted.
+    """The constants within their priors; errors that are shared follow the model that is fitted.
 
     An error that many conditions share must not follow what was measured, see `NoiseModel`.
     """
     state.recalibration = recalibrate(state.problem, state.options.seed)
     null, noise = state.recalibration.null, state.noise
-    if noise.between > 0.0 or noise.between_gain > 0.0:
+    if noise.shared:
         m = len(noise.mean)
         predicted = state.problem.predicted(null.x[None, :])[0, :m]
         level = np.where(np.isfinite(predicted), predicted, noise.mean)
@@ -243,9 +254,6 @@ def decide_verdict(state: State) -> None:
         gain = cross_validation.predictive_gain
         return not parts or gain(base.problem, base.covariance, base.null, fit, parts) > 0.0
 
-    # Only the noise of the trials, the first rows, was estimated.
-    kinds = np.array(list(options.source))
-    tables = [np.flatnonzero(kinds == kind) for kind in dict.fromkeys(options.source)]
     state.verdict = decide(
         base.problem,
         base.detection,
@@ -254,10 +262,7 @@ def decide_verdict(state: State) -> None:
         state.screened,
         improves_prediction,
         state.smooth_bound,
-        [
-            Table(str(kinds[rows[0]]), rows, state.dof if rows[0] < count else math.inf)
-            for rows in tables
-        ],
+        state.tables,
     )
 
 
@@ -339,4 +344,5 @@ def _findings(state: State) -> Findings:
         profiles=tuple(state.profiles),
         notes=tuple(state.notes),
         seed=state.options.seed,
+        tables=state.tables,
     )

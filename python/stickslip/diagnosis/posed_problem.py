@@ -33,6 +33,8 @@ class PosedProblem(OneLine):
         Velocities of the scenario as it was given, m/s; NaN where it has none.
     left_out : tuple of Fact
         Sound rows that could not be used, and why.
+    bent : Combined, optional
+        The forward model with laws of a free shape, where these were looked at.
     """
 
     model: Combined
@@ -40,6 +42,11 @@ class PosedProblem(OneLine):
     simulator: Simulator | None
     given: Array
     left_out: tuple[Fact, ...]
+    bent: Combined | None = None
+
+    def extended_model(self, found: Findings) -> Combined:
+        """The forward model of `Findings.extended`."""
+        return self.model if self.bent is None or found.free_shape is None else self.bent
 
     def parts(self) -> dict[str, Indices]:
         """Conditions in complementary parts: modes, directions, low and high frequency and peak."""
@@ -60,14 +67,17 @@ class PosedProblem(OneLine):
 
     def comparisons(self, found: Findings) -> list[Comparison | FilmComparison]:
         """What each observable shows beside the models: see `Observable.comparison`."""
-        problem, fit = found.problem, found.verdict.fit
-        null = problem.physical(found.null.x[None, :])[0]
+        problem, fit = found.extended or (found.problem, None)
+        model = self.extended_model(found)
+        point = np.zeros(problem.size)  # where all causes are absent
+        point[: problem.base_count] = found.null.x[: problem.base_count]
+        null = problem.physical(point[None, :])[0]
         extended = None if fit is None else problem.physical(fit.x[None, :])[0]
         end = len(self.conditions)
         result: list[Comparison | FilmComparison] = []
         for observable in self.model.observables:
             start, end = end, end + len(observable.observed)
-            names, before = self.model.arguments(observable, null)
-            after = None if extended is None else self.model.arguments(observable, extended)[1]
+            names, before = model.arguments(observable, null)
+            after = None if extended is None else model.arguments(observable, extended)[1]
             result.append(observable.comparison(names, before, after, found.held_out[start:end]))
         return result

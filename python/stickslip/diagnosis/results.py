@@ -106,8 +106,8 @@ class Diagnosis:
     def gain(self) -> Gain | None:
         """Error on held-out conditions, recalibrated and extended.
 
-        None if there is no extended model, which is so for the verdicts none, unexplained and
-        data-problem, or if the conditions are too few to hold some out.
+        None if no cause is claimed, which is so for the verdicts none, unexplained and
+        data-problem, or if the conditions are too few to hold some out. A law's is in `open_set`.
         """
         return self.findings.gain
 
@@ -120,9 +120,9 @@ class Diagnosis:
         strength of a claimed cause is that of the profile likelihood, if it is larger than that of
         the curvature at the fit; `prior`, what was known before the data;
         `pull`, how many standard deviations of its prior the value lies from the prior's middle. Of
-        the extended model, or the recalibrated one if there is no other; of the verdict ambiguous,
-        where the extended model is that of the first member of the set, of this one alone. Empty
-        for the verdict data-problem, as nothing is learnt from such data.
+        the extended model, with the knots of an accepted law of a free shape, or the recalibrated
+        one if there is no other; of the verdict ambiguous, where the extended model is that of the
+        first member of the set, of this one alone. Empty for the verdict data-problem.
         """
         return tables.parameter_table(self.findings)
 
@@ -193,7 +193,7 @@ class Diagnosis:
         if self.verdict.kind == "data-problem":
             raise ScenarioError("predict: the data allow no diagnosis, so no model was fitted")
         at, settings = self._conditions(conditions)
-        return tables.prediction_table(self.findings, self.posed.model.velocities, at, settings)
+        return tables.prediction_table(self.findings, self.posed, at, settings)
 
     @property
     def plot(self) -> Plots:

@@ -20,7 +20,8 @@ from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.fit.profile_likelihood import FAR
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.model.problem import Predict
+from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.parameters import estimates, with_profiles
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
@@ -31,10 +32,10 @@ if TYPE_CHECKING:
 
 def parameter_table(found: Findings) -> DataFrame:
     """See `Diagnosis.params`."""
-    fit, parameters = _fitted(found)
+    problem, fit, parameters = _fitted(found)
     entries = with_profiles(found, estimates(fit, parameters))
     for each in parameters:
-        entries[each.name] |= {"prior": _prior(found, each), "pull": float(fit.x[each.column])}
+        entries[each.name] |= {"prior": _prior(problem, each), "pull": float(fit.x[each.column])}
     return _frame("parameter", entries, ["value", "sd", "unit", "prior", "pull"])
 
 
@@ -43,10 +44,10 @@ def interval_table(found: Findings, level: float) -> DataFrame:
     most = float(chi2_law.cdf(FAR, 1))
     if not (isinstance(level, int | float) and 0.0 < level <= most):
         raise ScenarioError(f"level = {level!r}: allowed is a number above 0, at most {most:.4f}")
-    fit, parameters = _fitted(found)
+    problem, fit, parameters = _fitted(found)
     rise = float(chi2_law.ppf(level, 1))
     spread = np.sqrt(np.diag(fit.covariance))
-    low, high = found.problem.limits()
+    low, high = problem.limits()
     profiles = {each.name: each for each in found.profiles}
     entries: dict[str, dict[str, float | str]] = {}
     for each in parameters:
@@ -66,7 +67,7 @@ def covariance_table(found: Findings) -> DataFrame:
     """See `Diagnosis.covariance`."""
     from stickslip.diagnosis.printed_table import PrintedTable
 
-    fit, parameters = _fitted(found)
+    _, fit, parameters = _fitted(found)
     names = [each.name for each in parameters]
     return PrintedTable(physical_covariance(fit, parameters), index=names, columns=names)
 
@@ -90,7 +91,7 @@ def candidate_table(found: Findings) -> DataFrame:
 
 
 def prediction_table(
-    found: Findings, velocities: Predict, at: Any, settings: list[dict[str, Value]] | None
+    found: Findings, posed: PosedProblem, at: Any, settings: list[dict[str, Value]] | None
 ) -> DataFrame:
     """See `Diagnosis.predict`; `at` are the conditions as the model takes them."""
     import pandas as pd
@@ -98,19 +99,21 @@ def prediction_table(
     from stickslip.diagnosis.printed_table import PrintedTable
 
     columns: dict[str, Any] = {}
-    for name, fit in (("recalibrated", found.null), ("extended", found.verdict.fit)):
-        if fit is not None:
-            level, variance = predict_with_variance(found.problem, fit, velocities, at)
-            columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
+    models = {"recalibrated": (found.problem, found.null, posed.model)}
+    if found.extended is not None:
+        models["extended"] = (*found.extended, posed.extended_model(found))
+    for name, (problem, fit, model) in models.items():
+        level, variance = predict_with_variance(problem, fit, model.velocities, at)
+        columns |= {name: level, f"{name}_sd": np.sqrt(variance)}
     given = pd.DataFrame() if settings is None else pd.DataFrame(settings)
     return PrintedTable(pd.concat([given, pd.DataFrame(columns)], axis=1))
 
 
-def _fitted(found: Findings) -> tuple[Fit, list[Fitted]]:
+def _fitted(found: Findings) -> tuple[Problem, Fit, list[Fitted]]:
     """The extended model, or the recalibrated one, and its free parameters."""
-    fit = found.verdict.fit or found.null
+    problem, fit = found.extended or (found.problem, found.null)
     learnt = found.verdict.kind != "data-problem"
-    return fit, free_parameters(found.problem, fit) if learnt else []
+    return problem, fit, free_parameters(problem, fit) if learnt else []
 
 
 def _agreement(fit: Fit) -> str:
@@ -120,12 +123,12 @@ def _agreement(fit: Fit) -> str:
     return "no" if len(fit.starts) > 1 else "not checked"
 
 
-def _prior(found: Findings, each: Fitted) -> str:
+def _prior(problem: Problem, each: Fitted) -> str:
     """In words what was known of it before the data."""
-    base = found.problem.base_count
+    base = problem.base_count
     if each.column < base:
-        return str(found.problem.uncertain[each.column].prior)
-    return found.problem.parameters[each.column - base].prior_in_words
+        return str(problem.uncertain[each.column].prior)
+    return problem.parameters[each.column - base].prior_in_words
 
 
 def _frame(what: str, entries: Mapping[str, Mapping[str, Any]], columns: list[str]) -> DataFrame:

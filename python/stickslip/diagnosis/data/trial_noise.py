@@ -91,21 +91,31 @@ class NoiseModel(OneLine):
     mean_correlation: Array | None = None
 
     @property
+    def shared(self) -> bool:
+        """Whether conditions share errors that are in proportion to a level."""
+        correlated = self.mean_correlation is not None and self.relative > 0.0
+        return correlated or self.between > 0.0 or self.between_gain > 0.0
+
+    @property
     def covariance(self) -> Array:
         """Covariance of `mean`, shape (m, m), from the trials alone."""
         return self.covariance_at(self.mean)
 
     def covariance_at(self, level: Array) -> Array:
-        """Covariance of `mean`, with set-ups' common errors in proportion to a level, shape (m,).
+        """Covariance of `mean`, with errors that conditions share in proportion to a level, (m,).
 
-        An error that many conditions share must not follow what was measured: conditions that came
-        out low would then weigh more, and a fit would end below them all.
+        An error that many conditions share, by their set-up or their place in a run, must not
+        follow what was measured: conditions that came out low would then weigh more, and a fit
+        would end below them all.
         """
-        shift = self.setups * np.sqrt(self.floor**2 + (self.relative * level) ** 2)[:, None]
+        sd = np.sqrt(self.floor**2 + (self.relative * level) ** 2)
+        shift = self.setups * sd[:, None]
         gain = shift * np.sign(level)[:, None]
         own = np.diag(self.sd**2 / self.count)
         if self.mean_correlation is not None:
-            own = self.sd[:, None] * self.mean_correlation * self.sd
+            # Without a curve of the noise the errors are as they were stated.
+            sd = sd if self.relative > 0.0 else self.sd
+            own = sd[:, None] * self.mean_correlation * sd
         shared = self.between**2 * shift @ shift.T + self.between_gain**2 * gain @ gain.T
         return np.asarray(own + shared)
 

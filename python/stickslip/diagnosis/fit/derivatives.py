@@ -58,6 +58,10 @@ class Search:
     # How many steps by updated derivatives have lowered chi-square less than promised.
     doubts: int = 0
 
+    def forget_slope(self) -> None:
+        """Have the derivatives taken anew; a radius that failing ones have shrunk is theirs."""
+        self.slope, self.doubts, self.radius = None, 0, max(self.radius, _NEAR)
+
     def jacobian(self, problem: Problem) -> Array:
         assert self.slope is not None
         return np.vstack([problem.whiten @ self.slope, np.diag(1.0 / self.candidate.width)])

@@ -105,7 +105,7 @@ def advance(problem: Problem, searches: Sequence[Search]) -> None:
         else:
             search.radius = min(_AFTER_GOOD * search.radius, _FAR)
         if search.doubts >= _MOST_DOUBTS:
-            search.slope, search.doubts = None, 0
+            search.forget_slope()
         small = fall < _SETTLED and (exact or promised < _SETTLED)
         search.quiet = search.quiet + 1 if small else 0
 

@@ -43,8 +43,8 @@ _RESTART_WIDTHS = (1.0, 0.4, 0.15)
 # Least and largest width of the points along the axes: below the least they see nothing but the
 # model's own scatter, and beyond the largest the constants leave the minimum.
 _AXIS_WIDTHS = 0.03, 0.5
-# A search ends after so many quiet steps in a row: one may be quiet by a bad derivative, which is
-# taken anew for the next.
+# A search ends after so many quiet steps in a row: one may be quiet by an updated derivative,
+# which that step corrects.
 _QUIET_STEPS = 2
 # Steps after which a search that is far behind the best of all, or of its own candidate, is given
 # up: with fewer, the first steps, which correct the constants, decide.

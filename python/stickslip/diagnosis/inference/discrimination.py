@@ -12,6 +12,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.runner_up import rivals
 from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.problem import Array, Indices, Predict
 
@@ -115,9 +116,7 @@ def _candidates(found: Findings) -> list[Fit]:
         ]
         if len(undecided) > 1:
             return undecided[:_CANDIDATES]
-    # What has the cause and one more says the same of it.
-    own = set(chosen.candidate.causes)
-    others = [fit for fit in fits if not own <= set(fit.candidate.causes)]
+    others = rivals(chosen, fits)
     # Only the runner-up and those beside it: farther ones are told apart already, however much
     # more they would differ elsewhere.
     first = max((fit.priced_evidence for fit in others), default=0.0)

@@ -52,9 +52,9 @@ def unseen_causes(found: Findings) -> frozenset[str]:
 
 def carriers(found: Findings, m: int) -> list[dict[str, Any]]:
     """Which of the first m rows, the conditions, the extended model takes most misfit from."""
-    if found.verdict.fit is None or not m:
+    if found.extended is None or not m:
         return []
-    fall = (_misfit(found.problem, found.null) - _misfit(found.problem, found.verdict.fit))[:m]
+    fall = (_misfit(found.problem, found.null) - _misfit(*found.extended))[:m]
     total = max(float(np.sum(np.maximum(fall, 0.0))), 1e-300)
     return [
         {"condition": int(k) + 1, "share": float(fall[k]) / total}
@@ -67,9 +67,8 @@ def misfit_by_part(
     found: Findings, parts: Mapping[str, NDArray[np.int64]]
 ) -> dict[str, dict[str, float | int | None]]:
     """Chi-square per condition of complementary parts of the table, of both models."""
-    fit = found.verdict.fit
     before = _misfit(found.problem, found.null)
-    after = None if fit is None else _misfit(found.problem, fit)
+    after = None if found.extended is None else _misfit(*found.extended)
     return {
         name: {
             "conditions": len(rows),

@@ -5,9 +5,8 @@ Where no cause explains the data, but a law of another shape does, it has that l
 
 from __future__ import annotations
 
-from stickslip.diagnosis.fit.fit_result import Fit, free_parameters, physical_covariance
+from stickslip.diagnosis.fit.fit_result import free_parameters, physical_covariance
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.model.problem import Problem
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
@@ -21,19 +20,11 @@ def extended_values(found: Findings) -> dict[str, float]:
     """
     if found.verdict.kind == "data-problem":
         return {}
-    problem, fit = _source(found)
+    problem, fit = found.extended or (found.problem, found.null)
     values = problem.physical(fit.x[None, :])[0]
     fitted = {problem.names[k]: float(values[k]) for k in fit.candidate.free.tolist()}
     shape = found.free_shape
     return fitted if shape is None else {**fitted, shape.hook.span_key: shape.span}
-
-
-def _source(found: Findings) -> tuple[Problem, Fit]:
-    """The fit that the extended model is of, and the problem that it solves."""
-    shape = found.free_shape
-    if found.open_set is not None and shape is not None:
-        return found.open_set.problem, shape.fit
-    return found.problem, found.verdict.fit or found.null
 
 
 def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
@@ -61,7 +52,7 @@ def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
 
 def _posterior(found: Findings, keys: list[str]) -> JointPrior | None:
     """The covariance of the fitted values of some keys; None where there is none to trust."""
-    problem, fit = _source(found)
+    problem, fit = found.extended or (found.problem, found.null)
     fitted = [each for each in free_parameters(problem, fit) if each.name in keys]
     if not fitted or not fit.converged:
         return None

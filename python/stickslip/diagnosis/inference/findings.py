@@ -15,7 +15,7 @@ from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import Detection
 from stickslip.diagnosis.inference.open_set import FreeShape, OpenSet
-from stickslip.diagnosis.inference.verdict import Verdict
+from stickslip.diagnosis.inference.verdict import Table, Verdict
 from stickslip.diagnosis.model.problem import Array, Problem
 from stickslip.facts import Fact
 
@@ -50,6 +50,8 @@ class Findings(OneLine):
         Profiles of the parameters of the verdict's fit.
     notes : tuple of Fact
     seed : int
+    tables : tuple of Table
+        Kinds of data that have to agree each.
     open_set : OpenSet, optional
         Laws of a free shape, where no cause explains the data or they were asked for.
     """
@@ -70,6 +72,7 @@ class Findings(OneLine):
     profiles: tuple[Profile, ...]
     notes: tuple[Fact, ...]
     seed: int
+    tables: tuple[Table, ...]
     open_set: OpenSet | None = None
 
     @property
@@ -78,6 +81,15 @@ class Findings(OneLine):
         if self.open_set is None or self.verdict.fit is not None:
             return None
         return self.open_set.first if self.open_set.accepted else None
+
+    @property
+    def extended(self) -> tuple[Problem, Fit] | None:
+        """The fit of the extended model after the problem that it is of, where there is one."""
+        if self.verdict.fit is not None:
+            return self.problem, self.verdict.fit
+        if self.open_set is None or self.free_shape is None:
+            return None
+        return self.open_set.problem, self.free_shape.fit
 
     @property
     def held_out(self) -> NDArray[np.bool_]:

@@ -83,7 +83,7 @@ def _random_restarts(roughness: Array, covariance: Array) -> int:
 
 
 def assess_baseline(
-    problem: Problem, data_covariance: Array, null: Fit, seed: int
+    problem: Problem, data_covariance: Array, null: Fit, seed: int, least: Array | float = 0.0
 ) -> AssessedBaseline:
     """Add the model's own scatter at a fit to the errors of the data, fit again, and test.
 
@@ -95,12 +95,14 @@ def assess_baseline(
     null : Fit
         The recalibrated model.
     seed : int
+    least : ndarray, shape (m,), or float
+        Scatter that an earlier pass has counted, in the observable's unit.
 
     Returns
     -------
     AssessedBaseline
     """
-    roughness = model_roughness(problem, null, seed)
+    roughness = np.maximum(least, model_roughness(problem, null, seed))
     covariance = data_covariance + np.diag(roughness**2)
     problem = replace(problem, whiten=whitener(covariance))
     restarts = _random_restarts(roughness, covariance)
@@ -182,13 +184,14 @@ def settled(
 ) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
     """The null from the candidates' constants, assessed again if better, and they from its.
 
-    All that follows from the null, its test among it, then holds for the one null that is kept.
+    All that follows from the null, its test among it, then holds for the one null that is kept. The
+    model's scatter never shrinks: where it was seen, a candidate may stand that jumps by as much.
     """
     ordered = ranked(fits)
     null = refit_null(base.problem, base.null, ordered)
     if null is base.null:
         return base, refit_worse_than_null(base.problem, null, ordered)
-    base = assess_baseline(base.problem, data_covariance, null, seed)
+    base = assess_baseline(base.problem, data_covariance, null, seed, base.roughness)
     return base, refit_worse_than_null(base.problem, base.null, reweighed(base.problem, ordered))
 
 

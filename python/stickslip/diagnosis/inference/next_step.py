@@ -8,6 +8,7 @@ from stickslip.diagnosis.fit.distinguishability import SAME
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.experiment_design import DECISIVE, PROPOSED, Experiment
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.runner_up import rivals
 from stickslip.diagnosis.inference.verdict import ALIKE_MARGIN, MARGIN
 from stickslip.facts import Code, Fact
 
@@ -35,16 +36,13 @@ def next_step(found: Findings) -> Fact:
     if verdict.fit is None:
         return Fact(Code.NOTHING_TO_SEPARATE, {"verdict": verdict.kind})
     said = verdict.fit
-    # What has the cause and one more says the same of it.
-    own = set(said.candidate.causes)
-    others = [*found.ranking.singles, *found.ranking.pairs]
-    rivals = [fit for fit in others if not own <= set(fit.candidate.causes)]
-    leads = [(said.priced_evidence - fit.priced_evidence, _needed(found, fit)) for fit in rivals]
+    others = rivals(said, [*found.ranking.singles, *found.ranking.pairs])
+    leads = [(said.priced_evidence - fit.priced_evidence, _needed(found, fit)) for fit in others]
     lacking = [lead - needed for lead, needed in leads]
     if lacking and min(lacking) < 0.0:
         nearest = lacking.index(min(lacking))
         lead, needed = leads[nearest]
-        rival = {"rival": rivals[nearest].name, "lead": lead, "needed": needed}
+        rival = {"rival": others[nearest].name, "lead": lead, "needed": needed}
         return Fact(Code.NEAR_RIVAL, {"name": said.name, **rival})
     margins = {"margin": MARGIN, "alike_margin": ALIKE_MARGIN}
     return Fact(Code.NAME_SAFE, {"name": said.name, **margins})

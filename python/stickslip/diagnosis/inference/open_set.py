@@ -7,7 +7,7 @@ and what it predicts of conditions that its fit has not seen does not speak agai
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -102,11 +102,15 @@ class Curve(OneLine):
 class OpenSet(OneLine):
     """Free shapes at all hooks, most likely first.
 
+    The first has to pass what a named cause has to pass: `against` says where it does not.
+
     Attributes
     ----------
     problem : Problem
         Whose causes are the hooks.
     shapes : tuple of FreeShape
+    against : tuple of Fact
+        What speaks against the first, as it would against a name.
     gain : Gain, optional
         Of the first, on held-out conditions.
     curve : Curve
@@ -117,6 +121,7 @@ class OpenSet(OneLine):
 
     problem: Problem
     shapes: tuple[FreeShape, ...]
+    against: tuple[Fact, ...]
     gain: Gain | None
     curve: Curve
     formula: Formula | None
@@ -127,8 +132,8 @@ class OpenSet(OneLine):
 
     @property
     def accepted(self) -> bool:
-        """Whether the first explains the data, and nothing that was held out speaks against it."""
-        explains = self.first.p_value >= ADEQUATE and self.first.lead >= MARGIN
+        """Whether the first explains the data, and nothing speaks against it."""
+        explains = self.first.p_value >= ADEQUATE and not self.against
         if self.gain is None:
             return False
         same = self.gain.choice == self.first.fit.name
@@ -149,7 +154,7 @@ class OpenSet(OneLine):
         first = {"law": self.first.hook.quantity, "argument": self.first.hook.argument}
         if not self.accepted:
             fields = {**first, "p_value": self.first.p_value, "lead": self.first.lead}
-            return (Fact(Code.NO_FREE_SHAPE, {**fields, "level": ADEQUATE}),)
+            return (Fact(Code.NO_FREE_SHAPE, {**fields, "level": ADEQUATE}), *self.against)
         said = [Fact(Code.FREE_SHAPE, {**first, "lead": self.first.lead, "band": 100.0 * BAND})]
         if self.rivals:
             others = [each.hook.name for each in self.rivals]
@@ -208,6 +213,7 @@ def explore_free_shapes(
     held_out: Indices,
     scenario: Scenario,
     seed: int,
+    against: Callable[[Problem, Fit, Fit], tuple[Fact, ...]],
 ) -> OpenSet | None:
     """Fit a free curve at each hook, and rank them.
 
@@ -227,6 +233,8 @@ def explore_free_shapes(
         Any that knows the effects.
     seed : int
         Of the bootstrap of the gain.
+    against : callable
+        ``against(problem, null, fit)`` is what speaks against a fit, beside the recalibrated model.
 
     Returns
     -------
@@ -256,7 +264,7 @@ def explore_free_shapes(
         problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
     )
     curve, formula = _curve(problem, first, scenario)
-    return OpenSet(problem, shapes, gain, curve, formula)
+    return OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, formula)
 
 
 def _fits(problem: Problem, null: Fit) -> tuple[Fit, ...]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.verdict import MARGIN, describe_runner_up
+from stickslip.diagnosis.inference.runner_up import describe_runner_up, rivals
+from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.facts import Code, Fact
 
 # How many single causes and pairs are listed. Chosen: they fit on a screen.
@@ -53,6 +54,6 @@ def runner_up(found: Findings) -> Fact | None:
         left = {"chi2": nearest.chi2, "recalibrated": null.chi2}
         count = len(found.problem.observed)
         return Fact(Code.NEAREST, {"name": nearest.name, **left, "observables": count})
-    claimed = {fit.name for fit in set_members(found)}
-    others = [fit for fit in fits if fit.name not in claimed]
-    return describe_runner_up(found.problem, verdict.fit, null, others)
+    for member in set_members(found):
+        fits = rivals(member, fits)
+    return describe_runner_up(found.problem, verdict.fit, null, fits)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -13,10 +12,11 @@ from scipy.stats import t as student_law
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.distinguishability import SAME
-from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
+from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
 from stickslip.diagnosis.inference.detection import ALPHA, Detection
 from stickslip.diagnosis.inference.probabilities import probabilities
+from stickslip.diagnosis.inference.runner_up import describe_runner_up, second_look
 from stickslip.diagnosis.model.problem import Array, Indices, Problem
 from stickslip.facts import Code, Fact
 
@@ -36,10 +36,10 @@ derived: with a smaller one a cause is named that leaves much unexplained; with 
 larger one noise, part of which a smooth function explains, refuses right causes."""
 
 
-MOST_PULLED = 2.5
-"""Pull of a constant, in standard deviations of its prior, beyond which a fit is not claimed.
-Chosen: with two honest constants one fit in forty has a larger one, and so has a fit whose constant
-makes up for something else than the cause."""
+MOST_PULLED, _PULLED_SHARE = 2.5, 0.025
+"""Pull of a constant, in standard deviations of its prior, beyond which a fit is not claimed, and
+the share of right fits that it may refuse; see `most_pulled`. Chosen: the share is that of two
+honest constants at this limit, and a constant that makes up for something else is pulled more."""
 
 CONTRADICTED = 1e-3
 """p-value of the largest residual of all below which the error model is contradicted. Chosen: one
@@ -121,35 +121,39 @@ def decide(
     if not detection.found:
         passed = Fact(Code.NOTHING_DETECTED, {"p_value": detection.p_value, "level": ALPHA})
         return Verdict("none", (), None, (passed,), chance)
-    said = _decided(problem, ranking, cosines, improves_prediction, chance)
+    said = _decided(problem, ranking, cosines, improves_prediction, chance, tables)
     if said.fit is None or said.kind not in ("named", "pair"):
         return said
-    share = share_of_smooth_bound(ranking.null, said.fit, smooth_bound)
-    if share is not None and share < LEAST_SHARE:
-        part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
-        reason = Fact(Code.SMOOTH_REST, {"name": said.fit.name, **part})
+    smooth = smooth_rest(ranking.null, said.fit, smooth_bound)
+    if smooth:
         # The probability of causes that leave something smooth behind goes to the unknown.
         moved = {name: 0.0 if name in said.causes else p for name, p in chance.items()}
         moved["unknown"] += sum(chance[name] for name in said.causes)
-        return Verdict("unexplained", (), None, (reason,), moved)
-    against = contradicting(said.fit, tables)
-    if against:
-        level = {"name": said.fit.name, "level": ADEQUATE / len(tables)}
-        fact = Fact(Code.TABLE_CONTRADICTS, level)
-        reasons = tuple(fact.of(kind=each) for each in against)
-        return replace(said, kind="ambiguous", reasons=reasons)
-    return said
+        return Verdict("unexplained", (), None, smooth, moved)
+    against = contradictions(said.fit, tables)
+    return replace(said, kind="ambiguous", reasons=against) if against else said
 
 
-def contradicting(fit: Fit, tables: Sequence[Table]) -> list[str]:
+def smooth_rest(null: Fit, fit: Fit, smooth_bound: float | None) -> tuple[Fact, ...]:
+    """That a fit leaves too much that is smooth, where it does."""
+    share = share_of_smooth_bound(null, fit, smooth_bound)
+    if share is None or share >= LEAST_SHARE:
+        return ()
+    part = {"percent": 100.0 * share, "needed": 100.0 * LEAST_SHARE}
+    return (Fact(Code.SMOOTH_REST, {"name": fit.name, **part}),)
+
+
+def contradictions(fit: Fit, tables: Sequence[Table]) -> tuple[Fact, ...]:
     """Tables, of several, whose own misfit is too large although the whole may be adequate."""
     found = []
-    for table in tables:
+    for table in tables if len(tables) > 1 else ():
         mine = fit.residual[table.rows]
         # As many chances to fail by noise alone as there are tables.
-        if lack_of_fit_p(float(mine @ mine), len(mine), table.dof) < ADEQUATE / len(tables):
-            found.append(table.kind)
-    return found if len(tables) > 1 else []
+        level = ADEQUATE / len(tables)
+        if lack_of_fit_p(float(mine @ mine), len(mine), table.dof) < level:
+            said = {"kind": table.kind, "name": fit.name, "level": level}
+            found.append(Fact(Code.TABLE_CONTRADICTS, said))
+    return tuple(found)
 
 
 def share_of_smooth_bound(null: Fit, fit: Fit, smooth_bound: float | None) -> float | None:
@@ -167,15 +171,16 @@ def _decided(
     cosines: Array,
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
+    tables: Sequence[Table],
 ) -> Verdict:
     """The verdict if something was detected, before smooth functions and tables are asked."""
     singles, null = ranking.singles, ranking.null
     best = next(iter(_adequate(problem, singles)), None)
     if best is None or singles[0].log_evidence > best.log_evidence + MARGIN:
-        return _without_single(problem, ranking, improves_prediction, chance)
+        return _without_single(problem, ranking, improves_prediction, chance, tables)
     led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
     if _adequate(problem, led):
-        return _without_single(problem, ranking, improves_prediction, chance)
+        return _without_single(problem, ranking, improves_prediction, chance, tables)
     index = {cause.name: k for k, cause in enumerate(problem.causes)}
     # A candidate that is not quite adequate itself may still be too near to be dismissed.
     close = [fit for fit in singles if best.log_evidence - fit.log_evidence < MARGIN]
@@ -191,44 +196,14 @@ def _decided(
         said = Fact(Code.NOT_SEPARATED, {"causes": list(names), "margin": MARGIN})
         if all(fit in alike or fit is best for fit in candidates):
             said = Fact(Code.ALIKE, {"causes": list(names), "limit": SAME})
-        reasons = (said, *_reasons_against(problem, null, best))
+        reasons = (said, *reasons_against(problem, null, best, tables))
         return Verdict("ambiguous", names, best, reasons, chance)
-    reasons = _reasons_against(problem, null, best, improves_prediction)
+    reasons = reasons_against(problem, null, best, tables, improves_prediction)
     if reasons:
         return Verdict("ambiguous", (best.name,), best, reasons, chance)
-    others = [fit for fit in (*singles, *ranking.pairs) if fit is not best]
-    second = describe_runner_up(problem, best, null, others)
-    return Verdict(
-        "named", (best.name,), best, (second, *_second_look(best, ranking.pairs)), chance
-    )
-
-
-def _second_look(said: Fit, pairs: Sequence[Fit]) -> tuple[Fact, ...]:
-    """What a second cause beside a named one would add at best."""
-    beside = [pair for pair in pairs if set(said.candidate.causes) <= set(pair.candidate.causes)]
-    if not beside:
-        return ()
-    (other,) = set(beside[0].candidate.causes) - set(said.candidate.causes)
-    lead = beside[0].log_evidence - said.log_evidence
-    if lead >= PAIR_PRICE:
-        return ()  # it leads and does not explain the data, which the runner-up's sentence says
-    fields = {"name": said.name, "other": other.name, "lead": lead, "needed": PAIR_PRICE}
-    return (Fact(Code.NOTHING_LEFT, fields),)
-
-
-def describe_runner_up(problem: Problem, said: Fit, null: Fit, others: Sequence[Fit]) -> Fact:
-    """How the best other candidate, or the null, compares with what is said.
-
-    By log-evidence after the price of a second cause.
-    """
-    second = ranked([null, *others], priced=True)[0]
-    lead = said.priced_evidence - second.priced_evidence
-    if lead >= 0.0:
-        return Fact(Code.RUNNER_UP, {"name": second.name, "lead": lead})
-    if _adequate(problem, [second]):
-        return Fact(Code.OTHER_LEADS, {"name": second.name, "lead": -lead})
-    unexplained = {"name": second.name, "lead": -lead, "level": ADEQUATE}
-    return Fact(Code.OTHER_LEADS_UNEXPLAINED, unexplained)
+    second = describe_runner_up(problem, best, null, [*singles, *ranking.pairs])
+    look = second_look(problem, best, ranking.pairs)
+    return Verdict("named", (best.name,), best, (second, *look), chance)
 
 
 def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
@@ -251,8 +226,12 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
     return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
 
 
-def _reasons_against(
-    problem: Problem, null: Fit, best: Fit, improves_prediction: Callable[[Fit], bool] | None = None
+def reasons_against(
+    problem: Problem,
+    null: Fit,
+    best: Fit,
+    tables: Sequence[Table],
+    improves_prediction: Callable[[Fit], bool] | None = None,
 ) -> tuple[Fact, ...]:
     """Why a candidate that leads all others is not claimed all the same."""
     reasons = []
@@ -268,12 +247,15 @@ def _reasons_against(
         reasons.append(Fact(Code.NOT_PREDICTED_BETTER, name))
     pulls = _pulls(problem, best)
     most = max(pulls, key=lambda each: abs(pulls[each]), default=None)
-    if most is not None and abs(pulls[most]) > MOST_PULLED:
-        pull = {"constant": most, "pull": pulls[most], "limit": MOST_PULLED}
+    if most is not None and abs(pulls[most]) > most_pulled(len(pulls)):
+        pull = {"constant": most, "pull": pulls[most], "limit": most_pulled(len(pulls))}
         reasons.append(Fact(Code.CONSTANT_PULLED, {**name, **pull}))
-    largest = float(np.max(np.abs(best.residual[: len(problem.observed)])))
-    if _largest_p(problem, largest) < CONTRADICTED:
-        fields = {**name, "errors": largest, "level": CONTRADICTED}
+    off = np.abs(best.residual[: len(problem.observed)])
+    chance = _chance(off, tables, problem.dof)
+    rarest = int(np.argmin(chance))
+    # As many chances to be that far off by noise alone as there are readings.
+    if len(chance) * chance[rarest] < CONTRADICTED:
+        fields = {**name, "errors": float(off[rarest]), "level": CONTRADICTED}
         reasons.append(Fact(Code.ERRORS_CONTRADICTED, fields))
     extra = best.candidate.free[problem.base_count :]
     low, high = (end[extra] for end in problem.limits())
@@ -285,10 +267,25 @@ def _reasons_against(
     return tuple(reasons)
 
 
-def _largest_p(problem: Problem, residual: float) -> float:
-    """Probability that noise makes a larger residual among all, at most, in errors."""
-    law = student_law(problem.dof) if math.isfinite(problem.dof) else normal_law()
-    return float(2.0 * len(problem.observed) * law.sf(residual))
+def _chance(off: Array, tables: Sequence[Table], dof: float) -> Array:
+    """Probability that noise alone makes each residual, in errors, larger: by its own table's.
+
+    By that of all, with degrees of freedom `dof`, where there are no tables.
+    """
+    freedom = np.full(len(off), dof)
+    for table in tables:
+        freedom[table.rows] = table.dof
+    return np.asarray(2.0 * student_law.sf(off, freedom))
+
+
+def most_pulled(count: int) -> float:
+    """Largest pull that is claimed where there are some constants, cameras' and others'.
+
+    Each of n honest constants lies beyond L on either side with a probability of 2 Q(L), so that
+    one of them does with at most 2 n Q(L), whatever their correlation. This is `_PULLED_SHARE`
+    where Q(L) = 0.0125 / n.
+    """
+    return max(MOST_PULLED, float(normal_law.isf(0.5 * _PULLED_SHARE / max(count, 1))))
 
 
 def _pulls(problem: Problem, fit: Fit) -> dict[str, float]:
@@ -309,6 +306,7 @@ def _without_single(
     ranking: Ranking,
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
+    tables: Sequence[Table],
 ) -> Verdict:
     """The verdict if no single cause can be claimed: a pair, a set of pairs, or unexplained."""
     best_single = ranking.singles[0] if ranking.singles else ranking.null
@@ -331,7 +329,7 @@ def _without_single(
         several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": MARGIN}
         reasons: tuple[Fact, ...] = (Fact(Code.SEVERAL_PAIRS, several),)
     else:
-        reasons = _reasons_against(problem, ranking.null, best, improves_prediction)
+        reasons = reasons_against(problem, ranking.null, best, tables, improves_prediction)
     if reasons:
         return Verdict("ambiguous", causes, best, reasons, chance)
     return Verdict("pair", causes, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)

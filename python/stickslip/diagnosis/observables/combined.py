@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ class Combined:
     shared : sequence of str
         Columns that are scenario keys.
     observables : sequence of Observable
+    fixed : dict, optional
+        Further scenario keys, with a value that all vectors of parameters have.
     """
 
     def __init__(
@@ -33,18 +35,20 @@ class Combined:
         names: Sequence[str],
         shared: Sequence[str],
         observables: Sequence[Observable],
+        fixed: Mapping[str, float] | None = None,
     ) -> None:
         self._simulator = simulator
         self.observables = tuple(observables)
-        self._names = tuple(names)
-        self._shared = [self._names.index(name) for name in shared]
+        self._fixed = np.array(list((fixed or {}).values()))
+        self._names = (*names, *(fixed or {}))
+        self._shared = [self._names.index(name) for name in (*shared, *(fixed or {}))]
 
     def velocities(self, conditions: Any, parameters: Array) -> Array:
         """The first rows alone, shape (vectors, conditions), also where nothing was measured.
 
         For a user's own model these are all rows, at whatever conditions it takes.
         """
-        return self._simulator(conditions, parameters[:, self._shared])
+        return self._simulator(conditions, self._completed(parameters)[:, self._shared])
 
     def __call__(self, conditions: Sequence[Any], parameters: Array) -> Array:
         """All rows, shape (vectors, m)."""
@@ -57,7 +61,12 @@ class Combined:
         """Names and values, shape (..., names), of one observable, from values of all columns."""
         own = {each.name for each in observable.nuisance}
         columns = [k for k, name in enumerate(self._names) if k in self._shared or name in own]
-        return [self._names[k] for k in columns], parameters[..., columns]
+        return [self._names[k] for k in columns], self._completed(parameters)[..., columns]
+
+    def _completed(self, parameters: Array) -> Array:
+        """With the fixed values, shape (..., all names)."""
+        fixed = np.broadcast_to(self._fixed, (*parameters.shape[:-1], len(self._fixed)))
+        return np.concatenate([parameters, fixed], axis=-1)
 
 
 def pooled_observables(observables: Sequence[Observable]) -> AuxiliaryData | None:

@@ -105,7 +105,7 @@ def _models_in_mm(found: Findings, m: int) -> dict[str, Array]:
     if gain is not None:
         models["recalibrated"][gain.held_out] = gain.predicted_before * 1e3
         models["extended"][gain.held_out] = gain.predicted_after * 1e3
-    labels = {"extended": f"with {found.verdict.fit.name}"} if found.verdict.fit else {}
+    labels = {} if found.extended is None else {"extended": f"with {found.extended[1].name}"}
     return {labels.get(name, name): row for name, row in models.items()}
 
 
@@ -163,10 +163,12 @@ def fitted_models(found: Findings, m: int) -> dict[str, Array]:
     """The fitted models at the first m observables; none where nothing was learnt."""
     if found.verdict.kind == "data-problem":
         return {}
-    points = {"recalibrated": found.null.x}
-    if found.verdict.fit is not None:
-        points["extended"] = found.verdict.fit.x
-    return {name: found.problem.predicted(x[None, :])[0, :m] for name, x in points.items()}
+    models = {"recalibrated": (found.problem, found.null)}
+    if found.extended is not None:
+        models["extended"] = found.extended
+    return {
+        name: problem.predicted(fit.x[None, :])[0, :m] for name, (problem, fit) in models.items()
+    }
 
 
 def against_model(
@@ -224,11 +226,11 @@ def residuals(found: Findings, place: Array, label: str) -> Figure:
     set-ups share are taken out.
     """
     figure, ((frame,),) = new_figure(9.0, 3.6)
-    fits = {"recalibrated": found.null, "extended": found.verdict.fit}
-    for (name, fit), marker in zip(fits.items(), "os", strict=True):
-        if fit is not None:
-            frame.plot(place, fit.residual[: len(place)], marker, color=COLOURS[name], ms=4,
-                       label=name)  # fmt: skip
+    fits = {"recalibrated": found.null}
+    if found.extended is not None:
+        fits["extended"] = found.extended[1]
+    for (name, fit), marker in zip(fits.items(), "os", strict=False):
+        frame.plot(place, fit.residual[: len(place)], marker, color=COLOURS[name], ms=4, label=name)
     _label_residuals(frame, label)
     frame.legend(fontsize=8, frameon=False)
     return figure

@@ -163,7 +163,7 @@ def _page(
         by_evidence=any(each is not None and "lead" in each.fields for each in reasons),
         limits=_LIMITS,
         observables=len(found.problem.observed),
-        extended=found.verdict.fit is not None,
+        extended=found.extended is not None,
         typical=_typical_error(found),
         report_sections=sections,
         ranking=png(figures.ranking(found)),

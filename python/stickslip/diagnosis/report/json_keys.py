@@ -175,9 +175,9 @@ def _correlation(found: Findings) -> dict[str, Any] | None:
 
 def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]]:
     """Each condition with its settings, its reading, and the predictions of the models."""
-    problem, gain, extended = found.problem, found.gain, found.verdict.fit
-    points = [found.null.x] if extended is None else [found.null.x, extended.x]
-    predicted = problem.predicted(np.stack(points))
+    problem, gain = found.problem, found.gain
+    fits = [(problem, found.null), *([] if found.extended is None else [found.extended])]
+    predicted = [of.predicted(fit.x[None, :])[0] for of, fit in fits]
     sd = np.sqrt(np.diag(found.noise.covariance))
     held = {} if gain is None else {int(k): number for number, k in enumerate(gain.held_out)}
     rows = []
@@ -189,8 +189,8 @@ def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]
             "model_scatter": float(found.roughness[k]),
             "trials": int(found.noise.count[k]),
             "given": float(posed.given[k]),
-            "recalibrated": float(predicted[0, k]),
-            "extended": float(predicted[1, k]) if extended is not None else None,
+            "recalibrated": float(predicted[0][k]),
+            "extended": float(predicted[1][k]) if len(predicted) > 1 else None,
             "held_out": k in held,
         }
         if gain is not None and k in held:
@@ -202,7 +202,7 @@ def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]
 
 def _recalibrated(found: Findings) -> dict[str, dict[str, float | str | None]]:
     """Each uncertain parameter in both models, with its error in the recalibrated one."""
-    extended = found.verdict.fit
+    extended = None if found.extended is None else found.extended[1]
     spread = np.sqrt(np.diag(found.null.covariance))
     result: dict[str, dict[str, float | str | None]] = {}
     for k, each in enumerate(found.problem.uncertain):

@@ -123,8 +123,8 @@ def set_lines(found: Findings) -> list[str]:
 
 def no_gain_lines(found: Findings) -> list[str]:
     """Why there is no held-out improvement, where there is none."""
-    if found.gain is not None:
-        return []
+    if found.gain is not None or found.free_shape is not None:
+        return []  # that of a law of a free shape is said with the law
     why = "the conditions are too few to hold some out"
     if found.verdict.fit is None:
         why = "there is no extended model to compare"

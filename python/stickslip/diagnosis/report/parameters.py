@@ -47,6 +47,8 @@ def with_profiles(
 
 def extended_parameters(found: Findings) -> dict[str, dict[str, float | str]]:
     """Parameters of the extended model; of a set, what each of its members would need."""
+    if found.verdict.fit is None and found.extended is not None:
+        return describe(*found.extended)
     first, *others = [describe(found.problem, fit) for fit in set_members(found)] or [{}]
     result = with_profiles(found, first)
     for entries in others:
