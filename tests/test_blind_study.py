@@ -1,4 +1,4 @@
-"""A few data sets of the blind study: an independent simulator makes them, the command reads them.
+"""A few data sets of the blind study: an independent simulator made them, the diagnosis reads them.
 
 The study itself, `make blind`, has hundreds. These seeds are fixed and the verdicts were sound when
 they were chosen, so this guards against falling back and gives no rate.
@@ -11,9 +11,11 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from stickslip import Scenario
+from stickslip.diagnosis import measurement_problem
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.model.simulator import Simulator
 from stickslip.diagnosis.report.json_keys import summary
@@ -32,21 +34,27 @@ from blind.writing import write_case, write_more
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / "bench" / "blind" / "measured.jsonl"
+DATA = Path(__file__).with_name("data") / "blind"
 TWINS = 20002  # seed of near twins
 SINGLES = [(20018, "surface_tilt"), (20009, "stribeck_friction")]
 PRIORS = priors(("velocity",))
 
 
-def _said(folder, kind, seed):
-    answer = write_case(folder, kind, seed)
-    measurement = read_measurement(folder / "measurement.toml")
+def _answer(name):
+    return json.loads((DATA / "answers" / f"{name}.json").read_text())
+
+
+def _said(kind, seed):
+    """The answer of a stored data set, what is said of the set, and which causes that names."""
+    name = f"{kind.replace(' ', '-')}-{seed}"
+    measurement = read_measurement(DATA / name / "measurement.toml")
     found = diagnose(measurement)
     # To propose experiments takes as long as all the rest.
     twins = kind == "near twins"
     said = found.as_dict() if twins else summary(found.findings, found.posed, measurement, [])
     cause = said["cause"]
     names = set() if cause is None else {cause} if isinstance(cause, str) else set(cause)
-    return answer, said, names
+    return _answer(name), said, names
 
 
 def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
@@ -65,28 +73,38 @@ def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
 
 
 @pytest.mark.slow
-def test_files_of_a_data_set_do_not_contain_the_answer(tmp_path):
-    answer = write_case(tmp_path / "a", "single", 20018)
+def test_files_of_a_data_set_are_the_stored_ones_and_do_not_contain_the_answer(tmp_path):
+    answer = json.loads(json.dumps(write_case(tmp_path / "a", "single", 20018)))
     text = "".join(path.read_text() for path in (tmp_path / "a").iterdir())
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == [
         "measurement.toml", "nominal.toml", "velocity.csv",
     ]  # fmt: skip
     assert answer["answer"]
     assert all(name not in text for name in answer["answer"])
+    # The other tests read such files where they are stored, since making them takes up to 20 s.
+    # Another compiler may change the last digit, a camera's step of 0.8 um/s.
+    stored = DATA / "single-20018"
+    for name in ("measurement.toml", "nominal.toml"):
+        assert (tmp_path / "a" / name).read_text() == (stored / name).read_text()
+    made, kept = (pd.read_csv(each / "velocity.csv") for each in (tmp_path / "a", stored))
+    pd.testing.assert_frame_equal(made, kept, rtol=1e-3, atol=1e-6)
+    before = _answer("single-20018")
+    assert answer["strength"] == pytest.approx(before["strength"], rel=1e-2)
+    assert (answer["answer"], answer["kind"]) == (before["answer"], before["kind"])
 
 
 @pytest.mark.slow
-def test_a_data_set_without_a_cause_gives_none(tmp_path):
-    _, said, _ = _said(tmp_path, "none", 20001)
+def test_a_data_set_without_a_cause_gives_none():
+    _, said, _ = _said("none", 20001)
     assert said["verdict"] == "none"
     assert said["bounds"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "cause"), SINGLES)
-def test_a_single_cause_is_ranked_first(tmp_path, seed, cause):
-    answer, said, names = _said(tmp_path, "single", seed)
-    assert answer["answer"] == (cause,)
+def test_a_single_cause_is_ranked_first(seed, cause):
+    answer, said, names = _said("single", seed)
+    assert answer["answer"] == [cause]
     assert cause in names
     assert said["verdict"] in ("named", "ambiguous")
     chance = {name: p for name, p in said["probabilities"].items() if name != "unknown"}
@@ -94,16 +112,16 @@ def test_a_single_cause_is_ranked_first(tmp_path, seed, cause):
 
 
 @pytest.mark.slow
-def test_exact_twins_are_never_told_apart(tmp_path):
-    _, said, names = _said(tmp_path, "exact twins", 20001)
+def test_exact_twins_are_never_told_apart():
+    _, said, names = _said("exact twins", 9051)
     assert said["verdict"] == "ambiguous"
     assert {"length_scale", "clock_scale"} <= names
 
 
 @pytest.mark.slow
 def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
-    before, after = tmp_path / "before", tmp_path / "after"
-    answer, said, names = _said(before, "near twins", TWINS)
+    before, after = DATA / f"near-twins-{TWINS}", tmp_path / "after"
+    answer, said, names = _said("near twins", TWINS)
     assert said["verdict"] == "ambiguous"
     assert {"surface_tilt", "friction_anisotropy"} <= names
     # A condition and its mirror image say the same.
@@ -111,7 +129,7 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
                 for each in said["next_experiments"]]  # fmt: skip
     assert not any(np.allclose(a, b) for a, b in itertools.combinations(foreseen, 2))
     drives = [each["drive"] for each in said["next_experiments"]]
-    write_more(before, after, json.loads(json.dumps(answer)), drives)
+    write_more(before, after, answer, drives)
     assert (after / "velocity.csv").read_bytes() == (before / "velocity.csv").read_bytes()
     assert len((after / "proposed.csv").read_text().splitlines()) == 1 + 3 * TRIALS
     followed = diagnose(read_measurement(after / "measurement.toml")).as_dict()
@@ -123,8 +141,8 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
 
 
 @pytest.mark.slow
-def test_two_causes_are_given_as_a_pair_or_a_set(tmp_path):
-    answer, _, names = _said(tmp_path, "hiding", 20001)
+def test_two_causes_are_given_as_a_pair_or_a_set():
+    answer, _, names = _said("hiding", 20001)
     # Of the one that the other hides, beside it.
     low, high = KINDS["hiding"].wanted
     assert low <= answer["strength"] <= high
@@ -132,8 +150,10 @@ def test_two_causes_are_given_as_a_pair_or_a_set(tmp_path):
 
 
 @pytest.mark.slow
-def test_an_effect_outside_the_library_is_not_named(tmp_path):
-    _, said, _ = _said(tmp_path, "unknown", 20001)
+def test_an_effect_outside_the_library_is_not_named(monkeypatch):
+    # Laws of a free shape are looked for after the verdict, which is what counts here.
+    monkeypatch.setattr(measurement_problem, "explore_free_shapes", lambda *a, **k: None)
+    _, said, _ = _said("unknown", 20001)
     assert said["verdict"] == "unexplained"
     assert said["parameters"] == {}
 

@@ -3,6 +3,7 @@
 import itertools
 import json
 import socket
+from concurrent.futures import ThreadPoolExecutor
 
 import distributed
 import h5netcdf
@@ -216,16 +217,20 @@ def test_options_that_are_refused(scenario, tmp_path, name):
     assert scenario.read_text() == TEXT
 
 
-@pytest.mark.parametrize("listening", [False, True])
-def test_a_cluster_that_does_not_answer(scenario, listening):
-    with socket.socket() as server:
-        server.bind(("127.0.0.1", 0))
-        if listening:
-            server.listen()
-        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
-        # It gives up by itself, long before the process would be ended.
-        done = stickslip_process("sweep", scenario, *VARY, "--dask", address)
-        check(done, address, "no cluster")
+def test_a_cluster_that_does_not_answer(scenario):
+    def asked(listening):
+        with socket.socket() as server:
+            server.bind(("127.0.0.1", 0))
+            if listening:
+                server.listen()
+            address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+            # It gives up by itself, long before the process would be ended.
+            return address, stickslip_process("sweep", scenario, *VARY, "--dask", address)
+
+    # Both do little but wait.
+    with ThreadPoolExecutor() as pool:
+        for address, done in pool.map(asked, (False, True)):
+            check(done, address, "no cluster")
 
 
 def test_the_file_of_another_scenario_is_not_touched(scenario, tmp_path):

@@ -41,7 +41,9 @@ Left left_over(const Scenario& scenario, const Scenario& simulated) {
     const std::vector<double> events = simulate(at_events).recording.t;
     const double sign = frame_sign(scenario);
     const double h = (1.0 + scenario.effects.clock_scale_fraction) / kRate;
-    Left left;
+    std::vector<BalancePoint> points;
+    std::vector<CornerMotion> motions;
+    std::vector<bool> sticks;
     double touched = 0.0;
     for (std::size_t i = 2; i + 2 < r.t.size(); ++i) {
         if (r.contact[i] == 0) touched = r.t[i];
@@ -50,14 +52,18 @@ Left left_over(const Scenario& scenario, const Scenario& simulated) {
         const bool smooth = event == events.end() || *event > r.t[i + 2];
         if (!smooth || r.contact[i] < 1 || r.contact[i] > 3) continue;
         const int world = r.contact[i] == 3 ? -1 : 1;
-        const BalancePoint point = {r.t[i],     r.x[i],           r.z[i],
-                                    r.theta[i], r.t[i] - touched, static_cast<int>(sign) * world};
-        const CornerMotion motion = {r.theta[i], r.omega[i],
-                                     (r.omega[i + 1] - r.omega[i - 1]) / (2.0 * h), sign * r.vx[i],
-                                     sign * (r.vx[i + 1] - r.vx[i - 1]) / (2.0 * h)};
-        const CornerBalances found = corner_balances(scenario, {point}, {motion});
-        const CornerBalance& b = found.rows[0];
-        if (r.contact[i] == 1) {
+        points.push_back(
+            {r.t[i], r.x[i], r.z[i], r.theta[i], r.t[i] - touched, static_cast<int>(sign) * world});
+        motions.push_back({r.theta[i], r.omega[i], (r.omega[i + 1] - r.omega[i - 1]) / (2.0 * h),
+                           sign * r.vx[i], sign * (r.vx[i + 1] - r.vx[i - 1]) / (2.0 * h)});
+        sticks.push_back(r.contact[i] == 1);
+    }
+    // In one call, since each one builds its model.
+    const CornerBalances found = corner_balances(scenario, points, motions);
+    Left left;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const CornerBalance& b = found.rows[i];
+        if (sticks[i]) {
             // Of the field's largest torque, M B = 1.6e-6 A m^2 x 2.5 mT.
             left.torque = std::max(left.torque, std::abs(b.torque) / 4e-9);
             left.sticking_velocity = std::max(left.sticking_velocity, std::abs(b.contact_velocity));
