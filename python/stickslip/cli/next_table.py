@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
+from stickslip._util.csv_rows import text_lines
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 
@@ -156,8 +157,8 @@ def _below_what_was_measured(path: Path, trials: Any) -> str:
         return str(trials.to_csv(index=False))
     table = read_rows(path)
     empty = set(unmeasured(table))
-    lines = path.read_text(encoding="utf-8-sig").splitlines()
-    kept = [line for number, line in enumerate(lines, start=1) if number not in empty]
+    lines = enumerate(text_lines(path.read_bytes()), start=1)
+    kept = [line for number, line in lines if number not in empty]
     new = trials.reindex(columns=table[0]).to_csv(index=False, header=False)
     return "\n".join([*kept, str(new)])
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import difflib
+import itertools
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -14,11 +13,12 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
+from stickslip._util.csv_rows import csv_rows
 from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import LINES
-from stickslip.scenario.keys import refuse, shown, suggestion
+from stickslip.scenario.keys import nearest, refuse, shown, suggestion
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -55,27 +55,9 @@ def read_rows(path: Path) -> Rows:
 
 
 def _rows(data: bytes) -> Rows:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"is no text: byte {error.start + 1} is not UTF-8") from None
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if len(lines) > _MOST_ROWS:
-        raise ScenarioError(f"{len(lines)} rows; allowed are {_MOST_ROWS}")
-    try:
-        cells = list(csv.reader(line for _, line in lines))
-    except csv.Error as error:
-        raise ScenarioError(f"cannot be read: {error}") from None
-    if len(cells) != len(lines):
-        raise ScenarioError("a quoted cell goes over several lines; allowed is one line")
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for (number, _), row in zip(lines, cells, strict=True)
-    ]
+    rows = list(itertools.islice(csv_rows(data), _MOST_ROWS + 1))
+    if len(rows) > _MOST_ROWS:
+        raise ScenarioError(f"has more rows than are allowed, {_MOST_ROWS}")
     if len(rows) < 2:
         raise ScenarioError("has no row of data below a line of column names")
     header = rows[0][1]
@@ -150,8 +132,8 @@ def check_columns(
     """Refuse a table without a column that it needs, or with one that is not `known`, if given."""
     for name in required:
         if name not in header:
-            near = difflib.get_close_matches(name, header, n=1, cutoff=0.6)
-            meant = f", and {shown(near[0])} may be meant as it" if near else ""
+            near = nearest(name, header)
+            meant = "" if near is None else f", and {shown(near)} may be meant as it"
             there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
             raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
     for name in header:

@@ -80,6 +80,8 @@ class Key:
         SI unit; ``"-"`` for none.
     low, high : float
         Range of a number; NaN for a word.
+    words : tuple of str
+        The words that it takes; of ``"fields"``, one or more of them.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Key:
     unit: str = "-"
     low: float = math.nan
     high: float = math.nan
+    words: tuple[str, ...] = ()
 
     @property
     def section(self) -> str:
@@ -109,6 +112,7 @@ _RECORD_KEYS = (
         "none",
         "rate of the uniform output grid, or one record an event, or no record",
         *("Hz", 0.0, math.inf),
+        RECORD_WORDS,
     ),
     Key(
         "record.from",
@@ -124,6 +128,7 @@ _RECORD_KEYS = (
         '"all", or some of ' + ", ".join(_core.record_columns),
         ALL_FIELDS,
         "recorded quantities, with commas between them; t is always there",
+        words=(ALL_FIELDS, *_core.record_columns),
     ),
     Key(
         "record.dtype",
@@ -131,6 +136,7 @@ _RECORD_KEYS = (
         _one_of(DTYPES),
         DTYPES[0],
         "precision of the recorded numbers; t always has float64",
+        words=DTYPES,
     ),
 )
 """Keys that the core has no table of."""
@@ -146,7 +152,10 @@ def field_of(key: str) -> str:
 def known_keys() -> dict[str, Key]:
     """All scalar keys by name, section by section."""
     words = [
-        Key(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"])
+        Key(
+            *(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"]),
+            words=tuple(row["allowed"]),
+        )
         for row in _core.choices()
     ]
     numbers = [
@@ -183,19 +192,32 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The name of `known` that is most like a word, in whatever case; None if none is like it."""
+    names = {name.casefold(): name for name in known}
+    near = difflib.get_close_matches(word.casefold(), names, n=1, cutoff=0.6)
+    return names[near[0]] if near else None
+
+
 def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
     """What was probably meant of `known`, or all of `listed`, which is `known` if not given."""
     known = list(known)
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    if near:
-        return f'did you mean "{near[0]}"?'
+    near = nearest(word, known)
+    if near is not None:
+        return f'did you mean "{near}"?'
     return "known are " + ", ".join(f'"{each}"' for each in (known if listed is None else listed))
+
+
+def meant(word: object, known: Iterable[str]) -> str:
+    """What was probably meant, after a sentence that lists all of `known`; "" for nothing."""
+    near = nearest(word, known) if isinstance(word, str) else None
+    return "" if near is None else f'; did you mean "{near}"?'
 
 
 def in_allowed_case(key: Key, word: str) -> str:
     """A word as the key allows it: an apparatus may write "ipp" and "+X"."""
     spelt = (word, word.upper(), word.lower())
-    return next((each for each in spelt if f'"{each}"' in key.allowed), word)
+    return next((each for each in spelt if each in key.words), word)
 
 
 def refuse(key: str, value: object, allowed: str) -> NoReturn:
@@ -217,10 +239,21 @@ def check_kind(name: str, value: object, kind: type) -> None:
 
 def section_hint(section: str) -> str:
     """The section that was probably meant, or all of them, with the extensions as one."""
-    sections = list(dict.fromkeys(key.section for key in known_keys().values()))
-    if difflib.get_close_matches(section, sections, n=1, cutoff=0.6):
-        return suggestion(section, sections)
-    return suggestion(section, dict.fromkeys(each.partition(".")[0] for each in sections))
+    sections = dict.fromkeys(key.section for key in known_keys().values())
+    listed = dict.fromkeys(each.partition(".")[0] for each in sections)
+    return suggestion(section, sections, listed)
+
+
+def key_hint(name: str) -> str:
+    """The key that was probably meant, by its whole name or its last word, or what there is."""
+    keys = known_keys()
+    section = name.rpartition(".")[0]
+    siblings = [key.name for key in keys.values() if key.section == section]
+    if siblings:
+        return suggestion(name, siblings)
+    last = {} if section else {key.rpartition(".")[2]: key for key in reversed(keys)}
+    near = nearest(name, [*keys, *last])
+    return section_hint(section) if near is None else f'did you mean "{last.get(near, near)}"?'
 
 
 def full_name(name: str) -> str:
@@ -237,13 +270,7 @@ def find_key(name: str, *value: object) -> Key:
     given = " = ".join([name, *map(shown, value)])
     if name == FILE:
         raise ScenarioError(f"{given}: there is no such key here; {_FILE_HINT}")
-    section = name.rpartition(".")[0]
-    siblings = [key.name for key in keys.values() if key.section == section]
-    if siblings or difflib.get_close_matches(name, keys, n=1, cutoff=0.6):
-        hint = suggestion(name, siblings or keys)
-    else:
-        hint = section_hint(section)
-    raise ScenarioError(f"{given}: there is no such key; {hint}")
+    raise ScenarioError(f"{given}: there is no such key; {key_hint(name)}")
 
 
 def checked(name: str, value: object, core: _core.Scenario | None = None) -> Value:
@@ -264,7 +291,7 @@ def checked(name: str, value: object, core: _core.Scenario | None = None) -> Val
     try:
         core.set(name, converted)
     except (ValueError, TypeError):  # the latter of a word that is not UTF-8
-        refuse(name, value, key.allowed)
+        refuse(name, value, key.allowed + meant(value, key.words))
     return int(converted) if key.kind == "whole" else converted
 
 
@@ -286,18 +313,19 @@ def _as_number(key: Key, value: object) -> float:
 
 
 def _checked_record(key: Key, value: object) -> Value:
-    if key.kind == "rate":
-        return _checked_rate(key, value)
     if key.kind == "fields":
         return _checked_fields(key, value)
-    if key.kind == "word":
-        if value not in DTYPES:
-            refuse(key.name, value, key.allowed)
+    if key.words and isinstance(value, str):
+        if value not in key.words:
+            refuse(key.name, value, key.allowed + meant(value, key.words))
         return str(value)
-    start = _as_number(key, value)
-    if not (math.isfinite(start) and start >= 0.0):
+    if key.kind == "word":
         refuse(key.name, value, key.allowed)
-    return start
+    number = _as_number(key, value)
+    is_allowed = number > 0.0 if key.kind == "rate" else number >= 0.0
+    if not (math.isfinite(number) and is_allowed):
+        refuse(key.name, value, key.allowed)
+    return number
 
 
 def _checked_fields(key: Key, value: object) -> str:
@@ -313,14 +341,3 @@ def _checked_fields(key: Key, value: object) -> str:
         hint = suggestion(unknown[0], _core.record_columns) if unknown else "it names nothing"
         refuse(key.name, value, f"{key.allowed}; {hint}")
     return ", ".join(name for name in _core.record_columns if name in names)
-
-
-def _checked_rate(key: Key, value: object) -> Value:
-    if isinstance(value, str):
-        if value not in RECORD_WORDS:
-            refuse(key.name, value, key.allowed)
-        return str(value)
-    rate = _as_number(key, value)
-    if not (math.isfinite(rate) and rate > 0.0):
-        refuse(key.name, value, key.allowed)
-    return rate

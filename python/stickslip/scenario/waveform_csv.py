@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import csv
-import io
 import math
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,8 +14,9 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
-from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import refuse, shown
+from stickslip._util.csv_rows import csv_rows
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.keys import nearest, refuse, shown
 from stickslip.scenario.sections import COIL_NAMES
 
 if TYPE_CHECKING:
@@ -30,20 +30,10 @@ _MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
 _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
 
 
-def read_points(
-    path: str | PathLike[str],
-) -> tuple[Array, Array]:
+def read_points(path: str | PathLike[str]) -> tuple[Array, Array]:
     """Times (n,) in s and voltages (n, 5) in V; see `Waveform.from_csv`."""
-    try:
-        data = io.BytesIO(read_bytes(path, _MOST_BYTES, "file of voltages"))
-        with io.TextIOWrapper(data, encoding="utf-8-sig", newline="") as file:
-            table = _table(_numbered(file))
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{path}: is no text in UTF-8; voltages are a CSV file") from None
-    except csv.Error as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from None
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
+    with prefixed(path):
+        table = _table(csv_rows(read_bytes(path, _MOST_BYTES, "file of voltages")))
     return table[:, 0].copy(), table[:, 1:].copy()
 
 
@@ -59,24 +49,15 @@ def write_rows(waveform: Waveform, path: Path) -> None:
         writer.writerows(np.column_stack([t, v]).tolist())
 
 
-def _numbered(file: Iterable[str]) -> Iterator[tuple[int, list[str]]]:
-    """Rows with the line on which each ends. A line that begins with # is a comment."""
-    reader = csv.reader(file)
-    for row in reader:
-        if not (row and row[0].lstrip().startswith("#")):
-            yield reader.line_num, row
-
-
 def _table(rows: Iterator[tuple[int, list[str]]]) -> Array:
     """The columns in the order of COLUMNS; row numbers in messages are lines of the file."""
-    _, header = next(rows, (0, []))
-    if not any(cell.strip() for cell in header):
+    line, header = next(rows, (0, []))
+    if not any(header):
         raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
-    order = _column_order([cell.strip() for cell in header])
+    order = _column_order(line, header)
     table = array("d")
-    line = 1
     for line, row in rows:
-        if not any(cell.strip() for cell in row):
+        if not any(row):
             continue
         if len(row) != len(COLUMNS):
             raise ScenarioError(f"row {line} has {len(row)} cells: allowed are {len(COLUMNS)}")
@@ -93,16 +74,19 @@ def _table(rows: Iterator[tuple[int, list[str]]]) -> Array:
     return points
 
 
-def _column_order(header: list[str]) -> list[int]:
+def _column_order(line: int, header: list[str]) -> list[int]:
     expected = "allowed are " + ", ".join(COLUMNS)
     for name in COLUMNS:
         if name not in header:
-            raise ScenarioError(f"row 1: the column {name} is missing; {expected}")
+            near = nearest(name, [each for each in header if each not in COLUMNS])
+            meant = "" if near is None else f", and {shown(near)} may be meant as it"
+            raise ScenarioError(f"row {line}: the column {name} is missing{meant}; {expected}")
     for index, name in enumerate(header):
+        where = f"row {line}, column"
         if name not in COLUMNS:
-            raise ScenarioError(f"row 1, column {shown(name)}: there is no such column; {expected}")
+            raise ScenarioError(f"{where} {shown(name)}: there is no such column; {expected}")
         if name in header[:index]:
-            raise ScenarioError(f"row 1, column {name}: is there twice; {expected}")
+            raise ScenarioError(f"{where} {name}: is there twice; {expected}")
     return [header.index(name) for name in COLUMNS]
 
 
@@ -112,7 +96,7 @@ def _cell(text: str, column: str, row: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        refuse(f"row {row}, column {column}", text.strip(), f"a finite number of {_UNITS[column]}")
+        refuse(f"row {row}, column {column}", text, f"a finite number of {_UNITS[column]}")
     return value
 
 

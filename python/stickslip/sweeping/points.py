@@ -7,7 +7,6 @@ the words that its key takes. That is what the compiled core reads.
 from __future__ import annotations
 
 import copy
-import functools
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -108,7 +107,7 @@ class Points:
         values = self.columns[self.keys.index(key)]
         kind = known_keys()[key].kind
         if kind == "word":
-            words = _words(key)
+            words = known_keys()[key].words
             return np.array([words[place] for place in values.astype(int)])
         return values.astype(np.int64) if kind == "whole" else values
 
@@ -231,14 +230,9 @@ def _check_axis(key: str, values: list[Value]) -> None:
         seen.add(value)
 
 
-@functools.cache
-def _words(key: str) -> tuple[str, ...]:
-    return next(tuple(row["allowed"]) for row in _core.choices() if row["key"] == key)
-
-
 def encoded(key: str, values: Sequence[Value]) -> Array:
     """Values of a key as numbers, as the core reads them: of a word its index."""
     if known_keys()[key].kind == "word":
-        places = {word: place for place, word in enumerate(_words(key))}
+        places = {word: place for place, word in enumerate(known_keys()[key].words)}
         values = [places[str(value)] for value in values]
     return np.array(values, dtype=np.float64)
