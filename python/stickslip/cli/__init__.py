@@ -18,6 +18,9 @@ FAILED = 1
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 
+COMPLETION = "_STICKSLIP_COMPLETE"
+"""The variable by which a shell asks for what could come next; click gives it its name."""
+
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command and exit: 0; 1 if a simulation failed; 2 for bad input; 130 on Ctrl-C.
@@ -64,13 +67,20 @@ def _take_termination() -> None:
 def _run(arguments: Sequence[str] | None) -> int:
     import click
 
-    from stickslip.cli.commands import stickslip
+    from stickslip.cli.commands import stickslip, unknown_option
     from stickslip.errors import ScenarioError
 
+    if COMPLETION in os.environ:
+        from stickslip.cli.completion import answer
+
+        return answer(stickslip, os.environ[COMPLETION])
     try:
         return int(stickslip.main(arguments, prog_name="stickslip", standalone_mode=False) or 0)
     except click.exceptions.NoArgsIsHelpError as error:
         print(error.format_message(), file=sys.stderr)
+        return BAD_INPUT
+    except click.NoSuchOption as error:
+        print(f"stickslip: {_one_line(unknown_option(error))}", file=sys.stderr)
         return BAD_INPUT
     except (click.ClickException, ScenarioError) as error:
         message = error if isinstance(error, ScenarioError) else error.format_message()

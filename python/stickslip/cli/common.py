@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import click
 
 from stickslip._util.plain_text import printable
+from stickslip.cli.completion import setting, settings
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -19,6 +20,7 @@ SET = click.option(
     "settings",
     multiple=True,
     metavar="KEY=VALUE",
+    shell_complete=setting,
     help="Change a key, in SI units without their names; repeatable.",
 )
 
@@ -31,6 +33,7 @@ def vary_option(required: bool) -> Callable[[_F], _F]:
         multiple=True,
         required=required,
         metavar="KEY=VALUES",
+        shell_complete=settings,
         help="A key and its values, start:stop:count with both ends, or a,b,c; repeatable.",
     )
 

@@ -6,28 +6,51 @@ import click
 
 from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON
-from stickslip.cli.keys_command import as_dict, indented
+from stickslip.cli.completion import effect
+from stickslip.cli.keys_command import as_dict, has_word, indented, words_of
 from stickslip.errors import ScenarioError
-from stickslip.scenario.named_effects import PREFIX, Effect, effects, suggested_effect
+from stickslip.scenario.named_effects import (
+    PREFIX,
+    Effect,
+    effects,
+    is_free_shape,
+    suggested_effect,
+)
 
 
-@click.command("effects", epilog="\b\nExample:\n  stickslip effects surface_tilt")
-@click.argument("name", required=False)
+@click.command(
+    "effects", epilog="\b\nExample:\n  stickslip effects surface_tilt\n  stickslip effects drag"
+)
+@click.argument("word", required=False, shell_complete=effect)
 @JSON
-def command(name: str | None, as_json: bool) -> None:
-    """List the named extensions of the model, or one of them by its NAME.
+def command(word: str | None, as_json: bool) -> None:
+    """List the named extensions of the model, or those that a WORD stands for.
 
-    What each does, its parameters with unit, range and default, and its source. An extension is
-    used by a section [effects.NAME] in a scenario, or by --set effects.NAME.PARAMETER=VALUE.
+    WORD is the name of one, or else any text that is in the name of one or in what it adds; laws of
+    a free shape are among those only where no others are.
+
+    Each is printed with what it does, its parameters with unit, range and default, and its source.
+    An extension is used by a section [effects.NAME] in a scenario, or by --set
+    effects.NAME.PARAMETER=VALUE.
     """
-    chosen = [each for each in effects() if name is None or each.name == name]
-    if not chosen:
-        hint = suggested_effect(str(name))
-        raise ScenarioError(f"{name}: there is no such extension; {hint}")
+    chosen = _chosen(word)
     if as_json:
         click.echo(json_text({"effects": [_as_dict(effect) for effect in chosen]}))
         return
     click.echo("\n\n".join(_as_text(effect) for effect in chosen))
+
+
+def _chosen(word: str | None) -> list[Effect]:
+    """All extensions; or one, or those that have a word."""
+    if word is None:
+        return list(effects())
+    name = word.removeprefix(PREFIX)
+    one = [each for each in effects() if each.name == name]
+    found = one or [each for each in effects() if has_word(name, each.name, each.meaning)]
+    if not found:
+        hint = suggested_effect(name, words_of((each.name for each in effects()), name))
+        raise ScenarioError(f"{word}: there is no such extension, and none has this word; {hint}")
+    return [each for each in found if not is_free_shape(each.name)] or found
 
 
 def _as_dict(effect: Effect) -> dict[str, object]:

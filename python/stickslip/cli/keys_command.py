@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 
 import click
 
 from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON
+from stickslip.cli.completion import key_or_section
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, Key, known_keys, section_hint, shown
+from stickslip.scenario.keys import FILE, Key, full_name, key_hint, known_keys, shown
 
 _FILE_MEANING = (
     'CSV file of voltages, relative to the scenario, with mode = "program": columns t (s), xp, xm, '
@@ -17,22 +19,19 @@ _FILE_MEANING = (
 )
 
 
-@click.command("keys", epilog="\b\nExample:\n  stickslip keys drive")
-@click.argument("section", required=False)
+@click.command("keys", epilog="\b\nExample:\n  stickslip keys drive\n  stickslip keys friction")
+@click.argument("word", required=False, shell_complete=key_or_section)
 @JSON
-def command(section: str | None, as_json: bool) -> None:
-    """List all keys of a scenario, or those of one SECTION, such as drive or effects.
+def command(word: str | None, as_json: bool) -> None:
+    """List all keys of a scenario, or those that a WORD stands for.
 
-    Each with its unit, its default, its range and what it means. A key is set by its section in a
-    scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
+    WORD is a section, such as drive or effects; a key, such as drive.frequency; or else any text
+    that is in the name or the meaning of a key.
+
+    Each is printed with its unit, its default, its range and what it means. A key is set by its
+    section in a scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
     """
-    keys = [
-        key
-        for key in known_keys().values()
-        if section in (None, key.section) or key.section.startswith(f"{section}.")
-    ]
-    if not keys:
-        raise ScenarioError(f"{section}: there is no such section; {section_hint(str(section))}")
+    keys = _chosen(word)
     if as_json:
         click.echo(json_text({"keys": [as_dict(key) for key in keys]}))
         return
@@ -41,6 +40,38 @@ def command(section: str | None, as_json: bool) -> None:
         for name in dict.fromkeys(key.section for key in keys)
     ]
     click.echo("\n\n".join(blocks))
+
+
+def _chosen(word: str | None) -> list[Key]:
+    """All keys; or one, those of a section, or those that have a word, in this order."""
+    keys = known_keys()
+    if word is None:
+        return list(keys.values())
+    name = "drive.mode" if word == FILE else full_name(word)  # which is shown with the former
+    if name in keys:
+        return [keys[name]]
+    found = [each for each in keys.values() if f"{each.section}.".startswith(f"{word}.")]
+    found = found or [each for each in keys.values() if has_word(word, each.name, each.meaning)]
+    if not found:
+        sections = {each.section for each in keys.values()}
+        hint = key_hint(word, [*sections, *words_of(keys, word)])
+        raise ScenarioError(
+            f"{word}: there is no such section or key, and none has this word; {hint}"
+        )
+    return found
+
+
+def words_of(names: Iterable[str], word: str) -> list[str]:
+    """What names are put together from, any of which may be meant by a word that is itself one."""
+    if "_" in word or "." in word:
+        return []
+    return sorted({part for name in names for part in name.replace("_", ".").split(".")})
+
+
+def has_word(word: str, *texts: str) -> bool:
+    """Whether one of some texts has a word, in whatever case; a space in it may stand for _."""
+    wanted = word.casefold().replace("_", " ").strip()
+    return any(wanted in text.casefold().replace("_", " ") for text in texts)
 
 
 def as_dict(key: Key) -> dict[str, object]:

@@ -10,6 +10,7 @@ import click
 from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, say
+from stickslip.cli.completion import coils, figure_after, settings
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import by_key, parse_value, read_with, with_uncertain_file
 from stickslip.cli.targets import check_folder_target, input_files
@@ -30,19 +31,31 @@ Examples:
     --knots 12 --coils xp,clamp --free drive.frequency=50:300 --out best""",
 )
 @click.argument("scenario", type=PATH)
-@click.option("--maximise", metavar="FIGURE", help="A number of the summary, as large as may be.")
-@click.option("--minimise", metavar="FIGURE", help="The same, as small as may be.")
+@click.option(
+    "--maximise",
+    metavar="FIGURE",
+    shell_complete=figure_after(""),
+    help="A number of the summary, as large as may be.",
+)
+@click.option(
+    "--minimise",
+    metavar="FIGURE",
+    shell_complete=figure_after(""),
+    help="The same, as small as may be.",
+)
 @click.option(
     "--limit",
     "limits",
     multiple=True,
     metavar="FIGURE=VALUE",
+    shell_complete=figure_after("="),
     help="Greatest value of a number of the summary, in every draw; repeatable.",
 )
 @click.option(
     "--free",
     multiple=True,
     metavar="KEY=VALUES",
+    shell_complete=settings,
     help="A key and its range, low:high, or words to try, a,b; repeatable.",
 )
 @click.option(
@@ -51,7 +64,11 @@ Examples:
     help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
 )
 @click.option(
-    "--coils", default="xp,clamp", show_default=True, help="Coils that a free waveform drives."
+    "--coils",
+    default="xp,clamp",
+    show_default=True,
+    shell_complete=coils,
+    help="Coils that a free waveform drives.",
 )
 @UNCERTAIN
 @click.option(

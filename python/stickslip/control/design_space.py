@@ -15,7 +15,16 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import PROGRAM, Value, checked, find_key, full_name, refuse, shown
+from stickslip.scenario.keys import (
+    PROGRAM,
+    Value,
+    checked,
+    find_key,
+    full_name,
+    meant,
+    refuse,
+    shown,
+)
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.waveform import Waveform
@@ -283,7 +292,8 @@ def _periodic(
     chosen = (coils,) if isinstance(coils, str) else tuple(coils)
     for coil in chosen:
         if coil not in COIL_NAMES:
-            raise ScenarioError(f"coil {shown(coil)}: allowed is one of {', '.join(COIL_NAMES)}")
+            allowed = f"allowed is one of {', '.join(COIL_NAMES)}{meant(coil, COIL_NAMES)}"
+            raise ScenarioError(f"coil {shown(coil)}: {allowed}")
     if not chosen or len(set(chosen)) < len(chosen):
         refuse("coils", list(chosen), "each coil once, at least one")
     if volts is None or not volts > 0.0:

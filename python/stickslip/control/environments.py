@@ -25,7 +25,7 @@ from stickslip._util.processor_count import worker_count
 from stickslip.control.camera import Camera, Film
 from stickslip.control.tasks import task_named
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_whole
+from stickslip.scenario.keys import check_whole, meant
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -110,7 +110,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self._threads = worker_count(threads, "threads")
         unknown = [coil for coil in coils if coil not in COIL_NAMES]
         if unknown or not coils:
-            raise ScenarioError(f"coils = {list(coils)}: allowed are some of {list(COIL_NAMES)}")
+            hint = meant(unknown[0], COIL_NAMES) if unknown else ""
+            allowed = f"allowed are some of {list(COIL_NAMES)}{hint}"
+            raise ScenarioError(f"coils = {list(coils)}: {allowed}")
         self._coils = [COIL_NAMES.index(coil) for coil in coils]
         mode = AutoresetMode(autoreset_mode)
         self.metadata = {"autoreset_mode": mode, "render_modes": []}

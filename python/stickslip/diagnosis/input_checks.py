@@ -11,6 +11,7 @@ from stickslip.diagnosis.data.trials import Trials
 from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.options import Options
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import meant
 
 
 def check_inputs(
@@ -83,8 +84,9 @@ def _check_names(uncertain: Sequence[Uncertain], causes: Sequence[Cause]) -> Non
             raise ScenarioError(f"cause {cause.name}: {said}")
         if cause.relaxes_prior is not None and cause.relaxes_prior not in constants:
             said = "allowed is the name of an uncertain parameter"
+            hint = meant(cause.relaxes_prior, constants)
             raise ScenarioError(
-                f"cause {cause.name}: relaxes_prior = {cause.relaxes_prior}: {said}"
+                f"cause {cause.name}: relaxes_prior = {cause.relaxes_prior}: {said}{hint}"
             )
         for each in cause.parameters:
             if each.name in parameters:

@@ -33,7 +33,7 @@ from stickslip.reproduction.points import (
 )
 from stickslip.reproduction.settings import MODES, Mode, Setting
 from stickslip.reproduction.tables import table
-from stickslip.scenario.keys import known_keys, shown
+from stickslip.scenario.keys import known_keys, meant, shown
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
@@ -205,7 +205,8 @@ def _point(where: str, row: dict[str, str]) -> MeasuredPoint:
         if not allowed:
             raise ScenarioError(f"{where}: {name} = {shown(row[name])}: allowed {what}")
 
-    refuse_unless(figure in CURVES, "figure", f"is one of {', '.join(CURVES)}")
+    hint = meant(figure, CURVES)
+    refuse_unless(figure in CURVES, "figure", f"is one of {', '.join(CURVES)}{hint}")
     modes = CURVES[figure].modes
     refuse_unless(mode in modes, "mode", f"in {figure} is {' or '.join(modes)}")
     key = known_keys()[CURVES[figure].scan.key]

@@ -31,7 +31,7 @@ from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
 from stickslip.reproduction.statements import RULE, Statement, judge
 from stickslip.reproduction.survey import survey
 from stickslip.reproduction.tables import write_table
-from stickslip.scenario.keys import shown
+from stickslip.scenario.keys import meant, shown
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run
@@ -215,9 +215,8 @@ def _chosen(only: Iterable[str] | None) -> list[str]:
     wanted = [only] if isinstance(only, str) else list(only)
     for name in wanted:
         if name not in FIGURES:
-            raise ScenarioError(
-                f"figure {shown(name)}: allowed is one or more of {', '.join(FIGURES)}"
-            )
+            allowed = f"one or more of {', '.join(FIGURES)}{meant(name, FIGURES)}"
+            raise ScenarioError(f"figure {shown(name)}: allowed is {allowed}")
     return [name for name in FIGURES if name in wanted]
 
 

@@ -244,15 +244,18 @@ def section_hint(section: str) -> str:
     return suggestion(section, sections, listed)
 
 
-def key_hint(name: str) -> str:
-    """The key that was probably meant, by its whole name or its last word, or what there is."""
+def key_hint(name: str, others: Iterable[str] = ()) -> str:
+    """The key that was probably meant, by its whole name or its last word, or what there is.
+
+    `others` are names of another kind that may be meant too.
+    """
     keys = known_keys()
     section = name.rpartition(".")[0]
     siblings = [key.name for key in keys.values() if key.section == section]
     if siblings:
         return suggestion(name, siblings)
     last = {} if section else {key.rpartition(".")[2]: key for key in reversed(keys)}
-    near = nearest(name, [*keys, *last])
+    near = nearest(name, [*keys, *last, *others])
     return section_hint(section) if near is None else f'did you mean "{last.get(near, near)}"?'
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,13 +83,15 @@ def is_own_coil(name: str) -> bool:
     return name in {f"coil_{coil}" for coil in _core.coil_names}
 
 
-def suggested_effect(name: str) -> str:
+def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
     """Which extension `name` was probably meant to be, or all that could have been.
 
-    Those of a free shape are many and alike, and are not listed.
+    Those of a free shape are many and alike, and are not listed. `others` are words that may be
+    meant too.
     """
     names = [effect.name for effect in effects()]
-    return suggestion(name, names, [each for each in names if not is_free_shape(each)])
+    listed = [each for each in names if not is_free_shape(each)]
+    return suggestion(name, [*names, *others], listed)
 
 
 class EffectSettings(Mapping[str, Mapping[str, float]]):

@@ -14,6 +14,7 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import replacing
 from stickslip._util.number_text import highest
+from stickslip.scenario.keys import meant
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
 from stickslip.scenario.waveform_csv import read_points, write_rows
@@ -316,9 +317,9 @@ def _five(voltages: Voltages) -> list[float]:
     if isinstance(voltages, Mapping):
         unknown = set(voltages) - set(COIL_NAMES)
         if unknown:
-            raise ValueError(
-                f"coil {min(unknown)!r}: allowed is one of " + ", ".join(map(repr, COIL_NAMES))
-            )
+            name, allowed = min(unknown), ", ".join(map(repr, COIL_NAMES))
+            hint = meant(name, COIL_NAMES)
+            raise ValueError(f"coil {name!r}: allowed is one of {allowed}{hint}")
         return [float(voltages.get(name, 0.0)) for name in COIL_NAMES]
     values = [float(value) for value in voltages] or [0.0] * len(COIL_NAMES)
     if len(values) != len(COIL_NAMES):
