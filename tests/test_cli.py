@@ -18,6 +18,7 @@ from stickslip import COIL_NAMES, Scenario, effects, load, open_run, simulate
 from stickslip.cli.commands import COMMANDS
 from stickslip.cli.commands import stickslip as group
 from stickslip.simulation.run import COLUMNS
+from stickslip.sweeping.results import NUMBERS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
 
@@ -282,6 +283,41 @@ def test_one_effect_can_be_listed():
     (effect,) = (each for each in effects() if each.name == "surface_tilt")
     # Lines may break between words and at hyphens.
     assert "".join(text.split()).endswith("".join(f"source: {effect.source}".split()))
+
+
+UNITS = {*(each.unit for each in NUMBERS.values()), "mm/s", "degrees", "%", "draws", "1", "-"}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["sweep", "scenario.toml"],
+        ["predict", "scenario.toml", "--draws=2", "--uncertain=u.toml"],
+    ],
+)
+def test_every_column_of_a_table_has_its_unit(scenario, tmp_path, arguments):
+    (tmp_path / "u.toml").write_text('[uncertain]\n"drag.linear" = { low = 1e-6, high = 2e-6 }\n')
+    keys = {
+        "drive.peak": "2e-3,3e-3",
+        "drive.pulses": "4,5",
+        "drive.mode": "IPP,OPP",
+        "contact.kinetic_friction": "0.1,0.12",
+    }
+    vary = [f"--vary={key}={values}" for key, values in keys.items()]
+    done = stickslip(*arguments, *vary, cwd=tmp_path)
+    assert done.returncode == 0
+    heading, units, *_ = done.stdout.splitlines()
+    # Columns have two spaces between them, and end below each other.
+    names = [(each.group(), each.end()) for each in re.finditer(r"\S+(?: \S+)*", heading)]
+    below = {each.end(): each.group() for each in re.finditer(r"\S+", units)}
+    assert sorted(below) == [end for _, end in names]
+    found = {name: below[end] for name, end in names}
+    known = {each["key"]: each["unit"] for each in listed("keys")}
+    assert set(found.values()) <= {*UNITS, *known.values()}
+    assert found["peak"] == known["drive.peak"] == "T"
+    assert (found["pulses"], found["kinetic_friction"], found["mode"]) == ("1", "1", "-")
+    assert found["mean velocity"] == "mm/s"
+    assert found["airborne"] == "%"
 
 
 def test_a_failed_simulation_exits_with_one(scenario):

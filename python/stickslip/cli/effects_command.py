@@ -68,5 +68,6 @@ def _as_text(effect: Effect) -> str:
     lines = [f"[{PREFIX}{effect.name}]", *indented(effect.meaning)]
     for key in effect.parameters:
         name = key.name.rpartition(".")[2]
-        lines += indented(f"{name}: {key.meaning}; {key.allowed}; default {key.default}")
+        default = f"default {key.default} {key.unit}".removesuffix(" -")
+        lines += indented(f"{name}: {key.meaning}; {key.allowed}; {default}")
     return "\n".join([*lines, *indented(f"source: {effect.source}")])

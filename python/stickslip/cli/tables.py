@@ -44,6 +44,9 @@ _COLUMNS = {
 }
 _PREDICTED = (_VELOCITY, "airborne_fraction")
 
+# Every column says its unit: "1" is that of pure numbers, as in the files.
+_OF_WORDS = "-"
+
 
 def _shown_in(name: str) -> tuple[float, str]:
     """Factor and unit in which a number of a summary is shown beside its SI unit."""
@@ -109,7 +112,7 @@ def sweep_table(data: xarray.Dataset) -> str:
     text = "\n".join(f"{name:<10}{value}" for name, value in rows)
     if data["status"].size > _MOST_ROWS:
         return text
-    columns = [*_key_columns(data["status"]), ["status", "", *_statuses(data)]]
+    columns = [*_key_columns(data["status"]), ["status", _OF_WORDS, *_statuses(data)]]
     columns += [_figure_column(title, data[name]) for name, title in _COLUMNS.items()]
     return f"{_aligned(columns)}\n\n{text}"
 
@@ -166,7 +169,7 @@ def prediction_table(prediction: Prediction) -> str:
         for level in data["quantile"].values.tolist():
             values = data[name].sel(quantile=level)
             columns.append(_figure_column(_COLUMNS[name], values, f"{100.0 * level:.4g} %"))
-    columns.append(["failed", "", "", *map(str, _listed(data["failed"]))])
+    columns.append(["failed", "draws", "", *map(str, _listed(data["failed"]))])
     return f"{_aligned(columns)}\n\n{text}"
 
 
@@ -230,7 +233,7 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
 def _key_columns(like: xarray.DataArray, *heading: str) -> list[list[str]]:
     """Of each swept key a column: name, unit, other lines of `heading`, and its values."""
     return [
-        [key.rpartition(".")[2], _key_unit(key), *heading, *map(_value_text, values)]
+        [key.rpartition(".")[2], _column_unit(key), *heading, *map(_value_text, values)]
         for key, values in _varied_keys(like).items()
     ]
 
@@ -256,6 +259,11 @@ def _key_unit(key: str) -> str:
     """The unit of a key as it is shown; "" for none."""
     known = known_keys()[key]
     return "" if known.kind == "word" or known.unit == "-" else known.unit
+
+
+def _column_unit(key: str) -> str:
+    """What stands below the heading of a key's column."""
+    return _OF_WORDS if known_keys()[key].kind == "word" else _key_unit(key) or "1"
 
 
 def _value_text(value: object) -> str:
