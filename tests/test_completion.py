@@ -42,7 +42,6 @@ def answers(shell, words, monkeypatch):
     before = ""
     if shell == "bash":  # which keeps what is before the last of its signs
         before = re.match("(?:.*[=:])?", words[-1]).group()
-        before = before.partition("=")[2] if before.startswith("-") else before
     pairs = [line.partition("\t")[0].partition(",")[::2] for line in lines]
     return sorted((kind, before + text if kind == "plain" else text) for kind, text in pairs)
 
@@ -59,10 +58,10 @@ CASES = {
     "commands": (["r"], [name for name in COMMANDS if name.startswith("r")]),
     "option": (["run", "s.toml", "--un"], ["--until"]),
     "key": (["run", "s.toml", "--set", "robot.m"], [f"{k}=" for k in keys_with("robot.m")]),
-    "joined": (["run", "s.toml", "--set=robot.m"], [f"{k}=" for k in keys_with("robot.m")]),
+    "joined": (["run", "s.toml", "--set=robot.m"], [f"--set={k}=" for k in keys_with("robot.m")]),
     "word": (["run", "s.toml", "--set", "drive.mode="], [f"drive.mode={w}" for w in MODES]),
     "begun": (["run", "s.toml", "--set", "drive.mode=I"], ["drive.mode=IPP"]),
-    "joined word": (["run", "s.toml", "--set=drive.mode=I"], ["drive.mode=IPP"]),
+    "joined word": (["run", "s.toml", "--set=drive.mode=I"], ["--set=drive.mode=IPP"]),
     "number": (["run", "s.toml", "--set", "drive.peak="], []),
     "no key": (["run", "s.toml", "--set", "drive.moed="], []),
     "after others": (

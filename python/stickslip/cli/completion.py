@@ -14,6 +14,7 @@ from click.shell_completion import (
     BashComplete,
     CompletionItem,
     FishComplete,
+    ShellComplete,
     ZshComplete,
     add_completion_class,
     shell_complete,
@@ -27,6 +28,24 @@ from stickslip.scenario.sections import COIL_NAMES
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 """What click asks for the items that begin as an incomplete word does."""
+
+
+class _WholeWords(ShellComplete):
+    """A shell that replaces all of ``--option=value`` by an answer, which click gives for value."""
+
+    _option = ""
+
+    def get_completion_args(self) -> tuple[list[str], str]:
+        args, incomplete = super().get_completion_args()
+        option, equals, _ = incomplete.partition("=")
+        if equals and option.startswith("-"):
+            self._option = option + equals
+        return args, incomplete
+
+    def format_completion(self, item: CompletionItem) -> str:
+        if item.type == "plain":
+            item.value = self._option + item.value
+        return super().format_completion(item)
 
 
 @add_completion_class
@@ -49,7 +68,7 @@ class _Bash(BashComplete):
         whole: list[str] = []
         goes_on = False
         for word in words[1 : place + 1]:
-            is_break = not word.strip("=:")
+            is_break = word != "" and not word.strip("=:")
             if whole and (is_break or goes_on):
                 whole[-1] += word
             else:
@@ -69,7 +88,7 @@ class _Bash(BashComplete):
 
 
 @add_completion_class
-class _Zsh(ZshComplete):
+class _Zsh(_WholeWords, ZshComplete):
     """Zsh, which puts no space after answers that end in =: all answers do, or none does."""
 
     source_template = ZshComplete.source_template.replace(
@@ -81,7 +100,7 @@ class _Zsh(ZshComplete):
 
 
 @add_completion_class
-class _Fish(FishComplete):
+class _Fish(_WholeWords, FishComplete):
     """Fish, whose answers may have commas in them."""
 
     source_template = FishComplete.source_template.replace(
