@@ -1,0 +1,71 @@
+"""The drawings of the pages: readable, complete, and with nothing from elsewhere."""
+
+import itertools
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+from documentation_blocks import pages
+
+DOCS = Path(__file__).parents[1] / "docs"
+sys.path.append(str(DOCS / "_extensions"))
+from drawings import DRAWINGS  # noqa: E402
+
+PANELS = [
+    pytest.param(panel, id=f"{name}-{number}")
+    for name, draw in DRAWINGS.items()
+    for number, panel in enumerate(draw())
+]
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_labels_lie_on_the_sheet_and_not_on_each_other(panel):
+    assert panel.words
+    for words, left, top, right, bottom in panel.words:
+        assert 0 <= left < right <= panel.width, words
+        assert 0 <= top < bottom <= panel.height, words
+    for one, other in itertools.combinations(panel.words, 2):
+        apart = one[3] <= other[1] or other[3] <= one[1] or one[4] <= other[2] or other[4] <= one[2]
+        assert apart, (one[0], other[0])
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_lines_lie_on_the_sheet(panel):
+    places = re.findall(
+        r"(-?[\d.]+) (-?[\d.]+)", "".join(re.findall(r' d="([^"]+)"', panel.svg("")))
+    )
+    assert len(places) > 4
+    for x, y in places:
+        assert 0 <= float(x) <= panel.width
+        assert 0 <= float(y) <= panel.height
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_a_panel_is_svg_that_fits_a_telephone_and_loads_nothing(panel):
+    text = panel.svg('what "it" <shows>')
+    root = ElementTree.fromstring(text)
+    assert root.get("aria-label") == 'what "it" <shows>'
+    assert panel.width <= 340
+    for word in ("href", "url(", "style="):
+        assert word not in text
+
+
+def test_every_drawing_stands_on_a_page_with_words_for_who_cannot_see_it():
+    shown = [
+        found
+        for page in pages(DOCS)
+        for found in re.findall(
+            r"^```\{drawing\} ([\w-]+)\n:alt: (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE
+        )
+    ]
+    assert {name for name, _ in shown} == set(DRAWINGS)
+    assert all(len(words) > 20 for _, words in shown)
+
+
+def test_a_label_has_its_subscript_small():
+    (panel, *_) = DRAWINGS["clamp"]()
+    assert ">x</tspan>" in panel.svg("")
+    assert "B_x" not in panel.svg("")
