@@ -23,7 +23,6 @@ PANELS = [
 
 @pytest.mark.parametrize("panel", PANELS)
 def test_labels_lie_on_the_sheet_and_not_on_each_other(panel):
-    assert panel.words
     for words, left, top, right, bottom in panel.words:
         assert 0 <= left < right <= panel.width, words
         assert 0 <= top < bottom <= panel.height, words
@@ -48,7 +47,8 @@ def test_a_panel_is_svg_that_fits_a_telephone_and_loads_nothing(panel):
     text = panel.svg('what "it" <shows>')
     root = ElementTree.fromstring(text)
     assert root.get("aria-label") == 'what "it" <shows>'
-    assert panel.width <= 340
+    # Letters must not become small where a page is narrow.
+    assert panel.width <= 340 or not panel.words
     for word in ("href", "url(", "style="):
         assert word not in text
 

@@ -7,11 +7,12 @@ the package's defaults, so that a drawing cannot contradict them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import groupby
 from math import atan2, cos, degrees, pi, radians, sin
 
 from svg import Point, Sheet
 
-from stickslip import Coil, Drive, Robot
+from stickslip import Coil, Drive, Record, Robot, Scenario, simulate
 
 _COIL, _ROBOT = Coil(), Robot()
 
@@ -334,6 +335,31 @@ def contact_modes() -> list[Sheet]:
     return panels
 
 
+def walk() -> list[Sheet]:
+    """A simulated walk to scale: outlines, the path of the middle, and where the contact slips."""
+    run = simulate(
+        Scenario(drive=Drive(frequency=30, base=0.5e-3, pulses=10), record=Record(rate=6e3))
+    )
+    sheet = Sheet(680, 250, origin=(150, 40), scale=0.82)
+    x, z = 1e6 * run.x, 1e6 * run.z
+    _ground(sheet, -170, 630, 23)
+    begin = int(0.05 * 6e3) + 200  # after the ramp and one pulse
+    outlines = range(begin, begin + 1801, 600)  # every third pulse
+    for shade, k in zip(("ghost", "ghost", "ghost", "body"), outlines, strict=True):
+        points = _body((0.0, 0.0), float(run.theta[k]))
+        right, up = x[k] - points["middle"][0], z[k] - points["middle"][1]
+        moved = {name: (a + right, b + up) for name, (a, b) in points.items()}
+        _outline(sheet, moved, shade)
+    sheet.line(*zip(x[begin:], z[begin:], strict=True), style="blue")
+    _moment(sheet, moved, float(run.theta[k]))
+    slips = ["slip" in run.contact_names[mode] for mode in run.contact]
+    for slipping, samples in groupby(range(begin, len(x)), key=lambda k: slips[k]):
+        if slipping:
+            places = [1e6 * run.contact_x[k] for k in samples]
+            sheet.line((min(places), -26.0), (max(places), -26.0), style="orange thick")
+    return [sheet]
+
+
 DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
     "coil-set": coil_set,
     "robot": robot,
@@ -341,4 +367,5 @@ DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
     "drives": drives,
     "sawtooth": sawtooth,
     "contact-modes": contact_modes,
+    "walk": walk,
 }
