@@ -12,7 +12,7 @@ from sphinx.application import Sphinx
 import stickslip
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE / "_extensions"), str(HERE.parent / "tests")]
+sys.path[:0] = [str(HERE), str(HERE / "_extensions"), str(HERE.parent / "tests")]
 
 from documentation_blocks import pages, play  # noqa: E402
 

@@ -2,8 +2,10 @@
 
 import doctest
 import importlib
+import json
 import pkgutil
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,9 @@ from documentation_blocks import blocks, pages, play, prints
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
+sys.path.append(str(DOCS))
+from take_results import COMMANDS  # noqa: E402
+
 PAGES = [*pages(DOCS), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 
 
@@ -100,6 +105,17 @@ def test_every_header_of_the_core_is_on_its_page():
     text = (DOCS / "reference" / "cpp.md").read_text()
     for header in (ROOT / "cpp" / "stickslip").glob("*.hpp"):
         assert f"`{header.name}`" in text, header.name
+
+
+def test_every_table_of_measurements_is_there_with_its_day_machine_and_command():
+    text = (DOCS / "accuracy.md").read_text()
+    names = re.findall(r"^```\{bench-results\} (\S+)$", text, re.MULTILINE)
+    assert names
+    for name in names:
+        result = json.loads((DOCS / "measured" / name).read_text())
+        assert re.fullmatch(r"\d{4}-\d\d-\d\d", result["date"]), name
+        assert result["machine"]["processor"], name
+        assert COMMANDS[name] in text, name
 
 
 def test_the_citation_is_of_this_version():

@@ -58,7 +58,9 @@ def test_every_drawing_stands_on_a_page_with_words_for_who_cannot_see_it():
         found
         for page in pages(DOCS)
         for found in re.findall(
-            r"^```\{drawing\} ([\w-]+)\n:alt: (.+\.)\n\S", page.read_text(encoding="utf-8"), re.MULTILINE
+            r"^```\{drawing\} ([\w-]+)\n:alt: (.+\.)\n\S",
+            page.read_text(encoding="utf-8"),
+            re.MULTILINE,
         )
     ]
     assert {name for name, _ in shown} == set(DRAWINGS)

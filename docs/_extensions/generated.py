@@ -13,12 +13,13 @@ from drawings import DRAWINGS
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from svg import Sheet
+from take_results import COMMANDS
 
 from stickslip import effects
 from stickslip.cli.commands import stickslip
 from stickslip.scenario.keys import Key, known_keys
 
-RESULTS = Path(__file__).parents[2] / "bench" / "results"
+MEASURED = Path(__file__).parents[1] / "measured"
 
 
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
@@ -100,23 +101,35 @@ class CommandHelp(SphinxDirective):
 
 
 class BenchResults(SphinxDirective):
-    """The table of a file in bench/results where it is, else a word that it is not."""
+    """The table of a file in docs/measured, with the command, the day and the machine."""
 
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        path = RESULTS / self.arguments[0]
+        path = MEASURED / self.arguments[0]
         self.env.note_dependency(str(path))
-        if not path.is_file():
-            return self.parse_text_to_nodes("*No results of this command lie beside these pages.*")
         results = json.loads(path.read_text())
         table = {"bench.json": _bench, "peers.json": _peers, "sweep.json": _sweep}[path.name]
-        machine = results["machine"]
-        where = (
-            f"stickslip {results['stickslip']} on {machine['processor']}, {machine['system']}, "
-            f"Python {machine['python']}, {machine['cores_allowed']} core(s)."
-        )
-        return self.parse_text_to_nodes(f"{table(results)}\n\n{_plain(where)}")
+        return self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(path.name, results)}")
+
+
+def _origin(name: str, results: dict[str, Any]) -> str:
+    machine = results["machine"]
+    cores = machine["cores_allowed"]
+    versions = {"stickslip": results["stickslip"], **results.get("versions", {})}
+    said = ", ".join(f"{program} {version}" for program, version in versions.items())
+    return (
+        f"Measured on {results['date']} by {_code(COMMANDS[name])} on one machine: "
+        f"{_plain(machine['processor'])}, {cores} core{'s' if cores != '1' else ''}, "
+        f"{_plain(machine['system'])}, Python {machine['python']}; {said}. {_load(results)}"
+    )
+
+
+def _load(results: dict[str, Any]) -> str:
+    """What else the machine had to do, if known: times by the clock suffer from it."""
+    if "load_before" not in results:
+        return ""
+    return f"Processes that wanted a processor beside it: {results['load_before']:.1f} on average."
 
 
 def _bench(results: dict[str, Any]) -> str:
