@@ -110,7 +110,8 @@ class BenchResults(SphinxDirective):
         self.env.note_dependency(str(path))
         results = json.loads(path.read_text())
         table = {"bench.json": _bench, "peers.json": _peers, "sweep.json": _sweep}[path.name]
-        return self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(path.name, results)}")
+        parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(path.name, results)}")
+        return [nodes.container("", *parsed, classes=["measured"])]
 
 
 def _origin(name: str, results: dict[str, Any]) -> str:
@@ -138,9 +139,9 @@ def _bench(results: dict[str, Any]) -> str:
         [
             [
                 _code(row["method"]),
-                f"{row['rtol']:.0e}",
+                _code(f"{row['rtol']:.0e}"),
                 f"{row['simulated_per_cpu_second']:.0f}",
-                f"{row['velocity_error']:.1e}",
+                _code(f"{row['velocity_error']:.1e}"),
             ]
             for row in results["tolerances"]
         ],
@@ -149,7 +150,7 @@ def _bench(results: dict[str, Any]) -> str:
         ["equal velocity error", "tsit5, s a CPU s", "arkode, s a CPU s", "ratio"],
         [
             [
-                f"{row['velocity_error']:.0e}",
+                _code(f"{row['velocity_error']:.0e}"),
                 f"{row['tsit5']:.0f}",
                 f"{row['arkode']:.0f}",
                 f"{row['ratio']:.1f}",
@@ -169,10 +170,10 @@ def _peers(results: dict[str, Any]) -> str:
                 row["peer"],
                 _plain(row["settings"]),
                 f"{row['cost']:.3g}",
-                f"{row['error']:.1e}",
-                row["stickslip_settings"],
+                _code(f"{row['error']:.1e}"),
+                _code(row["stickslip_settings"]),
                 f"{row['stickslip_cost']:.3g}",
-                f"{row['stickslip_error']:.1e}",
+                _code(f"{row['stickslip_error']:.1e}"),
                 f"{row['ratio']:.3g}",
             ]
             for row in results["rows"]
