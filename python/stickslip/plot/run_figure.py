@@ -1,4 +1,4 @@
-"""One run over time: fields, tilt, slip, path, force and contact."""
+"""One run over time: fields, tilt, contact velocity, path, force and contact."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.canvas import legend_above
 from stickslip.plot.motion import Array, motion
-from stickslip.plot.one_motion import draw_fields, draw_tilt
+from stickslip.plot.one_motion import draw_contact_velocity, draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.scenario.keys import refuse
 from stickslip.simulation.run import Run, resting_force
@@ -29,6 +29,9 @@ _VISIBLE = 1e-3
 
 def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
     """Draw one run: what the paper's Figs. 4-7 show, with path, normal force and contact mode.
+
+    A panel for each: field, tilt, contact velocity, position and normal force over time, and a band
+    of colours for the mode of the contact.
 
     Parameters
     ----------
@@ -58,23 +61,24 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     first, last, what = _stretch(run, start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(8.0, 9.0), layout="constrained")
-        fields, tilt, path, force, contact = figure.subplots(
-            5, 1, sharex=True, height_ratios=[1.0, 1.3, 0.9, 1.0, 0.22]
+        figure = Figure(figsize=(8.0, 10.0), layout="constrained")
+        fields, tilt, slip, path, force, contact = figure.subplots(
+            6, 1, sharex=True, height_ratios=[1.0, 1.0, 1.0, 0.8, 1.0, 0.22]
         )
         t = shown.t
         draw_fields(fields, shown)
         draw_tilt(tilt, shown)
+        draw_contact_velocity(slip, shown)
         scale = length(shown.x)
         path.plot(t, shown.x * scale.factor, color=palette.BLACK)
         path.set_ylabel(f"x ({scale.unit})")
         readable(path, y=scale.least)
-        shaded = _shade_window([fields, tilt, path, force], t, run)
+        shaded = _shade_window([fields, tilt, slip, path, force], t, run)
         _draw_force(force, t, shown.normal_force, run, shaded)
         _draw_contact(figure, contact, t, shown.contact)
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
-        figure.align_ylabels([fields, path, force])
+        figure.align_ylabels([fields, tilt, slip, path, force])
         figure.suptitle(_title(run, what), fontsize=10.5)
     return figure
 
@@ -125,7 +129,9 @@ def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:
 def _draw_force(axes: Axes, t: Array, force: Array, run: Run, shaded: list[Artist]) -> None:
     axes.plot(t, force * 1e6, color=palette.GREEN, linewidth=0.9)
     at_rest = resting_force(run.scenario) * 1e6
-    resting = axes.axhline(at_rest, color=palette.GREY, linestyle=":", label="weight + adhesion")
+    # Above the force, which lies on it most of the time.
+    look = {"color": palette.BLACK, "linestyle": ":", "linewidth": 1.0, "zorder": 3}
+    resting = axes.axhline(at_rest, label="weight + adhesion", **look)
     axes.set_ylabel("normal force (µN)")
     readable(axes, y=LEAST_FORCE)
     legend_above(axes, [resting, *shaded])
