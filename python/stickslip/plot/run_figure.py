@@ -130,8 +130,14 @@ def _draw_force(axes: Axes, t: Array, force: Array, run: Run, shaded: list[Artis
     axes.plot(t, force * 1e6, color=palette.GREEN, linewidth=0.9)
     at_rest = resting_force(run.scenario) * 1e6
     # Above the force, which lies on it most of the time.
-    look = {"color": palette.BLACK, "linestyle": ":", "linewidth": 1.0, "zorder": 3}
-    resting = axes.axhline(at_rest, label="weight + adhesion", **look)
+    resting = axes.axhline(
+        at_rest,
+        color=palette.BLACK,
+        linestyle=":",
+        linewidth=1.0,
+        zorder=3.0,
+        label="weight + adhesion",
+    )
     axes.set_ylabel("normal force (µN)")
     readable(axes, y=LEAST_FORCE)
     legend_above(axes, [resting, *shaded])
