@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
-from numpy.typing import ArrayLike
 
 from stickslip._util import palette
 from stickslip.plot import style
@@ -25,6 +24,7 @@ _BESIDE, _ABOVE = 0.7, 0.3  # inches, of the labels beside a row and of the titl
 _BELOW, _LEGEND = 0.5, 0.3  # inches, of the labels below the last row, and of a legend there
 
 
+Point: TypeAlias = "tuple[float, float]"
 View: TypeAlias = "tuple[tuple[float, float], tuple[float, float]]"
 """Ends of the stretch of surface and of the height that are shown, µm."""
 
@@ -122,7 +122,7 @@ def _new_panels(count: int, view: View) -> list[Axes]:
         axes.tick_params(labelbottom=last, labelleft=first)
         axes.set_xlabel("x (µm)" if last else "")
         axes.set_ylabel("z (µm)" if first else "")
-    handles = _legend_handles(several=count > 1)
+    handles = mark_handles("the same, one panel before" if count > 1 else None)
     if full:
         figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     else:
@@ -132,15 +132,15 @@ def _new_panels(count: int, view: View) -> list[Axes]:
     return panels
 
 
-def _legend_handles(several: bool) -> list[Artist]:
-    """What the marks of a panel mean; one of several has the contact of the one before too."""
+def mark_handles(before: str | None) -> list[Artist]:
+    """What the marks of a panel mean; `before` says which contact the dashed line is, if any."""
     touch = Line2D([], [], marker="^", markersize=7, color=palette.VERMILION, linestyle="none")
     touch.set_label("contact, or lowest corner")
-    before = Line2D([], [], color=palette.VERMILION, linestyle="--", linewidth=1.1)
-    before.set_label("the same, one panel before")
+    dashed = Line2D([], [], color=palette.VERMILION, linestyle="--", linewidth=1.1)
+    dashed.set_label(before or "")
     moment = Line2D([], [], color=palette.BLUE, linewidth=1.4, marker=">", markevery=[1])
     moment.set_label("magnetic moment")
-    return [touch, before, moment] if several else [touch, moment]
+    return [touch, dashed, moment] if before else [touch, moment]
 
 
 def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
@@ -150,16 +150,19 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     axes.add_patch(
         Polygon(outline, closed=True, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2)
     )
+    start, tip = body_arrow(motion, sample)
+    look = {"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4}
+    axes.annotate("", xy=tip, xytext=start, arrowprops=look)
+
+
+def body_arrow(motion: Motion, sample: int) -> tuple[Point, Point]:
+    """Begin and tip of the arrow of the moment at one sample, in µm."""
+    outline = corners(motion, sample) * 1e6
     front = 0.5 * (outline[0] + outline[3])
     centre = outline.mean(axis=0)
     towards = front - centre
-    draw_arrow(axes, centre - 0.35 * towards, centre + 0.75 * towards, palette.BLUE, 1.4)
-
-
-def draw_arrow(axes: Axes, start: ArrayLike, tip: ArrayLike, colour: str, width: float) -> None:
-    """An arrow from one place to another, in µm."""
-    look = {"arrowstyle": "->", "color": colour, "linewidth": width}
-    axes.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=look)  # type: ignore[arg-type]
+    (x0, z0), (x1, z1) = (centre - 0.35 * towards).tolist(), (centre + 0.75 * towards).tolist()
+    return (x0, z0), (x1, z1)
 
 
 def mark_contact(axes: Axes, here: float, before: float | None) -> None:
