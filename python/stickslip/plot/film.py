@@ -16,7 +16,7 @@ from matplotlib.patches import Polygon
 from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.canvas import root_figure
-from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
+from stickslip.plot.motion import Array, Data, Motion, corners, lowest_corner, motion
 
 _MARGIN = 25.0  # µm; chosen by eye
 _SHEET = 5.8  # inches, width of the panels of a row; chosen by eye
@@ -150,14 +150,13 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     axes.add_patch(
         Polygon(outline, closed=True, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2)
     )
-    start, tip = body_arrow(motion, sample)
+    start, tip = body_arrow(outline)
     look = {"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4}
     axes.annotate("", xy=tip, xytext=start, arrowprops=look)
 
 
-def body_arrow(motion: Motion, sample: int) -> tuple[Point, Point]:
-    """Begin and tip of the arrow of the moment at one sample, in µm."""
-    outline = corners(motion, sample) * 1e6
+def body_arrow(outline: Array) -> tuple[Point, Point]:
+    """Begin and tip of the arrow of the moment in a body with four corners, shape (4, 2)."""
     front = 0.5 * (outline[0] + outline[3])
     centre = outline.mean(axis=0)
     towards = front - centre

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.text import Text
 
@@ -16,6 +15,7 @@ from stickslip._util import palette
 from stickslip.plot import style
 from stickslip.plot.film import body_arrow, frame, mark_handles
 from stickslip.plot.motion import Motion, corners, lowest_corner
+from stickslip.plot.scales import length_bar
 
 _WIDTH = 6.4  # inches
 _FIELD_WIDTH = 1.3  # inches, of the panel of the field
@@ -24,8 +24,6 @@ _MARGIN = 30.0  # µm; chosen by eye
 # The least part of the width that the body's diagonal takes: a picture of a longer way moves with
 # the body. Chosen by eye.
 _LEAST_SHARE = 0.3
-# Longest bar of the length scale, as a part of the width.
-_LONGEST_BAR = 0.25
 
 
 class Scene:
@@ -71,7 +69,7 @@ class Scene:
         face: Any = {"facecolor": style.BODY, "edgecolor": palette.BLACK}
         self._body = Polygon(np.zeros((4, 2)), linewidth=1.2, **face)
         axes.add_patch(self._body)
-        self._moment = _arrow(palette.BLUE, 1.4)
+        self._moment = thin_arrow(palette.BLUE, 1.4)
         axes.add_patch(self._moment)
         (self._mark,) = axes.plot(
             [], [], marker="^", markersize=7, color=palette.VERMILION, linestyle="none"
@@ -79,7 +77,7 @@ class Scene:
         axes.axvline(float(self._touch[0]), color=palette.VERMILION, linestyle="--", linewidth=1.1)
         axes.set_xlabel("x (µm)")
         axes.set_ylabel("z (µm)")
-        _length_scale(axes, self._width)
+        length_bar(axes, self._width)
         handles = mark_handles(before="contact at the start")
         self.figure.legend(
             handles=handles, loc="outside lower center", ncols=len(handles), frameon=False
@@ -88,8 +86,9 @@ class Scene:
     def show(self, sample: int) -> None:
         """Move all to where it is at one sample."""
         shown = self._motion
-        self._body.set_xy(corners(shown, sample) * 1e6)
-        self._moment.set_positions(*body_arrow(shown, sample))
+        outline = corners(shown, sample) * 1e6
+        self._body.set_xy(outline)
+        self._moment.set_positions(*body_arrow(outline))
         self._mark.set_data([self._touch[sample]], [-9.0])
         middle = float(shown.x[sample]) * 1e6 if self._follows else self._middle
         half = 0.5 * self._width
@@ -104,7 +103,8 @@ class Scene:
         self._strength.set_text(f"{np.hypot(*field) * 1e3:.2f} mT")
 
 
-def _arrow(colour: str, width: float) -> FancyArrowPatch:
+def thin_arrow(colour: str, width: float) -> FancyArrowPatch:
+    """An arrow from the origin to itself, to be given its ends."""
     return FancyArrowPatch(
         (0.0, 0.0),
         (0.0, 0.0),
@@ -123,7 +123,7 @@ def _field_panel(axes: Axes, strongest: float) -> tuple[FancyArrowPatch, Text]:
     Lengths are parts of the strongest field, T.
     """
     axes.add_patch(Circle((0.0, 0.0), 1.0, facecolor="none", edgecolor=palette.GREY, linewidth=0.8))
-    arrow = _arrow(palette.GREEN, 1.8)
+    arrow = thin_arrow(palette.GREEN, 1.8)
     axes.add_patch(arrow)
     axes.set_xlim(-1.15, 1.15)
     axes.set_ylim(-1.15, 1.15)
@@ -134,15 +134,3 @@ def _field_panel(axes: Axes, strongest: float) -> tuple[FancyArrowPatch, Text]:
     strength = axes.text(0.0, -1.25, "", color=palette.GREEN, **size)
     axes.text(0.0, -1.7, f"circle: {strongest * 1e3:.2f} mT", color=palette.DARK_GREY, **size)
     return arrow, strength
-
-
-def _length_scale(axes: Axes, width: float) -> None:
-    """A bar of a round length at the upper left, for a width that is seen, µm."""
-    longest = _LONGEST_BAR * width
-    decade = 10.0 ** np.floor(np.log10(longest))
-    bar = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest)
-    part = bar / width
-    left, height = 0.03, 0.93
-    look: Any = {"transform": axes.transAxes, "color": palette.BLACK}
-    axes.add_line(Line2D([left, left + part], [height, height], linewidth=2.5, **look))
-    axes.text(left + part + 0.015, height, f"{bar:g} µm", va="center", fontsize=8.5, **look)
