@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import uuid
-from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +20,11 @@ from stickslip.plot.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from stickslip.simulation.simulate import Progress
+
+STAGE = "drawing frames"
+"""What `Animation.save` tells of its progress."""
 
 MOST_FRAMES = 2000
 """Frames of one picture; chosen: a hundred seconds of it at the default rate."""
@@ -111,6 +115,7 @@ class Animation:
         self.frames = frames
         self.frames_per_second = frames_per_second
         self._motion = shown
+        self._drawn: list[str] | None = None  # frames of HTML, kept from the first time
 
     def __repr__(self) -> str:
         return f"<Animation: {self.frames} frames, {self.frames / self.frames_per_second:.3g} s>"
@@ -118,7 +123,7 @@ class Animation:
     def _repr_html_(self) -> str:
         return self._html("player.html")
 
-    def save(self, path: str | PathLike[str]) -> None:
+    def save(self, path: str | PathLike[str], progress: Progress | None = None) -> None:
         """Write the moving picture, whole or not at all, in the format that the suffix names.
 
         Parameters
@@ -126,6 +131,8 @@ class Animation:
         path : path-like
             ``.gif``; ``.html``, a page with controls that needs no network; or ``.mp4`` where the
             program ffmpeg is installed.
+        progress : callable, optional
+            Called as ``progress(fraction, stage)`` after every frame that is drawn.
 
         Raises
         ------
@@ -139,32 +146,34 @@ class Animation:
         check_moving_format(path)
         with replacing(path) as temporary:
             if Path(path).suffix.lower() == ".html":
-                temporary.write_text(self._html("moving_picture.html"), encoding="utf-8")
+                page = self._html("moving_picture.html", progress)
+                temporary.write_text(page, encoding="utf-8")
                 return
             writer = _writer(Path(path), self.frames_per_second)
-            scenes = self._scenes()
+            scenes = self._scenes(progress)
             scene = next(scenes)
             with writer.saving(scene.figure, str(temporary), _DOTS_PER_INCH):
                 writer.grab_frame()
                 for _ in scenes:
                     writer.grab_frame()
 
-    def _scenes(self) -> Iterator[Scene]:
+    def _scenes(self, progress: Progress | None) -> Iterator[Scene]:
         """The one scene, at one frame after the other."""
         t = self._motion.t
         with matplotlib.rc_context(style.RC):
             scene = Scene(self._motion)
-            for time in np.linspace(t[0], t[-1], self.frames):
+            for done, time in enumerate(np.linspace(t[0], t[-1], self.frames), start=1):
                 scene.show(self._motion.sample(time))
                 yield scene
+                if progress is not None:
+                    progress(done / self.frames, STAGE)
 
-    @cached_property
-    def _pictures(self) -> list[str]:
+    def _pictures(self, progress: Progress | None) -> list[str]:
         """Every frame as PNG in base64."""
         from PIL import Image
 
         pictures = []
-        for scene in self._scenes():
+        for scene in self._scenes(progress):
             raw, coded = io.BytesIO(), io.BytesIO()
             scene.figure.savefig(raw, format="png", dpi=_DOTS_PER_INCH)
             image = Image.open(raw).convert("RGB").quantize(_COLOURS)
@@ -172,10 +181,12 @@ class Animation:
             pictures.append(in_base64(coded.getvalue()))
         return pictures
 
-    def _html(self, template: str) -> str:
+    def _html(self, template: str, progress: Progress | None = None) -> str:
+        if self._drawn is None:
+            self._drawn = self._pictures(progress)
         return page_text(
             f"plot/{template}",
-            pictures=self._pictures,
+            pictures=self._drawn,
             # Two pictures of one page, or one that is shown twice, have controls of their own.
             name=f"stickslip-{uuid.uuid4().hex}",
             milliseconds=1000.0 / self.frames_per_second,

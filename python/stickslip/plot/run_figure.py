@@ -17,6 +17,7 @@ from stickslip.plot.motion import Array, motion
 from stickslip.plot.one_motion import draw_contact_velocity, draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.scenario.keys import refuse
+from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import Run, resting_force
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last
@@ -58,7 +59,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     if not isinstance(run, Run):
         refuse("run", run, "a Run, as simulate(scenario) makes it")
     whole = motion(run)
-    first, last, what = _stretch(run, start, stop)
+    first, last, last_pulses = stretch(run.scenario, float(run.t[-1]), start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
         figure = Figure(figsize=(8.0, 10.0), layout="constrained")
@@ -79,33 +80,37 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
         figure.align_ylabels([fields, tilt, slip, path, force])
-        figure.suptitle(_title(run, what), fontsize=10.5)
+        figure.suptitle(_title(run, last_pulses), fontsize=10.5)
     return figure
 
 
-def _stretch(run: Run, start: float | None, stop: float | None) -> tuple[float, float, str]:
-    """First and last time to draw, s, and words for it."""
-    drive = run.scenario.drive
-    end = float(run.t[-1])
+def stretch(
+    scenario: Scenario, end: float, start: float | None, stop: float | None
+) -> tuple[float, float, bool]:
+    """First and last time to draw, s, and whether these are the last pulses of many.
+
+    `end` is the time at which the run ends; for `start` and `stop` see `run`.
+    """
+    drive = scenario.drive
     if start is None and stop is None and drive.mode != "program" and drive.pulses > _MOST_PULSES:
-        pulses_end = min(run.scenario.window[1], end)
+        pulses_end = min(scenario.window[1], end)
         first = pulses_end - _SHOWN_PULSES / drive.frequency
         # A run that failed in the ramp or soon after it has less to show.
         if first >= drive.ramp:
-            what = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
-            return first, pulses_end, f"last {_SHOWN_PULSES} {what}"
-    return (0.0 if start is None else start), (end if stop is None else stop), ""
+            return first, pulses_end, True
+    return (0.0 if start is None else start), (end if stop is None else stop), False
 
 
-def _title(run: Run, what: str) -> str:
+def _title(run: Run, last_pulses: bool) -> str:
     drive = run.scenario.drive
     words = ["voltage program"]
     if drive.mode != "program":
         words = [drive.mode, f"{drive.frequency:g} Hz"]
     if np.isfinite(run.mean_velocity):
         words.append(f"mean velocity {run.mean_velocity * 1e3:.4g} mm/s")
-    if what:
-        words.append(what)
+    if last_pulses:
+        whole = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
+        words.append(f"last {_SHOWN_PULSES} {whole}")
     if not run.ok:
         words.append(f"ended early: {run.status}")
     return ", ".join(words)

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 _QUANTILE = "quantile"
-_MOST_LINES = 8  # as many as there are styles that can be told apart
+MOST_LINES = 8
+"""Lines of one picture: as many as there are styles that can be told apart."""
+
 # Values whose ratio is this or more are shown on a logarithmic axis; chosen: two decades.
 _LOG_RATIO = 100.0
 _SHADE = 0.2  # opacity of a band; chosen by eye
@@ -161,9 +163,9 @@ def _axis(speeds: Any, name: str) -> _Axis:
 
 def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None:
     choices = list(itertools.product(*(speeds[name].values for name in words)))
-    if len(choices) > _MOST_LINES:
+    if len(choices) > MOST_LINES:
         raise ValueError(
-            f"{len(choices)} lines: allowed are at most {_MOST_LINES}; take a part with .sel"
+            f"{len(choices)} lines: allowed are at most {MOST_LINES}; take a part with .sel"
         )
     bands = _QUANTILE in speeds.dims
     handles: list[Artist] = []
