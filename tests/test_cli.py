@@ -18,7 +18,7 @@ from command_line import COMMAND, check, ended_at_the_bar, stickslip, stickslip_
 from stickslip import COIL_NAMES, Scenario, effects, load, open_run, simulate
 from stickslip.cli.commands import COMMANDS
 from stickslip.cli.commands import stickslip as group
-from stickslip.simulation.run import COLUMNS
+from stickslip.simulation.columns import COLUMNS
 from stickslip.sweeping.results import NUMBERS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from stickslip._util import palette
+from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import root_figure
 from stickslip.plot.motion import Array, Data, Motion, corners, lowest_corner, motion
@@ -114,7 +115,7 @@ def _new_panels(count: int, view: View) -> list[Axes]:
     full = columns * rows == count
     below = _BELOW + (_LEGEND if full else 0.0)
     size = (columns * width + _BESIDE, rows * height + below)
-    figure = Figure(figsize=size, layout="compressed")
+    figure = Picture(figsize=size, layout="compressed")
     panels = [figure.add_subplot(rows, columns, k + 1) for k in range(count)]
     for k, axes in enumerate(panels):
         # All panels have the same numbers, which stand beside the rows and below the last one.

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stickslip._util import palette
+from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import legend_above
 from stickslip.plot.motion import Array, motion
@@ -62,7 +63,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     first, last, last_pulses = stretch(run.scenario, float(run.t[-1]), start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(8.0, 10.0), layout="constrained")
+        figure = Picture(figsize=(8.0, 10.0), layout="constrained")
         fields, tilt, slip, path, force, contact = figure.subplots(
             6, 1, sharex=True, height_ratios=[1.0, 1.0, 1.0, 0.8, 1.0, 0.22]
         )
