@@ -28,6 +28,7 @@ extensions = [
     "numpydoc",
     "mathml",
     "generated",
+    "notebook",
 ]
 exclude_patterns = ["_build", "_extensions", "_pictures"]
 

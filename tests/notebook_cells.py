@@ -21,8 +21,13 @@ Outputs = list[dict[str, Any]]
 
 
 def read(path: Path) -> Notebook:
-    """The notebook of a file, of format 4."""
-    notebook: Notebook = json.loads(path.read_text(encoding="utf-8"))
+    """The notebook of a file."""
+    return parsed(path.read_text(encoding="utf-8"))
+
+
+def parsed(source: str) -> Notebook:
+    """A notebook of format 4."""
+    notebook: Notebook = json.loads(source)
     assert notebook["nbformat"] == 4
     return notebook
 
