@@ -72,6 +72,16 @@ def test_currents_are_those_of_the_top_of_the_sawtooth(direction):
     assert np.ptp(outline, axis=0) == pytest.approx([250.0, 100.0], abs=60.0)
 
 
+def test_coils_of_ones_own_are_drawn_where_they_are():
+    own = {"resistance": 20.0, "side": 0.1, "distance": 0.12}
+    axes = plot.coils(Scenario(effects={"coil_xp": own})).axes[0]
+    places = {tuple(np.round(line.get_xydata()[0], 6)) for line in axes.get_lines()}
+    assert {(120.0, 50.0), (120.0, -50.0), (-99.0, 69.25), (-99.0, -69.25)} <= places
+    program = Waveform.hold(0.1, {"xp": 8.0})
+    scenario = Scenario(drive=Drive(mode="program", program=program), effects={"coil_xp": own})
+    assert "xp: 0.4 A" in words(plot.coils(scenario).axes[0])
+
+
 def test_currents_of_a_program_are_those_of_its_highest_voltages():
     program = Waveform.ramp(0.1, {"xp": 8.0}) + Waveform.ramp(0.1, {"ym": -3.0}, {"xp": 8.0})
     scenario = Scenario(drive=Drive(mode="program", program=program))

@@ -37,10 +37,11 @@ _ARROW = 0.75  # length of the arrow of the field in lengths of the body; chosen
 def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None = None) -> Figure:
     """Draw the five coils with their field in the plane of motion, and the robot to scale.
 
-    Coloured is abs(B) on a logarithmic scale, with field lines in white: that of Eqs. (2)-(7), to
-    which named effects add nothing here. The wires of the coils at +x and -x and of the one below
-    cross the plane at the circles; a dot in one is a current towards the reader, a cross one away.
-    The coils at +y and -y lie behind and before the plane, and a dashed line is their outline.
+    Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils, also of
+    coils of one's own, by Eqs. (2)-(7), without what other named effects add. The wires of the
+    coils at +x and -x and of the one below cross the plane at the circles; a dot in one is a
+    current towards the reader, a cross one away. The coils at +y and -y lie behind and before the
+    plane, and a dashed line is their outline.
     The inset is an enlarged view of the robot where the scenario begins, with its moment (blue) and
     the field there (green, as long as its part in the plane).
 
@@ -72,8 +73,7 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         raise ValueError(f"currents = {currents!r}: allowed are five finite numbers, A")
     if not amperes.any():
         raise ValueError("no coil has a current, so that there is no field to draw: give currents")
-    coil = scenario.coil
-    made = Coils(coil.side, coil.distance, coil.turns)
+    made = Coils.of(scenario)
     with drawing(ax, (6.4, 5.4)) as axes:
         _draw_field(axes, made, amperes)
         _draw_wires(axes, made, amperes)
@@ -92,12 +92,21 @@ def _highest_currents(scenario: Scenario) -> Array:
     blocks = scenario.to_core().program()
     voltages = np.concatenate([values for _, values, _ in blocks])
     highest = voltages[np.abs(voltages).sum(axis=1).argmax()]
-    return np.asarray(highest / scenario.coil.resistance + 0.0)  # no negative zeros
+    own = [scenario.get(f"effects.coil_{name}.resistance") for name in COIL_NAMES]
+    resistance = [each or scenario.coil.resistance for each in own]
+    return np.asarray(highest / np.array(resistance) + 0.0)  # no negative zeros
+
+
+def _sizes(coils: Coils) -> dict[str, tuple[float, float]]:
+    """Half of the side of each coil, and the distance of its plane, m."""
+    halves, distances = 0.5 * np.broadcast_to(coils.side, 5), np.broadcast_to(coils.distance, 5)
+    pairs = zip(halves.tolist(), distances.tolist(), strict=True)
+    return dict(zip(COIL_NAMES, pairs, strict=True))
 
 
 def _farthest(coils: Coils) -> float:
     """Distance of the farthest plane or side of a coil from the origin, m."""
-    return max(coils.distance, 0.5 * coils.side)
+    return max(max(each) for each in _sizes(coils).values())
 
 
 def _wires(coils: Coils) -> dict[str, tuple[Array, float]]:
@@ -106,12 +115,14 @@ def _wires(coils: Coils) -> dict[str, tuple[Array, float]]:
     The number is the sign of the current along y, away from the reader, at the first place, for a
     positive current: it turns right-handed about the axis of its coil.
     """
-    half, far = 0.5 * coils.side, coils.distance
-    return {
-        "xp": (np.array([[far, half], [far, -half]]), -1.0),
-        "xm": (np.array([[-far, half], [-far, -half]]), -1.0),
-        "clamp": (np.array([[half, -far], [-half, -far]]), 1.0),
-    }
+    places = {}
+    sizes = _sizes(coils)
+    for name, side in (("xp", 1.0), ("xm", -1.0)):
+        half, far = sizes[name]
+        places[name] = (np.array([[side * far, half], [side * far, -half]]), -1.0)
+    half, far = sizes["clamp"]
+    places["clamp"] = (np.array([[half, -far], [-half, -far]]), 1.0)
+    return places
 
 
 def _draw_field(axes: Axes, coils: Coils, currents: Array) -> None:
@@ -167,11 +178,13 @@ def _draw_wires(axes: Axes, coils: Coils, currents: Array) -> None:
         x, z = places.mean(axis=0) * 1e3
         rotation = 0.0 if name == "clamp" else 90.0
         axes.text(x, z, f"{name}: {amperes[name]:.3g} A", rotation=rotation, **words)
-    half = 0.5 * coils.side * 1e3
-    outline = Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, linestyle="--")
-    outline.set_edgecolor(palette.LIGHT_GREY)
-    axes.add_patch(outline)
-    axes.text(0.0, -half, f"yp: {amperes['yp']:.3g} A, ym: {amperes['ym']:.3g} A", **words)
+    sizes = _sizes(coils)
+    for half in {sizes[name][0] * 1e3 for name in ("yp", "ym")}:
+        outline = Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, linestyle="--")
+        outline.set_edgecolor(palette.LIGHT_GREY)
+        axes.add_patch(outline)
+    lower = -sizes["yp"][0] * 1e3
+    axes.text(0.0, lower, f"yp: {amperes['yp']:.3g} A, ym: {amperes['ym']:.3g} A", **words)
 
 
 def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -> None:
