@@ -29,6 +29,7 @@ extensions = [
     "numpydoc",
     "mathml",
     "generated",
+    "notebook",
 ]
 exclude_patterns = ["_build", "_extensions", "_pictures"]
 

@@ -1,16 +1,24 @@
 """Pictures of one motion: what they show, where they draw, and that they can be read."""
 
+import base64
+import io
 import itertools
+import json
+import re
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
 from PIL import Image
 
 from helpers import corner_offsets
 from pictures import assert_legible
 from stickslip import Drive, Record, Scenario, plot, simulate
 from stickslip.plot import style
+from stickslip.plot.motion import motion
+from stickslip.plot.scene import Scene
 
 RATE = 10e3
 
@@ -113,9 +121,17 @@ def test_a_filmstrip_shows_outline_contact_and_the_contact_before(run, data):
     assert_legible(figure, least=20)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 5])
-def test_a_filmstrip_of_any_length_can_be_read(run, count):
-    assert_legible(plot.filmstrip(run, np.linspace(0.1, 0.2, count).tolist()))
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 7])
+def test_a_filmstrip_of_any_length_can_be_read_and_fills_its_sheet(run, count):
+    figure = plot.filmstrip(run, np.linspace(0.1, 0.2, count).tolist())
+    assert_legible(figure, least=7)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    ink = np.asarray(canvas.buffer_rgba())[..., :3].min(axis=2) < 255
+    for along in (0, 1):
+        drawn = np.flatnonzero(ink.any(axis=along))
+        widest = np.diff([-1, *drawn, ink.shape[1 - along]]).max()
+        assert widest < 0.25 * figure.dpi, "an empty band of a quarter of an inch"
 
 
 def test_given_axes_are_drawn_in(run):
@@ -165,15 +181,22 @@ def test_what_cannot_be_drawn_is_refused(run):
         plot.filmstrip(run, [0.1, 0.2], labels=["a"])
 
 
+@pytest.fixture(scope="module")
+def picture(run):
+    return plot.animation(run, 0.1, 0.14, slowdown=10.0, frames_per_second=20.0)
+
+
 def test_an_animation_has_the_frames_it_says(run, data, tmp_path):
     path = tmp_path / "motion.gif"
-    count = plot.animation(data, path, 0.1, 0.14, slowdown=10.0, frames_per_second=20.0)
-    assert count == 8
+    made = plot.animation(data, 0.1, 0.14, slowdown=10.0, frames_per_second=20.0)
+    assert made.frames == 8
+    assert repr(made) == "<Animation: 8 frames, 0.4 s>"
+    made.save(path)
     with Image.open(path) as picture:
-        assert picture.n_frames == count
+        assert picture.n_frames == made.frames
         assert picture.info["duration"] == 50
         frames = []
-        for k in range(count):
+        for k in range(made.frames):
             picture.seek(k)
             frames.append(np.asarray(picture.convert("L"), dtype=float))
     assert frames[0].std() > 5.0
@@ -181,16 +204,68 @@ def test_an_animation_has_the_frames_it_says(run, data, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["motion.gif"]
 
 
+def test_a_notebook_shows_an_animation_without_a_network(picture, tmp_path):
+    shown = picture._repr_html_()
+    assert "<button" in shown
+    plain = re.sub(r"[A-Za-z0-9+/=]{99,}", "", shown)
+    assert not re.search(r"//|<link|src=\"(?!data:)", plain)
+    frames = json.loads(re.search(r"const pictures = (\[.*?\]);", shown).group(1))
+    assert len(frames) == picture.frames
+    sizes = {Image.open(io.BytesIO(base64.b64decode(each))).size for each in frames}
+    assert len(sizes) == 1
+    # Shown twice, each has controls of its own.
+    names = [re.search(r'id="([\w-]+)"', each).group(1) for each in (shown, picture._repr_html_())]
+    assert len({*names}) == 2
+
+    path = tmp_path / "motion.html"
+    picture.save(path)
+    page = path.read_text()
+    assert page.startswith("<!DOCTYPE html>")
+    assert all(each in page for each in frames)
+
+
+def test_the_scene_of_an_animation_says_what_is_drawn_and_how_large(run):
+    scene = Scene(motion(run))
+    sample = run.t.size // 2
+    scene.show(sample)
+    assert_legible(scene.figure, least=12)
+    surface, field = scene.figure.axes
+    words = [text.get_text() for axes in (surface, field) for text in axes.texts]
+    assert any(each.endswith("µm") for each in words)  # of the bar
+    strength = np.hypot(run.bx, run.bz) * 1e3
+    assert f"{strength[sample]:.2f} mT" in words
+    assert f"circle: {strength.max():.2f} mT" in words
+    arrow = next(each for each in field.patches if isinstance(each, FancyArrowPatch))
+    begin, tip = arrow._posA_posB
+    along = np.subtract(tip, begin) * strength.max() * 1e-3
+    np.testing.assert_allclose(along, [run.bx[sample], run.bz[sample]])
+    bar = next(each for each in surface.get_lines() if each.get_linewidth() == 2.5)
+    length = np.ptp(bar.get_xdata()) * np.ptp(surface.get_xlim())
+    assert f"{length:g} µm" in words
+
+
+def test_a_picture_of_a_long_way_moves_with_the_body():
+    long = simulate(Scenario(drive=Drive(base=0.5e-3, pulses=60), record=Record(rate=RATE)))
+    scene = Scene(motion(long))
+    for sample in (0, long.t.size - 1):
+        scene.show(sample)
+        low, high = scene.figure.axes[0].get_xlim()
+        assert low < long.x[sample] * 1e6 < high
+        assert high - low < 1100.0
+    assert long.x[-1] > 1.1e-3
+
+
 def test_an_animation_that_cannot_be_is_refused_and_leaves_no_file(run, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
+    short = plot.animation(run, 0.1, 0.11)
     with pytest.raises(RuntimeError, match="ffmpeg"):
-        plot.animation(run, tmp_path / "a.mp4")
-    with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
-        plot.animation(run, tmp_path / "a.png")
+        short.save(tmp_path / "a.mp4")
+    with pytest.raises(ValueError, match=r"\.gif, \.html, \.mp4"):
+        short.save(tmp_path / "a.png")
     with pytest.raises(ValueError, match="at most 2000"):
-        plot.animation(run, tmp_path / "a.gif", slowdown=1e6)
+        plot.animation(run, slowdown=1e6)
     with pytest.raises(ValueError, match="slowdown"):
-        plot.animation(run, tmp_path / "a.gif", slowdown=0.0)
+        plot.animation(run, slowdown=0.0)
     with pytest.raises(ValueError, match="frames_per_second"):
-        plot.animation(run, tmp_path / "a.gif", frames_per_second=-1.0)
+        plot.animation(run, frames_per_second=-1.0)
     assert list(tmp_path.iterdir()) == []

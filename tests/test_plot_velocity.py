@@ -87,6 +87,27 @@ def test_failed_points_are_gaps(by_mode):
     assert np.isnan(axes.get_lines()[0].get_ydata()).tolist() == [False, True, False]
 
 
+def test_the_legend_of_a_map_says_which_cells_have_no_velocity_and_why():
+    # On steep slopes the robot slides away, unless drag holds it; kinetic friction of 0.145 is
+    # above the least static one.
+    steep = {"effects.surface_tilt.angle": [0.0, 0.8, 1.4], "drag.linear": [0.0, 1e-7, 1e-5]}
+    refused = {"effects.surface_tilt.angle": [0.0, 0.01], "contact.static_friction": [0.1, 0.2]}
+    for keys, words in (
+        (steep, "no velocity: 4 left workspace"),
+        (refused, "no velocity: 2 refused"),
+    ):
+        figure = plot.velocity(sweep(BASE.replace({"drive.pulses": 100}), keys))
+        axes = figure.axes[0]
+        assert [each.get_text() for each in axes.get_legend().get_texts()] == [words]
+        (patch,) = axes.get_legend().get_patches()
+        assert to_hex(patch.get_facecolor()) == to_hex(axes.get_facecolor())
+        assert_legible(figure)
+
+
+def test_a_map_without_gaps_has_no_legend(by_two):
+    assert plot.velocity(by_two).axes[0].get_legend() is None
+
+
 def test_given_axes_are_drawn_in(by_mode):
     figure = Figure()
     ax = figure.subplots()

@@ -204,13 +204,17 @@ def test_bands_are_drawn_about_the_medians(found):
             ends = here.sel(frequency=frequency, quantile=[0.1, 0.9]).values.tolist()
             assert [min(edges), max(edges)] == pytest.approx(ends)
     words = [text for text, _ in visible_text(figure)]
-    assert {"IPP, median, 80 % of draws", "OPP, median, 80 % of draws"} <= set(words)
+    for mode in ("IPP", "OPP"):
+        assert {f"{mode}, median of draws", f"{mode}, 80 % of draws"} <= set(words)
     assert_legible(figure)
     ax = Figure().subplots()
     rows = [{"drive.frequency": f} for f in (60.0, 30.0)]
     nested = predict(BASE, rows, 24, quantiles=[0.05, 0.25, 0.5, 0.75, 0.95])
     plot.velocity(nested, ax)
-    assert ax.get_legend_handles_labels()[1] == ["median, 90 and 50 % of draws"]
+    named = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert named == ["median of draws", "90 % of draws", "50 % of draws"]
+    outer, inner = (patch.get_alpha() for patch in ax.get_legend().get_patches())
+    assert outer < inner
     assert ax.get_lines()[0].get_xdata().tolist() == [30.0, 60.0]
 
 

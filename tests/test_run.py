@@ -24,7 +24,7 @@ from stickslip import (
     simulate,
     simulate_batch,
 )
-from stickslip.simulation.run import COLUMNS
+from stickslip.simulation.columns import COLUMNS
 
 SCENARIO = Scenario(drive=Drive(base=0.5e-3, pulses=12), record=Record(rate=2000.0))
 

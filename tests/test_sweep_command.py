@@ -68,6 +68,40 @@ def test_the_file_holds_the_dataset_of_the_library(scenario, tmp_path):
     assert (again.returncode, again.stdout) == (0, done.stdout)
 
 
+def test_a_sweep_is_drawn(scenario, tmp_path):
+    pulses = "--vary=drive.pulses=4,5"
+    for name, vary in {"lines.png": VARY, "map.png": [*VARY[:2], pulses]}.items():
+        done = stickslip("sweep", scenario, *vary, "--plot", tmp_path / name)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "points" in done.stdout
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--vary=drive.mode=IPP,OPP", "--plot=a.png"], "--plot: allowed with one --vary of num"),
+        ([*VARY, "--vary=drive.pulses=4,5", "--plot=a.png"], "--plot: allowed with one --vary of"),
+        ([*VARY, "--plot=a.xyz"], "--plot: a.xyz: allowed are names that end in"),
+        ([*VARY, "--plot=a.nc", "--out=a.nc"], "--out and --plot: a.nc cannot be both"),
+    ],
+)
+def test_pictures_that_cannot_be_are_refused_before_the_sweep(scenario, tmp_path, options, told):
+    done = stickslip("sweep", scenario, *options, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"stickslip: {told}")
+    assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
+
+
+def test_a_sweep_without_a_velocity_is_printed_and_not_drawn(scenario, tmp_path):
+    refused = "--vary=contact.static_friction=0.05,0.1"
+    done = stickslip("sweep", scenario, refused, "--plot", tmp_path / "a.png")
+    assert done.returncode == 1
+    assert "refused" in done.stdout
+    assert "stickslip: --plot: nothing drawn: no point of the sweep has a velocity" in done.stderr
+    assert not (tmp_path / "a.png").exists()
+
+
 def test_ranges_are_decimal(scenario):
     done = stickslip("sweep", scenario, "--vary=contact.adhesion=0.1e-6:0.5e-6:5", "--json")
     values = [point["contact.adhesion"] for point in json.loads(done.stdout)["results"]]

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from stickslip.scenario.named_effects import effects as effects
     from stickslip.scenario.priors import Prior as Prior
     from stickslip.scenario.scenario import Scenario as Scenario
-    from stickslip.scenario.scenario import load as load
     from stickslip.scenario.sections import COIL_NAMES as COIL_NAMES
     from stickslip.scenario.sections import Coil as Coil
     from stickslip.scenario.sections import Contact as Contact
@@ -48,6 +47,7 @@ if TYPE_CHECKING:
     from stickslip.scenario.sections import Solver as Solver
     from stickslip.scenario.state import STATE_COLUMNS as STATE_COLUMNS
     from stickslip.scenario.state import State as State
+    from stickslip.scenario.toml_file import load as load
     from stickslip.scenario.uncertain import JointPrior as JointPrior
     from stickslip.scenario.user_effects import EffectParameter as EffectParameter
     from stickslip.scenario.user_effects import register_effect as register_effect
@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from stickslip.simulation.simulator import Snapshot as Snapshot
     from stickslip.simulation.stored_run import open_run as open_run
     from stickslip.sweeping.run_sweep import sweep as sweep
+    from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
     from stickslip.versions import show_versions as show_versions
 
 # No module may have the name of a function here: importing it would put it in the function's place.
@@ -86,12 +87,13 @@ _HOME = {
         "measurement.reading": ("Measurement", "read_measurement"),
         "reproduction.study": ("reproduce",),
         "scenario.named_effects": ("effects",),
-        "scenario.scenario": ("Scenario", "load"),
+        "scenario.scenario": ("Scenario",),
         "scenario.sections": (
             *("COIL_NAMES", "Coil", "Contact", "Drag", "Drive", "Environment", "Record", "Robot"),
             "Solver",
         ),
         "scenario.state": ("STATE_COLUMNS", "State"),
+        "scenario.toml_file": ("load",),
         "scenario.uncertain": ("JointPrior",),
         "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
         "scenario.waveform": ("Waveform", "volts_per_tesla"),
@@ -102,6 +104,7 @@ _HOME = {
         "simulation.simulator": ("Simulator", "Snapshot"),
         "simulation.stored_run": ("open_run",),
         "sweeping.run_sweep": ("sweep",),
+        "sweeping.sweep_table": ("sweep_dataframe",),
         "versions": ("show_versions",),
     }.items()
     for name in names

@@ -1,4 +1,7 @@
-"""HTML pages of one look that need nothing else: no network, no script, no other file."""
+"""HTML pages of one look that need nothing else: no network and no other file.
+
+Only a moving picture has a script.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +21,8 @@ if TYPE_CHECKING:
 def page_text(template: str, **values: object) -> str:
     """The page of a template, a file whose path in the package is given, with values by name.
 
-    The template extends ``_util/page.html``. Values are escaped, and are shown without control
-    characters.
+    The template extends ``_util/page.html``, or is a part of a page. Values are escaped, and are
+    shown without control characters.
     """
     import jinja2
 

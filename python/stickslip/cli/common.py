@@ -66,7 +66,12 @@ def draw(path: Path, figure: str, *what: Any) -> bool:
     try:
         drawn = getattr(plot, figure)(*what)
     except ValueError as error:  # for instance of a run that failed before the time that is drawn
-        say(f"stickslip: --plot: nothing drawn: {error}", err=True)
-        return False
+        return nothing_drawn("--plot", error)
     plot.save(drawn, path)
     return True
+
+
+def nothing_drawn(option: str, error: ValueError) -> bool:
+    """Say why an option gave no picture; False."""
+    say(f"stickslip: {option}: nothing drawn: {error}", err=True)
+    return False

@@ -6,19 +6,18 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.number_text import highest
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, SET, draw, say
+from stickslip.cli.common import JSON, PATH, SET, say
 from stickslip.cli.progress import ProgressBar
+from stickslip.cli.run_pictures import Pictures
 from stickslip.cli.settings import read_with
 from stickslip.cli.tables import summary_table
-from stickslip.cli.targets import check_out_and_plot, input_files
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields, shown
+from stickslip.cli.targets import check_different, check_target, input_files
+from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.record_blocks import RecordNotWritten
-from stickslip.simulation.run import Run
-from stickslip.simulation.simulate import check_memory, simulate
+from stickslip.simulation.run import SUFFIXES, Run
+from stickslip.simulation.simulate import simulate
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
 _RATE = 2e4
@@ -66,8 +65,24 @@ Example:
     "or turns.",
 )
 @click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
-@click.option("--start", type=float, metavar="SECONDS", help="Begin of the time that --plot draws.")
-@click.option("--stop", type=float, metavar="SECONDS", help="End of the time that --plot draws.")
+@click.option(
+    "--animate",
+    type=PATH,
+    help="Write a moving picture: .gif, .html, or .mp4 where ffmpeg is installed.",
+)
+@click.option(
+    "--start",
+    type=float,
+    metavar="SECONDS",
+    help="Begin of the time that --plot and --animate show.",
+)
+@click.option("--stop", type=float, metavar="SECONDS", help="End of that time.")
+@click.option(
+    "--slowdown",
+    type=float,
+    metavar="FACTOR",
+    help="Seconds of --animate for one second of the motion; default: 20.",
+)
 @JSON
 def command(
     scenario: Path,
@@ -75,8 +90,10 @@ def command(
     out: Path | None,
     until: str | None,
     plot: Path | None,
+    animate: Path | None,
     start: float | None,
     stop: float | None,
+    slowdown: float | None,
     as_json: bool,
 ) -> int:
     """Simulate one SCENARIO (a TOML file) and print its summary.
@@ -84,25 +101,29 @@ def command(
     Velocity, angles and slip are those of the measuring window, which is printed with them: from
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
-    --out and --plot record on a uniform grid if the scenario's record.rate is "none". What --out
-    recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation failed or
-    there was nothing to draw, with the reason on standard error.
+    --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
+    What --out recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation
+    failed or there was nothing to draw, with the reason on standard error.
     """
     loaded = read_with(scenario, settings)
-    _check_stretch(loaded, plot, start, stop)
-    if out is not None or plot is not None:
-        check_out_and_plot(out, plot, input_files(scenario, settings))
-        loaded = _with_record(loaded, for_plot=plot is not None)
-    if plot is not None:
-        _check_drawn(loaded)
+    pictures = Pictures(plot, animate, start, stop, slowdown)
+    pictures.check_stretch(loaded)
+    if out is not None or pictures.option:
+        inputs = input_files(scenario, settings)
+        check_different({"--out": out, "--plot": plot, "--animate": animate})
+        if out is not None:
+            check_target("--out", out, inputs, SUFFIXES)
+        pictures.check_files(inputs)
+        loaded = _with_record(loaded, pictures.option)
+    if pictures.option:
+        pictures.check_recorded(loaded)
     run, failure = _simulated(loaded, until, out)
 
     drawn = True
     try:
         if failure is not None:
             raise failure
-        if plot is not None:
-            drawn = draw(plot, "run", run, start, stop)
+        drawn = pictures.draw(run)
     finally:  # the summary is printed even if a disk was full
         click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
         if not run.ok:
@@ -121,8 +142,11 @@ def _simulated(
         return error.run, error
 
 
-def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
-    """The scenario with a uniform grid of its own or ours; notes on standard error."""
+def _with_record(scenario: Scenario, picture: str) -> Scenario:
+    """The scenario with a uniform grid of its own or ours; notes on standard error.
+
+    `picture` is the option that asks for a picture, "" if none does.
+    """
     rate, pulsed = scenario.record.rate, scenario.drive.mode != "program"
     frequency = scenario.drive.frequency if pulsed else 0.0
     if rate == "none":
@@ -135,9 +159,9 @@ def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
             )
         return scenario.replace({"record.rate": given})
     if rate == "events":
-        if for_plot:
+        if picture:
             raise ScenarioError(
-                '--plot: record.rate = "events": allowed is a number of Hz or "none", '
+                f'{picture}: record.rate = "events": allowed is a number of Hz or "none", '
                 "as a curve needs a uniform grid"
             )
     elif pulsed and rate < _FEWEST_PER_PULSE * frequency:
@@ -148,37 +172,5 @@ def _with_record(scenario: Scenario, for_plot: bool) -> Scenario:
     return scenario
 
 
-def _check_drawn(scenario: Scenario) -> None:
-    """Say before a long simulation that its record cannot be drawn after it."""
-    from stickslip.plot.motion import DRAWN
-
-    fields = str(scenario.record.fields)
-    missing = [name for name in DRAWN if name not in recorded_fields(fields)]
-    if missing:
-        raise ScenarioError(
-            f"--plot: {RECORD_FIELDS} = {shown(fields)}: allowed is what has all that is drawn, "
-            f"also {', '.join(missing)}"
-        )
-    with prefixed("--plot"):
-        check_memory(scenario)
-
-
 def _note(text: str) -> None:
     say(f"stickslip: note: record.rate: {text}", err=True)
-
-
-def _check_stretch(
-    scenario: Scenario, plot: Path | None, start: float | None, stop: float | None
-) -> None:
-    for option, time in (("--start", start), ("--stop", stop)):
-        if time is None:
-            continue
-        if plot is None:
-            raise ScenarioError(f"{option}: allowed with --plot only")
-        if not 0.0 <= time <= scenario.duration:
-            raise ScenarioError(
-                f"{option} = {time!r}: allowed is from 0 to {highest(scenario.duration)} s, "
-                "the duration of the run"
-            )
-    if start is not None and stop is not None and start >= stop:
-        raise ScenarioError(f"--start = {start!r}: allowed is less than --stop = {stop!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import click
@@ -9,12 +10,21 @@ import click
 from stickslip._util.atomic_files import NETCDF_SUFFIXES
 from stickslip._util.strict_json import json_text
 from stickslip.cli.cluster import cluster
-from stickslip.cli.common import JSON, PATH, SET, THREADS, say, vary_option
+from stickslip.cli.common import JSON, PATH, SET, THREADS, draw, say, vary_option
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import swept_points
 from stickslip.cli.tables import sweep_as_dict, sweep_failure, sweep_table
-from stickslip.cli.targets import Inputs, check_target, input_files, same_file
+from stickslip.cli.targets import (
+    Inputs,
+    check_different,
+    check_plot,
+    check_target,
+    input_files,
+    same_file,
+)
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import known_keys
+from stickslip.sweeping.points import Points
 from stickslip.sweeping.run_sweep import sweep_points
 
 
@@ -22,7 +32,7 @@ from stickslip.sweeping.run_sweep import sweep_points
     "sweep",
     epilog="\b\nExample:\n"
     "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
-    "    --out sweep.nc",
+    "    --out sweep.nc --plot sweep.png",
 )
 @click.argument("scenario", type=PATH)
 @vary_option(required=True)
@@ -31,6 +41,12 @@ from stickslip.sweeping.run_sweep import sweep_points
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
 @click.option("--out", type=PATH, help="Write the results to a netCDF file.")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
+@click.option(
+    "--plot",
+    type=PATH,
+    help="Draw the mean velocities, lines over one number or a map over two: .png, .pdf, .svg and "
+    "others.",
+)
 @JSON
 def command(
     scenario: Path,
@@ -40,8 +56,9 @@ def command(
     dask: str | None,
     out: Path | None,
     resume: bool,
+    plot: Path | None,
     as_json: bool,
-) -> None:
+) -> int:
     """Simulate a SCENARIO (a TOML file) at all combinations of the values of some keys.
 
     Prints the summaries; what the scenario records is ignored. A point that fails is a status in
@@ -49,14 +66,20 @@ def command(
 
     --out is written after half a second, then every second or more, and on Ctrl-C, so that --resume
     can go on with it after whatever stopped the sweep, without simulating a finished point again.
+    The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
     """
     points = swept_points(scenario, vary, settings)
     if resume and out is None:
         raise ScenarioError("--resume: allowed with --out only, the file to go on with")
     if dask is not None and threads is not None:
         raise ScenarioError("--threads: not allowed with --dask, whose workers are all used")
+    inputs = input_files(scenario, settings)
+    check_different({"--out": out, "--plot": plot})
     if out is not None:
-        _check_out(out, resume, input_files(scenario, settings))
+        _check_out(out, resume, inputs)
+    if plot is not None:
+        _check_drawable(points)
+        check_plot(plot, inputs)
 
     def kept(stage: str) -> str:
         there = out is not None and out.is_file()
@@ -72,10 +95,28 @@ def command(
         if error.errno:  # of the system, in the midst of the work
             raise
         raise ScenarioError(f"--out: {error}") from None
-    click.echo(json_text(sweep_as_dict(data)) if as_json else sweep_table(data))
-    failure = sweep_failure(data)
-    if failure:
-        say(f"stickslip: {failure}", err=True)
+    try:
+        drawn = plot is None or draw(plot, "velocity", data)
+    finally:  # the table is printed even if a disk was full
+        click.echo(json_text(sweep_as_dict(data)) if as_json else sweep_table(data))
+        failure = sweep_failure(data)
+        if failure:
+            say(f"stickslip: {failure}", err=True)
+    return 0 if drawn else 1
+
+
+def _check_drawable(points: Points) -> None:
+    """Say before a long sweep that it varies what `plot.velocity` cannot draw."""
+    from stickslip.plot.velocities import MOST_LINES
+
+    sizes = {key: size for key, size in zip(points.keys, points.shape, strict=True) if size > 1}
+    lines = [size for key, size in sizes.items() if known_keys()[key].kind == "word"]
+    numbers = len(sizes) - len(lines)
+    if not (numbers == 1 and math.prod(lines) <= MOST_LINES) and not (numbers == 2 and not lines):
+        raise ScenarioError(
+            f"--plot: allowed with one --vary of numbers, and others of words for at most "
+            f"{MOST_LINES} lines; or with two of numbers"
+        )
 
 
 def _check_out(out: Path, resume: bool, inputs: Inputs) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
@@ -44,16 +45,28 @@ def check_target(
 
 def check_out_and_plot(out: Path | None, plot: Path | None, inputs: Inputs) -> None:
     """Say before long simulations what of ``--out`` and ``--plot`` could not be written after."""
-    if out is not None and plot is not None and same_file(out, plot):
-        raise ScenarioError(f"--out and --plot: {out} cannot be both")
+    check_different({"--out": out, "--plot": plot})
     if out is not None:
         check_target("--out", out, inputs, SUFFIXES)
     if plot is not None:
-        check_target("--plot", plot, inputs)
-        from stickslip.plot import check_format
+        check_plot(plot, inputs)
 
-        with prefixed("--plot", ValueError):
-            check_format(plot)
+
+def check_plot(plot: Path, inputs: Inputs) -> None:
+    """Refuse a picture that could not be written."""
+    check_target("--plot", plot, inputs)
+    from stickslip.plot import check_format
+
+    with prefixed("--plot", ValueError):
+        check_format(plot)
+
+
+def check_different(files: Mapping[str, Path | None]) -> None:
+    """Refuse one file for two of the options that write one."""
+    given = [(option, path) for option, path in files.items() if path is not None]
+    for (one, path), (other, same) in itertools.combinations(given, 2):
+        if same_file(path, same):
+            raise ScenarioError(f"{one} and {other}: {path} cannot be both")
 
 
 def check_folder_target(path: Path, files: Sequence[str], inputs: Inputs | None = None) -> None:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from stickslip._util.handy_units import handy, in_handy_units
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREEN, ORANGE, PURPLE, VERMILION
+from stickslip._util.picture import Picture
 from stickslip.control.design_space import drive_waveform
 from stickslip.control.landscape import Slice
 from stickslip.control.optimum import Optimum
@@ -46,7 +47,7 @@ def waveform(found: Optimum) -> Figure | None:
     t = run.t
     asked = drive_waveform(played).voltages(np.minimum(t, drive_waveform(played).duration))
     with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(8.0, 6.2), layout="constrained")
+        figure = Picture(figsize=(8.0, 6.2), layout="constrained")
         above, middle, below = figure.subplots(3, 1, sharex=True)
         _coils(above, t, asked, "voltage asked for (V)")
         legend_above(above, above.get_lines())
@@ -87,7 +88,7 @@ def landscape(found: Optimum) -> Figure:
     factor, label = in_handy_units(f"{found.goal.score} of {found.goal.figure}", found.goal.unit)
     rows = -(-len(found.slices) // _COLUMNS)
     with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(8.4, 1.5 * rows + 0.6), layout="constrained")
+        figure = Picture(figsize=(8.4, 1.5 * rows + 0.6), layout="constrained")
         grid = figure.subplots(rows, _COLUMNS, sharey=True, squeeze=False)
         for axes, each in zip(grid.flat, found.slices, strict=False):
             _slice(axes, each, factor)

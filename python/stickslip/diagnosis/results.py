@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from stickslip._util.html_table import ShownBySummary
 from stickslip.diagnosis import tables
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.discrimination import TRIALS, Separation, separate
@@ -42,7 +43,7 @@ _MOST_ROWS = 12
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Diagnosis:
+class Diagnosis(ShownBySummary):
     """Result of a diagnosis of a measurement, or of data with a model of one's own.
 
     The *recalibrated* model has its constants fitted within their priors. The *extended* model has

@@ -1,13 +1,15 @@
 """Pictures of runs and sweeps. Each function gives a matplotlib Figure; `save` writes it.
 
 `run` shows all of a run at once; `fields`, `angle_and_contact_velocity`, `trajectory`,
-`phase_portrait` and `filmstrip` one thing each, in given axes if wanted; `velocity` draws a sweep;
-`animation` writes a moving picture. No module here may have the name of one of them.
+`phase_portrait` and `filmstrip` one thing each, in given axes if wanted; `velocity` draws a sweep,
+`coils` the coils and their field; `animation` gives a moving picture. No module here may have the
+name of one of them.
 """
 
 from stickslip.plot.canvas import check_format, save
+from stickslip.plot.coil_map import coils
 from stickslip.plot.film import filmstrip
-from stickslip.plot.moving_picture import animation
+from stickslip.plot.moving_picture import Animation, animation
 from stickslip.plot.one_motion import (
     angle_and_contact_velocity,
     fields,
@@ -18,9 +20,11 @@ from stickslip.plot.run_figure import run
 from stickslip.plot.velocities import velocity
 
 __all__ = [
+    "Animation",
     "angle_and_contact_velocity",
     "animation",
     "check_format",
+    "coils",
     "fields",
     "filmstrip",
     "phase_portrait",

@@ -13,6 +13,7 @@ from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure, SubFigure
 
 from stickslip._util.atomic_files import check_suffix, replacing
+from stickslip._util.picture import Picture
 from stickslip.plot import style
 
 DOTS_PER_INCH = 150  # legible in print at half the width of a page
@@ -25,7 +26,7 @@ def drawing(ax: Axes | None, size: tuple[float, float]) -> Iterator[Axes]:
     A new figure is not bound to a window.
     """
     with matplotlib.rc_context(style.RC):
-        yield ax or Figure(figsize=size, layout="constrained").subplots()
+        yield ax or Picture(figsize=size, layout="constrained").subplots()
 
 
 def root_figure(axes: Axes) -> Figure:

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import matplotlib
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
-from numpy.typing import ArrayLike
 
 from stickslip._util import palette
+from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import root_figure
-from stickslip.plot.motion import Data, Motion, corners, lowest_corner, motion
+from stickslip.plot.motion import Array, Data, Motion, corners, lowest_corner, motion
 
-_COLUMNS = 2  # as the paper's Fig. 2 (e) to (h)
 _MARGIN = 25.0  # µm; chosen by eye
+_SHEET = 5.8  # inches, width of the panels of a row; chosen by eye
+_BESIDE, _ABOVE = 0.7, 0.3  # inches, of the labels beside a row and of the title above a panel
+_BELOW, _LEGEND = 0.5, 0.3  # inches, of the labels below the last row, and of a legend there
+
+
+Point: TypeAlias = "tuple[float, float]"
+View: TypeAlias = "tuple[tuple[float, float], tuple[float, float]]"
+"""Ends of the stretch of surface and of the height that are shown, µm."""
 
 
 def filmstrip(
@@ -29,7 +39,9 @@ def filmstrip(
     """Draw the outline of the body at some times, one panel for each.
 
     A triangle marks where the body touches, or is lowest in flight; a dashed line where it was in
-    the panel before. The arrow is the moment, which points to the front.
+    the panel before. The arrow is the moment, which points to the front. The panels of a new figure
+    share their scales and have the shape of what they show, so that they fill its sheet; its legend
+    stands in a place that they leave free, or below them.
 
     Parameters
     ----------
@@ -66,30 +78,70 @@ def filmstrip(
         if given is not None and len(given) != len(times):
             raise ValueError(f"{name} has {len(given)} entries: allowed are {len(times)}")
 
+    samples = [shown.sample(time) for time in times]
+    view = _common_view(shown, samples)
     with matplotlib.rc_context(style.RC):
-        panels = _new_panels(len(times)) if ax is None else list(ax)
-        samples = [shown.sample(time) for time in times]
+        panels = _new_panels(len(times), view) if ax is None else list(ax)
         touch = lowest_corner(shown)[samples] * 1e6
         titles = labels or [f"t = {shown.t[k]:.4f} s" for k in samples]
         for place, (axes, sample, title) in enumerate(zip(panels, samples, titles, strict=True)):
             draw_body(axes, shown, sample)
             mark_contact(axes, float(touch[place]), float(touch[place - 1]) if place else None)
             axes.set_title(title, loc="left")
-        _share_limits(panels, shown, samples)
+            frame(axes, *view)
     return root_figure(panels[0])
 
 
-def _new_panels(count: int) -> list[Axes]:
-    columns = min(_COLUMNS, count)
+def _common_view(motion: Motion, samples: Sequence[int]) -> View:
+    """The stretch of surface and height that holds the body at all samples."""
+    x, z = np.moveaxis(np.stack([corners(motion, k) for k in samples]) * 1e6, 2, 0)
+    return (x.min() - _MARGIN, x.max() + _MARGIN), (-_MARGIN, z.max() + _MARGIN)
+
+
+def _columns(count: int) -> int:
+    """How many panels stand side by side: few places stay free, and the sheet is about square."""
+    if count < 4:
+        return count
+    return min((2, 3, 4), key=lambda columns: (-count % columns, abs(columns - count**0.5)))
+
+
+def _new_panels(count: int, view: View) -> list[Axes]:
+    """Panels of the shape of a view, with the labels of a sheet and a legend."""
+    columns = _columns(count)
     rows = -(-count // columns)
-    figure = Figure(figsize=(2.9 * columns, 2.3 * rows), layout="constrained")
+    (left, right), (low, high) = view
+    width = _SHEET / max(columns, 2)
+    height = width * (high - low) / (right - left) + _ABOVE
+    full = columns * rows == count
+    below = _BELOW + (_LEGEND if full else 0.0)
+    size = (columns * width + _BESIDE, rows * height + below)
+    figure = Picture(figsize=size, layout="compressed")
     panels = [figure.add_subplot(rows, columns, k + 1) for k in range(count)]
     for k, axes in enumerate(panels):
-        if k + columns >= count:
-            axes.set_xlabel("x (µm)")
-        if k % columns == 0:
-            axes.set_ylabel("z (µm)")
+        # All panels have the same numbers, which stand beside the rows and below the last one.
+        last, first = k >= columns * (rows - 1), k % columns == 0
+        axes.tick_params(labelbottom=last, labelleft=first)
+        axes.set_xlabel("x (µm)" if last else "")
+        axes.set_ylabel("z (µm)" if first else "")
+    handles = mark_handles("the same, one panel before" if count > 1 else None)
+    if full:
+        figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    else:
+        free = figure.add_subplot(rows, columns, count + 1)
+        free.set_axis_off()
+        free.legend(handles=handles, loc="center", frameon=False)
     return panels
+
+
+def mark_handles(before: str | None) -> list[Artist]:
+    """What the marks of a panel mean; `before` says which contact the dashed line is, if any."""
+    touch = Line2D([], [], marker="^", markersize=7, color=palette.VERMILION, linestyle="none")
+    touch.set_label("contact, or lowest corner")
+    dashed = Line2D([], [], color=palette.VERMILION, linestyle="--", linewidth=1.1)
+    dashed.set_label(before or "")
+    moment = Line2D([], [], color=palette.BLUE, linewidth=1.4, marker=">", markevery=[1])
+    moment.set_label("magnetic moment")
+    return [touch, dashed, moment] if before else [touch, moment]
 
 
 def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
@@ -99,16 +151,18 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     axes.add_patch(
         Polygon(outline, closed=True, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2)
     )
+    start, tip = body_arrow(outline)
+    look = {"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4}
+    axes.annotate("", xy=tip, xytext=start, arrowprops=look)
+
+
+def body_arrow(outline: Array) -> tuple[Point, Point]:
+    """Begin and tip of the arrow of the moment in a body with four corners, shape (4, 2)."""
     front = 0.5 * (outline[0] + outline[3])
     centre = outline.mean(axis=0)
     towards = front - centre
-    draw_arrow(axes, centre - 0.35 * towards, centre + 0.75 * towards, palette.BLUE, 1.4)
-
-
-def draw_arrow(axes: Axes, start: ArrayLike, tip: ArrayLike, colour: str, width: float) -> None:
-    """An arrow from one place to another, in µm."""
-    look = {"arrowstyle": "->", "color": colour, "linewidth": width}
-    axes.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=look)  # type: ignore[arg-type]
+    (x0, z0), (x1, z1) = (centre - 0.35 * towards).tolist(), (centre + 0.75 * towards).tolist()
+    return (x0, z0), (x1, z1)
 
 
 def mark_contact(axes: Axes, here: float, before: float | None) -> None:
@@ -116,14 +170,6 @@ def mark_contact(axes: Axes, here: float, before: float | None) -> None:
     axes.plot([here], [-9.0], marker="^", markersize=7, color=palette.VERMILION, linestyle="none")
     if before is not None:
         axes.axvline(before, color=palette.VERMILION, linestyle="--", linewidth=1.1)
-
-
-def _share_limits(panels: Sequence[Axes], motion: Motion, samples: Sequence[int]) -> None:
-    """The same stretch of surface in every panel, with equal scales."""
-    outlines = np.concatenate([corners(motion, k) for k in samples]) * 1e6
-    x, z = outlines[:, 0], outlines[:, 1]
-    for axes in panels:
-        frame(axes, (x.min() - _MARGIN, x.max() + _MARGIN), (-_MARGIN, z.max() + _MARGIN))
 
 
 def frame(axes: Axes, x: tuple[float, float], z: tuple[float, float]) -> None:

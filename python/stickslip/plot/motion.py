@@ -88,17 +88,24 @@ def motion(data: Data) -> Motion:
     )
 
 
-def _corners(motion: Motion, x: Any, z: Any, theta: Any) -> tuple[Array, Array]:
+def rectangle(
+    length: float, height: float, heading: float, x: Any, z: Any, theta: Any
+) -> tuple[Array, Array]:
     """Places of the corners, m, x and z, shape (4, ...) for centres and tilts (...).
 
-    In the order front bottom, rear bottom, rear top, front top, in the robot's own frame.
+    In the order front bottom, rear bottom, rear top, front top, in the robot's own frame; `heading`
+    is that of a `Motion`.
     """
-    a = 0.5 * motion.length * np.array([1.0, -1.0, -1.0, 1.0])
-    b = 0.5 * motion.height * np.array([-1.0, -1.0, 1.0, 1.0])
+    a = 0.5 * length * np.array([1.0, -1.0, -1.0, 1.0])
+    b = 0.5 * height * np.array([-1.0, -1.0, 1.0, 1.0])
     cosine, sine = np.cos(theta), np.sin(theta)
     outer = np.multiply.outer
-    along = x + motion.heading * (outer(a, cosine) + outer(b, sine))
+    along = x + heading * (outer(a, cosine) + outer(b, sine))
     return along, z - outer(a, sine) + outer(b, cosine)
+
+
+def _corners(motion: Motion, x: Any, z: Any, theta: Any) -> tuple[Array, Array]:
+    return rectangle(motion.length, motion.height, motion.heading, x, z, theta)
 
 
 def corners(motion: Motion, index: int) -> Array:

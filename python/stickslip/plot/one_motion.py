@@ -66,7 +66,7 @@ def angle_and_contact_velocity(
     """
     shown = motion(data).between(start, stop)
     with drawing(ax, (5.4, 3.0)) as axes:
-        draw_tilt(axes, shown)
+        _draw_both(axes, shown)
         axes.set_xlabel("time (s)")
     return root_figure(axes)
 
@@ -118,23 +118,34 @@ def draw_fields(axes: Axes, shown: Motion) -> None:
 
 
 def draw_tilt(axes: Axes, shown: Motion) -> None:
-    """Tilt in degrees on the left, contact velocity in mm/s on the right."""
+    """Tilt in degrees."""
+    axes.plot(shown.t, np.degrees(shown.theta), color=palette.BLUE, label=r"$\theta$")
+    axes.set_xlim(shown.t[0], shown.t[-1])
+    axes.set_ylabel(r"tilt $\theta$ (degrees)")
+    readable(axes, y=LEAST_TILT)
+
+
+def draw_contact_velocity(axes: Axes, shown: Motion) -> None:
+    """Velocity of the contact point in mm/s; nothing in flight."""
+    slip = shown.slip_velocity * 1e3
+    axes.plot(shown.t, slip, color=palette.ORANGE, linewidth=0.9, label="contact velocity")
+    axes.set_xlim(shown.t[0], shown.t[-1])
+    axes.set_ylabel("contact velocity (mm/s)")
+    readable(axes, y=LEAST_VELOCITY)
+
+
+def _draw_both(axes: Axes, shown: Motion) -> None:
+    """Tilt on the left, contact velocity on the right."""
     # The tilt is drawn in the upper axes, so that it lies on top of the velocity's spikes.
     velocity, tilt = axes, axes.twinx()
-    t, slip = shown.t, shown.slip_velocity
-    velocity.plot(t, slip * 1e3, color=palette.ORANGE, linewidth=0.9, label="contact velocity")
-    velocity.set_ylabel("contact velocity (mm/s)")
+    draw_contact_velocity(velocity, shown)
     velocity.yaxis.set_label_position("right")
     velocity.yaxis.tick_right()
     velocity.grid(visible=False, axis="y")
-    tilt.plot(t, np.degrees(shown.theta), color=palette.BLUE, label=r"$\theta$")
-    tilt.set_ylabel(r"tilt $\theta$ (degrees)")
+    draw_tilt(tilt, shown)
     tilt.yaxis.set_label_position("left")
     tilt.yaxis.tick_left()
     tilt.grid(visible=False)
-    readable(velocity, y=LEAST_VELOCITY)
-    readable(tilt, y=LEAST_TILT)
-    axes.set_xlim(t[0], t[-1])
     legend_above(axes, [*tilt.get_lines(), *velocity.get_lines()])
 
 

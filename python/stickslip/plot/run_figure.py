@@ -1,4 +1,4 @@
-"""One run over time: fields, tilt, slip, path, force and contact."""
+"""One run over time: fields, tilt, contact velocity, path, force and contact."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stickslip._util import palette
+from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import legend_above
 from stickslip.plot.motion import Array, motion
-from stickslip.plot.one_motion import draw_fields, draw_tilt
+from stickslip.plot.one_motion import draw_contact_velocity, draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, length, readable
 from stickslip.scenario.keys import refuse
+from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import Run, resting_force
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last
@@ -29,6 +31,9 @@ _VISIBLE = 1e-3
 
 def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
     """Draw one run: what the paper's Figs. 4-7 show, with path, normal force and contact mode.
+
+    A panel for each: field, tilt, contact velocity, position and normal force over time, and a band
+    of colours for the mode of the contact.
 
     Parameters
     ----------
@@ -55,53 +60,58 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     if not isinstance(run, Run):
         refuse("run", run, "a Run, as simulate(scenario) makes it")
     whole = motion(run)
-    first, last, what = _stretch(run, start, stop)
+    first, last, last_pulses = stretch(run.scenario, float(run.t[-1]), start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(8.0, 9.0), layout="constrained")
-        fields, tilt, path, force, contact = figure.subplots(
-            5, 1, sharex=True, height_ratios=[1.0, 1.3, 0.9, 1.0, 0.22]
+        figure = Picture(figsize=(8.0, 10.0), layout="constrained")
+        fields, tilt, slip, path, force, contact = figure.subplots(
+            6, 1, sharex=True, height_ratios=[1.0, 1.0, 1.0, 0.8, 1.0, 0.22]
         )
         t = shown.t
         draw_fields(fields, shown)
         draw_tilt(tilt, shown)
+        draw_contact_velocity(slip, shown)
         scale = length(shown.x)
         path.plot(t, shown.x * scale.factor, color=palette.BLACK)
         path.set_ylabel(f"x ({scale.unit})")
         readable(path, y=scale.least)
-        shaded = _shade_window([fields, tilt, path, force], t, run)
+        shaded = _shade_window([fields, tilt, slip, path, force], t, run)
         _draw_force(force, t, shown.normal_force, run, shaded)
         _draw_contact(figure, contact, t, shown.contact)
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
-        figure.align_ylabels([fields, path, force])
-        figure.suptitle(_title(run, what), fontsize=10.5)
+        figure.align_ylabels([fields, tilt, slip, path, force])
+        figure.suptitle(_title(run, last_pulses), fontsize=10.5)
     return figure
 
 
-def _stretch(run: Run, start: float | None, stop: float | None) -> tuple[float, float, str]:
-    """First and last time to draw, s, and words for it."""
-    drive = run.scenario.drive
-    end = float(run.t[-1])
+def stretch(
+    scenario: Scenario, end: float, start: float | None, stop: float | None
+) -> tuple[float, float, bool]:
+    """First and last time to draw, s, and whether these are the last pulses of many.
+
+    `end` is the time at which the run ends; for `start` and `stop` see `run`.
+    """
+    drive = scenario.drive
     if start is None and stop is None and drive.mode != "program" and drive.pulses > _MOST_PULSES:
-        pulses_end = min(run.scenario.window[1], end)
+        pulses_end = min(scenario.window[1], end)
         first = pulses_end - _SHOWN_PULSES / drive.frequency
         # A run that failed in the ramp or soon after it has less to show.
         if first >= drive.ramp:
-            what = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
-            return first, pulses_end, f"last {_SHOWN_PULSES} {what}"
-    return (0.0 if start is None else start), (end if stop is None else stop), ""
+            return first, pulses_end, True
+    return (0.0 if start is None else start), (end if stop is None else stop), False
 
 
-def _title(run: Run, what: str) -> str:
+def _title(run: Run, last_pulses: bool) -> str:
     drive = run.scenario.drive
     words = ["voltage program"]
     if drive.mode != "program":
         words = [drive.mode, f"{drive.frequency:g} Hz"]
     if np.isfinite(run.mean_velocity):
         words.append(f"mean velocity {run.mean_velocity * 1e3:.4g} mm/s")
-    if what:
-        words.append(what)
+    if last_pulses:
+        whole = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
+        words.append(f"last {_SHOWN_PULSES} {whole}")
     if not run.ok:
         words.append(f"ended early: {run.status}")
     return ", ".join(words)
@@ -125,7 +135,15 @@ def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:
 def _draw_force(axes: Axes, t: Array, force: Array, run: Run, shaded: list[Artist]) -> None:
     axes.plot(t, force * 1e6, color=palette.GREEN, linewidth=0.9)
     at_rest = resting_force(run.scenario) * 1e6
-    resting = axes.axhline(at_rest, color=palette.GREY, linestyle=":", label="weight + adhesion")
+    # Above the force, which lies on it most of the time.
+    resting = axes.axhline(
+        at_rest,
+        color=palette.BLACK,
+        linestyle=":",
+        linewidth=1.0,
+        zorder=3.0,
+        label="weight + adhesion",
+    )
     axes.set_ylabel("normal force (µN)")
     readable(axes, y=LEAST_FORCE)
     legend_above(axes, [resting, *shaded])

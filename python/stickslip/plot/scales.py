@@ -1,13 +1,16 @@
-"""Axes whose numbers can be read: no offsets, no empty spans, lengths in µm or mm."""
+"""Axes whose numbers can be read: no offsets, no empty spans, lengths in µm or mm; a bar of one."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
+
+from stickslip._util import palette
 
 _MOST_MICRONS = 1000.0  # a number of four digits is read sooner in mm
 
@@ -19,6 +22,10 @@ LEAST_VELOCITY = 1e-3  # mm/s
 LEAST_LENGTH = 0.1  # µm
 LEAST_FORCE = 1e-2  # µN
 LEAST_RATE = 0.1  # rad/s
+
+
+# Longest bar of a length scale, as a part of the width that is drawn; chosen by eye.
+_LONGEST_BAR = 0.25
 
 
 class Length(NamedTuple):
@@ -53,3 +60,23 @@ def readable(axes: Axes, *, x: float | None = None, y: float | None = None) -> N
 def _widened(low: float, high: float, least: float) -> tuple[float, float]:
     missing = least - (high - low)
     return (low, high) if missing <= 0.0 else (low - 0.5 * missing, high + 0.5 * missing)
+
+
+def length_bar(axes: Axes, width: float) -> None:
+    """A bar of a round length at the upper left of axes whose width is `width`, µm."""
+    longest = _LONGEST_BAR * width
+    decade = 10.0 ** np.floor(np.log10(longest))
+    bar = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest)
+    part = bar / width
+    left, height = 0.03, 0.93
+    look: Any = {"transform": axes.transAxes, "color": palette.BLACK}
+    axes.add_line(Line2D([left, left + part], [height, height], linewidth=2.5, **look))
+    axes.annotate(
+        f"{bar:g} µm",
+        (left + part, height),
+        xycoords="axes fraction",
+        xytext=(5.0, 0.0),
+        textcoords="offset points",
+        va="center",
+        fontsize=8.5,
+    )

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stickslip._util import palette
 from stickslip._util.handy_units import in_handy_units
 from stickslip.plot import style
-from stickslip.plot.canvas import drawing, root_figure
+from stickslip.plot.canvas import drawing, legend_above, root_figure
 from stickslip.plot.scales import readable
 
 if TYPE_CHECKING:
@@ -23,9 +25,12 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 _QUANTILE = "quantile"
-_MOST_LINES = 8  # as many as there are styles that can be told apart
+MOST_LINES = 8
+"""Lines of one picture: as many as there are styles that can be told apart."""
+
 # Values whose ratio is this or more are shown on a logarithmic axis; chosen: two decades.
 _LOG_RATIO = 100.0
+_SHADE = 0.2  # opacity of a band; chosen by eye
 
 _STYLES = list(
     zip(
@@ -65,7 +70,8 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
     """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
 
     Over one key there is a line for each combination of the words that were varied, such as
-    ``drive.mode``. Points that failed are gaps. Of a prediction the line is the median, and two
+    ``drive.mode``. Points without a velocity are gaps in a line, and grey cells in a map, whose
+    legend says how many there are and why. Of a prediction the line is the median, and two
     quantiles that lie as far from it make a band: 10 % and 90 % that of 80 % of the draws.
 
     Parameters
@@ -94,6 +100,7 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
     speeds = table["mean_velocity"].squeeze() * 1e3
     if not bool(np.isfinite(speeds.values).any()):
         raise ValueError("no point of the sweep has a velocity")
+    gaps = _gaps(table, speeds)
     if "point" in speeds.dims:
         speeds = _unlisted(speeds)
     varied = [str(d) for d in speeds.dims if d != _QUANTILE]
@@ -105,7 +112,7 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
         if len(along) == 1:
             _draw_lines(axes, speeds, along[0], words)
         elif len(along) == 2 and not words and _QUANTILE not in speeds.dims:
-            _draw_map(axes, speeds, *along)
+            _draw_map(axes, speeds, along, gaps)
         else:
             found = ", ".join([*numeric, *words]) or "nothing"
             raise ValueError(
@@ -114,6 +121,20 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
             )
         readable(axes)
     return root_figure(axes)
+
+
+def _gaps(table: Any, speeds: Any) -> str:
+    """How many points have no velocity, and why, as words of a legend."""
+    missing = ~np.isfinite(speeds.values)
+    if "status" not in table:  # of a prediction
+        return f"no velocity: {np.count_nonzero(missing)}"
+    about = table["status"].attrs
+    words = dict(zip(np.ravel(about["flag_values"]), about["flag_meanings"].split(), strict=True))
+    codes, counts = np.unique(table["status"].squeeze().values[missing], return_counts=True)
+    return "no velocity: " + ", ".join(
+        f"{count} {words[code].replace('_', ' ')}"
+        for code, count in zip(codes, counts, strict=True)
+    )
 
 
 def _unlisted(speeds: Any) -> Any:
@@ -142,36 +163,43 @@ def _axis(speeds: Any, name: str) -> _Axis:
 
 def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None:
     choices = list(itertools.product(*(speeds[name].values for name in words)))
-    if len(choices) > _MOST_LINES:
+    if len(choices) > MOST_LINES:
         raise ValueError(
-            f"{len(choices)} lines: allowed are at most {_MOST_LINES}; take a part with .sel"
+            f"{len(choices)} lines: allowed are at most {MOST_LINES}; take a part with .sel"
         )
     bands = _QUANTILE in speeds.dims
+    handles: list[Artist] = []
     for choice, (colour, dashes, marker) in zip(choices, _STYLES, strict=False):
         line = speeds.sel(dict(zip(words, choice, strict=True)))
-        names = [str(word) for word in choice]
+        name = ", ".join(map(str, choice))
+        shades: list[Artist] = []
         if bands:
-            line, shares = _draw_bands(axes, line, along, colour)
-            names = [*names, f"median, {' and '.join(shares)} % of draws"]
-        axes.plot(
+            prefix = f"{name}, " if name else ""
+            line, shades = _draw_bands(axes, line, along, colour, prefix)
+            name = f"{prefix}median of draws"
+        handles += axes.plot(
             along.values * along.factor,
             line.values,
             color=colour,
             linestyle=dashes,
             marker=marker,
             markersize=3.5,
-            label=", ".join(names),
+            label=name,
         )
+        handles += shades
     if along.log:
         axes.set_xscale("log")
     axes.set_xlabel(along.label)
     axes.set_ylabel("mean velocity (mm/s)")
     if words or bands:
-        axes.legend(title=", ".join(words), fontsize="small", framealpha=0.8, edgecolor="none")
+        look: Any = {"fontsize": "small", "framealpha": 0.8, "edgecolor": "none"}
+        axes.legend(handles=handles, title=", ".join(words), **look)
 
 
-def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str) -> tuple[Any, list[str]]:
-    """Shade what lies between each two opposite quantiles; the median, and the shares in %."""
+def _draw_bands(
+    axes: Axes, line: Any, along: _Axis, colour: str, prefix: str
+) -> tuple[Any, list[Artist]]:
+    """Shade what lies between each two opposite quantiles; the median, and a handle for each."""
     levels = line[_QUANTILE].values
     if not np.allclose(levels + levels[::-1], 1.0) or 0.5 not in levels:
         shown = ", ".join(f"{each:g}" for each in levels)
@@ -179,20 +207,26 @@ def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str) -> tuple[Any, 
             f"quantiles {shown}: allowed are 0.5 and pairs about it, such as 0.1, 0.5, 0.9; "
             "take one of them with .sel"
         )
-    for low, high in zip(levels[: len(levels) // 2], levels[::-1], strict=False):
+    handles: list[Artist] = []
+    pairs = zip(levels[: len(levels) // 2], levels[::-1], strict=False)
+    for number, (low, high) in enumerate(pairs, start=1):
         axes.fill_between(
             along.values * along.factor,
             line.sel(quantile=low).values,
             line.sel(quantile=high).values,
             color=colour,
-            alpha=0.2,
+            alpha=_SHADE,
             linewidth=0.0,
         )
-    shares = [f"{100.0 * (1.0 - 2.0 * low):.4g}" for low in levels[: len(levels) // 2]]
-    return line.sel(quantile=0.5), shares
+        # An inner band lies on the outer ones, and is as dark as all of them together.
+        alpha = 1.0 - (1.0 - _SHADE) ** number
+        share = f"{prefix}{100.0 * (1.0 - 2.0 * low):.4g} % of draws"
+        handles.append(Patch(facecolor=colour, alpha=alpha, linewidth=0.0, label=share))
+    return line.sel(quantile=0.5), handles
 
 
-def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
+def _draw_map(axes: Axes, speeds: Any, along: list[_Axis], gaps: str) -> None:
+    across, up = along
     values = speeds.transpose(up.name, across.name).values
     largest = float(np.nanmax(np.abs(values)))
     both_ways = float(np.nanmin(values)) < 0.0 < float(np.nanmax(values))
@@ -212,6 +246,8 @@ def _draw_map(axes: Axes, speeds: Any, across: _Axis, up: _Axis) -> None:
     axes.grid(visible=False)
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
+    if np.isnan(values).any():
+        legend_above(axes, [Patch(facecolor=style.NO_VALUE, label=gaps)])
     bar = root_figure(axes).colorbar(mesh, ax=axes)
     bar.set_label("mean velocity (mm/s)")
 

@@ -15,7 +15,8 @@ from stickslip.reproduction.settings import Mode, Setting
 from stickslip.reproduction.strokes import interval
 from stickslip.reproduction.survey import stroke_scenario
 from stickslip.reproduction.tables import table
-from stickslip.simulation.run import COLUMNS, Run
+from stickslip.simulation.columns import COLUMNS
+from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate_batch
 
 _RAMP_DOWN = 0.05  # s; as the ramp up

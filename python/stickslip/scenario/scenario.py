@@ -110,6 +110,11 @@ class Scenario:
         except ValueError as error:
             raise ScenarioError(str(error)) from None
 
+    def _repr_html_(self) -> str:
+        from stickslip.scenario.scenario_display import scenario_html
+
+        return scenario_html(self)
+
     @staticmethod
     def from_toml(path: str | PathLike[str]) -> Scenario:
         """Read a scenario file.
@@ -341,8 +346,3 @@ def _core_keys() -> tuple[tuple[str, str, str], ...]:
         for key in known_keys()
         if not key.startswith(("record.", PREFIX))
     )
-
-
-def load(path: str | PathLike[str]) -> Scenario:
-    """Read a scenario file; the same as `Scenario.from_toml`."""
-    return Scenario.from_toml(path)

@@ -271,3 +271,8 @@ def _line(name: str, value: Value, unit: str) -> str:
     text = quoted(value) if isinstance(value, str) else repr(value)
     comment = "" if unit == "-" or isinstance(value, str) else f"  # {unit}"
     return f"{name} = {text}{comment}"
+
+
+def load(path: str | PathLike[str]) -> Scenario:
+    """Read a scenario file; the same as `Scenario.from_toml`."""
+    return Scenario.from_toml(path)

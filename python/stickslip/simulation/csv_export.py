@@ -13,7 +13,8 @@ from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import sha256_of
 from stickslip._util.strict_json import json_text
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.simulation.run import COLUMNS, WORDS, Run
+from stickslip.simulation.columns import COLUMNS, WORDS
+from stickslip.simulation.run import Run
 from stickslip.simulation.run_attributes import attributes
 
 if TYPE_CHECKING:

@@ -18,8 +18,9 @@ from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import append_checksum
 from stickslip._util.sheltered_file import ShelteredFile
 from stickslip.scenario.sections import COIL_NAMES
+from stickslip.simulation.columns import COLUMNS, WORDS
 from stickslip.simulation.record_blocks import recorded_names
-from stickslip.simulation.run import COLUMNS, WORDS, Run
+from stickslip.simulation.run import Run
 from stickslip.simulation.run_attributes import attributes, origin
 
 if TYPE_CHECKING:

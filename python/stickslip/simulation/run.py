@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from stickslip import _core
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
 from stickslip.scenario.state import State, made_state
+from stickslip.simulation.columns import COLUMNS
 from stickslip.simulation.record_blocks import is_csv, recorded_names, write_run
 from stickslip.simulation.run_notes import run_notes
 
@@ -16,43 +17,11 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
     from numpy.typing import NDArray
+    from pandas import DataFrame
 
     from stickslip._util.arrays import Array
     from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.stored_run import StoredRecord
-
-
-class Column(NamedTuple):
-    """A recorded quantity: its SI unit, and what it is."""
-
-    unit: str
-    meaning: str
-
-
-COLUMNS = {
-    "t": Column("s", "time"),
-    "x": Column("m", "position of the centre of mass along the surface"),
-    "z": Column("m", "height of the centre of mass above the surface"),
-    "theta": Column("rad", "tilt angle, nose-down positive in the robot's own frame"),
-    "vx": Column("m/s", "velocity of the centre of mass along the surface"),
-    "vz": Column("m/s", "velocity of the centre of mass away from the surface"),
-    "omega": Column("rad/s", "rate of the tilt angle"),
-    "normal_force": Column("N", "normal force of the surface, adhesion not subtracted"),
-    "friction_force": Column("N", "friction force of the surface, along +x"),
-    "contact_x": Column("m", "position of the contact point, nothing in flight"),
-    "slip_velocity": Column("m/s", "velocity of the contact point, nothing in flight"),
-    "bx": Column("T", "field along x at the centre of mass"),
-    "by": Column("T", "field along y at the centre of mass, across the plane of motion"),
-    "bz": Column("T", "field along z at the centre of mass"),
-    "current": Column("A", "current of each coil"),
-    "contact": Column("1", "mode of the contact"),
-    "event": Column("1", "event of the contact"),
-}
-"""The recorded quantities by name; each is an attribute of a `Run`."""
-
-
-WORDS = {"contact": _core.contact_names, "event": _core.event_names}
-"""What the numbers of a quantity stand for, where they stand for words."""
 
 
 def resting_force(scenario: Scenario) -> float:
@@ -203,11 +172,13 @@ class Run:
             raise AttributeError(f"this run did not record {name}: set {needed}")
 
     def __repr__(self) -> str:
-        count = len(self.t) if self._stored is None and self.recorded else 0
-        if self._stored is not None:
-            count = self._stored.samples
-        samples = f"{count} samples" if self.recorded else "no record"
+        samples = f"{self.samples} samples" if self.recorded else "no record"
         return f"<Run: {self.status}, {self.mean_velocity:.6g} m/s, {samples}>"
+
+    def _repr_html_(self) -> str:
+        from stickslip.simulation.run_display import run_html
+
+        return run_html(self)
 
     @property
     def ok(self) -> bool:
@@ -218,6 +189,13 @@ class Run:
     def recorded(self) -> bool:
         """Whether there are arrays."""
         return self._stored is not None or "t" in vars(self)
+
+    @property
+    def samples(self) -> int:
+        """Number of recorded samples, n; 0 without a record."""
+        if self._stored is not None:
+            return self._stored.samples
+        return len(self.t) if self.recorded else 0
 
     @property
     def mean_velocity(self) -> float:
@@ -291,6 +269,25 @@ class Run:
         from stickslip.simulation.netcdf import dataset
 
         return dataset(self)
+
+    def to_dataframe(self) -> DataFrame:
+        """The recorded motion as a table, a row for each sample.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column for each array that was recorded, by its name; of `current` one for each coil,
+            ``current_xp`` to ``current_clamp``. Contact and event are words. The attribute
+            ``attrs["units"]`` has the SI unit of each column, "" for words.
+
+        Raises
+        ------
+        AttributeError
+            If the run has no record.
+        """
+        from stickslip.simulation.run_table import run_table
+
+        return run_table(self)
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
         """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""

@@ -18,9 +18,10 @@ from stickslip._util.checksum import check_checksum, sha256_of
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.state import State
 from stickslip.scenario.toml_file import scenario_of
+from stickslip.simulation.columns import WORDS
 from stickslip.simulation.csv_export import beside, headings
 from stickslip.simulation.record_blocks import BLOCK, is_csv, recorded_names
-from stickslip.simulation.run import WORDS, Outcome, Run
+from stickslip.simulation.run import Outcome, Run
 from stickslip.simulation.run_attributes import program_of
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.simulation.run import Column
+from stickslip.simulation.columns import Column
 from stickslip.sweeping.worker import ChunkResult
 
 NOT_RUN = -2

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.palette import BLUE, DARK_GREY, GREEN, LIGHT_GREY, VERMILION
+from stickslip._util.picture import Picture
 from stickslip.diagnosis.data.conditions import Conditions, panel, sorted_by_settings
 from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.findings import Findings
@@ -26,9 +27,8 @@ COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
 
 def new_figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, Any]:
     """A figure, inches, and its axes, shape (rows, columns); a second row is a strip."""
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Picture(figsize=(width, height), layout="constrained")
     ratios = [3, 1][:rows]
     return figure, figure.subplots(
         rows, columns, sharex="col", sharey="row", squeeze=False, height_ratios=ratios
@@ -75,9 +75,8 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
 
 def free_shape(found: OpenSet) -> Figure:
     """The curve of the first hook with its band and formula, and how the hooks rank."""
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+    figure = Picture(figsize=(9.0, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[3, 2])
     hook, curve = found.first.hook, found.curve
     left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,

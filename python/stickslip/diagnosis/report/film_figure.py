@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.palette import BLUE, DARK_GREY, PALE_BLUE, VERMILION
+from stickslip._util.picture import Picture
 from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, Residual
 
 if TYPE_CHECKING:
@@ -47,7 +48,6 @@ def traces(view: ForceView, after: ForceView | None) -> tuple[Trace, Trace]:
 
 def film_figure(view: ForceView, after: ForceView | None) -> Figure:
     """Folded motion above, and below it the residuals of torque and force that can be judged."""
-    from matplotlib.figure import Figure
 
     rows = [
         (name, found, unit, f"{label}\n{name}")
@@ -57,7 +57,7 @@ def film_figure(view: ForceView, after: ForceView | None) -> Figure:
         )
         if found is not None
     ]
-    figure = Figure(figsize=(10.0, 2.9 + 2.35 * len(rows)), layout="constrained")
+    figure = Picture(figsize=(10.0, 2.9 + 2.35 * len(rows)), layout="constrained")
     layout = [["tilt", "tilt", "place", "place"]]
     layout += [[f"{name}{k}" for k in range(4)] for name, *_ in rows]
     frames: dict[str, Any] = figure.subplot_mosaic(layout)  # type: ignore[arg-type]

@@ -1,0 +1,239 @@
+"""The five coils, their field in the plane of motion, and the robot between them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+from matplotlib.ticker import LogLocator
+from numpy.typing import ArrayLike
+
+from stickslip._util import palette
+from stickslip._util.arrays import Array
+from stickslip.plot import style
+from stickslip.plot.canvas import drawing, root_figure
+from stickslip.plot.film import body_arrow
+from stickslip.plot.motion import rectangle
+from stickslip.plot.scales import length_bar
+from stickslip.plot.scene import thin_arrow
+from stickslip.scenario.keys import check_kind
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES
+from stickslip.simulation.coils import Coils
+
+_REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye
+_CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page
+_NEAR = 0.1  # in the same distances: nearer to a wire, |B| is beyond the scale of colours
+_DARKEST = 0.01  # part of the map whose |B| is below the scale of colours; chosen by eye
+_INSET = (0.27, 0.6, 0.46, 0.37)  # left, bottom, width, height; above the robot, where no coil is
+_ROBOT_VIEW = 3.0  # width of the inset in lengths of the body; chosen by eye
+_ARROW = 0.75  # length of the arrow of the field in lengths of the body; chosen by eye
+
+
+def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None = None) -> Figure:
+    """Draw the five coils with their field in the plane of motion, and the robot to scale.
+
+    Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils, also of
+    coils of one's own, by Eqs. (2)-(7), without what other named effects add. The wires of the
+    coils at +x and -x and of the one below cross the plane at the circles; a dot in one is a
+    current towards the reader, a cross one away. The coils at +y and -y lie behind and before the
+    plane, and a dashed line is their outline.
+    The inset is an enlarged view of the robot where the scenario begins, with its moment (blue) and
+    the field there (green, as long as its part in the plane).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of which coils, robot and initial state are drawn, and the currents taken.
+    currents : array_like, shape (5,), optional
+        Of the coils in the order of `COIL_NAMES`, A. If not given, those that the highest voltages
+        of the drive would drive if they were held for ever: of a sawtooth, those of its top.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure, if not given.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The one that holds the axes.
+
+    Raises
+    ------
+    ScenarioError
+        If `scenario` is none.
+    ValueError
+        If the currents are not five finite numbers, or no coil has one.
+    """
+    check_kind("scenario", scenario, Scenario)
+    amperes = _highest_currents(scenario) if currents is None else np.asarray(currents, np.float64)
+    if amperes.shape != (len(COIL_NAMES),) or not np.isfinite(amperes).all():
+        raise ValueError(f"currents = {currents!r}: allowed are five finite numbers, A")
+    if not amperes.any():
+        raise ValueError("no coil has a current, so that there is no field to draw: give currents")
+    made = Coils.of(scenario)
+    with drawing(ax, (6.4, 5.4)) as axes:
+        _draw_field(axes, made, amperes)
+        _draw_wires(axes, made, amperes)
+        _draw_robot(axes, made, amperes, scenario)
+        axes.set_xlabel("x (mm)")
+        axes.set_ylabel("z (mm)")
+        axes.grid(visible=False)
+    return root_figure(axes)
+
+
+def _highest_currents(scenario: Scenario) -> Array:
+    """Currents of the highest voltages of the drive in a steady state, A.
+
+    Highest is the greatest sum of the magnitudes of all five.
+    """
+    blocks = scenario.to_core().program()
+    voltages = np.concatenate([values for _, values, _ in blocks])
+    highest = voltages[np.abs(voltages).sum(axis=1).argmax()]
+    own = [scenario.get(f"effects.coil_{name}.resistance") for name in COIL_NAMES]
+    resistance = [each or scenario.coil.resistance for each in own]
+    return np.asarray(highest / np.array(resistance) + 0.0)  # no negative zeros
+
+
+def _sizes(coils: Coils) -> dict[str, tuple[float, float]]:
+    """Half of the side of each coil, and the distance of its plane, m."""
+    halves, distances = 0.5 * np.broadcast_to(coils.side, 5), np.broadcast_to(coils.distance, 5)
+    pairs = zip(halves.tolist(), distances.tolist(), strict=True)
+    return dict(zip(COIL_NAMES, pairs, strict=True))
+
+
+def _farthest(coils: Coils) -> float:
+    """Distance of the farthest plane or side of a coil from the origin, m."""
+    return max(max(each) for each in _sizes(coils).values())
+
+
+def _wires(coils: Coils) -> dict[str, tuple[Array, float]]:
+    """Where each coil crosses the plane of motion, m, shape (2, 2); the coils at y do not.
+
+    The number is the sign of the current along y, away from the reader, at the first place, for a
+    positive current: it turns right-handed about the axis of its coil.
+    """
+    places = {}
+    sizes = _sizes(coils)
+    for name, side in (("xp", 1.0), ("xm", -1.0)):
+        half, far = sizes[name]
+        places[name] = (np.array([[side * far, half], [side * far, -half]]), -1.0)
+    half, far = sizes["clamp"]
+    places["clamp"] = (np.array([[half, -far], [-half, -far]]), 1.0)
+    return places
+
+
+def _draw_field(axes: Axes, coils: Coils, currents: Array) -> None:
+    far = _farthest(coils)
+    reach = _REACH * far
+    # Centres of the cells.
+    places = reach * ((2.0 * np.arange(_CELLS) + 1.0) / _CELLS - 1.0)
+    x, z = np.meshgrid(places, places)
+    field = coils.field(np.stack([x, np.zeros_like(x), z], axis=-1), currents) * 1e3
+    strength = np.linalg.norm(field, axis=-1)
+    wires = np.concatenate([where for where, _ in _wires(coils).values()])
+    distances = np.hypot(x[..., None] - wires[:, 0], z[..., None] - wires[:, 1]).min(axis=-1)
+    # Places near to a wire are beyond the scale, and so are small ones where the fields cancel.
+    shown = strength[distances > _NEAR * far]
+    lowest = float(np.quantile(shown, _DARKEST))
+    mesh = axes.pcolormesh(
+        places * 1e3,
+        places * 1e3,
+        strength,
+        norm=LogNorm(lowest, shown.max()),
+        cmap="viridis",
+        rasterized=True,
+    )
+    axes.streamplot(
+        places * 1e3,
+        places * 1e3,
+        field[..., 0],
+        field[..., 2],
+        color="white",
+        linewidth=0.6,
+        arrowsize=0.7,
+        density=1.1,
+    )
+    axes.set_xlim(-reach * 1e3, reach * 1e3)
+    axes.set_ylim(-reach * 1e3, reach * 1e3)
+    axes.set_aspect("equal")
+    ticks = LogLocator(subs=(1.0, 2.0, 5.0))
+    bar = root_figure(axes).colorbar(mesh, ax=axes, extend="both", ticks=ticks, format="%g")
+    bar.set_label(r"$|B|$ (mT)")
+
+
+def _draw_wires(axes: Axes, coils: Coils, currents: Array) -> None:
+    amperes = dict(zip(COIL_NAMES, currents.tolist(), strict=True))
+    words: Any = {"fontsize": 8.0, "ha": "center", "va": "center"}
+    words["bbox"] = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.5}
+    for name, (places, sign) in _wires(coils).items():
+        first = sign * np.sign(amperes[name])
+        for (x, z), away in zip(places * 1e3, (first, -first), strict=True):
+            axes.plot(x, z, "o", color="white", markeredgecolor=palette.BLACK, markersize=9)
+            if away:
+                inside = "x" if away > 0.0 else "."
+                axes.plot(x, z, inside, color=palette.BLACK, markersize=5)
+        x, z = places.mean(axis=0) * 1e3
+        rotation = 0.0 if name == "clamp" else 90.0
+        axes.text(x, z, f"{name}: {amperes[name]:.3g} A", rotation=rotation, **words)
+    sizes = _sizes(coils)
+    for half in {sizes[name][0] * 1e3 for name in ("yp", "ym")}:
+        outline = Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, linestyle="--")
+        outline.set_edgecolor(palette.LIGHT_GREY)
+        axes.add_patch(outline)
+    lower = -sizes["yp"][0] * 1e3
+    axes.text(0.0, lower, f"yp: {amperes['yp']:.3g} A, ym: {amperes['ym']:.3g} A", **words)
+
+
+def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -> None:
+    """The robot where it begins, in an inset whose arrows of moment and field are named."""
+    robot, begin = scenario.robot, scenario.initial
+    heading = 1.0 if scenario.drive.direction == "+x" else -1.0
+    x, z = rectangle(robot.length, robot.height, heading, begin.x, begin.z, begin.theta)
+    if begin.z == 0.0:  # its lowest corner lies on the surface
+        z = z - z.min()
+    outline = np.column_stack([x, z]) * 1e6
+    centre = outline.mean(axis=0)
+    field = coils.field([centre[0] * 1e-6, 0.0, centre[1] * 1e-6], currents)
+    strength = float(np.linalg.norm(field))
+
+    inset = axes.inset_axes(_INSET)
+    inset.axhline(0.0, color=palette.BLACK, linewidth=1.0)
+    inset.add_patch(Polygon(outline, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2))
+    moment, arrow = thin_arrow(palette.BLUE, 1.4), thin_arrow(palette.GREEN, 1.8)
+    moment.set_positions(*body_arrow(outline))
+    size = robot.length * 1e6
+    towards = _ARROW * size * field[[0, 2]] / strength if strength > 0.0 else np.zeros(2)
+    foot = centre + np.array([0.0, 0.9 * size])
+    arrow.set_positions(tuple(foot - 0.5 * towards), tuple(foot + 0.5 * towards))
+    inset.add_patch(moment)
+    if np.hypot(*towards) > 0.1 * size:  # a shorter one has a head only
+        inset.add_patch(arrow)
+    inset.text(
+        0.97,
+        0.93,
+        f"B = {strength * 1e3:.3g} mT",
+        transform=inset.transAxes,
+        color=palette.GREEN,
+        fontsize=8.5,
+        ha="right",
+        va="center",
+    )
+    width = _ROBOT_VIEW * size
+    inset.set_xlim(centre[0] - 0.5 * width, centre[0] + 0.5 * width)
+    inset.set_ylim(-0.15 * width, (_INSET[3] / _INSET[2] - 0.15) * width)
+    inset.set_aspect("equal", adjustable="datalim")
+    inset.set_xticks([])
+    inset.set_yticks([])
+    inset.grid(visible=False)
+    length_bar(inset, width)
+    axes.annotate(
+        "",
+        xy=tuple(centre * 1e-3),
+        xytext=(0.5, _INSET[1]),
+        textcoords="axes fraction",
+        arrowprops={"arrowstyle": "-", "color": palette.BLACK, "linewidth": 0.8},
+    )
+    axes.plot(*(centre * 1e-3), "+", color=palette.BLACK, markersize=7)

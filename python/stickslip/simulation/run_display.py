@@ -1,0 +1,52 @@
+"""What a notebook shows of a run: its summary, in handy units."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stickslip._util.handy_units import handy
+from stickslip._util.html_table import html_table
+
+if TYPE_CHECKING:
+    from stickslip.simulation.run import Run
+
+_NUMBERS = {
+    "slip while the tilt rises": ("slip_up", "m/s"),
+    "slip while the tilt falls": ("slip_down", "m/s"),
+    "largest field": ("field_max", "T"),
+    "largest current": ("current_max", "A"),
+}
+
+
+def run_html(run: Run) -> str:
+    """A table of what stands out in the summary of a run; what was not measured is left out."""
+    summary = run.summary()
+    rows = [("status", run.status if run.ok else f"{run.status}: {run.message}")]
+    if math.isfinite(run.mean_velocity):
+        low, high = (math.degrees(summary[name]) for name in ("theta_min", "theta_max"))
+        window = f"{summary['window_start']:.6g} to {summary['window_end']:.6g} s"
+        rows += [
+            ("mean velocity", _shown(run.mean_velocity, "m/s")),
+            ("measured", window),
+            ("tilt", f"{low:.4g} to {high:.4g} degrees"),
+            ("in flight", f"{100.0 * summary['airborne_fraction']:.3g} % of the time"),
+        ]
+    rows += [
+        (name, _shown(summary[key], unit))
+        for name, (key, unit) in _NUMBERS.items()
+        if math.isfinite(summary[key])
+    ]
+    events = {**summary["events"], "painleve": summary["painleve_events"]}
+    counted = ", ".join(f"{count} {kind}" for kind, count in events.items() if count)
+    rows.append(("events", counted or "none"))
+    if run.recorded:
+        until = f", to {run.recorded_until:.6g} s" if math.isfinite(run.recorded_until) else ""
+        rows.append(("record", f"{run.samples} samples{until}"))
+    rows += [("note", note) for note in summary["notes"]]
+    return html_table("Run", rows)
+
+
+def _shown(value: Any, unit: str) -> str:
+    factor, shown = handy(unit)
+    return f"{value * factor + 0.0:.4g} {shown}"

@@ -1,0 +1,69 @@
+"""The tutorial notebook: its cells run, print what it says, and show pictures without paths."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from documentation_blocks import prints
+from documentation_names import missing
+from notebook_cells import code_cells, printed, read, run, text
+
+PATH = Path(__file__).parents[1] / "docs" / "tutorial.ipynb"
+NOTEBOOK = read(PATH)
+CELLS = code_cells(NOTEBOOK)
+DIAGNOSIS = next(k for k, cell in enumerate(CELLS) if "diagnose(" in text(cell))
+
+
+def check(cells):
+    for cell, outputs in zip(cells, run(cells), strict=True):
+        assert prints(printed(cell["outputs"]), printed(outputs)), text(cell)
+        stored = [set(each.get("data", {})) for each in cell["outputs"]]
+        assert [set(each.get("data", {})) for each in outputs] == stored, text(cell)
+
+
+def test_all_cells_before_the_diagnosis_run_and_show_what_is_stored():
+    assert DIAGNOSIS >= 8
+    check(CELLS[:DIAGNOSIS])
+
+
+@pytest.mark.slow
+def test_all_cells_run_and_show_what_is_stored():
+    check(CELLS)
+
+
+def test_the_notebook_goes_from_a_scenario_to_a_diagnosis():
+    called = {
+        node.id if isinstance(node, ast.Name) else node.attr
+        for cell in CELLS
+        for node in ast.walk(ast.parse(text(cell)))
+        if isinstance(node, ast.Name | ast.Attribute)
+    }
+    assert {"Scenario", "simulate", "sweep", "velocity", "animation", "diagnose"} <= called
+
+
+def test_outputs_are_stored_in_order_and_without_paths_of_a_machine():
+    assert [cell["execution_count"] for cell in CELLS] == list(range(1, len(CELLS) + 1))
+    assert all(cell["outputs"] for cell in CELLS)
+    plain = re.sub(r"[A-Za-z0-9+/=]{99,}", "", json.dumps(CELLS))  # without pictures
+    assert not re.search(r"(?<![<\w.])/(?:home|root|tmp|usr|work|opt|Users|var)\b|file://", plain)
+    assert " at 0x" not in plain
+    assert "Traceback" not in plain
+
+
+def test_what_the_notebook_names_is_there():
+    words = "\n\n".join(text(cell) for cell in NOTEBOOK["cells"] if cell["cell_type"] != "code")
+    assert missing(words, PATH.parent) == []
+
+
+def test_no_line_of_code_is_wider_than_a_page():
+    assert all(len(line) <= 90 for cell in CELLS for line in text(cell).splitlines())
+
+
+def test_its_file_is_small_and_of_the_usual_form():
+    assert PATH.stat().st_size < 1_000_000
+    assert (NOTEBOOK["nbformat"], NOTEBOOK["nbformat_minor"]) == (4, 5)
+    names = [cell["id"] for cell in NOTEBOOK["cells"]]
+    assert len({*names}) == len(names)
