@@ -162,7 +162,7 @@ def test_an_interrupt_offers_resume_only_if_the_file_exists(tmp_path, monkeypatc
     monkeypatch.setattr("stickslip.cli.sweep_command.sweep_points", interrupted)
     (tmp_path / "s.toml").write_text(QUICK.to_toml())
     options = {"vary": ("drive.hold=0,1e-3",), "settings": (), "threads": None, "dask": None}
-    options |= {"out": tmp_path / "a.nc", "resume": True, "as_json": False}
+    options |= {"out": tmp_path / "a.nc", "resume": True, "as_json": False, "plot": None}
     for there, said in ((False, "nothing written"), (True, "--resume goes on with")):
         if there:
             (tmp_path / "a.nc").write_text("points")
