@@ -20,9 +20,19 @@ PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text
     "project"
 ]
 
-# Python runs a file of this name before anything else; in it the modules are not to be found.
+# What Python runs before anything else: packages are to be found neither as modules nor by version.
 BLOCKER = """
+import importlib.metadata
 import sys
+
+version = importlib.metadata.version
+
+def version_of_others(name):
+    if name in {blocked}:
+        raise importlib.metadata.PackageNotFoundError(name)
+    return version(name)
+
+importlib.metadata.version = version_of_others
 
 class Blocker:
     def find_spec(self, name, path=None, target=None):
