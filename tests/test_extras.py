@@ -80,6 +80,7 @@ assert simulate(Scenario(drive=program)).ok
 assert scenario.draws(2, seed=0)[0].contact != scenario.contact
 assert np.isfinite(Simulator(scenario).step({"xp": 5.0}, 1e-3).theta)
 assert rollout(scenario, None, np.zeros((3, 5)), 1e-3).states.shape[-1] == 2
+assert "<" in run._repr_html_() + scenario._repr_html_()
 show_versions()
 """
 
@@ -163,7 +164,7 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
     rows = [line.split() for line in result.stdout.splitlines()]
     assert all(named == "True" for _, _, named in rows)
     assert {name: module for name, module, _ in rows} == {
-        **dict.fromkeys(["predict", "reproduce", "sweep"], "h5netcdf"),
+        **dict.fromkeys(["predict", "reproduce", "sweep", "sweep_dataframe"], "h5netcdf"),
         **dict.fromkeys(["Cause", "CauseParameter", "Diagnosis", "Measurement"], "scipy"),
         **dict.fromkeys(["Options", "Uncertain", "diagnose", "diagnose_in_rounds"], "scipy"),
         **dict.fromkeys(["diagnose_model", "instruments", "read_measurement"], "scipy"),
@@ -172,8 +173,8 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
     }
 
 
-@pytest.mark.parametrize("method", ["to_xarray()", "to_netcdf('run.nc')", "save('run.nc')"])
-def test_a_run_names_the_extra_of_its_files(method, tmp_path):
+@pytest.mark.parametrize("method", ["to_dataframe()", "to_xarray()", "save('run.nc')"])
+def test_a_run_names_the_extra_of_its_tables(method, tmp_path):
     code = f"import stickslip\nstickslip.simulate(stickslip.load('scenario.toml')).{method}"
     result = without(OPTIONAL, ["-c", code], tmp_path)
     assert result.stderr.endswith('pip install "stickslip[netcdf]"\n')

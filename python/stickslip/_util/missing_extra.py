@@ -31,6 +31,7 @@ _NEEDED: dict[str, tuple[str, ...]] = {
     "predict": ("netcdf",),
     "reproduce": ("netcdf", "diagnosis"),
     "sweep": ("netcdf",),
+    "sweep_dataframe": ("netcdf",),
     **dict.fromkeys(_DIAGNOSIS, ("diagnosis",)),
 }
 """Extras of the public names and commands that can do nothing without them."""
