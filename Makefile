@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel sizes clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -193,6 +193,15 @@ tidy: | system ## clang-tidy over the core (needs clang-tidy)
 wheel: $(VENV)/.created ## an isolated build of the wheel, into dist/
 	@$(RUN) -m pip wheel --quiet --no-deps --wheel-dir dist .
 	@ls dist/*.whl
+
+EXTRAS := "" "[netcdf]" "[plot]" "[diagnosis]" "[optimise]" "[all]"
+
+sizes: wheel ## what an installation with each extra takes with its dependencies, in MB
+	@for extra in $(EXTRAS); do \
+	    rm -rf build/sizes; \
+	    $(RUN) -m pip install --quiet --target build/sizes "$$(ls -t dist/*.whl | head -1)$$extra"; \
+	    echo "$$(du -sm build/sizes | cut -f 1) MB  stickslip$$extra"; \
+	done
 
 clean: ## remove everything that can be built again
 	rm -rf build dist docs/_build docs/_pictures $(VENV) $(BENCH_VENV) .pytest_cache .ruff_cache .mypy_cache .hypothesis

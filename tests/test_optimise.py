@@ -289,5 +289,5 @@ def test_a_program_has_no_sawtooth_and_no_period_for_knots():
 
 def test_a_missing_library_is_named_with_its_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "cma", None)
-    with pytest.raises(ScenarioError, match=r"stickslip\[optimise\]"):
+    with pytest.raises(ImportError, match=r"stickslip\[optimise\]"):
         optimise(START, **WALK)

@@ -120,6 +120,9 @@ if not TYPE_CHECKING:
     def __getattr__(name: str) -> Any:
         if name not in __all__:
             raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
+        from stickslip._util.missing_extra import check_extras
+
+        check_extras(f"stickslip.{name}", name)
         module = importlib.import_module(f"stickslip.{_MODULES.get(name) or _HOME[name]}")
         value = module if name in _MODULES else getattr(module, name)
         globals()[name] = value

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
-import re
+from itertools import chain
 
 from stickslip import _core
+from stickslip._util.missing_extra import EXTRAS
+
+_BASE = ("numpy", "click", "tqdm")
 
 
 def show_versions() -> None:
-    """Print the versions of stickslip, of Python and of the packages it uses."""
+    """Print the versions of stickslip, of Python and of the packages it uses with all extras."""
     rows = [
         ("stickslip", _core.__version__),
         ("arkode", "yes" if _core.has_arkode else "no"),
         ("python", platform.python_version()),
         ("platform", platform.platform()),
     ]
-    for requirement in importlib.metadata.requires("stickslip") or ():
-        if ";" in requirement:  # of an extra, or of another Python
-            continue
-        package = re.split(r"[^\w-]", requirement)[0]
+    for package in dict.fromkeys([*_BASE, *chain.from_iterable(EXTRAS.values())]):
         try:
             rows.append((package, importlib.metadata.version(package)))
         except importlib.metadata.PackageNotFoundError:

@@ -67,6 +67,7 @@ def _take_termination() -> None:
 def _run(arguments: Sequence[str] | None) -> int:
     import click
 
+    from stickslip._util.missing_extra import MissingExtra
     from stickslip.cli.commands import stickslip, unknown_option
     from stickslip.errors import ScenarioError
 
@@ -82,8 +83,8 @@ def _run(arguments: Sequence[str] | None) -> int:
     except click.NoSuchOption as error:
         print(f"stickslip: {_one_line(unknown_option(error))}", file=sys.stderr)
         return BAD_INPUT
-    except (click.ClickException, ScenarioError) as error:
-        message = error if isinstance(error, ScenarioError) else error.format_message()
+    except (click.ClickException, ScenarioError, MissingExtra) as error:
+        message = error.format_message() if isinstance(error, click.ClickException) else error
         print(f"stickslip: {_one_line(message)}", file=sys.stderr)
         return BAD_INPUT
     except click.Abort:

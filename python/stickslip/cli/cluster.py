@@ -9,6 +9,7 @@ import logging
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from stickslip._util.missing_extra import naming_the_extra
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
@@ -22,18 +23,14 @@ _PATIENCE = 4.0
 def cluster(address: str | None) -> Iterator[Executor | None]:
     """An executor of the cluster whose scheduler has this address; nothing without an address.
 
-    A ScenarioError says that Dask is not installed, or that the scheduler does not answer or has no
-    workers; an OSError that the cluster or a worker failed later.
+    A ScenarioError says that the scheduler does not answer or has no workers; an OSError that the
+    cluster or a worker failed later.
     """
     if address is None:
         yield None
         return
-    try:
+    with naming_the_extra("--dask"):
         distributed = importlib.import_module("distributed")
-    except ImportError:
-        raise ScenarioError(
-            '--dask: the package distributed is missing: pip install "stickslip[dask]"'
-        ) from None
     # Else it logs about an address that does not answer, beside the one line of the error.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     try:

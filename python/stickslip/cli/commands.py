@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from stickslip._util.missing_extra import check_extras, naming_the_extra
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -23,6 +25,7 @@ COMMANDS = {
 }
 """What each command does, in a line of a terminal of 80 columns. It stands here and not beside the
 command, whose import would cost up to a second for the list of all."""
+_HELP = ["-h", "--help"]
 
 
 class LazyGroup(click.Group):
@@ -51,7 +54,16 @@ class LazyGroup(click.Group):
 
             hint = suggestion(name, COMMANDS)
             raise click.UsageError(f"{name}: there is no such command; {hint}", ctx)
+        if not ctx.resilient_parsing and not {*args} & {*_HELP}:
+            check_extras(f"stickslip {name}", name)
         return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError:
+            with naming_the_extra(f"stickslip {ctx.invoked_subcommand}"):
+                raise
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         from click.shell_completion import CompletionItem
@@ -81,7 +93,7 @@ def unknown_option(error: click.NoSuchOption) -> str:
 
 @click.group(
     cls=LazyGroup,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    context_settings={"help_option_names": _HELP, "max_content_width": 100},
     epilog="\b\nExample:\n"
     "  stickslip init scenario.toml\n"
     "  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",

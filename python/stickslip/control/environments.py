@@ -9,16 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.arrays import Array
+from stickslip._util.missing_extra import naming_the_extra
 from stickslip.scenario.keys import check_kind
 
-try:
+with naming_the_extra("stickslip.control.environments"):
     import gymnasium
     from gymnasium.vector import AutoresetMode
-except ImportError:
-    raise ImportError(
-        "the package gymnasium is missing, whose environments these are: "
-        'pip install "stickslip[gym]"'
-    ) from None
 
 from stickslip import _core
 from stickslip._util.processor_count import worker_count

@@ -99,8 +99,10 @@ def optimise(
     Raises
     ------
     ScenarioError
-        If something is not allowed, the package ``cma`` is missing, or no drive satisfies the
-        limits; then the least value that was found is named.
+        If something is not allowed, or no drive satisfies the limits; then the least value that was
+        found is named.
+    MissingExtra
+        If the package ``cma`` is missing.
     """
     begin = time.perf_counter()
     check_kind("scenario", scenario, Scenario)

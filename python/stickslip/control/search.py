@@ -15,7 +15,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip.errors import ScenarioError
+from stickslip._util.missing_extra import naming_the_extra
 
 T = TypeVar("T")
 
@@ -114,7 +114,7 @@ def search(
 
     Raises
     ------
-    ScenarioError
+    MissingExtra
         If the library ``cma`` is missing.
     """
     cma = _library() if any(len(start) for start in starts) else None
@@ -204,9 +204,5 @@ def _compare(
 
 
 def _library() -> Any:
-    try:
+    with naming_the_extra("stickslip.optimise"):
         return importlib.import_module("cma")
-    except ImportError:
-        raise ScenarioError(
-            'the package cma is missing, which searches: pip install "stickslip[optimise]"'
-        ) from None

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import ndtr, ndtri
 
 from stickslip._util.arrays import Array
 from stickslip._util.number_text import is_number
@@ -84,7 +84,7 @@ class Prior:
             return np.asarray(self.first + self.second * z)
         if self.kind == "log-normal":
             return np.asarray(self.first * np.exp(math.log(self.second) * z))
-        share = ndtr(np.clip(z, -_EDGE, _EDGE))
+        share = _shares(np.clip(z, -_EDGE, _EDGE))
         return np.asarray(self.first * np.exp(math.log(self.second / self.first) * share))
 
     def coordinate(self, value: float) -> float:
@@ -94,7 +94,15 @@ class Prior:
         if self.kind == "log-normal":
             return math.log(value / self.first) / math.log(self.second)
         share = math.log(value / self.first) / math.log(self.second / self.first)
-        return float(np.clip(ndtri(min(max(share, 0.0), 1.0)), -_EDGE, _EDGE))
+        if not 0.0 < share < 1.0:
+            return math.copysign(_EDGE, share - 0.5)
+        return min(max(NormalDist().inv_cdf(share), -_EDGE), _EDGE)
+
+
+def _shares(z: Array) -> Array:
+    """Standard normal distribution function; like SciPy's ndtr, exact to rounding at both ends."""
+    erfc = np.frompyfunc(math.erfc, 1, 1)
+    return np.asarray(0.5 * np.asarray(erfc(-z * math.sqrt(0.5)), dtype=float))
 
 
 def parse_prior(key: str, table: object) -> Prior:

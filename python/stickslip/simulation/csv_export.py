@@ -7,7 +7,9 @@ import io
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import sha256_of
@@ -46,17 +48,10 @@ class _CsvFile:
         self._samples = 0
 
     def write(self, block: Block) -> None:
-        import pandas as pd
-
-        columns: dict[str, Any] = {}
-        for name, values in block.items():
-            if name in WORDS:
-                columns[name] = pd.Categorical.from_codes(values, list(WORDS[name]))
-            else:
-                parts = values.T if values.ndim == 2 else [values]
-                columns |= dict(zip(headings(name), parts, strict=True))
-        table = pd.DataFrame(columns)
-        text = table.to_csv(index=False, header=self._samples == 0).encode()
+        titles = [title for name in block for title in headings(name)]
+        rows = list(zip(*_columns(block), strict=True))
+        lines = rows if self._samples else [titles, *rows]
+        text = "".join(f"{','.join(line)}\n" for line in lines).encode()
         end = self._file.tell()
         try:
             while text:
@@ -64,7 +59,7 @@ class _CsvFile:
         except OSError:
             self._file.truncate(end)
             raise
-        self._samples += len(table)
+        self._samples += len(rows)
 
     def finish(self, run: Run) -> None:
         self._file.seek(0)
@@ -75,6 +70,16 @@ class _CsvFile:
             **attributes(run),
         }
         self._side.write_text(json_text(about) + "\n", encoding="utf-8")
+
+
+def _columns(block: Block) -> Iterator[list[str]]:
+    """The cells of each column; a number is the shortest text that gives it back."""
+    for name, values in block.items():
+        if name in WORDS:
+            yield [WORDS[name][code] for code in values]
+            continue
+        for column in values.T if values.ndim == 2 else [values]:
+            yield np.where(np.isnan(column), "", column.astype(str)).tolist()
 
 
 @contextlib.contextmanager

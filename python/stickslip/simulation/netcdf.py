@@ -8,20 +8,23 @@ from collections.abc import Iterator
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-import h5netcdf
-import h5py
 import numpy as np
-import xarray
-from xarray.backends import H5NetCDFStore
 
 from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import append_checksum
+from stickslip._util.missing_extra import naming_the_extra
 from stickslip._util.sheltered_file import ShelteredFile
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.columns import COLUMNS, WORDS
 from stickslip.simulation.record_blocks import recorded_names
 from stickslip.simulation.run import Run
 from stickslip.simulation.run_attributes import attributes, origin
+
+with naming_the_extra("a netCDF file or an xarray Dataset"):
+    import h5netcdf
+    import h5py
+    import xarray
+    from xarray.backends import H5NetCDFStore
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario

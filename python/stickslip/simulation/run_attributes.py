@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import json
 from typing import TYPE_CHECKING, Any
@@ -37,12 +38,10 @@ def attributes(run: Run) -> dict[str, Any]:
 
 def origin(scenario: Scenario) -> dict[str, str]:
     """What a file says of where its numbers come from: versions, scenario and its voltages."""
-    about = {
-        "stickslip_version": _core.__version__,
-        "xarray_version": importlib.metadata.version("xarray"),
-        "numpy_version": np.__version__,
-        "scenario": scenario.to_toml(),
-    }
+    about = {"stickslip_version": _core.__version__, "numpy_version": np.__version__}
+    with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
+        about["xarray_version"] = importlib.metadata.version("xarray")
+    about["scenario"] = scenario.to_toml()
     program = scenario.drive.program
     if program is not None:  # a scenario's text names a file in place of the voltages
         blocks = [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-
+from stickslip._util.missing_extra import naming_the_extra
 from stickslip.simulation.columns import WORDS, column_units
 from stickslip.simulation.record_blocks import recorded_names
+
+with naming_the_extra("Run.to_dataframe"):
+    import pandas as pd
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run

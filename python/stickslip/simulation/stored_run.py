@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import islice
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.atomic_files import read_bytes
 from stickslip._util.checksum import check_checksum, sha256_of
+from stickslip._util.missing_extra import naming_the_extra
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.state import State
 from stickslip.scenario.toml_file import scenario_of
@@ -35,6 +37,9 @@ _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
 
 # Of the file beside a CSV file, bytes; chosen: voltages of two million rows and more fit into it.
 _MOST_BYTES = 1 << 30
+
+# Text of a cell: the longest are doubles such as -2.2250738585072014e-308, of 24 characters.
+_CELL = "U32"
 
 
 class StoredRecord:
@@ -108,7 +113,8 @@ def open_run(path: str | PathLike[str]) -> Run:
 
 def _netcdf_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     """What a file says beside its samples, with the names of its `columns` and its `samples`."""
-    import h5py
+    with naming_the_extra("a netCDF file"):
+        import h5py
 
     check_checksum(path)
     try:
@@ -157,22 +163,29 @@ def _csv_attributes(path: str | PathLike[str]) -> dict[str, Any]:
 
 
 def _csv_column(path: Path, name: str, dtype: str) -> NDArray[Any]:
-    import pandas as pd
-
-    titles = headings(name)
     codes = {word: code for code, word in enumerate(WORDS.get(name, ()))}
 
     def parsed(cells: NDArray[Any]) -> NDArray[Any]:
         if codes:
-            return np.array([[codes[word]] for (word,) in cells], dtype=np.int8).reshape(-1, 1)
-        return cells.astype("float64" if name == "t" else dtype)
+            return np.array([[codes[word]] for word in cells[:, 0]], dtype=np.int8).reshape(-1, 1)
+        # By way of a double, as the numbers were made; an empty cell is no number for numpy.
+        numbers = np.where(cells == "", "nan", cells).astype("float64")
+        return numbers if name == "t" else numbers.astype(dtype)
 
-    # As text, of which little is held at a time, as it takes ten times the room of the numbers:
-    # what pandas before 3.1 makes of numbers is not always the nearest one, and its option for
-    # that is to be removed.
-    with pd.read_csv(path, usecols=titles, dtype=str, chunksize=BLOCK) as chunks:
-        array = np.concatenate([parsed(chunk[titles].to_numpy(object)) for chunk in chunks])
+    array = np.concatenate([parsed(cells) for cells in _cells(path, headings(name))])
     return array if name == "current" else array[:, 0]
+
+
+def _cells(path: Path, titles: list[str]) -> Iterator[NDArray[Any]]:
+    """Some columns as text, a block at a time, as text takes ten times the room of the numbers."""
+    with open(path, encoding="utf-8") as file:
+        first = file.readline().rstrip("\n").split(",")
+        places = [first.index(title) for title in titles]
+        yield np.empty((0, len(titles)), dtype=_CELL)
+        while lines := list(islice(file, BLOCK)):
+            yield np.loadtxt(
+                lines, dtype=_CELL, comments=None, delimiter=",", usecols=places, ndmin=2
+            )
 
 
 def _outcome(about: Mapping[str, Any]) -> Outcome:

@@ -14,8 +14,6 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, check_kind, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress
-from stickslip.sweeping.checkpoint import Checkpoint, read
-from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.executors import ChunkExecutor, LocalThreads, OutsideExecutor
 from stickslip.sweeping.lock import file_lock
 from stickslip.sweeping.points import Points, as_list, from_changes, from_scenarios, grid
@@ -124,6 +122,8 @@ def sweep_points(
     progress: Progress | None,
 ) -> xarray.Dataset:
     """`sweep` of points that are known already."""
+    from stickslip.sweeping.dataset import dataset
+
     count = worker_count(threads, "threads")
     if resume and out is None:
         raise ValueError("resume = True: allowed with a file `out` only, which it goes on with")
@@ -174,6 +174,8 @@ def _existing_results(points: Points, out: str | PathLike[str] | None, resume: b
             raise FileExistsError(
                 f"{out} is already there: resume it, remove it, or choose another name"
             )
+        from stickslip.sweeping.checkpoint import read
+
         results = read(out, points)
     if not results.complete:
         check_writable(out)
@@ -187,7 +189,11 @@ def _run(
     out: str | PathLike[str] | None,
     progress: Progress | None,
 ) -> None:
-    checkpoint = None if out is None else Checkpoint(out, points, results)
+    checkpoint = None
+    if out is not None:
+        from stickslip.sweeping.checkpoint import Checkpoint
+
+        checkpoint = Checkpoint(out, points, results)
 
     def report() -> None:
         if checkpoint is not None:

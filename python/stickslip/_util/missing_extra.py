@@ -1,0 +1,83 @@
+"""Packages that only some functions need: the extras that install them, and who needs which.
+
+A base installation simulates. What is larger than the simulator itself (HDF5, pandas, matplotlib,
+SciPy) comes with an extra, and who calls a function without it is told which.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import sys
+from collections.abc import Iterator
+
+EXTRAS = {
+    "netcdf": ("h5netcdf", "h5py", "xarray", "pandas"),
+    "plot": ("matplotlib",),
+    "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2"),
+    "optimise": ("cma", "matplotlib", "jinja2"),
+    "gym": ("gymnasium",),
+    "dask": ("distributed",),
+}
+"""The modules of each extra of pyproject.toml."""
+
+_DIAGNOSIS = (
+    *("Cause", "CauseParameter", "Diagnosis", "Measurement", "Options", "Uncertain", "diagnose"),
+    *("diagnose_in_rounds", "diagnose_model", "instruments", "read_measurement"),
+)
+_NEEDED: dict[str, tuple[str, ...]] = {
+    "optimise": ("optimise",),
+    "plot": ("plot",),
+    "predict": ("netcdf",),
+    "reproduce": ("netcdf", "diagnosis"),
+    "sweep": ("netcdf",),
+    "sweep_dataframe": ("netcdf",),
+    **dict.fromkeys(_DIAGNOSIS, ("diagnosis",)),
+}
+"""Extras of the public names and commands that can do nothing without them."""
+
+
+class MissingExtra(ImportError):
+    """Something was asked for that a package is missing for; the message is the way to install it.
+
+    Its `name` is that of the module which is missing.
+    """
+
+    def __init__(self, what: str, module: str, *extras: str) -> None:
+        wanted = ",".join(extras)
+        super().__init__(f'{what} needs {module}: pip install "stickslip[{wanted}]"', name=module)
+
+
+def check_extras(what: str, name: str) -> None:
+    """Raise MissingExtra if a public name or command lacks a module of its extras.
+
+    All modules are looked for, but not imported, so that a long calculation does not end without
+    the page or the picture that it was made for. `what` is how the message calls it.
+    """
+    extras = _NEEDED.get(name, ())
+    for extra in extras:
+        for module in EXTRAS[extra]:
+            if not _is_there(module):
+                raise MissingExtra(what, module, *extras)
+
+
+def _is_there(module: str) -> bool:
+    if sys.modules.get(module) is not None:
+        return True
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+@contextlib.contextmanager
+def naming_the_extra(what: str) -> Iterator[None]:
+    """Raise MissingExtra where the block imports a module of an extra that is not installed."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        module = (error.name or "").partition(".")[0]
+        for extra, modules in EXTRAS.items():
+            if module in modules:
+                raise MissingExtra(what, module, extra) from None
+        raise
