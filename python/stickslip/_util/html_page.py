@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import io
+import re
 from importlib import resources
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from stickslip._util import palette
 from stickslip._util.plain_text import printable_lines
 
 if TYPE_CHECKING:
+    from markupsafe import Markup
     from matplotlib.figure import Figure
 
 
@@ -42,6 +44,31 @@ def page_text(template: str, **values: object) -> str:
     )
     shared = {"palette": palette, "version": _core.__version__}
     return environment.get_template(template).render(shared, **values)
+
+
+def svg(figure: Figure | None) -> Markup:
+    """A figure as SVG in the page's own colours; empty if there is none.
+
+    Its text stays text, so that a page can be searched, and black and white are the ink and the
+    paper of the page, which may be dark. What a user wrote is escaped as in all values.
+    """
+    import matplotlib as mpl
+    from markupsafe import Markup
+
+    if figure is None:
+        return Markup("")
+    buffer = io.StringIO()
+    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "stickslip"}):
+        figure.savefig(buffer, format="svg", metadata=nothing, transparent=True)
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :].rstrip()
+    text = re.sub(r' xmlns(:xlink)?="[^"]*"| (width|height)="[\d.]+pt"', "", text, count=4)
+    text = text.replace("xlink:href", "href")
+    for colour, name in (("#000000", "currentColor"), ("#ffffff", "var(--page)")):
+        text = text.replace(colour, name)
+    text = text.replace(palette.LIGHT_GREY.lower(), "var(--line)")
+    return Markup(printable_lines(text))
 
 
 def png(figure: Figure | None) -> str:

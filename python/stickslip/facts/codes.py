@@ -172,3 +172,42 @@ class Code(str, Enum):
     DIRECTIONS_DIFFER = "directions-differ"  #: The advances of two directions do not cancel.
     #: Missing forces that are fixed to the world, and that turn with the robot.
     FORCES_OF_DIRECTIONS = "forces-of-directions"
+
+    # What the page of a diagnosis says first, and its five answers.
+    HEADLINE_NAMED = "headline-named"  #: One cause is named.
+    HEADLINE_PAIR = "headline-pair"  #: Two causes act together.
+    HEADLINE_PERHAPS = "headline-perhaps"  #: One candidate, or one pair, that is not certain.
+    HEADLINE_SET = "headline-set"  #: One of several, and the data cannot say which.
+    HEADLINE_NONE = "headline-none"  #: Nothing is found.
+    HEADLINE_UNEXPLAINED = "headline-unexplained"  #: Nothing that was tried explains the data.
+    HEADLINE_LAW = "headline-law"  #: Nor does a cause, but a law of another shape does.
+    HEADLINE_REFUSED = "headline-refused"  #: The data allow no diagnosis.
+    WHAT_CAUSE = "what-cause"  #: What a cause is.
+    WHAT_NOTHING = "what-nothing"  #: The recalibrated model describes the data.
+    WHAT_UNKNOWN = "what-unknown"  #: No cause that was tried.
+    WHAT_DATA = "what-data"  #: The data and not the model.
+    SIZE_OF_CAUSE = "size-of-cause"  #: A parameter with its error and its interval.
+    SIZE_OF_LAW = "size-of-law"  #: How far a law of another shape is from that of the model.
+    SIZE_LIMITS = "size-limits"  #: How large some causes could be, where nothing was found.
+    SIZE_OF_MISFIT = "size-of-misfit"  #: How far the recalibrated model is from the data.
+    SIZE_UNKNOWN = "size-unknown"  #: Nothing was fitted.
+    SURE_OF_CAUSE = "sure-of-cause"  #: The probability of what is claimed.
+    SURE_OF_RUNNER_UP = "sure-of-runner-up"  #: How much less likely the next best is.
+    SURE_OF_MISFIT = "sure-of-misfit"  #: How probable such a misfit is by noise.
+    SURE_OF_NOTHING = "sure-of-nothing"  #: The same, and the probability of no cause.
+    SURE_OF_LAW = "sure-of-law"  #: How much more probable the data are with the law.
+    SURE_OF_REFUSAL = "sure-of-refusal"  #: A refusal says nothing of causes.
+    DO_REMEDY = "do-remedy"  #: What to do about one cause.
+    DO_KEEP = "do-keep"  #: Go on with the extended model.
+    DO_EXPERIMENT = "do-experiment"  #: What to measure next.
+    DO_MEASURE_MORE = "do-measure-more"  #: No experiment is proposed.
+    DO_CONFIRM = "do-confirm"  #: Use the recalibrated model.
+    DO_LOOK = "do-look"  #: Where to look for what is unexplained.
+    DO_CORRECT = "do-correct"  #: Correct the table and diagnose it again.
+    BETTER_FALLS = "better-falls"  #: Errors on held-out conditions surely fall.
+    BETTER_NOT_SURE = "better-not-sure"  #: Their fall may be chance.
+    BETTER_WORSE = "better-worse"  #: They grow.
+    BETTER_IN_FIT = "better-in-fit"  #: Nothing was held out; errors of the fit alone.
+    BETTER_CONSTANTS = "better-constants"  #: Only the constants are better.
+    BETTER_UNKNOWN = "better-unknown"  #: No better model was found.
+    BETTER_NO_MODEL = "better-no-model"  #: No model was fitted.

@@ -116,6 +116,56 @@ def _residual(f: Fields) -> str:
     return f"{f['value']:+.2g} {f['unit']} {what} (t = {f['t']:.1f})."
 
 
+def two_digits(value: float) -> str:
+    """A number in two digits, or all that stand before its point."""
+    return f"{value:.0f}" if 10.0 <= abs(value) < 1e6 else f"{value:.2g}"
+
+
+def _percent(share: float) -> str:
+    """A probability in per cent, without a false 0 or 100."""
+    percent = 100.0 * share
+    if 0.0 < percent < 0.1:
+        return "less than 0.1 %"
+    if 99.9 < percent < 100.0:
+        return "more than 99.9 %"
+    return f"{percent:.3g} %" if percent >= 99.0 else f"{two_digits(percent)} %"
+
+
+def _odds(f: Fields) -> str:
+    """``20 times`` of a lead in log-evidence."""
+    if f["lead"] > math.log(1e6):
+        return "more than a million times"
+    ratio = float(f"{math.exp(f['lead']):.2g}")
+    return f"{ratio:g} times" if ratio < 1e4 else f"{ratio:,.0f} times"
+
+
+def _improvement(f: Fields) -> str:
+    """How a headline ends: what was gained on held-out conditions, if that was tested."""
+    if f["count"] is None:
+        return ""
+    where = f"errors on {f['count']} conditions not used"
+    change = f"from {f['before']} to {f['after']}"
+    return {
+        "falls": f": {where} fall {change}",
+        "not sure": f"; {where} go {change}, which may be chance",
+        "grows": f"; but {where} grow {change}",
+    }[f["change"]]
+
+
+def _remedy_or_keep(f: Fields) -> str:
+    """What to do about what was found."""
+    keep = f"keep {'it' if f['causes'] == 1 else 'both'} in the model"
+    return f"{f['remedy']}, or {keep}" if f["remedy"] else keep.capitalize()
+
+
+def _chances(f: Fields) -> str:
+    """The probability of a cause, or those of several with their names."""
+    if len(f["names"]) == 1:
+        return _percent(f["probabilities"][0])
+    each = zip(f["probabilities"], f["names"], strict=True)
+    return ", ".join(f"{_percent(share)} for {name}" for share, name in each)
+
+
 _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "at": lambda f: f"{f['table']} {_named_lines(f)}",
     "column_is": _column_is,
@@ -138,6 +188,15 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_advance": _extended("; with the cause {extended!u:.5g} um"),
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,
+    "improvement": _improvement,
+    "remedy_or_keep": _remedy_or_keep,
+    "chances": _chances,
+    "percents": lambda f: _percent(f["probability"]),
+    "chance": lambda f: f"{f['p_value']:.2g}" if f["p_value"] > 1e-12 else "less than 1e-12",
+    "odds": _odds,
+    "meaning_of": lambda f: f": {f['meaning']}" if f["meaning"] else "",
+    "go_on": lambda f: "Go on" if f["first"] else "Or go on",
+    "of_size": lambda f: "" if f["percent"] is None else f", which is {f['percent']} of their size",
     "distance": lambda f: f"{abs(f['lead']):.1f} {'behind' if f['lead'] >= 0.0 else 'ahead'}",
     "torque_meaning": lambda f: _TORQUES[f["variable"]],
     "force_meaning": lambda f: _FORCES[f["variable"]],
@@ -155,6 +214,7 @@ class _Counted(int):
 _CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {
     "c": lambda name: "no cause at all" if name == "none" else name,  # of a candidate
     "d": lambda angle: angle * math.degrees(1.0),
+    "j": "; ".join,
     "l": _listed,
     "m": lambda value: value * 1e3,  # to milli
     "n": _Counted,

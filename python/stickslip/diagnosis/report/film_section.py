@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from stickslip._util.html_page import png
+from stickslip._util.html_page import svg
 from stickslip.diagnosis.observables.tracking.film import FilmComparison
 from stickslip.diagnosis.observables.tracking.force_residuals import (
     CLEAR,
@@ -34,7 +34,7 @@ def film_sections(film: FilmComparison, earlier: Sequence[FilmComparison]) -> li
     if film.advance is not None:
         told.insert(0, Fact(Code.ADVANCE, {"extended": None, **film.advance}))
     numbers = {"held_out": film.held_out, "advance": film.advance, **_numbers(view, after)}
-    sections = [ReportSection(title, png(film_figure(view, after)), tuple(told), numbers)]
+    sections = [ReportSection(title, svg(film_figure(view, after)), tuple(told), numbers)]
     for other in earlier:
         if other.view is not None and _opposite(film, other):
             sections.append(_direction_section(other, film))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ from stickslip.diagnosis.data.conditions import Conditions, changes
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice, undecided
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import runner_up, set_members
+from stickslip.diagnosis.report.cause_words import against, rounded
 from stickslip.diagnosis.report.parameters import extended_parameters, short
 from stickslip.facts import Fact
 
@@ -18,17 +18,6 @@ if TYPE_CHECKING:
 
 _LISTED = 6
 """Candidates that the headline names. Chosen: more are not read."""
-
-
-def rounded(value: float, sd: float) -> str:
-    """A value and its error, both to the error's second digit."""
-    if not (math.isfinite(value) and math.isfinite(sd) and sd > 0.0):
-        return f"{value:.3g} +- {sd:.2g}"
-    ten = math.floor(math.log10(max(abs(value), sd)))
-    ten = 0 if -3 <= ten <= 3 else ten
-    places = max(1 - math.floor(math.log10(sd / 10.0**ten)), 0)
-    number = f"{value / 10.0**ten:.{places}f} +- {sd / 10.0**ten:.{places}f}"
-    return number if ten == 0 else f"({number})e{ten}"
 
 
 def headline(found: Findings) -> str:
@@ -80,17 +69,6 @@ def _sizes(found: Findings) -> str:
             text += f", {against(value, stated[name])}"
         said.append(text)
     return ", ".join(said)
-
-
-def against(value: float, stated: float) -> str:
-    """A constant compared with what was stated for it."""
-    if stated <= 0.0:
-        return f"stated as {stated:.3g}"
-    ratio = value / stated
-    if 0.5 <= ratio <= 2.0:
-        way = "above" if ratio >= 1.0 else "below"
-        return f"{abs(ratio - 1.0):.0%} {way} the stated {stated:.3g}"
-    return f"{ratio:.3g} times the stated {stated:.3g}"
 
 
 def verdict_lines(found: Findings, left_out: Sequence[Fact]) -> list[str]:

@@ -13,6 +13,7 @@ from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.html import FILES, report_sections, write_report
 from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
 from stickslip.diagnosis.report.plots import abscissa
+from stickslip.diagnosis.report.residual_figure import large_figure, own_figure
 from stickslip.diagnosis.report.section import free_shape_section, model_section
 from stickslip.measurement.reading import Measurement
 
@@ -28,9 +29,11 @@ def save_of_measurement(
 ) -> None:
     """Write the report of a measurement, with a section for each kind of its data."""
     check_folder(folder, FILES)  # before what takes long
-    sections = report_sections(posed.comparisons(found))
+    comparisons = posed.comparisons(found)
+    sections = report_sections(comparisons)
     sections += [] if found.open_set is None else [free_shape_section(found.open_set)]
-    write_report(folder, found, posed, measurement, experiments, sections, gain_unit(posed))
+    large, unit = large_figure(found, posed, comparisons), gain_unit(posed)
+    write_report(folder, found, posed, measurement, experiments, sections, unit, large)
 
 
 def save_of_own_model(
@@ -45,5 +48,6 @@ def save_of_own_model(
     """Write the report of a model of one's own; see `Diagnosis.save_report`."""
     check_folder(folder, FILES)
     source = OwnData("Diagnosis" if title is None else title)
-    section = model_section(found, abscissa(place, len(found.noise.mean)), labels)
-    write_report(folder, found, posed, source, [], [section], unit)
+    at = abscissa(place, len(found.noise.mean))
+    section, large = model_section(found, at, labels), own_figure(found, at, labels)
+    write_report(folder, found, posed, source, [], [section], unit, large)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.html_page import png
+from stickslip._util.html_page import svg
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.open_set import OpenSet
 from stickslip.diagnosis.observables import Comparison
@@ -39,7 +39,7 @@ class ReportSection:
     ----------
     title : str
     picture : str
-        PNG in base64, may be empty.
+        SVG, may be empty.
     lines : tuple of Fact
         What is said below it.
     numbers : dict
@@ -77,7 +77,7 @@ def table_section(found: Comparison) -> ReportSection:
         "rms_recalibrated": before,
         "rms_extended": after,
     }
-    return ReportSection(found.title, png(picture), tuple(lines), numbers)
+    return ReportSection(found.title, svg(picture), tuple(lines), numbers)
 
 
 def _angles(found: Comparison, models: Mapping[str, Array]) -> Figure:
@@ -101,7 +101,7 @@ def _fields(found: Comparison, models: Mapping[str, Array]) -> Figure:
 
 def free_shape_section(found: OpenSet) -> ReportSection:
     """The section of a law of another shape; its numbers have a key of their own."""
-    picture = png(figures.free_shape(found))
+    picture = svg(figures.free_shape(found))
     return ReportSection("A law of another shape", picture, found.facts(), {})
 
 
@@ -116,5 +116,5 @@ def model_section(found: Findings, place: Array, labels: tuple[str, str]) -> Rep
         **{name: row.tolist() for name, row in figures.fitted_models(found, m).items()},
         "held_out": [] if found.gain is None else found.gain.held_out.tolist(),
     }
-    picture = png(figures.own_model(found, place, labels))
+    picture = svg(figures.own_model(found, place, labels))
     return ReportSection("Data and models", picture, (), numbers)

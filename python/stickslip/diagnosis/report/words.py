@@ -112,7 +112,7 @@ WORDS = (
 )
 """In the order in which a page gives them."""
 
-_PICTURE = re.compile('base64,[^"]+')
+_PICTURE = re.compile("<(svg|style|script).*?</\\1>", re.DOTALL)
 _LIST = re.compile("<h2>Words</h2>.*?</ul>", re.DOTALL)
 
 

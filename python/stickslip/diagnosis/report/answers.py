@@ -1,0 +1,295 @@
+"""The five answers of a report: what is wrong, how large, how sure, what to do, how much better."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.diagnosis.data.conditions import changes
+from stickslip.diagnosis.inference.cross_validation import Gain
+from stickslip.diagnosis.inference.detection import ALPHA
+from stickslip.diagnosis.inference.experiment_design import Experiment, advice
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.open_set import BAND
+from stickslip.diagnosis.inference.ranking import runner_up, set_members
+from stickslip.diagnosis.inference.upper_bounds import BOUND
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.cause_words import Size, Told, meanings_of, plain_name, told
+from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
+from stickslip.diagnosis.report.limits import limits_in_words
+from stickslip.facts import Code, Fact
+
+_LISTED = 6
+"""Candidates that the headline names. Chosen: more are not read."""
+
+
+_NAMES = ("name", "other", "explaining", "causes", "pairs", "first", "second", "seen", "unseen")
+"""Fields of facts that hold names of causes."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What the first screen of a report says.
+
+    Attributes
+    ----------
+    headline : Fact
+    told : tuple of tuple of Told
+        The causes of each candidate that is claimed, or that is in the set.
+    what, size, sure, do, better : tuple of Fact
+        Each has at least one sentence.
+    """
+
+    headline: Fact
+    told: tuple[tuple[Told, ...], ...]
+    what: tuple[Fact, ...]
+    size: tuple[Fact, ...]
+    sure: tuple[Fact, ...]
+    do: tuple[Fact, ...]
+    better: tuple[Fact, ...]
+
+    @property
+    def drawings(self) -> list[str]:
+        """Names of the drawings, each once."""
+        named = [each.drawing for causes in self.told for each in causes if each.drawing]
+        return list(dict.fromkeys(named))
+
+
+def answers(
+    found: Findings, posed: PosedProblem, experiments: Sequence[Experiment], unit: str
+) -> Answers:
+    """The answers of a diagnosis; `unit` is that of what is held out."""
+    claimed = tuple(told(found, fit) for fit in set_members(found))
+    return Answers(
+        headline(found, claimed, unit),
+        claimed,
+        _what(found, claimed),
+        _size(found, claimed),
+        _sure(found),
+        _do(found, posed, claimed, experiments),
+        _better(found, posed, unit),
+    )
+
+
+def headline(found: Findings, claimed: Sequence[Sequence[Told]], unit: str) -> Fact:
+    """The verdict and what to do in a sentence or two."""
+    kind, reasons = found.verdict.kind, found.verdict.reasons
+    if kind == "none":
+        return Fact(Code.HEADLINE_NONE, {})
+    if kind == "data-problem":
+        return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
+    gain = _gain(found)
+    improvement = _improvement(found, gain, unit)
+    if kind == "unexplained":
+        shape = found.free_shape
+        if shape is None:
+            return Fact(Code.HEADLINE_UNEXPLAINED, {"count": len(found.problem.causes)})
+        law = {"law": shape.hook.quantity, "argument": shape.hook.argument}
+        return Fact(Code.HEADLINE_LAW, {**law, **improvement})
+    finding = " ".join(each.finding for each in claimed[0])
+    if kind == "ambiguous":
+        if len(claimed) == 1 and len(found.verdict.causes) == len(claimed[0]):
+            reason = in_plain_words(found, reasons[0])
+            return Fact(Code.HEADLINE_PERHAPS, {"finding": finding, "reason": reason})
+        return _set(found, claimed)
+    remedies = [each.remedy for each in claimed[0] if each.remedy]
+    remedy = " and ".join([*remedies[:1], *(_lower(each) for each in remedies[1:])])
+    fields = {"finding": finding, "remedy": remedy, "causes": len(claimed[0]), **improvement}
+    if kind == "pair":
+        return Fact(Code.HEADLINE_PAIR, fields)
+    return Fact(Code.HEADLINE_NAMED, fields)
+
+
+def _set(found: Findings, claimed: Sequence[Sequence[Told]]) -> Fact:
+    """Several candidates, or one and the names that were added to it."""
+    names = [" with ".join(each.title for each in causes) for causes in claimed]
+    mentioned = {each.name for causes in claimed for each in causes}
+    names += [
+        plain_name(each, meanings_of(found))
+        for each in found.verdict.causes
+        if each not in mentioned
+    ]
+    things = "pairs of causes" if len(claimed[0]) > 1 else "causes"
+    more = [f"{len(names) - _LISTED} more"] if len(names) > _LISTED else []
+    listed = [*names[:_LISTED], *more]
+    return Fact(Code.HEADLINE_SET, {"count": len(names), "things": things, "names": listed})
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _lower(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _gain(found: Findings) -> Gain | None:
+    """What was gained on held-out conditions, by a cause or by a law of another shape."""
+    if found.free_shape is not None and found.open_set is not None:
+        return found.open_set.gain
+    return found.gain
+
+
+def _improvement(found: Findings, gain: Gain | None, unit: str) -> dict[str, object]:
+    """Fields that say what was gained; `count` is None where that was not tested."""
+    if gain is None:
+        return {"count": None}
+    low, high = gain.interval
+    change = "falls" if low > 0.0 else "grows" if high < 0.0 else "not sure"
+    error = errors_of_gain(found, gain, unit)
+    return {
+        "count": len(gain.held_out),
+        "before": error.before_in_short,
+        "after": error.after_in_short,
+        "change": change,
+    }
+
+
+def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
+    if claimed:
+        each_once = {each.name: each for causes in claimed[:_LISTED] for each in causes}
+        return tuple(
+            Fact(Code.WHAT_CAUSE, {"name": _capital(each.title), "meaning": each.meaning})
+            for each in each_once.values()
+        )
+    if found.free_shape is not None and found.open_set is not None:
+        return found.open_set.facts()
+    codes = {"none": Code.WHAT_NOTHING, "unexplained": Code.WHAT_UNKNOWN}
+    return (Fact(codes.get(found.verdict.kind, Code.WHAT_DATA), {}),)
+
+
+def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
+    if found.verdict.kind == "data-problem":
+        return (Fact(Code.SIZE_UNKNOWN, {}),)
+    if claimed:
+        return tuple(
+            Fact(Code.SIZE_OF_CAUSE,
+                 {"name": _label(each, size), "size": size.text, "interval": size.interval})
+            for causes in claimed[:_LISTED] for each in causes for size in each.sizes
+        )  # fmt: skip
+    if found.verdict.kind == "none" and found.bounds:
+        limits = limits_in_words(found)
+        return (Fact(Code.SIZE_LIMITS, {"percent": 100.0 * BOUND, "limits": limits}),)
+    said = []
+    if found.free_shape is not None and found.open_set is not None:
+        curve = found.open_set.curve
+        ratio = curve.law / curve.constant
+        ends = {"low": float(np.min(ratio)), "high": float(np.max(ratio))}
+        said.append(Fact(Code.SIZE_OF_LAW, {"law": found.free_shape.hook.quantity, **ends}))
+    ratio_of_noise = float(np.sqrt(found.null.data_chi2 / len(found.problem.observed)))
+    return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise, "percent": None}))
+
+
+def _label(cause: Told, size: Size) -> str:
+    """A cause, with its parameter where there are several; it begins a sentence."""
+    if not cause.listed:
+        return f"The parameter {size.name}"
+    title = _capital(cause.title)
+    return title if len(cause.sizes) == 1 else f"{title}, {size.name.rpartition('.')[2]}"
+
+
+def in_plain_words(found: Findings, fact: Fact) -> Fact:
+    """The fact with the plain names of causes in place of those that files have."""
+    meanings = meanings_of(found)
+
+    def plain(value: object) -> object:
+        if isinstance(value, list):
+            return [plain_name(str(each), meanings) for each in value]
+        return plain_name(str(value), meanings)
+
+    plainly = {name: plain(fact.fields[name]) for name in _NAMES if name in fact.fields}
+    return Fact(fact.code, {**fact.fields, **plainly})
+
+
+def _sure(found: Findings) -> tuple[Fact, ...]:
+    verdict = found.verdict
+    if verdict.kind == "data-problem":
+        return (Fact(Code.SURE_OF_REFUSAL, {}),)
+    chance = {"p_value": found.detection.p_value}
+    if verdict.kind == "none":
+        none = {"probability": verdict.probabilities["none"], "level": ALPHA}
+        return (Fact(Code.SURE_OF_NOTHING, {**chance, **none}),)
+    misfit = Fact(Code.SURE_OF_MISFIT, chance)
+    if verdict.fit is None:
+        if found.free_shape is None:
+            return (misfit, *(in_plain_words(found, each) for each in verdict.reasons[:1]))
+        law = {"lead": found.free_shape.lead, "band": 100.0 * BAND}
+        return (misfit, Fact(Code.SURE_OF_LAW, law))
+    meanings = meanings_of(found)
+    fields = {
+        "names": [plain_name(each, meanings) for each in verdict.causes[:_LISTED]],
+        "probabilities": [verdict.probabilities[each] for each in verdict.causes[:_LISTED]],
+        "count": len(found.problem.causes),
+    }
+    if verdict.kind == "pair":
+        # Of a pair, half the probability is counted for each.
+        both = sum(verdict.probabilities[each] for each in verdict.causes)
+        fields |= {"names": [verdict.fit.name], "probabilities": [min(both, 1.0)]}
+    said = [Fact(Code.SURE_OF_CAUSE, fields)]
+    facts = [runner_up(found), *verdict.reasons]
+    second = next((each for each in facts if each and each.code is Code.RUNNER_UP), None)
+    if second is not None:
+        name = plain_name(str(second.fields["name"]), meanings)
+        said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
+    if verdict.kind == "ambiguous":
+        said += [in_plain_words(found, each) for each in verdict.reasons[:1]]
+    return (*said, misfit)
+
+
+def _do(
+    found: Findings,
+    posed: PosedProblem,
+    claimed: Sequence[Sequence[Told]],
+    experiments: Sequence[Experiment],
+) -> tuple[Fact, ...]:
+    kind = found.verdict.kind
+    own = "the recalibrated model" if kind == "none" else "the extended model"
+    model = {"model": own if posed.simulator is None else "extended.toml"}
+    if kind == "data-problem":
+        return (Fact(Code.DO_CORRECT, {}),)
+    if kind == "none":
+        return (Fact(Code.DO_CONFIRM, model),)
+    if kind == "unexplained" and found.free_shape is None:
+        return (Fact(Code.DO_LOOK, {}),)
+    if kind in ("named", "pair"):
+        remedies = [each.remedy for each in claimed[0] if each.remedy]
+        said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]
+        return (*said, Fact(Code.DO_KEEP, {**model, "first": not said}))
+    if kind == "unexplained":
+        return (Fact(Code.DO_KEEP, {**model, "first": True}),)
+    steps: list[Fact] = [
+        Fact(Code.DO_EXPERIMENT,
+             {"settings": changes(each.drive, posed.conditions),
+              "why": in_plain_words(found, each.why)})
+        for each in experiments[:1] if each.decides
+    ]  # fmt: skip
+    looks = [in_plain_words(found, each) for each in advice(found)]
+    return tuple([*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})])
+
+
+def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]:
+    if found.verdict.kind == "data-problem":
+        return (Fact(Code.BETTER_NO_MODEL, {}),)
+    gain = _gain(found)
+    if gain is not None:
+        fields: Mapping[str, object] = _improvement(found, gain, unit)
+        error = errors_of_gain(found, gain, unit)
+        told_change = {
+            "falls": Code.BETTER_FALLS, "not sure": Code.BETTER_NOT_SURE,
+            "grows": Code.BETTER_WORSE,
+        }[str(fields["change"])]  # fmt: skip
+        return (Fact(told_change, {"count": len(gain.held_out), **error.in_full}),)
+    error = errors_of(found, posed, unit)
+    if found.verdict.kind == "none":
+        return (_constants(error),)
+    if found.verdict.fit is None:
+        return (Fact(Code.BETTER_UNKNOWN, error.in_full),)
+    return (Fact(Code.BETTER_IN_FIT, error.in_full),)
+
+
+def _constants(error: Errors) -> Fact:
+    """What recalibration alone has changed; of one's own model the stated one is not known."""
+    known = error.before is not None
+    return Fact(Code.BETTER_CONSTANTS if known else Code.BETTER_UNKNOWN, error.in_full)

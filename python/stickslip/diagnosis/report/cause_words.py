@@ -1,0 +1,229 @@
+"""What a person is told of a fitted cause: its name, its size in a person's units, what to do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stickslip.diagnosis.fit.fit_result import Fit
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.model.problem import Cause
+from stickslip.diagnosis.report.parameters import describe, short, with_profiles
+from stickslip.facts.causes import CAUSES, CONSTANTS, CauseWords, SizeWords
+from stickslip.scenario.keys import known_keys
+from stickslip.scenario.named_effects import PREFIX
+
+Entry = Mapping[str, float | str]
+
+_TWICE = 1.96  # standard deviations on both sides that hold 95 % of a normal law
+
+
+@dataclass(frozen=True)
+class Size:
+    """One fitted parameter in a person's unit.
+
+    Attributes
+    ----------
+    name : str
+        Of the parameter, as files have it, without ``effects.``.
+    text : str
+        The value with its error and unit, and the word for its sign.
+    interval : str
+        Both ends that hold 95 %.
+    """
+
+    name: str
+    text: str
+    interval: str
+
+
+@dataclass(frozen=True)
+class Told:
+    """One cause of a fit in words.
+
+    Attributes
+    ----------
+    name, title : str
+        As files have it, and in plain words.
+    finding : str
+        A full sentence with the sizes.
+    remedy : str
+        What to do, as the beginning of a sentence; empty where nothing is known.
+    drawing : str
+        Name of its drawing; empty where there is none.
+    sizes : tuple of Size
+    meaning : str
+        What the cause is, of an effect; else empty.
+    listed : bool
+        Whether causes.toml has words of it.
+    """
+
+    name: str
+    title: str
+    finding: str
+    remedy: str
+    drawing: str
+    sizes: tuple[Size, ...]
+    meaning: str = ""
+    listed: bool = True
+
+
+def rounded(value: float, sd: float) -> str:
+    """A value and its error, both to the error's second digit."""
+    if not (math.isfinite(value) and math.isfinite(sd) and sd > 0.0):
+        return f"{value:.3g} +- {sd:.2g}"
+    ten = math.floor(math.log10(max(abs(value), sd)))
+    ten = 0 if -3 <= ten <= 3 else ten
+    places = max(1 - math.floor(math.log10(sd / 10.0**ten)), 0)
+    number = f"{value / 10.0**ten:.{places}f} +- {sd / 10.0**ten:.{places}f}"
+    return number if ten == 0 else f"({number})e{ten}"
+
+
+def against(value: float, stated: float) -> str:
+    """A constant compared with what was stated for it."""
+    if stated <= 0.0:
+        return f"stated as {stated:.3g}"
+    ratio = value / stated
+    if 0.5 <= ratio <= 2.0:
+        way = "above" if ratio >= 1.0 else "below"
+        return f"{abs(ratio - 1.0):.0%} {way} the stated {stated:.3g}"
+    return f"{ratio:.3g} times the stated {stated:.3g}"
+
+
+def plain_name(name: str, meanings: Mapping[str, str]) -> str:
+    """A candidate in plain words; of a cause without any, its name, and what it means.
+
+    `meanings` are those of the causes that may be in it.
+    """
+    if name == "none":
+        return "no cause at all"
+    if name in CAUSES:
+        return CAUSES[name].name
+    if name in CONSTANTS:
+        return f"another {CONSTANTS[name].name}"
+    if " + " in name:
+        return " together with ".join(plain_name(each, meanings) for each in name.split(" + "))
+    meaning = meanings.get(name, "")
+    return f"{name} ({meaning})" if meaning else name
+
+
+def meanings_of(found: Findings) -> dict[str, str]:
+    """What each cause means, by its name."""
+    return {each.name: each.meaning for each in found.problem.causes}
+
+
+def told(found: Findings, fit: Fit) -> tuple[Told, ...]:
+    """The causes of a fit in words; errors of the verdict's own fit are those of its profiles."""
+    entries = describe(found.problem, fit)
+    if fit is found.verdict.fit:
+        entries = with_profiles(found, entries)
+    return tuple(
+        _constant(found, each, entries) if each.relaxes_prior else _effect(found, each, entries)
+        for each in fit.candidate.causes
+    )
+
+
+def _constant(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told:
+    """A constant that is other than stated."""
+    name = str(cause.relaxes_prior)
+    entry = entries[name]
+    key = known_keys().get(name)
+    # A model of one's own may have a constant of the same name in a unit of its own.
+    known = CONSTANTS.get(name) if key is not None and key.unit == entry["unit"] else None
+    words = known.size if known is not None else _as_it_is(str(entry["unit"]))
+    size = _size(found, name, entry, words)
+    stated = next(each for each in found.problem.uncertain if each.name == name)
+    compared = against(
+        float(entry["value"]) * _factor(words, entry),
+        float(stated.prior.value(0.0)) * _factor(words, entry),
+    )
+    called = f"The {known.name}" if known is not None else f"The constant {name}"
+    drawing = "" if known is None else known.drawing
+    finding = f"{called} is {size.text}, {compared}."
+    title = plain_name(cause.name, {})
+    remedy = "Measure this constant again"
+    return Told(cause.name, title, finding, remedy, drawing, (size,), listed=known is not None)
+
+
+def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told:
+    """An effect of the simulator, of a user, or of a model of one's own."""
+    words = CAUSES.get(cause.name)
+    names = [each.name for each in cause.parameters if each.name in entries]
+    # A model of one's own may have a cause of the same name with other parameters.
+    if words is None or any(not name.startswith(PREFIX) for name in names):
+        sizes = tuple(
+            _size(found, name, entries[name], _as_it_is(str(entries[name]["unit"])))
+            for name in names
+        )
+        return _unlisted(cause, sizes)
+    ends = {name.rpartition(".")[2]: name for name in names}
+    sizes = tuple(
+        _size(found, name, entries[name], words.sizes[end]) for end, name in ends.items()
+    )
+    finding = _sentence(words, ends, entries)
+    return Told(
+        cause.name, words.name, finding, words.remedy, words.drawing, sizes, cause.meaning
+    )
+
+
+def _sentence(words: CauseWords, ends: Mapping[str, str], entries: Mapping[str, Entry]) -> str:
+    """The sentence of a listed effect; `ends` are full names by short ones."""
+    fields = {}
+    for end, size in words.sizes.items():
+        entry = entries[ends[end]]
+        value = float(entry["value"])
+        fields[end] = _with_unit(abs(value) if size.up else value, entry, size)
+        fields[f"{end}_way"] = size.up if value >= 0.0 else size.down
+    return words.finding.format_map(fields)
+
+
+def _unlisted(cause: Cause, sizes: tuple[Size, ...]) -> Told:
+    """A cause that has no words of ours: those of its meaning, with the names of its parameters."""
+    said = ", ".join(f"{each.name} = {each.text}" for each in sizes)
+    head = f"The data show {cause.name}"
+    if cause.meaning:
+        head += f" ({cause.meaning})"
+    finding = f"{head}: {said}."
+    return Told(cause.name, cause.name, finding, "", "", sizes, cause.meaning, listed=False)
+
+
+def _as_it_is(unit: str) -> SizeWords:
+    return SizeWords("" if unit == "-" else unit)
+
+
+def _factor(words: SizeWords, entry: Entry) -> float:
+    """From the parameter's unit to that of its words."""
+    return 1.0 if words.unit == entry["unit"] else words.factor
+
+
+def _with_unit(value: float, entry: Entry, words: SizeWords) -> str:
+    factor = _factor(words, entry)
+    text = rounded(value * factor, float(entry["sd"]) * factor)
+    return f"{text} {words.unit}".rstrip()
+
+
+def _size(found: Findings, name: str, entry: Entry, words: SizeWords) -> Size:
+    """A parameter with its error and its interval."""
+    value, factor = float(entry["value"]), _factor(words, entry)
+    low, high = (end * factor for end in _interval(found, name, entry))
+    way = words.up if value >= 0.0 else words.down
+    text = _with_unit(abs(value) if words.up else value, entry, words)
+    told_apart = words.up != words.down
+    ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
+    if told_apart and low < 0.0 < high:
+        unit = f" {words.unit}".rstrip()
+        ends = f"{-low:.3g}{unit} {words.down} to {high:.3g}{unit} {words.up}"
+    elif words.up:
+        low, high = sorted((abs(low), abs(high)))
+        ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
+    return Size(short(name), f"{text}, {way}" if told_apart else text, ends)
+
+
+def _interval(found: Findings, name: str, entry: Entry) -> tuple[float, float]:
+    """Ends that hold 95 %: of the profile, where there is one, else by the standard deviation."""
+    for each in found.profiles:
+        if each.name == name:
+            return each.interval(_TWICE**2)
+    value, reach = float(entry["value"]), _TWICE * float(entry["sd"])
+    return value - reach, value + reach

@@ -1,0 +1,220 @@
+"""Charts of the report's page as SVG, which is sharp at any size and says its values on hover."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip._util.plain_text import printable
+
+Array = NDArray[np.float64]
+
+WIDTH, HEIGHT = 460, 300
+_LEFT, _RIGHT, _TOP, _BOTTOM = 58, 12, 30, 44
+_TICKS = 5
+_DIGITS = 4  # of values that are said on hover
+
+MARKERS = ("circle", "square", "triangle", "diamond", "cross")
+"""Shapes of points, which stand for kinds of settings."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A reading: its place, its value, one standard deviation where it is known.
+
+    `hollow` says that it was held out, `marker` is a place in `MARKERS`, and `title` is said on
+    hover.
+    """
+
+    x: float
+    y: float
+    sd: float | None
+    title: str
+    hollow: bool = False
+    marker: int = 0
+
+
+@dataclass(frozen=True)
+class Line:
+    """A curve, or dashes at single places where `joined` is not set.
+
+    `kind` is a class of the page's style: ``cause``, ``given``, ``law``, ``formula`` or
+    ``measured``.
+    """
+
+    x: Sequence[float]
+    y: Sequence[float]
+    kind: str
+    title: str
+    joined: bool = True
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes. `levels` are drawn across it, and `band` is an area between two curves."""
+
+    title: str
+    xlabel: str
+    ylabel: str
+    points: tuple[Point, ...] = ()
+    lines: tuple[Line, ...] = ()
+    levels: tuple[float, ...] = (0.0,)
+    band: tuple[Array, Array, Array] | None = None
+
+    def svg(self) -> str:
+        """The panel; text of a user's is escaped, and without control characters."""
+        return _Drawing(self).svg()
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Round numbers between two ends, about five."""
+    step = 10.0 ** math.floor(math.log10((high - low) / _TICKS))
+    step *= next(each for each in (1.0, 2.0, 5.0, 10.0) if (high - low) / (each * step) <= _TICKS)
+    return [k * step for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+
+
+def _labels(ticks: Sequence[float]) -> list[str]:
+    """The ticks in as few digits as tell them apart."""
+    largest = max(map(abs, ticks), default=1.0) or 1.0
+    if not 1e-3 <= largest < 1e5:
+        return [f"{each:.2g}" for each in ticks]
+    step = min((b - a for a, b in zip(ticks, ticks[1:], strict=False)), default=largest)
+    places = max(0, -math.floor(math.log10(step) + 1e-9))
+    return [f"{each + 0.0:.{places}f}" for each in ticks]
+
+
+def _range(values: Sequence[float]) -> tuple[float, float]:
+    """Ends that leave a margin about all finite values."""
+    finite = [each for each in values if math.isfinite(each)] or [0.0]
+    low, high = min(finite), max(finite)
+    margin = 0.06 * (high - low) or 0.5 * abs(high) or 1.0
+    return low - margin, high + margin
+
+
+class _Drawing:
+    """A panel with its scales."""
+
+    def __init__(self, panel: Panel) -> None:
+        self.panel = panel
+        across = [each.x for each in panel.points] + [x for line in panel.lines for x in line.x]
+        up = [y for line in panel.lines for y in line.y] + list(panel.levels)
+        for each in panel.points:
+            reach = 2.0 * each.sd if each.sd is not None else 0.0
+            up += [each.y - reach, each.y + reach]
+        if panel.band is not None:
+            across += panel.band[0].tolist()
+            up += [*panel.band[1].tolist(), *panel.band[2].tolist()]
+        self.x_range, self.y_range = _range(across), _range(up)
+
+    def x(self, value: float) -> float:
+        low, high = self.x_range
+        return _LEFT + (value - low) / (high - low) * (WIDTH - _LEFT - _RIGHT)
+
+    def y(self, value: float) -> float:
+        low, high = self.y_range
+        return HEIGHT - _BOTTOM - (value - low) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
+
+    def svg(self) -> str:
+        panel = self.panel
+        label = _text(f"{panel.title}: {panel.ylabel} over {panel.xlabel}")
+        parts = [
+            f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{label}">',
+            *self._axes(),
+            *self._band(),
+            *(
+                f'<line class="level" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" '
+                f'y1="{self.y(each):.1f}" y2="{self.y(each):.1f}"/>'
+                for each in panel.levels
+            ),
+            *(self._line(each) for each in panel.lines),
+            *(self._point(each) for each in panel.points if math.isfinite(each.y)),
+            "</svg>",
+        ]
+        return "".join(parts)
+
+    def _axes(self) -> list[str]:
+        panel, middle = self.panel, (_TOP + HEIGHT - _BOTTOM) / 2
+        center = (_LEFT + WIDTH - _RIGHT) / 2
+        parts = [
+            f'<text class="title" x="{center}" y="18" text-anchor="middle">'
+            f"{_text(panel.title)}</text>",
+            f'<text x="{center}" y="{HEIGHT - 8}" text-anchor="middle">{_text(panel.xlabel)}</text>',
+            f'<text transform="translate(14 {middle}) rotate(-90)" text-anchor="middle">'
+            f"{_text(panel.ylabel)}</text>",
+        ]
+        ticks = _ticks(*self.x_range)
+        for value, label in zip(ticks, _labels(ticks), strict=True):
+            at = f"{self.x(value):.1f}"
+            parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{_TOP}" y2="{HEIGHT - _BOTTOM}"/>')
+            parts.append(f'<text x="{at}" y="{HEIGHT - _BOTTOM + 16}" text-anchor="middle">{label}</text>')
+        ticks = _ticks(*self.y_range)
+        for value, label in zip(ticks, _labels(ticks), strict=True):
+            at = self.y(value)
+            parts.append(f'<line class="grid" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{at:.1f}" y2="{at:.1f}"/>')
+            parts.append(f'<text x="{_LEFT - 5}" y="{at + 4:.1f}" text-anchor="end">{label}</text>')
+        return parts
+
+    def _band(self) -> list[str]:
+        if self.panel.band is None:
+            return []
+        x, low, high = (each.tolist() for each in self.panel.band)
+        places = [(a, b) for a, b in zip(x, high, strict=True)]
+        places += [(a, b) for a, b in zip(x, low, strict=True)][::-1]
+        return [f'<polygon class="band" points="{self._places(places)}"/>']
+
+    def _places(self, places: Sequence[tuple[float, float]]) -> str:
+        return " ".join(f"{self.x(a):.1f},{self.y(b):.1f}" for a, b in places)
+
+    def _line(self, line: Line) -> str:
+        sound = [(a, b) for a, b in zip(line.x, line.y, strict=True) if math.isfinite(b)]
+        title = f"<title>{_text(line.title)}</title>"
+        if line.joined and len(sound) > 1:
+            shape = f'<polyline points="{self._places(sound)}"/>'
+            return f'<g class="line {line.kind}">{title}{shape}</g>'
+        dashes = "".join(
+            f'<line x1="{self.x(a) - 7:.1f}" x2="{self.x(a) + 7:.1f}" '
+            f'y1="{self.y(b):.1f}" y2="{self.y(b):.1f}"/>'
+            for a, b in sound
+        )
+        return f'<g class="line {line.kind} dashes">{title}{dashes}</g>'
+
+    def _point(self, point: Point) -> str:
+        x, y = self.x(point.x), self.y(point.y)
+        bar = ""
+        if point.sd is not None and math.isfinite(point.sd):
+            low, high = self.y(point.y - 2 * point.sd), self.y(point.y + 2 * point.sd)
+            bar = f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{low:.1f}" y2="{high:.1f}"/>'
+        kind = "point hollow" if point.hollow else "point"
+        near = f'<circle class="near" cx="{x:.1f}" cy="{y:.1f}" r="10"/>'
+        title = f"<title>{_text(point.title)}</title>"
+        return f'<g class="{kind}">{title}{bar}{marker(point.marker, x, y)}{near}</g>'
+
+
+def marker(kind: int, x: float, y: float, r: float = 4.5) -> str:
+    """The shape of a point."""
+    shape = MARKERS[kind % len(MARKERS)]
+    if shape == "circle":
+        return f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="{r}"/>'
+    if shape == "square":
+        return f'<rect class="mark" x="{x - r:.1f}" y="{y - r:.1f}" width="{2 * r}" height="{2 * r}"/>'
+    corners = {
+        "triangle": ((0, -1.3), (1.2, 0.9), (-1.2, 0.9)),
+        "diamond": ((0, -1.35), (1.35, 0), (0, 1.35), (-1.35, 0)),
+        "cross": ((0, 0), (1, 1), (0, 0), (1, -1), (0, 0), (-1, -1), (0, 0), (-1, 1)),
+    }[shape]
+    places = " ".join(f"{x + r * a:.1f},{y + r * b:.1f}" for a, b in corners)
+    return f'<polygon class="mark" points="{places}"/>'
+
+
+def said(value: float) -> str:
+    """A value as hovering shows it."""
+    return f"{value:.{_DIGITS}g}"
+
+
+def _text(text: str) -> str:
+    return escape(printable(text), quote=True)
