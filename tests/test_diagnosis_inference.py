@@ -22,7 +22,8 @@ from stickslip.diagnosis.inference.experiment_design import advice
 from stickslip.diagnosis.inference.model_comparison import AssessedBaseline, settled
 from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
-from stickslip.diagnosis.report.messages import headline, rounded
+from stickslip.diagnosis.report.cause_words import rounded
+from stickslip.diagnosis.report.messages import headline
 from stickslip.facts import Code, Fact
 
 

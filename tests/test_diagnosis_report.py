@@ -15,7 +15,8 @@ from stickslip.diagnosis import Cause
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
 from stickslip.diagnosis.inference.evidence import pattern, where_it_lives
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
-from stickslip.diagnosis.report.messages import against, headline
+from stickslip.diagnosis.report.cause_words import against
+from stickslip.diagnosis.report.messages import headline
 from stickslip.diagnosis.report.words import used_in
 from stickslip.facts import Code, Fact
 from stickslip.scenario.keys import known_keys

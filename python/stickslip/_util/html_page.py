@@ -63,7 +63,7 @@ def svg(figure: Figure | None) -> Markup:
         figure.savefig(buffer, format="svg", metadata=nothing, transparent=True)
     text = buffer.getvalue()
     text = text[text.index("<svg") :].rstrip()
-    text = re.sub(r' xmlns(:xlink)?="[^"]*"| (width|height)="[\d.]+pt"', "", text, count=4)
+    text = re.sub(r' xmlns(:xlink)?="[^"]*"| height="[\d.]+pt"', "", text, count=3)
     text = text.replace("xlink:href", "href")
     for colour, name in (("#000000", "currentColor"), ("#ffffff", "var(--page)")):
         text = text.replace(colour, name)

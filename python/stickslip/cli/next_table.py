@@ -165,7 +165,7 @@ def _below_what_was_measured(path: Path, trials: Any) -> str:
 
 def _expected(experiment: Experiment) -> str:
     """What each candidate predicts, with the error of its fit."""
-    from stickslip.diagnosis.report.messages import rounded
+    from stickslip.diagnosis.report.cause_words import rounded
 
     return "; ".join(
         f"{rounded(1e3 * each['velocity'], 1e3 * each['sd'])} mm/s with {name}"

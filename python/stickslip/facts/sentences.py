@@ -1,4 +1,4 @@
-"""Sentences of facts: the templates of sentences.toml, and the functions that these name."""
+"""Sentences of facts: the templates of two TOML files, and the functions that these name."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ Fields = Mapping[str, Any]
 
 SENTENCES: Mapping[Code, str] = {
     Code(code): template
+    for name in ("sentences.toml", "answers.toml")
     for code, template in tomllib.loads(
-        Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8")
+        Path(__file__).with_name(name).read_text(encoding="utf-8")
     ).items()
 }
 """The template of each code."""
@@ -124,9 +125,9 @@ def two_digits(value: float) -> str:
 def _percent(share: float) -> str:
     """A probability in per cent, without a false 0 or 100."""
     percent = 100.0 * share
-    if 0.0 < percent < 0.1:
+    if percent < 0.1:
         return "less than 0.1 %"
-    if 99.9 < percent < 100.0:
+    if percent > 99.9:
         return "more than 99.9 %"
     return f"{percent:.3g} %" if percent >= 99.0 else f"{two_digits(percent)} %"
 
@@ -143,13 +144,17 @@ def _improvement(f: Fields) -> str:
     """How a headline ends: what was gained on held-out conditions, if that was tested."""
     if f["count"] is None:
         return ""
-    where = f"errors on {f['count']} conditions not used"
+    where = f"errors on {f['count']} {f['thing']}s not used"
     change = f"from {f['before']} to {f['after']}"
     return {
         "falls": f": {where} fall {change}",
         "not sure": f"; {where} go {change}, which may be chance",
         "grows": f"; but {where} grow {change}",
     }[f["change"]]
+
+
+def _counted(f: Fields) -> str:
+    return f"{f['count']} {f['thing']}{'' if f['count'] == 1 else 's'}"
 
 
 def _remedy_or_keep(f: Fields) -> str:
@@ -194,6 +199,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "percents": lambda f: _percent(f["probability"]),
     "chance": lambda f: f"{f['p_value']:.2g}" if f["p_value"] > 1e-12 else "less than 1e-12",
     "odds": _odds,
+    "counted": _counted,
     "meaning_of": lambda f: f": {f['meaning']}" if f["meaning"] else "",
     "go_on": lambda f: "Go on" if f["first"] else "Or go on",
     "of_size": lambda f: "" if f["percent"] is None else f", which is {f['percent']} of their size",

@@ -17,6 +17,7 @@ from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.inference.upper_bounds import BOUND
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.cause_words import Size, Told, meanings_of, plain_name, told
+from stickslip.diagnosis.report.drawings import DRAWN
 from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
 from stickslip.diagnosis.report.limits import limits_in_words
 from stickslip.facts import Code, Fact
@@ -38,12 +39,15 @@ class Answers:
     headline : Fact
     told : tuple of tuple of Told
         The causes of each candidate that is claimed, or that is in the set.
+    law : str, optional
+        The law that has another shape.
     what, size, sure, do, better : tuple of Fact
         Each has at least one sentence.
     """
 
     headline: Fact
     told: tuple[tuple[Told, ...], ...]
+    law: str | None
     what: tuple[Fact, ...]
     size: tuple[Fact, ...]
     sure: tuple[Fact, ...]
@@ -52,9 +56,10 @@ class Answers:
 
     @property
     def drawings(self) -> list[str]:
-        """Names of the drawings, each once."""
-        named = [each.drawing for causes in self.told for each in causes if each.drawing]
-        return list(dict.fromkeys(named))
+        """Names of the drawings, each once; laws have the names of theirs."""
+        named = [each.drawing for causes in self.told for each in causes]
+        named += [] if self.law is None else [self.law]
+        return [each for each in dict.fromkeys(named) if each in DRAWN]
 
 
 def answers(
@@ -63,8 +68,9 @@ def answers(
     """The answers of a diagnosis; `unit` is that of what is held out."""
     claimed = tuple(told(found, fit) for fit in set_members(found))
     return Answers(
-        headline(found, claimed, unit),
+        headline(found, posed, claimed, unit),
         claimed,
+        None if found.free_shape is None else found.free_shape.hook.quantity,
         _what(found, claimed),
         _size(found, claimed),
         _sure(found),
@@ -73,7 +79,9 @@ def answers(
     )
 
 
-def headline(found: Findings, claimed: Sequence[Sequence[Told]], unit: str) -> Fact:
+def headline(
+    found: Findings, posed: PosedProblem, claimed: Sequence[Sequence[Told]], unit: str
+) -> Fact:
     """The verdict and what to do in a sentence or two."""
     kind, reasons = found.verdict.kind, found.verdict.reasons
     if kind == "none":
@@ -81,7 +89,7 @@ def headline(found: Findings, claimed: Sequence[Sequence[Told]], unit: str) -> F
     if kind == "data-problem":
         return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
     gain = _gain(found)
-    improvement = _improvement(found, gain, unit)
+    improvement = _improvement(found, posed, gain, unit)
     if kind == "unexplained":
         shape = found.free_shape
         if shape is None:
@@ -132,7 +140,14 @@ def _gain(found: Findings) -> Gain | None:
     return found.gain
 
 
-def _improvement(found: Findings, gain: Gain | None, unit: str) -> dict[str, object]:
+def held_out_thing(posed: PosedProblem) -> str:
+    """What one of those is called that are held out."""
+    return "reading" if posed.model.observables and not posed.conditions else "condition"
+
+
+def _improvement(
+    found: Findings, posed: PosedProblem, gain: Gain | None, unit: str
+) -> dict[str, object]:
     """Fields that say what was gained; `count` is None where that was not tested."""
     if gain is None:
         return {"count": None}
@@ -141,8 +156,8 @@ def _improvement(found: Findings, gain: Gain | None, unit: str) -> dict[str, obj
     error = errors_of_gain(found, gain, unit)
     return {
         "count": len(gain.held_out),
-        "before": error.before_in_short,
-        "after": error.after_in_short,
+        "thing": held_out_thing(posed),
+        **error.in_short,
         "change": change,
     }
 
@@ -151,11 +166,20 @@ def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
     if claimed:
         each_once = {each.name: each for causes in claimed[:_LISTED] for each in causes}
         return tuple(
-            Fact(Code.WHAT_CAUSE, {"name": _capital(each.title), "meaning": each.meaning})
+            Fact(
+                Code.WHAT_CAUSE,
+                {
+                    "name": _capital(each.title) if each.listed else f"The cause {each.name}",
+                    "meaning": each.meaning,
+                },
+            )
             for each in each_once.values()
         )
     if found.free_shape is not None and found.open_set is not None:
-        return found.open_set.facts()
+        # What was gained is an answer of its own.
+        return tuple(
+            each for each in found.open_set.facts() if each.code is not Code.FREE_SHAPE_GAIN
+        )
     codes = {"none": Code.WHAT_NOTHING, "unexplained": Code.WHAT_UNKNOWN}
     return (Fact(codes.get(found.verdict.kind, Code.WHAT_DATA), {}),)
 
@@ -187,7 +211,7 @@ def _label(cause: Told, size: Size) -> str:
     if not cause.listed:
         return f"The parameter {size.name}"
     title = _capital(cause.title)
-    return title if len(cause.sizes) == 1 else f"{title}, {size.name.rpartition('.')[2]}"
+    return title if len(cause.sizes) == 1 else f"{title}, {size.parameter}"
 
 
 def in_plain_words(found: Findings, fact: Fact) -> Fact:
@@ -274,13 +298,13 @@ def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]
         return (Fact(Code.BETTER_NO_MODEL, {}),)
     gain = _gain(found)
     if gain is not None:
-        fields: Mapping[str, object] = _improvement(found, gain, unit)
+        fields: Mapping[str, object] = _improvement(found, posed, gain, unit)
         error = errors_of_gain(found, gain, unit)
         told_change = {
             "falls": Code.BETTER_FALLS, "not sure": Code.BETTER_NOT_SURE,
             "grows": Code.BETTER_WORSE,
         }[str(fields["change"])]  # fmt: skip
-        return (Fact(told_change, {"count": len(gain.held_out), **error.in_full}),)
+        return (Fact(told_change, {**fields, **error.in_full}),)
     error = errors_of(found, posed, unit)
     if found.verdict.kind == "none":
         return (_constants(error),)

@@ -37,6 +37,11 @@ class Size:
     text: str
     interval: str
 
+    @property
+    def parameter(self) -> str:
+        """The last part of the name."""
+        return self.name.rpartition(".")[2].replace("_", " ")
+
 
 @dataclass(frozen=True)
 class Told:
@@ -158,13 +163,9 @@ def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told
         )
         return _unlisted(cause, sizes)
     ends = {name.rpartition(".")[2]: name for name in names}
-    sizes = tuple(
-        _size(found, name, entries[name], words.sizes[end]) for end, name in ends.items()
-    )
+    sizes = tuple(_size(found, name, entries[name], words.sizes[end]) for end, name in ends.items())
     finding = _sentence(words, ends, entries)
-    return Told(
-        cause.name, words.name, finding, words.remedy, words.drawing, sizes, cause.meaning
-    )
+    return Told(cause.name, words.name, finding, words.remedy, words.drawing, sizes, cause.meaning)
 
 
 def _sentence(words: CauseWords, ends: Mapping[str, str], entries: Mapping[str, Entry]) -> str:

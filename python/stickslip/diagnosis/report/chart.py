@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,9 +15,12 @@ from stickslip._util.plain_text import printable
 
 Array = NDArray[np.float64]
 
-WIDTH, HEIGHT = 460, 300
+WIDTH, WIDE, HEIGHT = 460, 760, 300
+"""Of a panel, and of one that stands alone, in units of the drawing."""
+
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 12, 30, 44
-_TICKS = 5
+_TICKS = 6
+_LARGE, _SMALL, _MANY = 4.5, 2.5, 60  # radius of a point; smaller where so many would overlap
 _DIGITS = 4  # of values that are said on hover
 
 MARKERS = ("circle", "square", "triangle", "diamond", "cross")
@@ -66,26 +70,40 @@ class Panel:
     levels: tuple[float, ...] = (0.0,)
     band: tuple[Array, Array, Array] | None = None
 
-    def svg(self) -> str:
+    def svg(self, wide: bool = False) -> str:
         """The panel; text of a user's is escaped, and without control characters."""
-        return _Drawing(self).svg()
+        return _Drawing(self, WIDE if wide else WIDTH).svg()
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers between two ends, about five."""
+    """Round numbers between two ends, about as many as fit."""
     step = 10.0 ** math.floor(math.log10((high - low) / _TICKS))
     step *= next(each for each in (1.0, 2.0, 5.0, 10.0) if (high - low) / (each * step) <= _TICKS)
     return [k * step for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 
-def _labels(ticks: Sequence[float]) -> list[str]:
-    """The ticks in as few digits as tell them apart."""
+def _labels(ticks: Sequence[float]) -> tuple[list[str], int]:
+    """The ticks in as few digits as tell them apart, and the power of ten that they are over."""
     largest = max(map(abs, ticks), default=1.0) or 1.0
-    if not 1e-3 <= largest < 1e5:
-        return [f"{each:.2g}" for each in ticks]
-    step = min((b - a for a, b in zip(ticks, ticks[1:], strict=False)), default=largest)
+    power = 0 if 1e-2 <= largest < 1e5 else 3 * math.floor(math.log10(largest) / 3)
+    over = [each / 10.0**power for each in ticks]
+    step = min((b - a for a, b in itertools.pairwise(over)), default=largest / 10.0**power)
     places = max(0, -math.floor(math.log10(step) + 1e-9))
-    return [f"{each + 0.0:.{places}f}" for each in ticks]
+    return [f"{each + 0.0:.{places}f}" for each in over], power
+
+
+def raised(power: int) -> str:
+    """An exponent in raised digits."""
+    return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _over(label: str, power: int) -> str:
+    """The label of an axis whose numbers are over a power of ten."""
+    if power == 0:
+        return label
+    ten = f"10{raised(power)}"
+    name, opened, unit = label.rpartition("(")
+    return f"{name}({ten} {unit}" if opened and unit.endswith(")") else f"{label} ({ten})"
 
 
 def _range(values: Sequence[float]) -> tuple[float, float]:
@@ -99,8 +117,8 @@ def _range(values: Sequence[float]) -> tuple[float, float]:
 class _Drawing:
     """A panel with its scales."""
 
-    def __init__(self, panel: Panel) -> None:
-        self.panel = panel
+    def __init__(self, panel: Panel, width: float) -> None:
+        self.panel, self.width = panel, width
         across = [each.x for each in panel.points] + [x for line in panel.lines for x in line.x]
         up = [y for line in panel.lines for y in line.y] + list(panel.levels)
         for each in panel.points:
@@ -113,7 +131,7 @@ class _Drawing:
 
     def x(self, value: float) -> float:
         low, high = self.x_range
-        return _LEFT + (value - low) / (high - low) * (WIDTH - _LEFT - _RIGHT)
+        return _LEFT + (value - low) / (high - low) * (self.width - _LEFT - _RIGHT)
 
     def y(self, value: float) -> float:
         low, high = self.y_range
@@ -123,11 +141,12 @@ class _Drawing:
         panel = self.panel
         label = _text(f"{panel.title}: {panel.ylabel} over {panel.xlabel}")
         parts = [
-            f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{label}">',
+            f'<svg class="chart" viewBox="0 0 {self.width} {HEIGHT}" role="img" '
+            f'aria-label="{label}">',
             *self._axes(),
             *self._band(),
             *(
-                f'<line class="level" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" '
+                f'<line class="level" x1="{_LEFT}" x2="{self.width - _RIGHT}" '
                 f'y1="{self.y(each):.1f}" y2="{self.y(each):.1f}"/>'
                 for each in panel.levels
             ),
@@ -139,25 +158,33 @@ class _Drawing:
 
     def _axes(self) -> list[str]:
         panel, middle = self.panel, (_TOP + HEIGHT - _BOTTOM) / 2
-        center = (_LEFT + WIDTH - _RIGHT) / 2
-        parts = [
-            f'<text class="title" x="{center}" y="18" text-anchor="middle">'
-            f"{_text(panel.title)}</text>",
-            f'<text x="{center}" y="{HEIGHT - 8}" text-anchor="middle">{_text(panel.xlabel)}</text>',
-            f'<text transform="translate(14 {middle}) rotate(-90)" text-anchor="middle">'
-            f"{_text(panel.ylabel)}</text>",
-        ]
+        center, right, low = (
+            (_LEFT + self.width - _RIGHT) / 2,
+            self.width - _RIGHT,
+            HEIGHT - _BOTTOM,
+        )
+        parts = []
         ticks = _ticks(*self.x_range)
-        for value, label in zip(ticks, _labels(ticks), strict=True):
+        labels, over_x = _labels(ticks)
+        for value, label in zip(ticks, labels, strict=True):
             at = f"{self.x(value):.1f}"
-            parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{_TOP}" y2="{HEIGHT - _BOTTOM}"/>')
-            parts.append(f'<text x="{at}" y="{HEIGHT - _BOTTOM + 16}" text-anchor="middle">{label}</text>')
+            parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{_TOP}" y2="{low}"/>')
+            parts.append(f'<text x="{at}" y="{low + 16}" text-anchor="middle">{label}</text>')
         ticks = _ticks(*self.y_range)
-        for value, label in zip(ticks, _labels(ticks), strict=True):
-            at = self.y(value)
-            parts.append(f'<line class="grid" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{at:.1f}" y2="{at:.1f}"/>')
-            parts.append(f'<text x="{_LEFT - 5}" y="{at + 4:.1f}" text-anchor="end">{label}</text>')
-        return parts
+        labels, over_y = _labels(ticks)
+        for value, label in zip(ticks, labels, strict=True):
+            at = f"{self.y(value):.1f}"
+            parts.append(f'<line class="grid" x1="{_LEFT}" x2="{right}" y1="{at}" y2="{at}"/>')
+            place = f'x="{_LEFT - 5}" y="{self.y(value) + 4:.1f}"'
+            parts.append(f'<text {place} text-anchor="end">{label}</text>')
+        names = (
+            (f'class="title" x="{center}" y="18"', panel.title),
+            (f'x="{center}" y="{HEIGHT - 8}"', _over(panel.xlabel, over_x)),
+            (f'transform="translate(14 {middle}) rotate(-90)"', _over(panel.ylabel, over_y)),
+        )
+        return parts + [
+            f'<text {place} text-anchor="middle">{_text(name)}</text>' for place, name in names
+        ]
 
     def _band(self) -> list[str]:
         if self.panel.band is None:
@@ -192,16 +219,19 @@ class _Drawing:
         kind = "point hollow" if point.hollow else "point"
         near = f'<circle class="near" cx="{x:.1f}" cy="{y:.1f}" r="10"/>'
         title = f"<title>{_text(point.title)}</title>"
-        return f'<g class="{kind}">{title}{bar}{marker(point.marker, x, y)}{near}</g>'
+        size = _SMALL if len(self.panel.points) > _MANY else _LARGE
+        return f'<g class="{kind}">{title}{bar}{marker(point.marker, x, y, size)}{near}</g>'
 
 
-def marker(kind: int, x: float, y: float, r: float = 4.5) -> str:
+def marker(kind: int, x: float, y: float, r: float = _LARGE) -> str:
     """The shape of a point."""
     shape = MARKERS[kind % len(MARKERS)]
     if shape == "circle":
         return f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="{r}"/>'
     if shape == "square":
-        return f'<rect class="mark" x="{x - r:.1f}" y="{y - r:.1f}" width="{2 * r}" height="{2 * r}"/>'
+        return (
+            f'<rect class="mark" x="{x - r:.1f}" y="{y - r:.1f}" width="{2 * r}" height="{2 * r}"/>'
+        )
     corners = {
         "triangle": ((0, -1.3), (1.2, 0.9), (-1.2, 0.9)),
         "diamond": ((0, -1.35), (1.35, 0), (0, 1.35), (-1.35, 0)),

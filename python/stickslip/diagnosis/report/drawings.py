@@ -10,7 +10,8 @@ _GROUND = _SURFACE + _HATCH
 
 # The robot stands on its front edge, nose-down to the right, as while it walks.
 _ROBOT = (
-    '<g transform="rotate(18 106 92)"><rect class="body" x="42" y="74" width="64" height="18"/>{}</g>'
+    '<g transform="rotate(18 106 92)">'
+    '<rect class="body" x="42" y="74" width="64" height="18"/>{}</g>'
 )
 _MOMENT = '<path class="moment" d="M54 83 H92 M86 78 L93 83 L86 88"/>'
 _PLAIN = _ROBOT.format(_MOMENT)
@@ -39,35 +40,43 @@ _TILT = (
     '<path class="thin" d="M14 96 H100"/>' + _arrow(44, 34, 44, 9) + _note(52, 26, "downhill")
 )
 _AMBIENT = (
-    _GROUND + _PLAIN + "".join(_arrow(20, y, 118, -14) for y in (30, 50)) + _note(112, 44, "B")
+    _GROUND + _PLAIN + "".join(_arrow(20, y, 118, -14) for y in (30, 50)) + _note(145, 31, "B")
 )
 _TURNED = (
     _GROUND
     + _ROBOT.format(
-        '<path class="thin" d="M44 83 H118"/>' + '<path class="cause" d="M50 88 L100 70 M91 69 L101 70 L94 77"/>'
+        '<path class="thin" d="M44 83 H118"/>'
+        + '<path class="cause" d="M50 88 L100 70 M91 69 L101 70 L94 77"/>'
     )
     + _note(66, 40, "moment")
 )
 _FRICTION = _GROUND + _PLAIN + _arrow(128, 86, -40, 0) + _note(112, 78, "F")
 _PATCHES = (
     _SURFACE
-    + "".join(f'<rect class="patch" x="{x}" y="93" width="18" height="7"/>' for x in range(10, 150, 36))
+    + "".join(
+        f'<rect class="patch" x="{x}" y="93" width="18" height="7"/>' for x in range(10, 150, 36)
+    )
     + _PLAIN
 )
 _ADHESION = _GROUND + _PLAIN + "".join(_arrow(x, 62, 0, 26) for x in (104, 114, 124))
 _REBOUND = (
-    _GROUND + '<g transform="translate(0 -14)">' + _PLAIN + "</g>"
+    _GROUND
+    + '<g transform="translate(0 -14)">'
+    + _PLAIN
+    + "</g>"
     + '<path class="cause" d="M40 88 Q54 20 84 88 Q96 52 112 88 Q118 72 126 88"/>'
 )
 _DRAG = (
-    _GROUND + _PLAIN
+    _GROUND
+    + _PLAIN
     + "".join(
         f'<path class="cause" d="M150 {y} q-8 -6 -16 0 t-16 0 t-16 0 M110 {y - 5} l-8 5 l8 5"/>'
         for y in (36, 52, 68)
     )
 )
 _COIL = (
-    _GROUND + _PLAIN
+    _GROUND
+    + _PLAIN
     + "".join(f'<ellipse class="cause" cx="{x}" cy="60" rx="6" ry="34"/>' for x in (14, 21, 28))
     + _note(38, 30, "I")
 )
@@ -75,28 +84,37 @@ _VOLTAGE = (
     '<path class="thin" d="M14 14 V90 H150"/>'
     '<path class="moment" d="M18 84 L62 28 V84 L106 28 V84 L148 30"/>'
     '<path class="cause" d="M18 84 L48 46 H66 L72 84 L92 46 H110 L116 84 L140 46"/>'
-    + _note(4, 12, "U") + _note(142, 104, "t")
+    + _note(4, 12, "U")
+    + _note(142, 104, "t")
 )
 _LENS = (
     '<g transform="translate(112 4)"><rect class="body" x="0" y="0" width="34" height="22"/>'
     '<circle class="moment" cx="17" cy="11" r="7"/></g>'
 )
 _SCALE = (
-    _GROUND + _PLAIN + _LENS
-    + '<path class="cause" d="M26 48 H106 M26 42 V54 M46 45 V51 M66 45 V51 M86 45 V51 M106 42 V54"/>'
+    _GROUND
+    + _PLAIN
+    + _LENS
+    + '<path class="cause" d="M26 48 H106 M26 42 V54 M46 45 V51 M66 45 V51 M86 45 V51"/>'
+    + '<path class="cause" d="M106 42 V54"/>'
 )
 _CLOCK = (
-    _GROUND + _PLAIN + _LENS
+    _GROUND
+    + _PLAIN
+    + _LENS
     + '<circle class="cause" cx="42" cy="34" r="22"/><path class="cause" d="M42 18 V34 L54 42"/>'
 )
 _CAMERA = (
-    _GROUND + _PLAIN
-    + '<g transform="rotate(-9 80 60)"><rect class="cause" x="14" y="26" width="132" height="72"/></g>'
+    _GROUND
+    + _PLAIN
+    + '<g transform="rotate(-9 80 60)">'
+    + '<rect class="cause" x="14" y="26" width="132" height="72"/></g>'
     + _LENS
 )
 _WEIGHT = _GROUND + _PLAIN + _arrow(72, 40, 0, 44) + _note(60, 34, "m g")
 _FIELD = (
-    _GROUND + _PLAIN
+    _GROUND
+    + _PLAIN
     + "".join(f'<path class="cause" d="M10 {y} Q80 {y - 26} 150 {y}"/>' for y in (40, 56))
     + _note(76, 20, "B")
 )

@@ -46,26 +46,22 @@ class Errors:
     unit: str
 
     @property
-    def before_in_short(self) -> str:
-        return self._short(self.before)
-
-    @property
-    def after_in_short(self) -> str:
-        return self._short(self.after)
+    def in_short(self) -> dict[str, str]:
+        """Both as fields of a headline, in per cent where they have one unit."""
+        before, after = self._short(self.before), self._short(self.after)
+        return {"before": before, "after": f"{after} the noise" if self.unit == MIXED else after}
 
     @property
     def in_full(self) -> dict[str, str]:
         """Both with their unit, as fields of a fact."""
-        known = {"before": self.before, "after": self.after}
-        return {
-            name: self._full(each if name == "after" or each is not None else self.after)
-            for name, each in known.items()
-        }
+        return {"before": self._full(self.before), "after": self._full(self.after)}
 
     def _short(self, error: float | None) -> str:
         if error is None:
             return "nothing"
-        if self.unit == MIXED or self.level is None:
+        if self.unit == MIXED:
+            return f"{two_digits(error)} times"
+        if self.level is None:
             return self._full(error)
         return f"{two_digits(100.0 * error / self.level)} %"
 

@@ -15,10 +15,10 @@ from stickslip.diagnosis.observables import Comparison
 from stickslip.diagnosis.observables.tracking.film import FilmComparison
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import provenance
+from stickslip.diagnosis.report.differences import LargeFigure
 from stickslip.diagnosis.report.film_section import film_sections
 from stickslip.diagnosis.report.json_keys import OwnData, report_numbers
 from stickslip.diagnosis.report.page import page
-from stickslip.diagnosis.report.residual_figure import LargeFigure
 from stickslip.diagnosis.report.section import ReportSection, table_section
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from stickslip._util.html_page import page_text, svg
+from stickslip._util.plain_text import printable
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.fit.goodness import ADEQUATE
 from stickslip.diagnosis.inference.cross_validation import INTERVAL
@@ -25,12 +27,12 @@ from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
-from stickslip.diagnosis.report.answers import answers
-from stickslip.diagnosis.report.chart import marker
+from stickslip.diagnosis.report.answers import answers, held_out_thing
+from stickslip.diagnosis.report.chart import marker, raised
+from stickslip.diagnosis.report.differences import GIVEN, LargeFigure
 from stickslip.diagnosis.report.drawings import drawing
 from stickslip.diagnosis.report.errors import MIXED, SHOWN
 from stickslip.diagnosis.report.parameters import short
-from stickslip.diagnosis.report.residual_figure import LargeFigure
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.diagnosis.report.words import used_in
 from stickslip.scenario.keys import known_keys
@@ -50,6 +52,9 @@ _LIMITS = {
 """Limits that the page explains."""
 
 
+_POWER_OF_TEN = re.compile(r"(?<=[\d)])e([+-]?\d+)\b")
+
+
 def page(
     found: Findings,
     posed: PosedProblem,
@@ -66,10 +71,13 @@ def page(
         "diagnosis/report/page.html",
         report=numbers,
         answers=told,
+        for_people=for_people,
         more_of_what=_more_of_what(found, numbers),
         drawings=[Markup(drawing(name)) for name in told.drawings],
         large=large,
-        panels=[] if large is None else [Markup(each.svg()) for each in large.panels],
+        panels=[]
+        if large is None
+        else [Markup(each.svg(wide=len(large.panels) == 1)) for each in large.panels],
         legend=[] if large is None else _legend(large),
         origin=origin,
         report_sections=sections,
@@ -78,6 +86,12 @@ def page(
     )
     # What is used can only be seen on the page; a page without a model explains nothing.
     return text(words=used_in(text(words=())) if found.verdict.kind != "data-problem" else ())
+
+
+def for_people(sentence: object) -> Markup:
+    """A sentence with numbers as they are printed: errors after ±, and powers of ten."""
+    text = str(escape(printable(sentence))).replace(" +- ", "&nbsp;±&nbsp;")
+    return Markup(_POWER_OF_TEN.sub(lambda e: f"&nbsp;&times;&nbsp;10{raised(int(e[1]))}", text))
 
 
 def _more_of_what(found: Findings, numbers: Mapping[str, Any]) -> list[str]:
@@ -123,10 +137,12 @@ def _details(
         # Readings of several units have no mean error.
         "shown": None if unit == MIXED else SHOWN.get(unit, (unit, 1.0)),
         "simulated": posed.simulator is not None,
-        "held": "readings" if posed.model.observables and not conditions else "conditions",
+        "held": f"{held_out_thing(posed)}s",
         "columns": [heading(key) for key in among],
         "settings": [[shown_value(key, each[key]) for key in among] for each in conditions],
-        "common": in_words(first, [key for key in known_keys() if key in first and key not in among]),
+        "common": in_words(
+            first, [key for key in known_keys() if key in first and key not in among]
+        ),
         "members": set_members(found),
         "changes": [changes(each["drive"], conditions) for each in numbers["next_experiments"]],
         "undecided": undecided(experiments),
@@ -149,15 +165,12 @@ def _legend(large: LargeFigure) -> list[dict[str, Any]]:
         return sign(f'<g class="{name}">{marker(kind, 18, 9)}</g>')
 
     kinds = large.kinds if len(large.kinds) > 1 else ()
-    legend = [{"sign": point(0), "text": large.measured}] if not kinds else [
-        {"sign": point(k), "text": each or large.measured} for k, each in enumerate(kinds)
-    ]  # fmt: skip
-    if kinds:
-        legend.append({"sign": "", "text": large.measured})
+    legend: list[dict[str, Any]] = [{"sign": "" if kinds else point(0), "text": large.measured}]
+    legend += [{"sign": point(k), "text": each} for k, each in enumerate(kinds)]
     if large.held_out:
         legend.append({"sign": point(0, hollow=True), "text": "held out for the gain"})
     if large.curve:
-        kind = "given" if large.curve == "scenario as given" else "cause"
+        kind = "given" if large.curve == GIVEN else "cause"
         line = f'<g class="line {kind}"><line x1="2" x2="34" y1="9" y2="9"/></g>'
         legend.append({"sign": sign(line), "text": large.curve})
     return legend

@@ -30,7 +30,10 @@ def origin(source: Measurement | OwnData, seed: int) -> list[tuple[str, str]]:
         ("made by", _command()),
         ("seed", str(seed)),
         ("stickslip", _core.__version__),
-        ("Python", f"{platform.python_version()}, numpy {numpy.__version__}, scipy {scipy.__version__}"),
+        (
+            "Python",
+            f"{platform.python_version()}, numpy {numpy.__version__}, scipy {scipy.__version__}",
+        ),
     ]
     if isinstance(source, Measurement):
         rows += [(f"file {path.name}", _checksum(path)) for path in _files(source.path)]
