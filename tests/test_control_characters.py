@@ -1,22 +1,30 @@
 """Characters that steer a terminal, or end a line, come out of no file that a user was given."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 from command_line import stickslip
+from report_page import Page
 from stickslip import Drive, Scenario, ScenarioError, Waveform
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.plain_text import printable, printable_lines, quoted
 from stickslip._util.strict_json import json_text
-from stickslip.diagnosis import Prior, Uncertain, diagnose_model
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.measurement import read_measurement
 from stickslip.scenario.toml_file import write_scenario
 from stickslip.scenario.toml_text import parse_toml
 
 # Red letters in both spellings of a control sequence, DEL, ends of lines, and text from the right.
 WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"
+TAGS = re.findall(
+    r"\w+",
+    "html head meta title style body h1 h2 p b i div svg g path line rect circle ellipse polyline "
+    "polygon text tspan defs clippath use image figure figcaption ul li nav a details summary "
+    "table tr th td code script",
+)
 EVERY = "".join(map(chr, [*range(1, 0x3000), 0xFEFF, 0x1F916, 0xE0001]))
 
 
@@ -106,6 +114,32 @@ def test_a_page_escapes_control_characters_and_markup(tmp_path):
     assert all(line.isprintable() for line in page.split("\n"))
     assert f"<h1>&lt;b&gt;{printable_lines(WILD)}</h1>" in page
     assert json.loads((tmp_path / "out" / "report.json").read_text())["name"] == f"<b>{WILD}"
+
+
+@pytest.mark.filterwarnings("error:Glyph")
+def test_names_of_a_users_model_are_text_on_the_page_whatever_they_hold(tmp_path):
+    name = f"<script>alert(1)</script>\"'>& {WILD} $\\frac{{$"
+    x = np.linspace(0.2, 1.0, 24)
+
+    def model(x, p):
+        return p[:, :1] * x + p[:, 1:] * np.cos(6.0 * x)
+
+    observed = model(x, np.array([[0.3, 0.5]]))[0]
+    size = CauseParameter(f"{name}.{name}", name, -3.0, 3.0, 0.3)
+    causes = [Cause(name, (size,), name)]
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(x))
+    slope = Uncertain(f"slope {name}", Prior("normal", 0.0, 1.0), name)
+    found = diagnose_model(model, x, observed + noise, [slope], causes, sd=0.02)
+    assert found.verdict.causes == (name,)
+    found.save_report(tmp_path, title=name, unit=name, labels=(name, f"{name} (V)"))
+    page = (tmp_path / "report.html").read_text()
+    assert all(line.isprintable() for line in page.split("\n"))
+    assert page.count("<script") == 1
+    assert "alert(1)" not in page.split("<script")[1]
+    parsed = Page(tmp_path / "report.html")  # every tag is closed, and none was opened by a name
+    assert {each["tag"] for each in parsed.elements} <= set(TAGS)
+    for line in (found.summary(), *found.verdict_lines()):
+        assert all(each.isprintable() for each in line.split("\n"))
 
 
 def test_files_of_a_report_are_replaced_together(tmp_path):

@@ -54,9 +54,13 @@ def svg(figure: Figure | None) -> Markup:
     """
     import matplotlib as mpl
     from markupsafe import Markup
+    from matplotlib.text import Text
 
     if figure is None:
         return Markup("")
+    for words in figure.findobj(Text):
+        # Between two dollars of a name matplotlib expects a formula, and fails if there is none.
+        words.set_parse_math(False)
     buffer = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "stickslip"}):
@@ -65,6 +69,8 @@ def svg(figure: Figure | None) -> Markup:
     text = text[text.index("<svg") :].rstrip()
     text = re.sub(r' xmlns(:xlink)?="[^"]*"| height="[\d.]+pt"', "", text, count=3)
     text = text.replace("xlink:href", "href")
+    # In a page it would hold for all that is there.
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
     for colour, name in (("#000000", "currentColor"), ("#ffffff", "var(--page)")):
         text = text.replace(colour, name)
     text = text.replace(palette.LIGHT_GREY.lower(), "var(--line)")

@@ -202,7 +202,6 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "counted": _counted,
     "meaning_of": lambda f: f": {f['meaning']}" if f["meaning"] else "",
     "go_on": lambda f: "Go on" if f["first"] else "Or go on",
-    "of_size": lambda f: "" if f["percent"] is None else f", which is {f['percent']} of their size",
     "distance": lambda f: f"{abs(f['lead']):.1f} {'behind' if f['lead'] >= 0.0 else 'ahead'}",
     "torque_meaning": lambda f: _TORQUES[f["variable"]],
     "force_meaning": lambda f: _FORCES[f["variable"]],

@@ -89,6 +89,9 @@ def headline(
     if kind == "data-problem":
         return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
     gain = _gain(found)
+    fit = found.verdict.fit
+    if fit is not None and all(each.relaxes_prior for each in fit.candidate.causes):
+        gain = None  # recalibration has moved a constant most of the way, so it gains little
     improvement = _improvement(found, posed, gain, unit)
     if kind == "unexplained":
         shape = found.free_shape
@@ -203,7 +206,7 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
         ends = {"low": float(np.min(ratio)), "high": float(np.max(ratio))}
         said.append(Fact(Code.SIZE_OF_LAW, {"law": found.free_shape.hook.quantity, **ends}))
     ratio_of_noise = float(np.sqrt(found.null.data_chi2 / len(found.problem.observed)))
-    return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise, "percent": None}))
+    return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise}))
 
 
 def _label(cause: Told, size: Size) -> str:

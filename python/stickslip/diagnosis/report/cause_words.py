@@ -137,7 +137,7 @@ def _constant(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> To
     # A model of one's own may have a constant of the same name in a unit of its own.
     known = CONSTANTS.get(name) if key is not None and key.unit == entry["unit"] else None
     words = known.size if known is not None else _as_it_is(str(entry["unit"]))
-    size = _size(found, name, entry, words)
+    size = size_in_words(found, name, entry, words)
     stated = next(each for each in found.problem.uncertain if each.name == name)
     compared = against(
         float(entry["value"]) * _factor(words, entry),
@@ -158,12 +158,14 @@ def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told
     # A model of one's own may have a cause of the same name with other parameters.
     if words is None or any(not name.startswith(PREFIX) for name in names):
         sizes = tuple(
-            _size(found, name, entries[name], _as_it_is(str(entries[name]["unit"])))
+            size_in_words(found, name, entries[name], _as_it_is(str(entries[name]["unit"])))
             for name in names
         )
         return _unlisted(cause, sizes)
     ends = {name.rpartition(".")[2]: name for name in names}
-    sizes = tuple(_size(found, name, entries[name], words.sizes[end]) for end, name in ends.items())
+    sizes = tuple(
+        size_in_words(found, name, entries[name], words.sizes[end]) for end, name in ends.items()
+    )
     finding = _sentence(words, ends, entries)
     return Told(cause.name, words.name, finding, words.remedy, words.drawing, sizes, cause.meaning)
 
@@ -204,7 +206,7 @@ def _with_unit(value: float, entry: Entry, words: SizeWords) -> str:
     return f"{text} {words.unit}".rstrip()
 
 
-def _size(found: Findings, name: str, entry: Entry, words: SizeWords) -> Size:
+def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) -> Size:
     """A parameter with its error and its interval."""
     value, factor = float(entry["value"]), _factor(words, entry)
     low, high = (end * factor for end in _interval(found, name, entry))

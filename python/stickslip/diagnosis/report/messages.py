@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stickslip._util.plain_text import printable
 from stickslip.diagnosis.data.conditions import Conditions, changes
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice, undecided
 from stickslip.diagnosis.inference.findings import Findings
@@ -75,7 +76,7 @@ def verdict_lines(found: Findings, left_out: Sequence[Fact]) -> list[str]:
     """The verdict and its reasons, what was left out, and the held-out improvement."""
     reasons = () if found.verdict.kind == "data-problem" else found.verdict.reasons
     second = runner_up(found)
-    lines = [f"{found.verdict.kind}: {headline(found)}"]
+    lines = [printable(f"{found.verdict.kind}: {headline(found)}")]
     lines += [f"  {fact}" for fact in (*reasons, *([second] if second else []), *found.notes)]
     lines += [f"  left out: {fact}" for fact in left_out]
     if found.open_set is not None:
@@ -93,10 +94,11 @@ def set_lines(found: Findings) -> list[str]:
     first, *others = [fit.name for fit in set_members(found)] or [""]
     if not others:
         return []
-    return [
-        f"  The table, `extended` and `predict` are of {first}, the first of the set; the others "
+    said = (
+        f"The table, `extended` and `predict` are of {first}, the first of the set; the others "
         f"are {', '.join(others)}."
-    ]
+    )
+    return [f"  {printable(said)}"]
 
 
 def no_gain_lines(found: Findings) -> list[str]:
@@ -131,4 +133,4 @@ def table_lines(table: DataFrame, most: int) -> list[str]:
     """The first rows of a table, numbers to four digits."""
     shown = table.head(most).to_string(float_format=four_digits)
     more = len(table) - most
-    return [*shown.splitlines(), *([f"... and {more} more"] if more > 0 else [])]
+    return [*map(printable, shown.split("\n")), *([f"... and {more} more"] if more > 0 else [])]
