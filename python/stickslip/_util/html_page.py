@@ -1,6 +1,6 @@
 """HTML pages of one look that need nothing else: no network and no other file.
 
-Only a moving picture has a script.
+A moving picture has a script, and so has a page with folded parts, which opens them.
 """
 
 from __future__ import annotations

@@ -106,7 +106,7 @@ def plain_name(name: str, meanings: Mapping[str, str]) -> str:
     if name in CAUSES:
         return CAUSES[name].name
     if name in CONSTANTS:
-        return f"another {CONSTANTS[name].name}"
+        return f"another {CONSTANTS[name].name} than stated"
     if " + " in name:
         return " together with ".join(plain_name(each, meanings) for each in name.split(" + "))
     meaning = meanings.get(name, "")
@@ -143,12 +143,14 @@ def _constant(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> To
         float(entry["value"]) * _factor(words, entry),
         float(stated.prior.value(0.0)) * _factor(words, entry),
     )
-    called = f"The {known.name}" if known is not None else f"The constant {name}"
-    drawing = "" if known is None else known.drawing
-    finding = f"{called} is {size.text}, {compared}."
-    title = plain_name(cause.name, {})
     remedy = "Measure this constant again"
-    return Told(cause.name, title, finding, remedy, drawing, (size,), listed=known is not None)
+    if known is None:
+        finding = f"The constant {name} is {size.text}, {compared}."
+        meaning = "it is other than stated"
+        return Told(cause.name, cause.name, finding, remedy, "", (size,), meaning, listed=False)
+    finding = f"The {known.name} is {size.text}, {compared}."
+    title = plain_name(cause.name, {})
+    return Told(cause.name, title, finding, remedy, known.drawing, (size,))
 
 
 def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told:
