@@ -8,14 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stickslip._util.plain_text import printable
 
-Array = NDArray[np.float64]
-
-WIDTH, WIDE, HEIGHT = 460, 760, 300
+WIDTH, WIDE, HEIGHT = 460, 620, 300
 """Of a panel, and of one that stands alone, in units of the drawing."""
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 12, 30, 44
@@ -47,8 +42,8 @@ class Point:
 class Line:
     """A curve, or dashes at single places where `joined` is not set.
 
-    `kind` is a class of the page's style: ``cause``, ``given``, ``law``, ``formula`` or
-    ``measured``.
+    `kind` is a class of the page's style, ``cause`` or ``given``, and curves of one kind differ by
+    their `series`.
     """
 
     x: Sequence[float]
@@ -56,11 +51,12 @@ class Line:
     kind: str
     title: str
     joined: bool = True
+    series: int = 0
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes. `levels` are drawn across it, and `band` is an area between two curves."""
+    """One pair of axes; `levels` are drawn across it."""
 
     title: str
     xlabel: str
@@ -68,7 +64,6 @@ class Panel:
     points: tuple[Point, ...] = ()
     lines: tuple[Line, ...] = ()
     levels: tuple[float, ...] = (0.0,)
-    band: tuple[Array, Array, Array] | None = None
 
     def svg(self, wide: bool = False) -> str:
         """The panel; text of a user's is escaped, and without control characters."""
@@ -124,9 +119,6 @@ class _Drawing:
         for each in panel.points:
             reach = 2.0 * each.sd if each.sd is not None else 0.0
             up += [each.y - reach, each.y + reach]
-        if panel.band is not None:
-            across += panel.band[0].tolist()
-            up += [*panel.band[1].tolist(), *panel.band[2].tolist()]
         self.x_range, self.y_range = _range(across), _range(up)
 
     def x(self, value: float) -> float:
@@ -144,7 +136,6 @@ class _Drawing:
             f'<svg class="chart" viewBox="0 0 {self.width} {HEIGHT}" role="img" '
             f'aria-label="{label}">',
             *self._axes(),
-            *self._band(),
             *(
                 f'<line class="level" x1="{_LEFT}" x2="{self.width - _RIGHT}" '
                 f'y1="{self.y(each):.1f}" y2="{self.y(each):.1f}"/>'
@@ -186,14 +177,6 @@ class _Drawing:
             f'<text {place} text-anchor="middle">{_text(name)}</text>' for place, name in names
         ]
 
-    def _band(self) -> list[str]:
-        if self.panel.band is None:
-            return []
-        x, low, high = (each.tolist() for each in self.panel.band)
-        places = [(a, b) for a, b in zip(x, high, strict=True)]
-        places += [(a, b) for a, b in zip(x, low, strict=True)][::-1]
-        return [f'<polygon class="band" points="{self._places(places)}"/>']
-
     def _places(self, places: Sequence[tuple[float, float]]) -> str:
         return " ".join(f"{self.x(a):.1f},{self.y(b):.1f}" for a, b in places)
 
@@ -202,7 +185,7 @@ class _Drawing:
         title = f"<title>{_text(line.title)}</title>"
         if line.joined and len(sound) > 1:
             shape = f'<polyline points="{self._places(sound)}"/>'
-            return f'<g class="line {line.kind}">{title}{shape}</g>'
+            return f'<g class="line {line.kind} series-{line.series}">{title}{shape}</g>'
         dashes = "".join(
             f'<line x1="{self.x(a) - 7:.1f}" x2="{self.x(a) + 7:.1f}" '
             f'y1="{self.y(b):.1f}" y2="{self.y(b):.1f}"/>'

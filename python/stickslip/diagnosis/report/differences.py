@@ -88,6 +88,13 @@ def claimed_change(found: Findings) -> tuple[Array | None, str]:
     return None, ""
 
 
+def held_out(found: Findings, m: int) -> NDArray[np.bool_]:
+    """Which of the first m observables were held out, for a cause or for a law of another shape."""
+    if found.free_shape is not None and found.open_set is not None and found.open_set.gain:
+        return np.isin(np.arange(m), found.open_set.gain.held_out)
+    return found.held_out[:m]
+
+
 def curves(
     at: Array, change: Array | None, indices: Sequence[int], name: str, label: str = ""
 ) -> list[Line]:

@@ -278,7 +278,7 @@ def ranking(found: Findings) -> Figure | None:
 def distinguishability(found: Findings) -> Figure:
     """Map of the cosines between projected sensitivities."""
     names = [printable(cause.name) for cause in found.problem.causes]
-    size = 1.8 + 0.18 * len(names)
+    size = 2.6 + 0.18 * len(names)
     figure, ((frame,),) = new_figure(size + 1.0, size)
     image = frame.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")
     frame.set_xticks(range(len(names)), names, rotation=90, fontsize=7)

@@ -154,26 +154,29 @@ def _details(
     }
 
 
-def _legend(large: LargeFigure) -> list[dict[str, Any]]:
+def _legend(large: LargeFigure) -> list[tuple[Markup, str]]:
     """What the signs of the large figure stand for."""
 
     def sign(inside: str) -> Markup:
         return Markup(f'<svg viewBox="0 0 36 18">{inside}</svg>')
 
-    def point(kind: int, hollow: bool = False) -> Markup:
+    def point(kind: int, hollow: bool = False) -> str:
         name = "point hollow" if hollow else "point"
-        return sign(f'<g class="{name}">{marker(kind, 18, 9)}</g>')
+        return f'<g class="{name}">{marker(kind, 18, 9)}</g>'
+
+    def line(series: int) -> str:
+        kind = "given" if large.curve == GIVEN else "cause"
+        shape = '<line x1="2" x2="34" y1="9" y2="9"/>'
+        return f'<g class="line {kind} series-{series}">{shape}</g>'
 
     kinds = large.kinds if len(large.kinds) > 1 else ()
-    legend: list[dict[str, Any]] = [{"sign": "" if kinds else point(0), "text": large.measured}]
-    legend += [{"sign": point(k), "text": each} for k, each in enumerate(kinds)]
+    legend = [(Markup("") if kinds else sign(point(0)), large.measured)]
     if large.held_out:
-        legend.append({"sign": point(0, hollow=True), "text": "held out for the gain"})
+        legend.append((sign(point(0, hollow=True)), "held out for the gain"))
     if large.curve:
-        kind = "given" if large.curve == GIVEN else "cause"
-        line = f'<g class="line {kind}"><line x1="2" x2="34" y1="9" y2="9"/></g>'
-        legend.append({"sign": sign(line), "text": large.curve})
-    return legend
+        legend.append((sign(line(0)), large.curve))
+    both = [point(k) + (line(k) if large.curve else "") for k in range(len(kinds))]
+    return legend + [(sign(each), words) for each, words in zip(both, kinds, strict=True)]
 
 
 def _typical_error(found: Findings) -> str:

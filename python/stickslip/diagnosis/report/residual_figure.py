@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,13 +16,14 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.observables import Comparison
 from stickslip.diagnosis.observables.tracking.film import FilmComparison
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.chart import Line, Panel, said
+from stickslip.diagnosis.report.chart import Panel, said
 from stickslip.diagnosis.report.differences import (
     Array,
     LargeFigure,
     Rows,
     claimed_change,
     curves,
+    held_out,
 )
 from stickslip.diagnosis.report.film_figure import traces
 from stickslip.diagnosis.report.velocity_difference import velocity_figure
@@ -80,7 +82,7 @@ def table_figure(found: Comparison) -> LargeFigure:
         )
         lines = curves(at, change, everywhere, "with the cause")
         if not degrees:
-            lines = [Line(each.x, each.y, each.kind, each.title, False) for each in lines]
+            lines = [replace(each, joined=False) for each in lines]
         panels.append(Panel(name, xlabel, f"difference ({unit})", points, tuple(lines)))
     return LargeFigure(
         f"{found.title}: measured minus recalibrated model", tuple(panels),
@@ -126,7 +128,7 @@ def own_figure(found: Findings, place: Array, labels: tuple[str, str]) -> LargeF
         change = None if change is None else change[:m]
         base = found.problem.predicted(found.null.x[None, :])[0, :m]
         title, ylabel = "Data minus recalibrated model", f"difference of {labels[1]}"
-    rows = Rows(observed, base, change, sd, found.held_out[:m])
+    rows = Rows(observed, base, change, sd, held_out(found, m))
     points = tuple(
         rows.point(k, float(place[k]), f"condition {k + 1}: {labels[0]} {said(place[k])}", "")
         for k in range(m)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,12 +27,13 @@ from stickslip.diagnosis.report.differences import (
     Rows,
     claimed_change,
     curves,
+    held_out,
 )
 from stickslip.scenario.keys import Value, known_keys
 
 _PLACES = ("drive.mode", "drive.direction")  # which have a panel each
 _PILE = 0.5  # share of readings at one value; chosen: a setting that was left as it was has more
-_BETWEEN = 25  # points of a curve; chosen: its bends are seen, and a figure takes a second
+_BETWEEN = 41  # points of a curve; chosen: its bends are seen, and a figure takes a second
 
 
 def velocity_figure(found: Findings, posed: PosedProblem) -> LargeFigure | None:
@@ -50,7 +52,7 @@ def velocity_figure(found: Findings, posed: PosedProblem) -> LargeFigure | None:
         change, name = claimed_change(found)
         null = found.problem.predicted(found.null.x[None, :])[0, :m] * 1e3
         part = None if change is None else change[:m] * 1e3
-        rows = Rows(observed, null, part, sd, found.held_out[:m])
+        rows = Rows(observed, null, part, sd, held_out(found, m))
         title = "Measured minus recalibrated model"
         ylabel, measured = "difference (mm/s)", "measured minus recalibrated"
     key = abscissa_key(conditions, rows)
@@ -113,7 +115,8 @@ def _velocity_panels(
                 where = _condition(conditions[k], k, varied(conditions))
                 points.append(rows.point(k, float(at[k]), where, "mm/s", number))
             drawn = curves(at, rows.change, mine, name, label)
-            lines += [_finer(found, posed, key, mine, each) for each in drawn]
+            finer = [_finer(found, posed, key, mine, each) for each in drawn]
+            lines += [replace(each, series=number) for each in finer]
         panels.append(Panel(word, heading(key), ylabel, tuple(points), tuple(lines), levels))
     return tuple(panels), tuple(kinds)
 
@@ -131,7 +134,7 @@ def _finer(
     vectors = found.problem.physical(np.stack([found.null.x, fit.x]))
     before, after = posed.model.velocities(drives, vectors) * 1e3
     x = places * shown_unit(key)[1]
-    return Line(x.tolist(), (after - before).tolist(), line.kind, line.title)
+    return replace(line, x=x.tolist(), y=(after - before).tolist())
 
 
 def _condition(condition: Mapping[str, Value], number: int, keys: Sequence[str]) -> str:
