@@ -20,6 +20,7 @@ from stickslip.diagnosis.report.cause_words import Size, Told, meanings_of, plai
 from stickslip.diagnosis.report.drawings import DRAWN
 from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
 from stickslip.diagnosis.report.limits import limits_in_words
+from stickslip.diagnosis.report.parameters import short
 from stickslip.facts import Code, Fact
 
 _LISTED = 6
@@ -172,7 +173,9 @@ def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
             Fact(
                 Code.WHAT_CAUSE,
                 {
-                    "name": _capital(each.title) if each.listed else f"The cause {each.name}",
+                    "name": _capital(each.title)
+                    if each.listed
+                    else f"The cause {short(each.name)}",
                     "meaning": each.meaning,
                 },
             )

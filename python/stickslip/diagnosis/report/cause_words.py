@@ -145,7 +145,7 @@ def _constant(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> To
     )
     remedy = "Measure this constant again"
     if known is None:
-        finding = f"The constant {name} is {size.text}, {compared}."
+        finding = f"The constant {size.name} is {size.text}, {compared}."
         meaning = "it is other than stated"
         return Told(cause.name, cause.name, finding, remedy, "", (size,), meaning, listed=False)
     finding = f"The {known.name} is {size.text}, {compared}."

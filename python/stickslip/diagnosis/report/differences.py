@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.report.cause_words import meanings_of, plain_name
 from stickslip.diagnosis.report.chart import Line, Panel, Point, said
+from stickslip.diagnosis.report.figures import fitted_models
 
 Array = NDArray[np.float64]
 
@@ -73,19 +74,15 @@ class Rows:
         return Point(x, value, sd, "; ".join(parts), bool(self.held_out[k]), marker)
 
 
-def claimed_change(found: Findings) -> tuple[Array | None, str]:
-    """What the extended model adds at all observables, SI units, and what to call it."""
-    problem, fit = found.problem, found.verdict.fit
-    null = problem.predicted(found.null.x[None, :])[0]
-    if fit is not None:
-        return problem.predicted(fit.x[None, :])[
-            0
-        ] - null, f"with {plain_name(fit.name, meanings_of(found))}"
-    shape, tried = found.free_shape, found.open_set
-    if shape is not None and tried is not None:
-        changed = tried.problem.predicted(shape.fit.x[None, :])[0]
-        return changed - null, f"with the curve of {shape.hook.name}"
-    return None, ""
+def claimed_change(found: Findings, m: int) -> tuple[Array | None, str]:
+    """What the extended model adds at the first m observables, SI units, and what to call it."""
+    models = fitted_models(found, m)
+    if found.extended is None or "extended" not in models:
+        return None, ""
+    name = f"with {plain_name(found.extended[1].name, meanings_of(found))}"
+    if found.free_shape is not None:
+        name = f"with the curve of {found.free_shape.hook.name}"
+    return models["extended"] - models["recalibrated"], name
 
 
 def held_out(found: Findings, m: int) -> NDArray[np.bool_]:

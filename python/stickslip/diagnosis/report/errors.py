@@ -91,25 +91,28 @@ def errors_of(found: Findings, posed: PosedProblem, unit: str) -> Errors:
     Of the extended model after the recalibrated one; where there is none, of the recalibrated model
     after the stated one, which is not known of a model of one's own.
     """
-    problem, fit = found.problem, found.verdict.fit
+    m = len(posed.conditions) or len(found.problem.observed)
+    observed, stated = found.problem.observed[:m], None
+    models = [(found.problem, found.null), *([] if found.extended is None else [found.extended])]
     if unit == MIXED:
-        both = (found.null.data_chi2, None if fit is None else fit.data_chi2)
-        rms = [None if c is None else math.sqrt(c / len(problem.observed)) for c in both]
-        return Errors(rms[0], rms[1], None, unit) if fit else Errors(None, rms[0], None, unit)
-    m = len(posed.conditions) or len(problem.observed)
-    observed = problem.observed[:m]
-    null = _mean_error(observed, problem.predicted(found.null.x[None, :])[0, :m])
-    level = _level(observed)
-    if fit is not None:
-        after = _mean_error(observed, problem.predicted(fit.x[None, :])[0, :m])
-        return Errors(null, after, level, unit)
-    stated = _mean_error(observed, posed.given) if len(posed.given) == m else None
-    return Errors(stated, null, level, unit)
+        level = None
+        error = [math.sqrt(fit.data_chi2 / len(problem.observed)) for problem, fit in models]
+    else:
+        level = _level(observed)
+        if len(posed.given) == m:
+            stated = _mean_error(observed, posed.given)
+        error = [
+            _mean_error(observed, problem.predicted(fit.x[None, :])[0, :m])
+            for problem, fit in models
+        ]
+    before, after = error if len(error) == 2 else (stated, error[0])
+    return Errors(before, after, level, unit)
 
 
-def _mean_error(observed: Array, predicted: Array) -> float | None:
+def _mean_error(observed: Array, predicted: Array) -> float:
+    """Of the observables that the model computes; NaN where it computes none."""
     error = np.abs(observed - predicted)
-    return float(np.mean(error[np.isfinite(error)])) if np.isfinite(error).any() else None
+    return float(np.mean(error[np.isfinite(error)])) if np.isfinite(error).any() else math.nan
 
 
 def _level(observed: Array) -> float | None:

@@ -149,7 +149,7 @@ def _details(
         "by_evidence": any(each is not None and "lead" in each.fields for each in reasons),
         "limits": _LIMITS,
         "observables": len(found.problem.observed),
-        "extended": found.verdict.fit is not None,
+        "extended": found.extended is not None,
         "typical": _typical_error(found),
     }
 

@@ -39,8 +39,8 @@ def large_figure(
     None where no kind of data can be drawn.
     """
     fall = found.null.residual[: len(found.problem.observed)] ** 2
-    if found.verdict.fit is not None:
-        fall = fall - found.verdict.fit.residual[: len(fall)] ** 2
+    if found.extended is not None:
+        fall = fall - found.extended[1].residual[: len(fall)] ** 2
     end = len(posed.conditions)
     drawn = [(float(np.sum(fall[:end])), velocity_figure(found, posed))]
     for observable, each in zip(posed.model.observables, comparisons, strict=True):
@@ -124,8 +124,7 @@ def own_figure(found: Findings, place: Array, labels: tuple[str, str]) -> LargeF
     change, name = (None, "")
     base, title, ylabel = np.zeros(m), "Data", labels[1]
     if found.verdict.kind != "data-problem":
-        change, name = claimed_change(found)
-        change = None if change is None else change[:m]
+        change, name = claimed_change(found, m)
         base = found.problem.predicted(found.null.x[None, :])[0, :m]
         title, ylabel = "Data minus recalibrated model", f"difference of {labels[1]}"
     rows = Rows(observed, base, change, sd, held_out(found, m))

@@ -49,9 +49,9 @@ def velocity_figure(found: Findings, posed: PosedProblem) -> LargeFigure | None:
         name, title = GIVEN, "Measured velocities"
         ylabel, measured = "mean velocity (mm/s)", "measured"
     else:
-        change, name = claimed_change(found)
+        change, name = claimed_change(found, m)
         null = found.problem.predicted(found.null.x[None, :])[0, :m] * 1e3
-        part = None if change is None else change[:m] * 1e3
+        part = None if change is None else change * 1e3
         rows = Rows(observed, null, part, sd, held_out(found, m))
         title = "Measured minus recalibrated model"
         ylabel, measured = "difference (mm/s)", "measured minus recalibrated"
@@ -124,15 +124,17 @@ def _velocity_panels(
 def _finer(
     found: Findings, posed: PosedProblem, key: str, indices: Sequence[int], line: Line
 ) -> Line:
-    """The curve between the readings too, by simulations of both models, for a claimed cause."""
+    """The curve between the readings too, by simulations of both models."""
     ends = [float(posed.conditions[k][key]) for k in indices]
-    fit = found.verdict.fit
-    if fit is None or not line.joined or len(set(ends)) < 2:
+    if found.extended is None or not line.joined or len(set(ends)) < 2:
         return line
     places = np.unique([*np.linspace(min(ends), max(ends), _BETWEEN), *ends])
     drives = [{**posed.conditions[indices[0]], key: float(each)} for each in places]
-    vectors = found.problem.physical(np.stack([found.null.x, fit.x]))
-    before, after = posed.model.velocities(drives, vectors) * 1e3
+    problem, fit = found.extended
+    null = np.zeros(problem.size)  # where all causes are absent
+    null[: problem.base_count] = found.null.x[: problem.base_count]
+    vectors = problem.physical(np.stack([null, fit.x]))
+    before, after = posed.extended_model(found).velocities(drives, vectors) * 1e3
     x = places * shown_unit(key)[1]
     return replace(line, x=x.tolist(), y=(after - before).tolist())
 
