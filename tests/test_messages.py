@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from answer_examples import ANSWERS
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import SENTENCES
 
@@ -22,71 +23,6 @@ LOOK = {"seen": ["tilt"], "unseen": ["a", "b", "c", "d", "e", "f"]}
 RESIDUAL = {"value": 0.25, "sd": 0.5, "unit": "N"}
 SLOPE = {"variable": "rate", **RESIDUAL, "t": 4.5}
 WAYS = {"forward": 1.25, "reverse": -2.5, "total": -1.5, "t": 4.5}
-
-FELL = {"count": 8, "thing": "condition", "before": "13 %", "after": "1.4 %", "change": "falls"}
-CHANGE = {"before": "13 % (2 mm/s)", "after": "1.4 % (0.2 mm/s)", "count": 1, "thing": "reading"}
-FOUND = {"finding": "The wave is high.", "remedy": "Level it", "causes": 1}
-
-# What the page of a diagnosis says first.
-ANSWERS = {
-    Code.HEADLINE_NAMED: (
-        {**FOUND, **FELL}, r"^The wave is high\. Level it, or keep it .*: errors .* fall from 13 %"
-    ),
-    Code.HEADLINE_PAIR: (
-        {**FOUND, **FELL, "remedy": "", "causes": 2, "change": "not sure"},
-        r"^Two causes act together\. The wave is high\. Keep both .*; errors .* which may be chance"
-    ),
-    Code.HEADLINE_PERHAPS: (
-        {**FOUND, "reason": Fact(Code.AT_LIMIT, {"name": "wave"})}, "not certain: An amplitude"
-    ),
-    Code.HEADLINE_SET: (
-        {"count": 2, "things": "causes", "names": ["a wave", "a bend"]}, "2 causes .* wave; a bend"
-    ),
-    Code.HEADLINE_NONE: ({}, "recalibrated"),
-    Code.HEADLINE_UNEXPLAINED: ({"count": 28}, "28 causes"),
-    Code.HEADLINE_LAW: (
-        {"law": "drag", "argument": "speed", **FELL, "change": "grows"}, "drag .* speed .* but"
-    ),
-    Code.HEADLINE_REFUSED: ({"reason": Fact(Code.ALL_ZERO, {})}, "no diagnosis. Every reading"),
-    Code.WHAT_CAUSE: ({"name": "A wave", "meaning": "water"}, "A wave: water"),
-    Code.WHAT_NOTHING: ({}, "Nothing"),
-    Code.WHAT_UNKNOWN: ({}, "no cause that was tried"),
-    Code.WHAT_DATA: ({}, "data"),
-    Code.SIZE_OF_CAUSE: (
-        {"name": "A wave", "size": "5 +- 1 mm", "interval": "3 to 7 mm"}, "A wave: 5 .* is 3 to 7"
-    ),
-    Code.SIZE_OF_LAW: ({"law": "drag", "low": 0.9, "high": 1.5}, r"drag .* 0\.9 and 1\.5 times"),
-    Code.SIZE_LIMITS: ({"percent": 95.0, "limits": ["a wave 5 mm"]}, "95 % .* a wave 5 mm"),
-    Code.SIZE_OF_MISFIT: ({"ratio": 3.4}, r"3\.4 times"),
-    Code.SIZE_UNKNOWN: ({}, "no model"),
-    Code.SURE_OF_CAUSE: (
-        {"names": ["a wave", "a bend"], "probabilities": [0.75, 0.9999], "count": 28},
-        r"75 % for a wave, more than 99\.9 % for a bend, among 28 causes",
-    ),
-    Code.SURE_OF_RUNNER_UP: ({"name": "a bend", "lead": 3.0}, "a bend, is 20 times less"),
-    Code.SURE_OF_MISFIT: ({"p_value": 1e-20}, "less than 1e-12"),
-    Code.SURE_OF_NOTHING: (
-        {"p_value": 0.28, "level": 0.05, "probability": 0.57}, r"0\.28; below 0\.05 .* 57 %"
-    ),
-    Code.SURE_OF_LAW: ({"lead": 20.0, "band": 90.0}, "more than a million times .* 90 %"),
-    Code.SURE_OF_REFUSAL: ({}, "checks of the data"),
-    Code.DO_REMEDY: ({"remedy": "Level it"}, "Level it"),
-    Code.DO_KEEP: ({"model": "extended.toml", "first": False}, r"Or go on with extended\.toml"),
-    Code.DO_EXPERIMENT: (
-        {"settings": "mode OPP", "why": Fact(Code.NO_SAFE_NAME, {})}, "mode OPP. No name"
-    ),
-    Code.DO_MEASURE_MORE: ({}, "repeat"),
-    Code.DO_CONFIRM: ({"model": "extended.toml"}, r"extended\.toml"),
-    Code.DO_LOOK: ({}, "misfit is largest"),
-    Code.DO_CORRECT: ({}, "again"),
-    Code.BETTER_FALLS: (CHANGE, r"1 reading not used .* falls from 13 % \(2 mm/s\) to 1\.4 %"),
-    Code.BETTER_NOT_SURE: (CHANGE, "may be chance"),
-    Code.BETTER_WORSE: (CHANGE, "grows from"),
-    Code.BETTER_IN_FIT: (CHANGE, "too few"),
-    Code.BETTER_CONSTANTS: (CHANGE, r"13 % .* 1\.4 %"),
-    Code.BETTER_UNKNOWN: (CHANGE, r"1\.4 %"),
-    Code.BETTER_NO_MODEL: ({}, "No model"),
-}  # fmt: skip
 
 # Fields of each code, and what of them its sentence says.
 EXAMPLES = {
