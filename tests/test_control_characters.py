@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from command_line import stickslip
+from made_measurement import write
 from report_page import Page
-from stickslip import Drive, Scenario, ScenarioError, Waveform
+from stickslip import Drive, Scenario, ScenarioError, Waveform, diagnose
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.plain_text import printable, printable_lines, quoted
 from stickslip._util.strict_json import json_text
@@ -140,6 +141,21 @@ def test_names_of_a_users_model_are_text_on_the_page_whatever_they_hold(tmp_path
     assert {each["tag"] for each in parsed.elements} <= set(TAGS)
     for line in (found.summary(), *found.verdict_lines()):
         assert all(each.isprintable() for each in line.split("\n"))
+
+
+def test_names_of_files_are_text_on_the_page_whatever_they_hold(tmp_path):
+    wild = f"<em>{WILD}</em>"
+    path = write(tmp_path, {})
+    cells = wild.replace("/", "")
+    (tmp_path / "velocity.csv").rename(tmp_path / cells)
+    text = path.read_text().replace('"velocity.csv"', quoted(cells))
+    path.write_text(text.replace('"test bench"', quoted(wild)))
+    found = diagnose(read_measurement(path), threads=1)
+    found.save_report(tmp_path / "out")
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert all(line.isprintable() for line in page.split("\n"))
+    assert "<em>" not in page
+    assert printable_lines(cells).replace("<", "&lt;").replace(">", "&gt;") in page
 
 
 def test_files_of_a_report_are_replaced_together(tmp_path):

@@ -107,6 +107,17 @@ def test_the_page_needs_nothing_from_elsewhere(page_of, kind, tmp_path):
 
 
 @every_verdict
+def test_names_within_the_page_are_unique_and_there(page_of, kind):
+    page = page_of(kind)
+    names = [each["id"] for each in page.elements if "id" in each]
+    assert len(names) == len(set(names))
+    for each in page.elements:
+        inside = re.findall(r"url\(#([^)]*)\)", " ".join(str(value) for value in each.values()))
+        inside += [each["href"][1:]] if each.get("href", "")[:1] == "#" else []
+        assert set(inside) <= set(names)
+
+
+@every_verdict
 def test_every_figure_shows_something(page_of, kind):
     page = page_of(kind)
     charts = page.all("svg", "chart")
@@ -305,6 +316,19 @@ def test_the_page_of_a_measurement_ends_with_its_origin(nothing_hidden):
     assert rows["file velocity.csv"] != again["file velocity.csv"]
     (folder / "velocity.csv").unlink()
     assert "no ordinary file" in dict(origin(found.measurement, 3))["file velocity.csv"]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (["/usr/bin/stickslip", "diagnose", "a b.toml"], "stickslip diagnose 'a b.toml'"),
+        (["/lib/stickslip/__main__.py", "diagnose", "m.toml"], "stickslip diagnose m.toml"),
+        (["notebook.py", "m.toml"], "Python: save_report"),
+    ],
+)
+def test_the_origin_has_the_command_line(monkeypatch, nothing_hidden, line, said):
+    monkeypatch.setattr("sys.argv", line)
+    assert dict(origin(nothing_hidden[1].measurement, 0))["made by"] == said
 
 
 def test_the_members_of_a_set_are_all_told(page_of):

@@ -6,6 +6,7 @@ A moving picture has a script, and so has a page with folded parts, which opens 
 from __future__ import annotations
 
 import base64
+import hashlib
 import io
 import re
 from importlib import resources
@@ -74,6 +75,10 @@ def svg(figure: Figure | None) -> Markup:
     for colour, name in (("#000000", "currentColor"), ("#ffffff", "var(--page)")):
         text = text.replace(colour, name)
     text = text.replace(palette.LIGHT_GREY.lower(), "var(--line)")
+    # Groups need no names; what is referred to has one that no other figure of a page has.
+    text = re.sub(r'<g id="[^"]*"', "<g", text)
+    own = hashlib.sha256(text.encode("utf-8")).hexdigest()[:8]
+    text = re.sub(r'( id="| href="#|url\(#)', rf"\g<1>{own}-", text)
     return Markup(printable_lines(text))
 
 

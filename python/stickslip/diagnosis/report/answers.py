@@ -12,6 +12,7 @@ from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.next_step import next_step
 from stickslip.diagnosis.inference.open_set import BAND
 from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.inference.upper_bounds import BOUND
@@ -283,18 +284,24 @@ def _do(
         return (Fact(Code.DO_CONFIRM, model),)
     if kind == "unexplained" and found.free_shape is None:
         return (Fact(Code.DO_LOOK, {}),)
+    if kind == "unexplained":
+        return (Fact(Code.DO_KEEP, {**model, "first": True}),)
+    steps = [
+        Fact(
+            Code.DO_EXPERIMENT,
+            {
+                "settings": changes(each.drive, posed.conditions),
+                "why": in_plain_words(found, each.why),
+            },
+        )
+        for each in experiments[:1]
+        if each.decides
+    ]
     if kind in ("named", "pair"):
         remedies = [each.remedy for each in claimed[0] if each.remedy]
         said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]
-        return (*said, Fact(Code.DO_KEEP, {**model, "first": not said}))
-    if kind == "unexplained":
-        return (Fact(Code.DO_KEEP, {**model, "first": True}),)
-    steps: list[Fact] = [
-        Fact(Code.DO_EXPERIMENT,
-             {"settings": changes(each.drive, posed.conditions),
-              "why": in_plain_words(found, each.why)})
-        for each in experiments[:1] if each.decides
-    ]  # fmt: skip
+        keep = Fact(Code.DO_KEEP, {**model, "first": not said})
+        return (*said, keep, *([] if next_step(found).code is Code.NAME_SAFE else steps))
     looks = [in_plain_words(found, each) for each in advice(found)]
     return tuple([*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})])
 

@@ -43,7 +43,7 @@ def origin(source: Measurement | OwnData, seed: int) -> list[tuple[str, str]]:
 def _command() -> str:
     """The command line, where this is the command."""
     program = Path(sys.argv[0]) if sys.argv else Path()
-    if program.name == "stickslip" or program.parent.name == "stickslip":
+    if program.stem == "stickslip" or program.parent.name == "stickslip":
         return shlex.join(["stickslip", *sys.argv[1:]])
     return "Python: save_report"
 
