@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from stickslip._util.html_table import ShownBySummary
+from stickslip._util.plain_text import printable
 from stickslip.diagnosis import tables
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.discrimination import TRIALS, Separation, separate
@@ -65,12 +66,11 @@ class Diagnosis(ShownBySummary):
 
     def __repr__(self) -> str:
         found = self.findings
-        causes = f" {', '.join(self.verdict.causes[:3])}" if self.verdict.causes else ""
-        causes += ", ..." if len(self.verdict.causes) > 3 else ""
-        count = len(found.problem.observed)
-        judged = self.verdict.kind != "data-problem"
-        p_value = f", p = {found.detection.p_value:.2g}" if judged else ""
-        return f"<Diagnosis of {count} observables: {self.verdict.kind}{causes}{p_value}>"
+        causes = [*self.verdict.causes[:3], "..."][: len(self.verdict.causes)]
+        said = f"{self.verdict.kind} {printable(', '.join(causes))}".strip()
+        if self.verdict.kind != "data-problem":
+            said += f", p = {found.detection.p_value:.2g}"
+        return f"<Diagnosis of {len(found.problem.observed)} observables: {said}>"
 
     def summary(self) -> str:
         """The verdict, the parameters and the leading candidates as text for one screen.

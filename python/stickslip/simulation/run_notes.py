@@ -11,6 +11,11 @@ if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
 
 
+_UPRIGHT = (
+    "; with drive.base = 0 the holding coil alone turns it upright: set drive.base, to 0.5e-3"
+)
+
+
 def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) -> list[str]:
     """Facts about a run, a line each; none for most runs."""
     return [
@@ -70,6 +75,7 @@ def _of_motion(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
         notes.append(
             f"the robot rolled over {count} time{'s' if count > 1 else ''}, forth or back: from "
             "one corner over a face to the next (roll_over)"
+            + (_UPRIGHT if scenario.drive.mode == "IPP" and scenario.drive.base == 0.0 else "")
         )
     upright = 0.5 * math.pi
     if low < -upright or high > upright:
