@@ -11,9 +11,7 @@ if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
 
 
-_UPRIGHT = (
-    "; with drive.base = 0 the holding coil alone turns it upright: set drive.base, to 0.5e-3"
-)
+_UPRIGHT = "; at drive.base = 0 the holding coil alone turns it upright: set drive.base, say 5e-4"
 
 
 def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) -> list[str]:
