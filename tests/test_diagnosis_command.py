@@ -14,7 +14,7 @@ from stickslip._util.atomic_files import NotWritten
 from stickslip.cli import diagnose_command
 from stickslip.cli.commands import stickslip as commands
 from stickslip.facts import Code
-from stickslip.scenario.named_effects import effects, is_free_shape
+from stickslip.scenario.named_effects import effects, is_lawful
 
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain",
@@ -44,7 +44,7 @@ def test_the_gain_is_in_si_units(tilted):
 
 def test_probabilities_are_over_all_causes(tilted):
     chance = tilted[1]["probabilities"]
-    assert {each.name for each in effects() if not is_free_shape(each.name)} <= set(chance)
+    assert {each.name for each in effects() if is_lawful(each.name)} <= set(chance)
     assert {"none", "unknown", "contact.kinetic_friction"} <= set(chance)
     assert sum(chance.values()) == pytest.approx(1.0)
 

@@ -8,10 +8,9 @@ from stickslip import Scenario
 from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.model.effect_causes import _SHAPES, _SIZES, library
 from stickslip.diagnosis.model.simulator import Simulator, loosest_tolerances
-from stickslip.scenario.named_effects import effects, is_free_shape, is_own_coil
+from stickslip.scenario.named_effects import effects, is_lawful
 
-# Free shapes and the own values of coils are no causes.
-LAWFUL = [each for each in effects() if not is_free_shape(each.name) and not is_own_coil(each.name)]
+LAWFUL = [each for each in effects() if is_lawful(each.name)]
 
 
 def test_predictions_do_not_depend_on_threads():

@@ -22,7 +22,7 @@ from helpers import (
     volts,
 )
 from stickslip import Scenario, Waveform
-from stickslip.scenario.named_effects import is_free_shape, is_own_coil
+from stickslip.scenario.named_effects import is_lawful
 
 # One value at which each parameter counts.
 PARAMETERS = {
@@ -65,7 +65,7 @@ def test_every_extension_of_a_known_law_is_tested_here():
     # Those of a free shape: test_effects_free_shapes.py; coils: test_own_coils.py.
     listed = {f"{effect.name}.{key.name.rpartition('.')[2]}"
               for effect in stickslip.effects()
-              if not is_free_shape(effect.name) and not is_own_coil(effect.name)
+              if is_lawful(effect.name)
               for key in effect.parameters}  # fmt: skip
     assert listed == set(PARAMETERS) | SHAPES
 

@@ -85,8 +85,8 @@ def _checksum(paths: Iterable[Path], more: bytes = b"") -> str:
 def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
     """Folder and answer of a data set in a store, made if it is not there.
 
-    Data sets do not depend on the engine, so a new state of it takes those of the last one; those
-    of another generator lie in another folder.
+    Of a data set, the engine only measures how strong what is hidden is, by fits. So a new state of
+    it takes those of the last one; those of another generator lie in another folder.
     """
     place = store / _generator() / f"{kind.replace(', ', '-').replace(' ', '_')}-{seed}"
     if not place.exists():

@@ -83,6 +83,11 @@ def is_own_coil(name: str) -> bool:
     return name in {f"coil_{coil}" for coil in _core.coil_names}
 
 
+def is_lawful(name: str) -> bool:
+    """Whether the extension `name` is a law that a diagnosis may find by itself."""
+    return not is_free_shape(name) and not is_own_coil(name)
+
+
 def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
     """Which extension `name` was probably meant to be, or all that could have been.
 

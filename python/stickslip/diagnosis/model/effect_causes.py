@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
 from stickslip.scenario.keys import Key
-from stickslip.scenario.named_effects import effects, is_free_shape, is_own_coil
+from stickslip.scenario.named_effects import effects, is_lawful
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
@@ -76,8 +76,7 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tu
         for each in effects()
         if each.parameters
         and each.name not in {*scenario.effects, *stated}
-        and not is_free_shape(each.name)
-        and not is_own_coil(each.name)
+        and is_lawful(each.name)
     )
 
 
