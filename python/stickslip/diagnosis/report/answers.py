@@ -9,15 +9,21 @@ import numpy as np
 
 from stickslip.diagnosis.data.conditions import changes
 from stickslip.diagnosis.inference.cross_validation import Gain
-from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.next_step import next_step
-from stickslip.diagnosis.inference.open_set import BAND
-from stickslip.diagnosis.inference.ranking import runner_up, set_members
+from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.inference.upper_bounds import BOUND
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.cause_words import Size, Told, meanings_of, plain_name, told
+from stickslip.diagnosis.report.cause_words import (
+    Size,
+    Told,
+    in_plain_words,
+    meanings_of,
+    plain_name,
+    told,
+)
+from stickslip.diagnosis.report.certainty import sure_of
 from stickslip.diagnosis.report.drawings import DRAWN
 from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
 from stickslip.diagnosis.report.limits import limits_in_words
@@ -26,10 +32,6 @@ from stickslip.facts import Code, Fact
 
 _LISTED = 6
 """Candidates that the headline names. Chosen: more are not read."""
-
-
-_NAMES = ("name", "other", "explaining", "causes", "pairs", "first", "second", "seen", "unseen")
-"""Fields of facts that hold names of causes."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def answers(
         None if found.free_shape is None else found.free_shape.hook.quantity,
         _what(found, claimed),
         _size(found, claimed),
-        _sure(found),
+        sure_of(found, _LISTED),
         _do(found, posed, claimed, experiments),
         _better(found, posed, unit),
     )
@@ -219,54 +221,6 @@ def _label(cause: Told, size: Size) -> str:
         return f"The parameter {size.name}"
     title = _capital(cause.title)
     return title if len(cause.sizes) == 1 else f"{title}, {size.parameter}"
-
-
-def in_plain_words(found: Findings, fact: Fact) -> Fact:
-    """The fact with the plain names of causes in place of those that files have."""
-    meanings = meanings_of(found)
-
-    def plain(value: object) -> object:
-        if isinstance(value, list):
-            return [plain_name(str(each), meanings) for each in value]
-        return plain_name(str(value), meanings)
-
-    plainly = {name: plain(fact.fields[name]) for name in _NAMES if name in fact.fields}
-    return Fact(fact.code, {**fact.fields, **plainly})
-
-
-def _sure(found: Findings) -> tuple[Fact, ...]:
-    verdict = found.verdict
-    if verdict.kind == "data-problem":
-        return (Fact(Code.SURE_OF_REFUSAL, {}),)
-    chance = {"p_value": found.detection.p_value}
-    if verdict.kind == "none":
-        none = {"probability": verdict.probabilities["none"], "level": ALPHA}
-        return (Fact(Code.SURE_OF_NOTHING, {**chance, **none}),)
-    misfit = Fact(Code.SURE_OF_MISFIT, chance)
-    if verdict.fit is None:
-        if found.free_shape is None:
-            return (misfit, *(in_plain_words(found, each) for each in verdict.reasons[:1]))
-        law = {"lead": found.free_shape.lead, "band": 100.0 * BAND}
-        return (misfit, Fact(Code.SURE_OF_LAW, law))
-    meanings = meanings_of(found)
-    fields = {
-        "names": [plain_name(each, meanings) for each in verdict.causes[:_LISTED]],
-        "probabilities": [verdict.probabilities[each] for each in verdict.causes[:_LISTED]],
-        "count": len(found.problem.causes),
-    }
-    if verdict.kind == "pair":
-        # Of a pair, half the probability is counted for each.
-        both = sum(verdict.probabilities[each] for each in verdict.causes)
-        fields |= {"names": [verdict.fit.name], "probabilities": [min(both, 1.0)]}
-    said = [Fact(Code.SURE_OF_CAUSE, fields)]
-    facts = [runner_up(found), *verdict.reasons]
-    second = next((each for each in facts if each and each.code is Code.RUNNER_UP), None)
-    if second is not None:
-        name = plain_name(str(second.fields["name"]), meanings)
-        said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
-    if verdict.kind == "ambiguous":
-        said += [in_plain_words(found, each) for each in verdict.reasons[:1]]
-    return (*said, misfit)
 
 
 def _do(

@@ -10,6 +10,7 @@ from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.model.problem import Cause
 from stickslip.diagnosis.report.parameters import describe, short, with_profiles
+from stickslip.facts import Fact
 from stickslip.facts.causes import CAUSES, CONSTANTS, CauseWords, SizeWords
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.named_effects import PREFIX
@@ -17,6 +18,9 @@ from stickslip.scenario.named_effects import PREFIX
 Entry = Mapping[str, float | str]
 
 _TWICE = 1.96  # standard deviations on both sides that hold 95 % of a normal law
+
+_NAMES = ("name", "other", "explaining", "causes", "pairs", "first", "second", "seen", "unseen")
+"""Fields of facts that hold names of causes."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,19 @@ def plain_name(name: str, meanings: Mapping[str, str]) -> str:
 def meanings_of(found: Findings) -> dict[str, str]:
     """What each cause means, by its name."""
     return {each.name: each.meaning for each in found.problem.causes}
+
+
+def in_plain_words(found: Findings, fact: Fact) -> Fact:
+    """The fact with the plain names of causes in place of those that files have."""
+    meanings = meanings_of(found)
+
+    def plain(value: object) -> object:
+        if isinstance(value, list):
+            return [plain_name(str(each), meanings) for each in value]
+        return plain_name(str(value), meanings)
+
+    plainly = {name: plain(fact.fields[name]) for name in _NAMES if name in fact.fields}
+    return Fact(fact.code, {**fact.fields, **plainly})
 
 
 def told(found: Findings, fit: Fit) -> tuple[Told, ...]:

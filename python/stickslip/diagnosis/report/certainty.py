@@ -1,0 +1,46 @@
+"""How sure a verdict is: probabilities, odds, and what noise would do."""
+
+from __future__ import annotations
+
+from stickslip.diagnosis.inference.detection import ALPHA
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.open_set import BAND
+from stickslip.diagnosis.inference.ranking import runner_up
+from stickslip.diagnosis.report.cause_words import in_plain_words, meanings_of, plain_name
+from stickslip.facts import Code, Fact
+
+
+def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
+    """Facts about how sure the verdict is; of a set the first `listed` causes are told."""
+    verdict = found.verdict
+    if verdict.kind == "data-problem":
+        return (Fact(Code.SURE_OF_REFUSAL, {}),)
+    chance = {"p_value": found.detection.p_value}
+    if verdict.kind == "none":
+        none = {"probability": verdict.probabilities["none"], "level": ALPHA}
+        return (Fact(Code.SURE_OF_NOTHING, {**chance, **none}),)
+    misfit = Fact(Code.SURE_OF_MISFIT, chance)
+    if verdict.fit is None:
+        if found.free_shape is None:
+            return (misfit, *(in_plain_words(found, each) for each in verdict.reasons[:1]))
+        law = {"lead": found.free_shape.lead, "band": 100.0 * BAND}
+        return (misfit, Fact(Code.SURE_OF_LAW, law))
+    meanings = meanings_of(found)
+    fields = {
+        "names": [plain_name(each, meanings) for each in verdict.causes[:listed]],
+        "probabilities": [verdict.probabilities[each] for each in verdict.causes[:listed]],
+        "count": len(found.problem.causes),
+    }
+    if verdict.kind == "pair":
+        # Of a pair, half the probability is counted for each.
+        both = sum(verdict.probabilities[each] for each in verdict.causes)
+        fields |= {"names": [verdict.fit.name], "probabilities": [min(both, 1.0)]}
+    said = [Fact(Code.SURE_OF_CAUSE, fields)]
+    facts = [runner_up(found), *verdict.reasons]
+    second = next((each for each in facts if each and each.code is Code.RUNNER_UP), None)
+    if second is not None:
+        name = plain_name(str(second.fields["name"]), meanings)
+        said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
+    if verdict.kind == "ambiguous":
+        said += [in_plain_words(found, each) for each in verdict.reasons[:1]]
+    return (*said, misfit)
