@@ -34,7 +34,9 @@ ANSWERS = {
         {"name": "A wave", "size": "5 +- 1 mm", "interval": "3 to 7 mm"}, "A wave: 5 .* is 3 to 7"
     ),
     Code.SIZE_OF_LAW: ({"law": "drag", "low": 0.9, "high": 1.5}, r"drag .* 0\.9 and 1\.5 times"),
-    Code.SIZE_LIMITS: ({"percent": 95.0, "limits": ["a wave 5 mm"]}, "95 % .* a wave 5 mm"),
+    Code.SIZE_LIMITS: ({"percent": 95.0, "limits": ["a wave 5 mm"]}, "95 %.* best .* a wave 5 mm"),
+    Code.SIZE_HIDDEN: ({"name": "a bend", "size": "27 %"}, "a bend of up to 27 %"),
+    Code.SIZE_UNLIMITED: ({"count": 3, "causes": 28}, "3 of the 28 causes .* nothing"),
     Code.SIZE_OF_MISFIT: ({"ratio": 3.4}, r"3\.4 times"),
     Code.SIZE_UNKNOWN: ({}, "no model"),
     Code.SURE_OF_CAUSE: (
@@ -44,9 +46,14 @@ ANSWERS = {
     Code.SURE_OF_RUNNER_UP: ({"name": "a bend", "lead": 3.0}, "a bend, is 20 times less"),
     Code.SURE_OF_MISFIT: ({"p_value": 1e-20}, "less than 1e-12"),
     Code.SURE_OF_NOTHING: (
-        {"p_value": 0.28, "level": 0.05, "probability": 0.57}, r"0\.28; below 0\.05 .* 57 %"
+        {"p_value": 0.28, "level": 0.05, "before": 0.5, "probability": 0.57},
+        r"no cause: .* 0\.28, .* below 0\.05 .* 50 % before any data, and is 57 %",
     ),
     Code.SURE_OF_LAW: ({"lead": 20.0, "band": 90.0}, "more than a million times .* 90 %"),
+    Code.SURE_OF_REST: (
+        {"where": "after the fit", "p_value": 0.002, "level": 0.05},
+        r"left after the fit .* p = 0\.002; .* 0\.05",
+    ),
     Code.SURE_OF_REFUSAL: ({}, "checks of the data"),
     Code.DO_REMEDY: ({"remedy": "Level it"}, "Level it"),
     Code.DO_KEEP: ({"model": "extended.toml", "first": False}, r"Or go on with extended\.toml"),

@@ -189,6 +189,8 @@ class Code(str, Enum):
     SIZE_OF_CAUSE = "size-of-cause"  #: A parameter with its error and its interval.
     SIZE_OF_LAW = "size-of-law"  #: How far a law of another shape is from that of the model.
     SIZE_LIMITS = "size-limits"  #: How large some causes could be, where nothing was found.
+    SIZE_HIDDEN = "size-hidden"  #: The cause that could be largest and not be seen.
+    SIZE_UNLIMITED = "size-unlimited"  #: How many causes these data do not limit.
     SIZE_OF_MISFIT = "size-of-misfit"  #: How far the recalibrated model is from the data.
     SIZE_UNKNOWN = "size-unknown"  #: Nothing was fitted.
     SURE_OF_CAUSE = "sure-of-cause"  #: The probability of what is claimed.
@@ -196,6 +198,7 @@ class Code(str, Enum):
     SURE_OF_MISFIT = "sure-of-misfit"  #: How probable such a misfit is by noise.
     SURE_OF_NOTHING = "sure-of-nothing"  #: The same, and the probability of no cause.
     SURE_OF_LAW = "sure-of-law"  #: How much more probable the data are with the law.
+    SURE_OF_REST = "sure-of-rest"  #: The extended model's errors are more than noise explains.
     SURE_OF_REFUSAL = "sure-of-refusal"  #: A refusal says nothing of causes.
     DO_REMEDY = "do-remedy"  #: What to do about one cause.
     DO_KEEP = "do-keep"  #: Go on with the extended model.

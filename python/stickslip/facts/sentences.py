@@ -196,6 +196,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "improvement": _improvement,
     "remedy_or_keep": _remedy_or_keep,
     "chances": _chances,
+    "percents_before": lambda f: _percent(f["before"]),
     "percents": lambda f: _percent(f["probability"]),
     "chance": lambda f: f"{f['p_value']:.2g}" if f["p_value"] > 1e-12 else "less than 1e-12",
     "odds": _odds,

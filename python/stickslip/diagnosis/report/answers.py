@@ -13,7 +13,6 @@ from stickslip.diagnosis.inference.experiment_design import Experiment, advice
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.next_step import next_step
 from stickslip.diagnosis.inference.ranking import set_members
-from stickslip.diagnosis.inference.upper_bounds import BOUND
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.cause_words import (
     Size,
@@ -23,7 +22,7 @@ from stickslip.diagnosis.report.cause_words import (
     plain_name,
     told,
 )
-from stickslip.diagnosis.report.certainty import sure_of
+from stickslip.diagnosis.report.certainty import gain_of, sure_of
 from stickslip.diagnosis.report.drawings import DRAWN
 from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
 from stickslip.diagnosis.report.limits import limits_in_words
@@ -92,7 +91,7 @@ def headline(
         return Fact(Code.HEADLINE_NONE, {})
     if kind == "data-problem":
         return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
-    gain = _gain(found)
+    gain = gain_of(found)
     fit = found.verdict.fit
     if fit is not None and all(each.relaxes_prior for each in fit.candidate.causes):
         gain = None  # recalibration has moved a constant most of the way, so it gains little
@@ -138,13 +137,6 @@ def _capital(text: str) -> str:
 
 def _lower(text: str) -> str:
     return text[:1].lower() + text[1:]
-
-
-def _gain(found: Findings) -> Gain | None:
-    """What was gained on held-out conditions, by a cause or by a law of another shape."""
-    if found.free_shape is not None and found.open_set is not None:
-        return found.open_set.gain
-    return found.gain
 
 
 def held_out_thing(posed: PosedProblem) -> str:
@@ -202,9 +194,9 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
                  {"name": _label(each, size), "size": size.text, "interval": size.interval})
             for causes in claimed[:_LISTED] for each in causes for size in each.sizes
         )  # fmt: skip
-    if found.verdict.kind == "none" and found.bounds:
-        limits = limits_in_words(found)
-        return (Fact(Code.SIZE_LIMITS, {"percent": 100.0 * BOUND, "limits": limits}),)
+    limits = limits_in_words(found) if found.verdict.kind == "none" else ()
+    if limits:
+        return limits
     said = []
     if found.free_shape is not None and found.open_set is not None:
         curve = found.open_set.curve
@@ -263,7 +255,7 @@ def _do(
 def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]:
     if found.verdict.kind == "data-problem":
         return (Fact(Code.BETTER_NO_MODEL, {}),)
-    gain = _gain(found)
+    gain = gain_of(found)
     if gain is not None:
         fields: Mapping[str, object] = _improvement(found, posed, gain, unit)
         error = errors_of_gain(found, gain, unit)

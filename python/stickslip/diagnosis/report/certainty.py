@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
+from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.open_set import BAND
+from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.ranking import runner_up
 from stickslip.diagnosis.report.cause_words import in_plain_words, meanings_of, plain_name
 from stickslip.facts import Code, Fact
@@ -17,14 +20,15 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
         return (Fact(Code.SURE_OF_REFUSAL, {}),)
     chance = {"p_value": found.detection.p_value}
     if verdict.kind == "none":
-        none = {"probability": verdict.probabilities["none"], "level": ALPHA}
+        before = prior_probabilities(found.problem)["none"]
+        none = {"probability": verdict.probabilities["none"], "before": before, "level": ALPHA}
         return (Fact(Code.SURE_OF_NOTHING, {**chance, **none}),)
     misfit = Fact(Code.SURE_OF_MISFIT, chance)
     if verdict.fit is None:
         if found.free_shape is None:
             return (misfit, *(in_plain_words(found, each) for each in verdict.reasons[:1]))
         law = {"lead": found.free_shape.lead, "band": 100.0 * BAND}
-        return (misfit, Fact(Code.SURE_OF_LAW, law))
+        return (misfit, Fact(Code.SURE_OF_LAW, law), *_rest(found))
     meanings = meanings_of(found)
     fields = {
         "names": [plain_name(each, meanings) for each in verdict.causes[:listed]],
@@ -43,4 +47,25 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
         said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
     if verdict.kind == "ambiguous":
         said += [in_plain_words(found, each) for each in verdict.reasons[:1]]
-    return (*said, misfit)
+    return (*said, misfit, *_rest(found))
+
+
+def gain_of(found: Findings) -> Gain | None:
+    """What was gained on held-out conditions, by a cause or by a law of another shape."""
+    if found.free_shape is not None and found.open_set is not None:
+        return found.open_set.gain
+    return found.gain
+
+
+def _rest(found: Findings) -> tuple[Fact, ...]:
+    """That the extended model leaves more than noise explains, where it does."""
+    gain, said = gain_of(found), []
+    if gain is not None and gain.p_value < ALPHA:
+        held_out = {"where": "on what the fit has not seen", "p_value": gain.p_value}
+        said.append(Fact(Code.SURE_OF_REST, {**held_out, "level": ALPHA}))
+    if found.extended is not None:
+        p_value = adequacy(*found.extended)
+        if p_value < ADEQUATE:
+            fitted = {"where": "after the fit", "p_value": p_value, "level": ADEQUATE}
+            said.append(Fact(Code.SURE_OF_REST, fitted))
+    return tuple(said)
