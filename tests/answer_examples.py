@@ -5,6 +5,8 @@ from stickslip.facts import Code, Fact
 FELL = {"count": 8, "thing": "condition", "before": "13 %", "after": "1.4 %", "change": "falls"}
 CHANGE = {"before": "13 % (2 mm/s)", "after": "1.4 % (0.2 mm/s)", "count": 1, "thing": "reading"}
 FOUND = {"finding": "The wave is high.", "remedy": "Level it", "causes": 1}
+SEVERAL = {**CHANGE, "leading": "a wave"}
+PREDICTED = [{"name": "a wave", "velocity": -6.3e-4}, {"name": "a bend", "velocity": 2e-3}]
 
 ANSWERS = {
     Code.HEADLINE_NAMED: (
@@ -21,7 +23,7 @@ ANSWERS = {
         {"count": 2, "things": "causes", "names": ["a wave", "a bend"]}, "2 causes .* wave; a bend"
     ),
     Code.HEADLINE_NONE: ({}, "recalibrated"),
-    Code.HEADLINE_UNEXPLAINED: ({"count": 28}, "28 causes"),
+    Code.HEADLINE_UNEXPLAINED: ({"count": 28}, "28 causes .* well enough.* which part"),
     Code.HEADLINE_LAW: (
         {"law": "drag", "argument": "speed", **FELL, "change": "grows"}, "drag .* speed .* but"
     ),
@@ -33,6 +35,7 @@ ANSWERS = {
     Code.SIZE_OF_CAUSE: (
         {"name": "A wave", "size": "5 +- 1 mm", "interval": "3 to 7 mm"}, "A wave: 5 .* is 3 to 7"
     ),
+    Code.SIZE_IN_INTERVAL: ({"name": "A wave", "interval": "3 to 7 mm"}, "A wave: .* 3 to 7 mm"),
     Code.SIZE_OF_LAW: ({"law": "drag", "low": 0.9, "high": 1.5}, r"drag .* 0\.9 and 1\.5 times"),
     Code.SIZE_LIMITS: ({"percent": 95.0, "limits": ["a wave 5 mm"]}, "95 %.* best .* a wave 5 mm"),
     Code.SIZE_HIDDEN: ({"name": "a bend", "size": "27 %"}, "a bend of up to 27 %"),
@@ -52,23 +55,28 @@ ANSWERS = {
     Code.SURE_OF_LAW: ({"lead": 20.0, "band": 90.0}, "more than a million times .* 90 %"),
     Code.SURE_OF_REST: (
         {"where": "after the fit", "p_value": 0.002, "level": 0.05},
-        r"left after the fit .* p = 0\.002; .* 0\.05",
+        r"left after the fit .*p = 0\.002; .* 0\.05",
     ),
     Code.SURE_OF_REFUSAL: ({}, "checks of the data"),
     Code.DO_REMEDY: ({"remedy": "Level it"}, "Level it"),
     Code.DO_KEEP: ({"model": "extended.toml", "first": False}, r"Or go on with extended\.toml"),
     Code.DO_EXPERIMENT: (
-        {"settings": "mode OPP", "why": Fact(Code.NO_SAFE_NAME, {})}, "mode OPP. No name"
+        {"settings": "mode OPP", "predicted": PREDICTED, "why": Fact(Code.NO_SAFE_NAME, {})},
+        r"mode OPP\. Predicted is -0\.63 mm/s if it is a wave, 2 mm/s if it is a bend\. No name",
     ),
     Code.DO_MEASURE_MORE: ({}, "repeat"),
     Code.DO_CONFIRM: ({"model": "extended.toml"}, r"extended\.toml"),
+    Code.DO_LEADING: (
+        {"model": "extended.toml", "name": "a wave"}, r"extended\.toml has .* leading .* a wave"
+    ),
     Code.DO_LOOK: ({}, "misfit is largest"),
     Code.DO_CORRECT: ({}, "again"),
     Code.BETTER_FALLS: (CHANGE, r"1 reading not used .* falls from 13 % \(2 mm/s\) to 1\.4 %"),
     Code.BETTER_NOT_SURE: (CHANGE, "may be chance"),
-    Code.BETTER_WORSE: (CHANGE, "grows from"),
+    Code.BETTER_WORSE: (SEVERAL, "fit, with a wave, the leading one, grows from"),
     Code.BETTER_IN_FIT: (CHANGE, "too few"),
     Code.BETTER_CONSTANTS: (CHANGE, r"13 % .* 1\.4 %"),
-    Code.BETTER_UNKNOWN: (CHANGE, r"1\.4 %"),
+    Code.BETTER_ALONE: (CHANGE, r"no other .* 1\.4 %"),
+    Code.BETTER_UNKNOWN: (CHANGE, r"none explains .* well enough; .* 1\.4 %"),
     Code.BETTER_NO_MODEL: ({}, "No model"),
 }  # fmt: skip

@@ -214,7 +214,7 @@ EXAMPLES = {
     ),
     Code.VELOCITIES_UNCHANGED: ({}, "hardly"),
     Code.VELOCITIES_FASTER: ({}, "faster throughout"),
-    Code.VELOCITIES_SLOWER: ({}, "slower throughout"),
+    Code.VELOCITIES_SLOWER: ({"causes": 2}, "^With both .* slower throughout"),
     Code.VELOCITIES_SHIFTED: ({"direction": "-x"}, "towards -x throughout"),
     Code.VELOCITIES_MIXED: (
         {"faster": ["IPP +x", "IPP -x"], "slower": ["OPP +x"]},

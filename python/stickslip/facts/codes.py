@@ -187,6 +187,8 @@ class Code(str, Enum):
     WHAT_UNKNOWN = "what-unknown"  #: No cause that was tried.
     WHAT_DATA = "what-data"  #: The data and not the model.
     SIZE_OF_CAUSE = "size-of-cause"  #: A parameter with its error and its interval.
+    #: The same where the error alone would contradict the interval.
+    SIZE_IN_INTERVAL = "size-in-interval"
     SIZE_OF_LAW = "size-of-law"  #: How far a law of another shape is from that of the model.
     SIZE_LIMITS = "size-limits"  #: How large some causes could be, where nothing was found.
     SIZE_HIDDEN = "size-hidden"  #: The cause that could be largest and not be seen.
@@ -205,6 +207,7 @@ class Code(str, Enum):
     DO_EXPERIMENT = "do-experiment"  #: What to measure next.
     DO_MEASURE_MORE = "do-measure-more"  #: No experiment is proposed.
     DO_CONFIRM = "do-confirm"  #: Use the recalibrated model.
+    DO_LEADING = "do-leading"  #: Of a set, the extended model has the leading one.
     DO_LOOK = "do-look"  #: Where to look for what is unexplained.
     DO_CORRECT = "do-correct"  #: Correct the table and diagnose it again.
     BETTER_FALLS = "better-falls"  #: Errors on held-out conditions surely fall.
@@ -212,5 +215,6 @@ class Code(str, Enum):
     BETTER_WORSE = "better-worse"  #: They grow.
     BETTER_IN_FIT = "better-in-fit"  #: Nothing was held out; errors of the fit alone.
     BETTER_CONSTANTS = "better-constants"  #: Only the constants are better.
-    BETTER_UNKNOWN = "better-unknown"  #: No better model was found.
+    BETTER_ALONE = "better-alone"  #: No other model is asked for.
+    BETTER_UNKNOWN = "better-unknown"  #: No model that was tried explains the data.
     BETTER_NO_MODEL = "better-no-model"  #: No model was fitted.

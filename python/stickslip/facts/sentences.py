@@ -171,6 +171,17 @@ def _chances(f: Fields) -> str:
     return ", ".join(f"{_percent(share)} for {name}" for share, name in each)
 
 
+def _by_leading(f: Fields) -> str:
+    """Which of several candidates the extended model has, where there are several."""
+    return f", with {f['leading']}, the leading one," if f.get("leading") else ""
+
+
+def _predicted_velocities(f: Fields) -> str:
+    """What each candidate predicts of a proposed experiment."""
+    each = [f"{p['velocity'] * 1e3:.3g} mm/s if it is {p['name']}" for p in f["predicted"]]
+    return f"Predicted is {', '.join(each)}. " if each else ""
+
+
 _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "at": lambda f: f"{f['table']} {_named_lines(f)}",
     "column_is": _column_is,
@@ -185,6 +196,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "taken_of_reading": _reading("taken"),
     "origin_in_words": lambda f: _ORIGINS[f["origin"]],
     "uneven_parts": _uneven_parts,
+    "with_this": lambda f: "With both" if f.get("causes") == 2 else "With this cause",
     "faster_and_slower": lambda f: " and ".join(
         f"{how} in {_listed(f[how])}" for how in ("faster", "slower") if f[how]
     ),
@@ -201,6 +213,8 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "chance": lambda f: f"{f['p_value']:.2g}" if f["p_value"] > 1e-12 else "less than 1e-12",
     "odds": _odds,
     "counted": _counted,
+    "by_leading": _by_leading,
+    "predicted_velocities": _predicted_velocities,
     "meaning_of": lambda f: f": {f['meaning']}" if f["meaning"] else "",
     "go_on": lambda f: "Go on" if f["first"] else "Or go on",
     "distance": lambda f: f"{abs(f['lead']):.1f} {'behind' if f['lead'] >= 0.0 else 'ahead'}",

@@ -190,8 +190,7 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
         return (Fact(Code.SIZE_UNKNOWN, {}),)
     if claimed:
         return tuple(
-            Fact(Code.SIZE_OF_CAUSE,
-                 {"name": _label(each, size), "size": size.text, "interval": size.interval})
+            _size_of(each, size)
             for causes in claimed[:_LISTED] for each in causes for size in each.sizes
         )  # fmt: skip
     limits = limits_in_words(found) if found.verdict.kind == "none" else ()
@@ -205,6 +204,17 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
         said.append(Fact(Code.SIZE_OF_LAW, {"law": found.free_shape.hook.quantity, **ends}))
     ratio_of_noise = float(np.sqrt(found.null.data_chi2 / len(found.problem.observed)))
     return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise}))
+
+
+def _size_of(cause: Told, size: Size) -> Fact:
+    """A parameter of a cause; its error only where that does not contradict its interval."""
+    label = _label(cause, size)
+    if size.error_fits:
+        fields = {"name": label, "size": size.text, "interval": size.interval}
+        return Fact(Code.SIZE_OF_CAUSE, fields)
+    both_signs = bool(size.way) and size.way in size.interval
+    way = f", {size.way}" if size.way and not both_signs else ""
+    return Fact(Code.SIZE_IN_INTERVAL, {"name": label, "interval": size.interval + way})
 
 
 def _label(cause: Told, size: Size) -> str:
@@ -228,34 +238,52 @@ def _do(
         return (Fact(Code.DO_CORRECT, {}),)
     if kind == "none":
         return (Fact(Code.DO_CONFIRM, model),)
+    steps = [_measure_next(found, posed, each) for each in experiments[:1] if each.decides]
     if kind == "unexplained" and found.free_shape is None:
-        return (Fact(Code.DO_LOOK, {}),)
+        return (Fact(Code.DO_LOOK, {}), *steps)
     if kind == "unexplained":
-        return (Fact(Code.DO_KEEP, {**model, "first": True}),)
-    steps = [
-        Fact(
-            Code.DO_EXPERIMENT,
-            {
-                "settings": changes(each.drive, posed.conditions),
-                "why": in_plain_words(found, each.why),
-            },
-        )
-        for each in experiments[:1]
-        if each.decides
-    ]
+        return (Fact(Code.DO_KEEP, {**model, "first": True}), *steps)
     if kind in ("named", "pair"):
         remedies = [each.remedy for each in claimed[0] if each.remedy]
         said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]
         keep = Fact(Code.DO_KEEP, {**model, "first": not said})
         return (*said, keep, *([] if next_step(found).code is Code.NAME_SAFE else steps))
     looks = [in_plain_words(found, each) for each in advice(found)]
-    return tuple([*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})])
+    measure = [*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})]
+    leading = _leading(found)
+    kept = [] if leading is None else [Fact(Code.DO_LEADING, {**model, "name": leading})]
+    return (*measure, *kept)
+
+
+def _measure_next(found: Findings, posed: PosedProblem, experiment: Experiment) -> Fact:
+    """A proposed experiment with what the first candidates predict of it."""
+    meanings = meanings_of(found)
+    predicted = [
+        {"name": plain_name(name, meanings), "velocity": each["velocity"]}
+        for name, each in experiment.predictions.items()
+    ]
+    fields = {
+        "settings": changes(experiment.drive, posed.conditions),
+        "predicted": predicted[:_LISTED],
+        "why": in_plain_words(found, experiment.why),
+    }
+    return Fact(Code.DO_EXPERIMENT, fields)
+
+
+def _leading(found: Findings) -> str | None:
+    """The candidate that the extended model has, where the verdict leaves several."""
+    fit = found.verdict.fit
+    if found.verdict.kind != "ambiguous" or fit is None:
+        return None
+    if len(found.verdict.causes) == len(fit.candidate.causes):
+        return None
+    return plain_name(fit.name, meanings_of(found))
 
 
 def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]:
     if found.verdict.kind == "data-problem":
         return (Fact(Code.BETTER_NO_MODEL, {}),)
-    gain = gain_of(found)
+    gain, leading = gain_of(found), {"leading": _leading(found)}
     if gain is not None:
         fields: Mapping[str, object] = _improvement(found, posed, gain, unit)
         error = errors_of_gain(found, gain, unit)
@@ -263,16 +291,16 @@ def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]
             "falls": Code.BETTER_FALLS, "not sure": Code.BETTER_NOT_SURE,
             "grows": Code.BETTER_WORSE,
         }[str(fields["change"])]  # fmt: skip
-        return (Fact(told_change, {**fields, **error.in_full}),)
+        return (Fact(told_change, {**fields, **error.in_full, **leading}),)
     error = errors_of(found, posed, unit)
     if found.verdict.kind == "none":
         return (_constants(error),)
     if found.verdict.fit is None:
         return (Fact(Code.BETTER_UNKNOWN, error.in_full),)
-    return (Fact(Code.BETTER_IN_FIT, error.in_full),)
+    return (Fact(Code.BETTER_IN_FIT, {**error.in_full, **leading}),)
 
 
 def _constants(error: Errors) -> Fact:
     """What recalibration alone has changed; of one's own model the stated one is not known."""
     known = error.before is not None
-    return Fact(Code.BETTER_CONSTANTS if known else Code.BETTER_UNKNOWN, error.in_full)
+    return Fact(Code.BETTER_CONSTANTS if known else Code.BETTER_ALONE, error.in_full)

@@ -35,11 +35,18 @@ class Size:
         The value with its error and unit, and the word for its sign.
     interval : str
         Both ends that hold 95 %.
+    way : str
+        The word for the sign of the value; empty where there is none.
+    error_fits : bool
+        Whether the error is less than half of the interval's width; an interval of a profile can
+        be narrower, where the profile is steep beyond the parabola or an end of the range is near.
     """
 
     name: str
     text: str
     interval: str
+    way: str = ""
+    error_fits: bool = True
 
     @property
     def parameter(self) -> str:
@@ -228,9 +235,11 @@ def _with_unit(value: float, entry: Entry, words: SizeWords) -> str:
 def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) -> Size:
     """A parameter with its error and its interval."""
     value, factor = float(entry["value"]), _factor(words, entry)
+    sd = float(entry["sd"]) * factor
     low, high = (end * factor for end in _interval(found, name, entry))
     way = words.up if value >= 0.0 else words.down
     text = _with_unit(abs(value) if words.up else value, entry, words)
+    fits = not sd > 0.5 * (high - low)
     told_apart = words.up != words.down
     ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
     if told_apart and low < 0.0 < high:
@@ -239,7 +248,8 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
     elif words.up:
         low, high = sorted((abs(low), abs(high)))
         ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
-    return Size(short(name), f"{text}, {way}" if told_apart else text, ends)
+    said = f"{text}, {way}" if told_apart else text
+    return Size(short(name), said, ends, way if told_apart else "", fits)
 
 
 def _interval(found: Findings, name: str, entry: Entry) -> tuple[float, float]:

@@ -44,6 +44,8 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
     second = next((each for each in facts if each and each.code is Code.RUNNER_UP), None)
     if second is not None:
         name = plain_name(str(second.fields["name"]), meanings)
+        if verdict.kind == "pair" and second.fields["name"] in verdict.causes:
+            name += " alone"
         said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
     if verdict.kind == "ambiguous":
         said += [in_plain_words(found, each) for each in verdict.reasons[:1]]

@@ -253,7 +253,9 @@ def _evidence(found: Findings, posed: PosedProblem) -> tuple[dict[str, Any], dic
     misfit = misfit_by_part(found, posed.parts()) if judged else {}
     lives = [where_it_lives(misfit)] if misfit and found.detection.found else []
     velocities = velocity_changes(found, posed.conditions)
-    patterns = {name: pattern(each) for name, each in velocities.items()}
+    patterns = {
+        name: pattern(each).of(causes=1 + name.count(" + ")) for name, each in velocities.items()
+    }
     changed, looks = changing(problem, parts), advice(found)
     numbers = {
         "signal_to_noise": signal_to_noise(found),
