@@ -34,6 +34,15 @@ _LISTED = 6
 
 
 @dataclass(frozen=True)
+class Drawn:
+    """A drawing: its name, the word for the sign of what was found, and its caption."""
+
+    name: str
+    way: str = ""
+    caption: str = ""
+
+
+@dataclass(frozen=True)
 class Answers:
     """What the first screen of a report says.
 
@@ -58,11 +67,18 @@ class Answers:
     better: tuple[Fact, ...]
 
     @property
-    def drawings(self) -> list[str]:
-        """Names of the drawings, each once; laws have the names of theirs."""
-        named = [each.drawing for causes in self.told for each in causes]
-        named += [] if self.law is None else [self.law]
-        return [each for each in dict.fromkeys(named) if each in DRAWN]
+    def drawings(self) -> list[Drawn]:
+        """A drawing of each cause; of candidates that can be drawn whole, or none of a pair."""
+        if self.law is not None:
+            # Laws have the names of their drawings.
+            return [Drawn(self.law)] if self.law in DRAWN else []
+        drawable = [causes for causes in self.told if all(each.drawing in DRAWN for each in causes)]
+        once = {each.name: each for causes in drawable[:_LISTED] for each in causes}
+        captions = len({each.name for causes in self.told for each in causes}) > 1
+        return [
+            Drawn(each.drawing, each.way, _capital(each.title) if captions else "")
+            for each in once.values()
+        ]
 
 
 def answers(

@@ -37,6 +37,8 @@ class Size:
         Both ends that hold 95 %.
     way : str
         The word for the sign of the value; empty where there is none.
+    magnitude : float
+        Of the value, in the person's unit.
     error_fits : bool
         Whether the error is less than half of the interval's width; an interval of a profile can
         be narrower, where the profile is steep beyond the parabola or an end of the range is near.
@@ -46,6 +48,7 @@ class Size:
     text: str
     interval: str
     way: str = ""
+    magnitude: float = 0.0
     error_fits: bool = True
 
     @property
@@ -83,6 +86,11 @@ class Told:
     sizes: tuple[Size, ...]
     meaning: str = ""
     listed: bool = True
+
+    @property
+    def way(self) -> str:
+        """The word for the sign of its leading size, the largest of those in one unit."""
+        return max(self.sizes, key=lambda each: each.magnitude).way if self.sizes else ""
 
 
 def rounded(value: float, sd: float) -> str:
@@ -249,7 +257,7 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
         low, high = sorted((abs(low), abs(high)))
         ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
     said = f"{text}, {way}" if told_apart else text
-    return Size(short(name), said, ends, way if told_apart else "", fits)
+    return Size(short(name), said, ends, way if told_apart else "", abs(value * factor), fits)
 
 
 def _interval(found: Findings, name: str, entry: Entry) -> tuple[float, float]:

@@ -35,21 +35,33 @@ def _note(x: float, y: float, text: str) -> str:
     return f'<text x="{x}" y="{y}">{text}</text>'
 
 
-_TILT = (
-    '<g transform="rotate(12 80 80)">' + _GROUND + _PLAIN + "</g>"
-    '<path class="thin" d="M14 96 H100"/>' + _arrow(44, 34, 44, 9) + _note(52, 26, "downhill")
-)
-_AMBIENT = (
-    _GROUND + _PLAIN + "".join(_arrow(20, y, 118, -14) for y in (30, 50)) + _note(145, 31, "B")
-)
-_TURNED = (
-    _GROUND
-    + _ROBOT.format(
-        '<path class="thin" d="M44 83 H118"/>'
-        + '<path class="cause" d="M50 88 L100 70 M91 69 L101 70 L94 77"/>'
-    )
-    + _note(66, 40, "moment")
-)
+def _tilt(degrees: float, level: str, arrow: str, x: float) -> str:
+    """The robot on a tilted surface, a level line, and an arrow downhill with its word at x."""
+    tilted = f'<g transform="rotate({degrees:g} 80 80)">{_GROUND}{_PLAIN}</g>'
+    return f'{tilted}<path class="thin" d="{level}"/>{arrow}{_note(x, 26, "downhill")}'
+
+
+_TILT = _tilt(12, "M14 96 H100", _arrow(44, 34, 44, 9), 52)
+_TILT_BACK = _tilt(-12, "M60 96 H146", _arrow(116, 34, -44, 9), 62)
+
+
+def _ambient(arrows: str, x: float, y: float) -> str:
+    return _GROUND + _PLAIN + arrows + _note(x, y, "B")
+
+
+_AMBIENT = _ambient("".join(_arrow(20, y, 118, 0) for y in (24, 44)), 145, 38)
+_AMBIENT_BACK = _ambient("".join(_arrow(138, y, -118, 0) for y in (24, 44)), 6, 38)
+_AMBIENT_UP = _ambient("".join(_arrow(x, 84, 0, -68) for x in (22, 134)), 118, 20)
+_AMBIENT_DOWN = _ambient("".join(_arrow(x, 16, 0, 68) for x in (22, 134)), 118, 20)
+
+
+def _turned(moment: str) -> str:
+    axis = '<path class="thin" d="M44 83 H118"/>'
+    return _GROUND + _ROBOT.format(axis + moment) + _note(66, 40, "moment")
+
+
+_TURNED = _turned(_arrow(50, 88, 50, -18))
+_TURNED_DOWN = _turned(_arrow(48, 76, 44, 15))
 _FRICTION = _GROUND + _PLAIN + _arrow(128, 86, -40, 0) + _note(112, 78, "F")
 _PATCHES = (
     _SURFACE
@@ -104,13 +116,15 @@ _CLOCK = (
     + _LENS
     + '<circle class="cause" cx="42" cy="34" r="22"/><path class="cause" d="M42 18 V34 L54 42"/>'
 )
-_CAMERA = (
-    _GROUND
-    + _PLAIN
-    + '<g transform="rotate(-9 80 60)">'
-    + '<rect class="cause" x="14" y="26" width="132" height="72"/></g>'
-    + _LENS
-)
+
+
+def _camera(degrees: float) -> str:
+    """The camera's frame, turned clockwise; what is in it then looks turned the other way."""
+    frame = '<rect class="cause" x="14" y="26" width="132" height="72"/>'
+    return f'{_GROUND}{_PLAIN}<g transform="rotate({degrees:g} 80 60)">{frame}</g>{_LENS}'
+
+
+_CAMERA, _CAMERA_BACK = _camera(-9), _camera(9)
 _WEIGHT = _GROUND + _PLAIN + _arrow(72, 40, 0, 44) + _note(60, 34, "m g")
 _FIELD = (
     _GROUND
@@ -137,13 +151,27 @@ _DRAWINGS = {
     "weight": (_WEIGHT, "The robot's weight"),
 }
 
+_POINTING = {
+    ("tilt", "downhill to -x"): _TILT_BACK,
+    ("ambient", "along -x"): _AMBIENT_BACK,
+    ("ambient", "along +z"): _AMBIENT_UP,
+    ("ambient", "along -z"): _AMBIENT_DOWN,
+    ("moment", "nose-down"): _TURNED_DOWN,
+    ("camera", "nose-up"): _CAMERA_BACK,
+}
+"""Drawings whose arrow points another way than the first, by the word for the sign."""
+
 DRAWN = frozenset(_DRAWINGS)
 """Names of all drawings."""
 
 
-def drawing(name: str) -> str:
-    """The drawing of that name as SVG; its parts have classes of the page's style."""
+def drawing(name: str, way: str = "") -> str:
+    """The drawing of that name as SVG; its parts have classes of the page's style.
+
+    `way` is the word for the sign of what was found, by which an arrow points.
+    """
     shapes, title = _DRAWINGS[name]
+    shapes = _POINTING.get((name, way), shapes)
     return (
         f'<svg class="drawing" viewBox="0 0 160 110" role="img" aria-label="{title}">'
         f"<title>{title}</title>{shapes}</svg>"

@@ -73,7 +73,7 @@ def page(
         answers=told,
         for_people=for_people,
         more_of_what=_more_of_what(found, numbers),
-        drawings=[Markup(drawing(name)) for name in told.drawings],
+        drawings=[(Markup(drawing(each.name, each.way)), each.caption) for each in told.drawings],
         large=large,
         panels=[]
         if large is None

@@ -1,0 +1,82 @@
+"""The first screen of a diagnosis: sizes and their intervals, drawings, and what is left over."""
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from stickslip.diagnosis.report.answers import Answers
+from stickslip.diagnosis.report.cause_words import Told, size_in_words
+from stickslip.diagnosis.report.certainty import sure_of
+from stickslip.diagnosis.report.drawings import drawing
+from stickslip.facts import Code, Fact
+from stickslip.facts.causes import CAUSES
+from toy_model import shared_result
+
+
+@pytest.mark.parametrize(
+    ("value", "text", "interval"),
+    [
+        (0.5, "0.50 +- 0.10 mT, along +x", "0.304 to 0.696 mT"),
+        (-0.5, "0.50 +- 0.10 mT, along -x", "0.304 to 0.696 mT"),
+        (-0.1, "0.10 +- 0.10 mT, along -x", "0.296 mT along -x to 0.096 mT along +x"),
+    ],
+)
+def test_an_interval_with_both_signs_has_both_words(value, text, interval):
+    entry = {"value": 1e-3 * value, "sd": 1e-4, "unit": "T"}
+    found = SimpleNamespace(profiles=())
+    words = CAUSES["ambient_field"].sizes["Bx"]
+    size = size_in_words(found, "effects.ambient_field.Bx", entry, words)
+    assert (size.name, size.text, size.interval) == ("ambient_field.Bx", text, interval)
+
+
+@pytest.mark.parametrize(("half", "fits"), [(0.15, True), (0.05, False)])
+def test_an_error_that_contradicts_the_interval_is_not_told_beside_it(half, fits):
+    entry = {"value": 5e-4, "sd": 1e-4, "unit": "T"}
+    name = "effects.ambient_field.Bx"
+    ends = (5e-4 - 1e-3 * half, 5e-4 + 1e-3 * half)
+    profile = SimpleNamespace(name=name, interval=lambda _: ends)
+    size = size_in_words(
+        SimpleNamespace(profiles=(profile,)), name, entry, CAUSES["ambient_field"].sizes["Bx"]
+    )
+    assert (size.error_fits, size.way) == (fits, "along +x")
+
+
+def test_an_arrow_points_the_way_that_was_found():
+    words = {
+        (each.drawing, way)
+        for each in CAUSES.values()
+        for size in each.sizes.values()
+        for way in (size.up, size.down)
+    }
+    for name in ("ambient", "tilt", "moment", "camera"):
+        ways = {way for drawn, way in words if drawn == name and re.match("along|down|nose", way)}
+        assert len(ways) in (2, 4)
+        assert len({drawing(name, way) for way in ways}) == len(ways), name
+
+
+def test_each_of_several_drawings_has_the_name_of_its_cause_and_a_pair_has_two_or_none():
+    def cause(name, picture):
+        return Told(name, f"a {name}", "", "", picture, ())
+
+    def drawn(*candidates):
+        one = Fact(Code.WHAT_NOTHING, {})
+        told = tuple(tuple(cause(*each) for each in causes) for causes in candidates)
+        return [
+            (each.name, each.caption)
+            for each in Answers(one, told, None, (one,), (), (), (), ()).drawings
+        ]
+
+    assert drawn([("bend", "coil")]) == [("coil", "")]
+    assert drawn([("bend", "coil"), ("wave", "coil")]) == [("coil", "A bend"), ("coil", "A wave")]
+    assert drawn([("bend", "coil"), ("wave", "")]) == []
+    assert drawn([("bend", "coil")], [("wave", "")]) == [("coil", "A bend")]
+
+
+def test_what_is_left_above_the_noise_is_said():
+    named = shared_result(3, wave=1.0)
+    gain = replace(named.findings.gain, p_value=0.002)
+    for found, expected in ((named.findings, 0), (replace(named.findings, gain=gain), 1)):
+        codes = [each.code for each in sure_of(found, 6)]
+        assert codes.count(Code.SURE_OF_REST) == expected
