@@ -31,11 +31,13 @@ def test_an_interval_with_both_signs_has_both_words(value, text, interval):
     assert (size.name, size.text, size.interval) == ("ambient_field.Bx", text, interval)
 
 
-@pytest.mark.parametrize(("half", "fits"), [(0.15, True), (0.05, False)])
-def test_an_error_that_contradicts_the_interval_is_not_told_beside_it(half, fits):
+@pytest.mark.parametrize(
+    ("low", "high", "fits"), [(0.35, 0.65, True), (0.45, 0.55, False), (0.45, 0.9, False)]
+)
+def test_an_error_that_contradicts_the_interval_is_not_told_beside_it(low, high, fits):
     entry = {"value": 5e-4, "sd": 1e-4, "unit": "T"}
     name = "effects.ambient_field.Bx"
-    ends = (5e-4 - 1e-3 * half, 5e-4 + 1e-3 * half)
+    ends = (1e-3 * low, 1e-3 * high)
     profile = SimpleNamespace(name=name, interval=lambda _: ends)
     size = size_in_words(
         SimpleNamespace(profiles=(profile,)), name, entry, CAUSES["ambient_field"].sizes["Bx"]

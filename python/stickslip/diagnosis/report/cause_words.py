@@ -40,8 +40,8 @@ class Size:
     magnitude : float
         Of the value, in the person's unit.
     error_fits : bool
-        Whether the error is less than half of the interval's width; an interval of a profile can
-        be narrower, where the profile is steep beyond the parabola or an end of the range is near.
+        Whether one standard deviation about the value stays within the interval. Beside a lopsided
+        profile it may not, as the larger side of that counts for the error.
     """
 
     name: str
@@ -247,7 +247,7 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
     low, high = (end * factor for end in _interval(found, name, entry))
     way = words.up if value >= 0.0 else words.down
     text = _with_unit(abs(value) if words.up else value, entry, words)
-    fits = not sd > 0.5 * (high - low)
+    fits = not (value * factor - sd < low or value * factor + sd > high)
     told_apart = words.up != words.down
     ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
     if told_apart and low < 0.0 < high:
