@@ -62,7 +62,7 @@ ANSWERS = {
     Code.DO_KEEP: ({"model": "extended.toml", "first": False}, r"Or go on with extended\.toml"),
     Code.DO_EXPERIMENT: (
         {"settings": "mode OPP", "predicted": PREDICTED, "why": Fact(Code.NO_SAFE_NAME, {})},
-        r"mode OPP\. Predicted is -0\.63 mm/s if it is a wave, 2 mm/s if it is a bend\. No name",
+        r"mode OPP\. Predicted is -0\.63 mm/s with a wave, 2 mm/s with a bend\. No name",
     ),
     Code.DO_MEASURE_MORE: ({}, "repeat"),
     Code.DO_CONFIRM: ({"model": "extended.toml"}, r"extended\.toml"),

@@ -178,7 +178,7 @@ def _by_leading(f: Fields) -> str:
 
 def _predicted_velocities(f: Fields) -> str:
     """What each candidate predicts of a proposed experiment."""
-    each = [f"{p['velocity'] * 1e3:.3g} mm/s if it is {p['name']}" for p in f["predicted"]]
+    each = [f"{p['velocity'] * 1e3:.3g} mm/s with {p['name']}" for p in f["predicted"]]
     return f"Predicted is {', '.join(each)}. " if each else ""
 
 
