@@ -98,7 +98,8 @@ def test_the_change_by_a_tilt_is_that_of_the_simulator(full):
     )
     way = np.sign(tilt - plain)
     assert all(np.sign(each["change"]) == way for each in found["parts"].values())
-    shifted = Fact(Code.VELOCITIES_SHIFTED, {"direction": "+x" if way > 0 else "-x"})
+    fields = {"direction": "+x" if way > 0 else "-x", "causes": 1}
+    shifted = Fact(Code.VELOCITIES_SHIFTED, fields)
     assert found["in_words"] == str(shifted)
     assert full["facts"]["velocity_changes"]["surface_tilt"] == shifted.as_dict()
 
