@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from html import escape
 
@@ -22,12 +23,12 @@ def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:
     return "\n".join(["<table>", caption, *lines, "</table>"])
 
 
-class ShownBySummary:
+class ShownBySummary(ABC):
     """What has a `summary` of text, which a notebook shows with its line ends, escaped."""
 
+    @abstractmethod
     def summary(self) -> str:
         """The text."""
-        raise NotImplementedError
 
     def _repr_html_(self) -> str:
         shown = "\n".join(map(_text, self.summary().split("\n")))
