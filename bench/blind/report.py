@@ -49,7 +49,7 @@ def _cost(rows: Sequence[Row]) -> list[str]:
     some = [row["cpu_seconds"] for row in rows if found(row)] or [0.0]
     return [
         "",
-        f"{len(rows)} data sets of up to 30 conditions; a diagnosis takes {np.median(seconds):.0f} "
+        f"{len(rows)} data sets of up to 30 conditions; a diagnosis took {np.median(seconds):.0f} "
         f"s CPU time in the median (asked: {_MEDIAN:.0f}), {np.median(some):.0f} s where "
         f"something is found, {max(seconds):.0f} s at most (asked: {_MOST:.0f}).",
     ]
