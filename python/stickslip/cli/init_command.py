@@ -26,6 +26,9 @@ _REMARKS = {
 # base, hold, edge and clamp are not stated in the paper: their defaults are this package's.
 # With mode = "program", the other keys but direction are left out, and
 # file = "voltages.csv"  # columns t (s), xp, xm, yp, ym, clamp (V); relative to this file""",
+    "coil": """\
+# A measured field takes the place of side, distance and turns, which then keep their defaults:
+# map = "map.csv"  # columns x, y, z (m), coil, Bx, By, Bz (T/A); relative to this file""",
 }
 
 _TAIL = """\

@@ -37,6 +37,17 @@ PROGRAM = "drive.program"
 FILE = "drive.file"
 """The CSV file of voltages, which only a scenario's file and --set know."""
 
+COIL_MAP = "coil.map"
+"""The measured field of the coils: a `FieldMap`, or in a file and with --set the path of one."""
+
+PATHS = (FILE, COIL_MAP)
+"""Keys that hold the path of a file in a scenario's file and with --set."""
+
+OBJECTS = (PROGRAM, COIL_MAP)
+"""Keys that hold neither a number nor a word."""
+
+MAP_HINT = "in Python, coil.map takes a FieldMap, such as FieldMap.from_file(path)"
+
 PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
 _FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
 
@@ -273,6 +284,8 @@ def find_key(name: str, *value: object) -> Key:
     given = " = ".join([name, *map(shown, value)])
     if name == FILE:
         raise ScenarioError(f"{given}: there is no such key here; {_FILE_HINT}")
+    if name == COIL_MAP:
+        raise ScenarioError(f"{given}: allowed is neither a number nor a word; {MAP_HINT}")
     raise ScenarioError(f"{given}: there is no such key; {key_hint(name)}")
 
 

@@ -9,9 +9,19 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, checked, refuse
+from stickslip.scenario.keys import (
+    COIL_MAP,
+    FILE,
+    MAP_HINT,
+    OBJECTS,
+    PROGRAM,
+    PROGRAM_HINT,
+    checked,
+    refuse,
+)
 
 if TYPE_CHECKING:
+    from stickslip.scenario.field_map import FieldMap
     from stickslip.scenario.waveform import Waveform
 
 COIL_NAMES = _core.coil_names
@@ -44,8 +54,8 @@ class Section:
 
     def __post_init__(self) -> None:
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
-            if each.name != "program":
-                key = f"{self._key}.{each.name.removesuffix('_')}"
+            key = f"{self._key}.{each.name.removesuffix('_')}"
+            if key not in OBJECTS:
                 value = checked(key, getattr(self, each.name))
                 object.__setattr__(self, each.name, value)
 
@@ -130,6 +140,9 @@ class Coil(Section):
         Distance of each coil's plane from the centre, m.
     turns : float
         Number of turns.
+    map : FieldMap, optional
+        Measured field of the five coils, in place of that of `side`, `distance` and `turns`, which
+        then have their defaults.
     """
 
     resistance: float = 10.0
@@ -137,6 +150,15 @@ class Coil(Section):
     side: float = 0.1385
     distance: float = 0.099
     turns: float = 510.0
+    map: FieldMap | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.map is not None:
+            from stickslip.scenario.field_map import FieldMap
+
+            if not isinstance(self.map, FieldMap):
+                refuse(COIL_MAP, self.map, f"a path in a file or with --set; {MAP_HINT}")
 
 
 @dataclass(frozen=True, kw_only=True)

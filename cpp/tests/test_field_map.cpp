@@ -1,0 +1,3 @@
+#include "stickslip/field_map.hpp"
+
+#include <doctest/doctest.h>
