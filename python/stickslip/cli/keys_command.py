@@ -11,7 +11,8 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON
 from stickslip.cli.completion import key_or_section
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import COIL_MAP, FILE, Key, full_name, key_hint, known_keys, shown
+from stickslip.scenario.keys import Key, full_name, key_hint, known_keys, shown
+from stickslip.scenario.path_keys import COIL_MAP, FILE
 
 _PATHS = {
     "drive.mode": (

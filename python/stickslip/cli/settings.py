@@ -11,17 +11,8 @@ from typing import Any, TypeVar
 
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.field_map import FieldMap
-from stickslip.scenario.keys import (
-    COIL_MAP,
-    FILE,
-    OBJECTS,
-    PATHS,
-    PROGRAM,
-    PROGRAM_HINT,
-    Value,
-    checked,
-    full_name,
-)
+from stickslip.scenario.keys import Value, checked, full_name
+from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.scenario.toml_file import read_parts, with_uncertain_of

@@ -155,8 +155,9 @@ def _draw_measured_field(axes: Axes, coils: Coils, currents: Array) -> None:
     field = coils.field(np.stack([x, np.zeros_like(x), z], axis=-1), currents) * 1e3
     _paint(axes, x_places * 1e3, z_places * 1e3, field, np.linalg.norm(field, axis=-1))
     # As wide as high, as the inset of the robot expects it.
-    for place, limits in zip(middle, (axes.set_xlim, axes.set_ylim), strict=True):
-        limits((place - half.max()) * 1e3, (place + half.max()) * 1e3)
+    first, last = (middle - half.max()) * 1e3, (middle + half.max()) * 1e3
+    axes.set_xlim(first[0], last[0])
+    axes.set_ylim(first[1], last[1])
     pairs = zip(COIL_NAMES, currents.tolist(), strict=True)
     axes.set_title(", ".join(f"{name}: {value:.3g} A" for name, value in pairs), fontsize=8.0)
 

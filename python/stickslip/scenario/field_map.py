@@ -122,7 +122,7 @@ class FieldMap:
 
     @classmethod
     def from_coils(cls, samples: Sequence[tuple[Array, Array]], source: str = "") -> FieldMap:
-        """The same of points (n, 3) and fields (n, 3) for each coil; their box is the common one."""
+        """The same of points (n, 3) and fields (n, 3) for each coil, in a common box."""
         low, high, fits = fit_coils(samples)
         for name, fit in zip(COIL_NAMES, fits, strict=True):
             _refuse_bad_fit(name, fit)

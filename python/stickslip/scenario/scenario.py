@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
-    OBJECTS,
     Value,
     check_kind,
     checked,
@@ -24,9 +23,9 @@ from stickslip.scenario.keys import (
     find_key,
     full_name,
     known_keys,
-    recorded_fields,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
+from stickslip.scenario.path_keys import OBJECTS
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import (
     Coil,
@@ -37,6 +36,7 @@ from stickslip.scenario.sections import (
     Record,
     Robot,
     Solver,
+    refuse_uncertain_geometry,
 )
 from stickslip.scenario.state import State
 
@@ -105,6 +105,8 @@ class Scenario:
                 f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
                 "by drive.file or a waveform"
             )
+        if self.uncertain is not None:
+            refuse_uncertain_geometry(self.coil, self.uncertain.names)
         try:
             self._kept_core().check()
         except ValueError as error:
@@ -218,7 +220,7 @@ class Scenario:
         made = object.__new__(type(self))
         vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)
         if "record" in parts:
-            _set_record(core, made.record)
+            made.record.give_to(core)
         if not changes.keys() & {*OBJECTS}:
             vars(made)[_KEPT] = (known_keys(), core)
         made._check()
@@ -319,19 +321,8 @@ class Scenario:
             core.set_program(self.drive.program.to_core())
         if self.coil.map is not None:
             core.set_map(self.coil.map.to_core())
-        _set_record(core, self.record)
+        self.record.give_to(core)
         return core
-
-
-def _set_record(core: _core.Scenario, record: Record) -> None:
-    """Give the core the keys of the record."""
-    fields = recorded_fields(str(record.fields))
-    if record.rate == "events":
-        core.record_events(record.from_, fields)
-    elif isinstance(record.rate, float):
-        core.record_uniform(record.rate, record.from_, fields)
-    else:
-        core.record_nothing()
 
 
 _FIELDS = dataclasses.fields(Scenario)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from stickslip._util.handy_units import handy
 from stickslip._util.html_table import html_table
-from stickslip.scenario.keys import COIL_MAP, PROGRAM, Key, Value, known_keys
+from stickslip.scenario.keys import Key, Value, known_keys
+from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario

@@ -9,16 +9,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import (
-    COIL_MAP,
-    FILE,
-    MAP_HINT,
-    OBJECTS,
-    PROGRAM,
-    PROGRAM_HINT,
-    checked,
-    refuse,
-)
+from stickslip.scenario.keys import checked, recorded_fields, refuse
+from stickslip.scenario.path_keys import COIL_MAP, FILE, MAP_HINT, OBJECTS, PROGRAM, PROGRAM_HINT
 
 if TYPE_CHECKING:
     from stickslip.scenario.field_map import FieldMap
@@ -41,6 +33,19 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
         raise ScenarioError(
             f'{key}: not allowed with drive.mode = "program", whose voltages are those of {FILE} '
             "alone"
+        )
+
+
+_GEOMETRY = ("side", "distance", "turns")
+
+
+def refuse_uncertain_geometry(coil: Coil, keys: Iterable[str]) -> None:
+    """Refuse the first uncertain key of the coils' geometry, which has no effect beside a map."""
+    key = next((key for key in keys if "coil" in key and key.endswith(_GEOMETRY)), None)
+    if coil.map is not None and key is not None:
+        raise ScenarioError(
+            f"{key}: cannot be uncertain beside {COIL_MAP}, which has the field of the coils; "
+            "effects.field_gain.in_plane and effects.field_gain.clamp can"
         )
 
 
@@ -294,3 +299,13 @@ class Record(Section):
     from_: float = 0.0
     fields: str | Sequence[str] = "all"
     dtype: Literal["float64", "float32"] = "float64"
+
+    def give_to(self, core: _core.Scenario) -> None:
+        """Set the keys of the record in the core's scenario, which takes them together."""
+        fields = recorded_fields(str(self.fields))
+        if self.rate == "events":
+            core.record_events(self.from_, fields)
+        elif isinstance(self.rate, float):
+            core.record_uniform(self.rate, self.from_, fields)
+        else:
+            core.record_nothing()

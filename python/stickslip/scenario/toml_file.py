@@ -12,21 +12,9 @@ from typing import TYPE_CHECKING, Any
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
 from stickslip._util.plain_text import printable, quoted
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import (
-    COIL_MAP,
-    FILE,
-    OBJECTS,
-    PATHS,
-    PROGRAM,
-    PROGRAM_HINT,
-    Value,
-    field_of,
-    known_keys,
-    refuse,
-    shown,
-    suggestion,
-)
+from stickslip.scenario.keys import Value, field_of, known_keys, refuse, shown, suggestion
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
+from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth

@@ -32,8 +32,7 @@ _MOST_POINTS = 100_000
 def volts_per_tesla(coil: Coil | None = None) -> float:
     """Voltage of one coil for a steady-state field of 1 T at the centre, V/T.
 
-    Resistance over field per ampere, Eqs. (1)-(7); of coils without values of their own. With a map
-    it is that of the +x coil, and the others may have another.
+    Resistance over field per ampere, Eqs. (1)-(7); of coils without own values, or a map's +x coil.
     """
     coil = coil or Coil()
     fields = Scenario(coil=coil).to_core().coils().centre_field_per_ampere

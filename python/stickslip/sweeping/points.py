@@ -18,16 +18,9 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import (
-    COIL_MAP,
-    PROGRAM,
-    Value,
-    checked,
-    known_keys,
-    shown,
-    until_registration,
-)
+from stickslip.scenario.keys import Value, checked, known_keys, shown, until_registration
 from stickslip.scenario.named_effects import PREFIX
+from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.sweeping.results import NUMBERS
