@@ -112,7 +112,8 @@ class FieldMap:
         """
         places = np.asarray(points, dtype=np.float64)
         values = np.asarray(fields, dtype=np.float64)
-        if places.ndim != 2 or values.shape != (len(places), len(COIL_NAMES), 3):
+        count = len(places) if places.ndim else 0
+        if places.shape != (count, 3) or values.shape != (count, len(COIL_NAMES), 3):
             raise ScenarioError(
                 f"points of shape {places.shape} and fields of shape {values.shape}: allowed are "
                 "(n, 3) and (n, 5, 3)"

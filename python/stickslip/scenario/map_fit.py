@@ -85,6 +85,11 @@ class _Basis:
         self._degree = degree
         while self._degree > 1 and not known[: _count(self._degree)].all():
             self._degree -= 1
+        if self._degree < 2:
+            raise ScenarioError(
+                "the points do not determine the gradient of the field: allowed are points of a "
+                "box, or of the plane y = 0, and not of a line"
+            )
 
     def fit(self, fields: Array) -> CoilFit:
         """The fit of the degree that predicts best what it was not fitted to."""
@@ -125,10 +130,6 @@ class _Basis:
                 continue
             out = np.linalg.solve(free, left.reshape(count, 3, 1))
             errors.append(float(np.mean(out**2)))
-        if not np.isfinite(errors[0]):  # points on a line, say
-            raise ScenarioError(
-                "the points do not determine the field: allowed are points in a box"
-            )
         return np.array(errors)
 
 
