@@ -28,10 +28,6 @@ _SINGULAR = 1e-7
 """Part of a harmonic's field at the points that has to be none of the harmonics before it. Chosen:
 what is less is rounding, as of high degrees on a grid of few planes."""
 
-_AS_GOOD = 1.02
-"""Error of prediction, relative to the least one, up to which a lower degree is taken. Chosen: the
-errors of neighbouring degrees that are all noise differ by a per cent."""
-
 
 @dataclass(frozen=True)
 class CoilFit:
@@ -95,8 +91,7 @@ class _Basis:
         """The fit of the degree that predicts best what it was not fitted to."""
         values = fields.reshape(-1)
         shares = self._q.T @ values
-        errors = self._prediction_errors(values, shares)
-        degree = 1 + int(np.argmax(errors <= _AS_GOOD * errors.min()))
+        degree = 1 + int(np.argmin(self._prediction_errors(values, shares)))
         count = _count(degree)
         left = values - self._q[:, :count] @ shares[:count]
         solution = np.linalg.solve(self._r[:count, :count], shares[:count])
