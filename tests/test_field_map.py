@@ -20,6 +20,7 @@ from stickslip import (
     ScenarioError,
     Simulator,
     Waveform,
+    _core,
     plot,
     simulate,
     simulate_batch,
@@ -231,6 +232,20 @@ def test_a_map_of_the_plane_of_motion_suffices():
     flat = formula_map(half=(8e-3, 0.0, 3e-3), count=(9, 1, 5))
     expected = simulate(Scenario().replace(RUNS["IPP"])).mean_velocity
     assert simulate(with_map(flat)).mean_velocity == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_map_that_begins_at_the_surface_suffices():
+    points = grid(half=(8e-3, 2e-3, 2e-3)) + np.array([0.0, 0.0, 2e-3])
+    above = FieldMap.from_points(points, formula_fields(points))
+    assert above.low[2] == 0.0
+    expected = simulate(Scenario().replace(RUNS["IPP"])).mean_velocity
+    assert simulate(with_map(above)).mean_velocity == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.skipif(not _core.has_arkode, reason="this build has no arkode")
+def test_both_integrators_take_a_map(exact):
+    one, other = (simulate(with_map(exact, solver__method=each)) for each in ("tsit5", "arkode"))
+    assert other.mean_velocity == pytest.approx(one.mean_velocity, rel=1e-5)
 
 
 def test_coils_that_are_not_there_have_zeros(exact):

@@ -1,6 +1,7 @@
 """Files of measured fields: what is read, refused, and written with a scenario or a run."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -74,6 +75,7 @@ def test_a_scenario_with_a_map_is_written_and_read_to_the_last_bit(folder):
     again = load(folder / "again.toml")
     assert again == scenario
     assert again.coil.map.residual == scenario.coil.map.residual
+    assert pickle.loads(pickle.dumps(scenario)) == scenario
     assert simulate(again).summary() == simulate(scenario).summary()
 
 
