@@ -297,49 +297,6 @@ def test_the_coils_of_a_map_are_drawn_where_it_is(exact):
     assert "xp: 2 A" in axes.get_title()
 
 
-@pytest.mark.parametrize(
-    ("points", "fields", "said"),
-    [
-        (np.zeros((9, 2)), np.zeros((9, 5, 3)), "points of shape (9, 2)"),
-        (grid(count=(2, 2, 1)), None, "coil xp: 4 points: allowed are 8 or more"),
-        (grid() * 1e3, None, "x = -8.0: allowed are -1 to 1 m; are these millimetres?"),
-        (grid() + np.array([0.02, 0, 0]), None, "x goes from 0.012 to 0.028 m"),
-        (grid() * [1, 1, 0], None, "z = 0.0 m at all points: allowed are maps of some width"),
-        (
-            np.linspace(-1e-3, 1e-3, 20)[:, None] * [1.0, 0.0, 1.0],
-            None,
-            "the gradient of the field",
-        ),
-        (grid(), np.nan, "coil xp, point 1: Bx = nan"),
-        (grid(), 1e3, "T/A; are these mT/A or gauss?"),
-        (
-            grid(),
-            -1.0,
-            "coil xp: Bx = -0.0009626 T/A at x = y = z = 0: allowed is a positive field",
-        ),
-    ],
-)
-def test_points_that_make_no_map_are_refused(points, fields, said):
-    given = fields
-    if fields is None or np.ndim(fields) == 0:
-        safe = np.clip(points, -0.05, 0.05) if points.shape[1] == 3 else points
-        given = formula_fields(safe) * (1.0 if fields is None else fields)
-    with pytest.raises(ScenarioError) as refusal:
-        FieldMap.from_points(points, given)
-    assert said in str(refusal.value)
-    assert "\n" not in str(refusal.value)
-
-
-def test_what_no_coil_makes_is_refused():
-    points = grid()
-    # Rows in a wrong order: over these 16 mm the field changes by 30 %.
-    fields = np.random.default_rng(4).permutation(formula_fields(points))
-    with pytest.raises(
-        ScenarioError, match="coil xp: the field of a coil comes near to the values"
-    ):
-        FieldMap.from_points(points, fields)
-
-
 def test_what_is_no_map_is_refused_where_one_belongs(exact):
     with pytest.raises(ScenarioError, match=r'coil\.map = "map\.csv"'):
         Coil(map="map.csv")

@@ -19,8 +19,8 @@ constexpr std::size_t sine(std::size_t l, std::size_t m) {
 constexpr std::size_t kMostHarmonics = (FieldMap::kMostDegree + 1) * (FieldMap::kMostDegree + 1);
 using Harmonics = std::array<double, kMostHarmonics>;
 
-// All up to a degree at u, by the recurrences of Helgaker et al., Eqs. (9.13.66) to (9.13.69), but
-// for the phase.
+// All up to a degree at u, by the recurrences R_ll = (x + iy) R_l-1,l-1 / (2 l) and
+// (l^2 - m^2) R_lm = (2 l - 1) z R_l-1,m - r^2 R_l-2,m.
 void evaluate(std::size_t degree, const Eigen::Vector3d& u, Harmonics& of) {
     const double x = u[0], y = u[1], z = u[2];
     const double r2 = u.squaredNorm();
