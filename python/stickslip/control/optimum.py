@@ -187,7 +187,7 @@ class Optimum(OneLine):
         """Write the best drive and one HTML page into the folder `out`, which is made: all or none.
 
         ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
-        ``best.map.json`` the field of `Coil.map`, if there is one, and ``report.html`` needs no
+        ``best.map.json`` the field of ``coil.map``, if there is one, and ``report.html`` needs no
         other file.
 
         Raises

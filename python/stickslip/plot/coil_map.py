@@ -38,7 +38,7 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     """Draw the five coils with their field in the plane of motion, and the robot to scale.
 
     Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils, also of
-    coils of one's own, by Eqs. (2)-(7), without what other named effects add. With `Coil.map` the
+    coils of one's own, by Eqs. (2)-(7), without what other named effects add. With ``coil.map`` the
     drawing ends where the map does, and no wires are drawn, as it does not say where they are. The
     wires of the
     coils at +x and -x and of the one below cross the plane at the circles; a dot in one is a

@@ -147,7 +147,7 @@ class Scenario:
         ----------
         path : path-like, optional
             Where to write it too. The voltages of a program go beside it, to
-            ``<stem>.voltages.csv``, and the fitted field of `Coil.map` to ``<stem>.map.json``.
+            ``<stem>.voltages.csv``, and the fitted field of ``coil.map`` to ``<stem>.map.json``.
 
         Returns
         -------

@@ -51,7 +51,7 @@ class Coils:
     def of(cls, scenario: Scenario) -> Coils:
         """The coils of a scenario, with what ``[effects.coil_xp]`` .. say of single ones.
 
-        With `Coil.map` the field is that of the map, and known in its `box` only; side, distance
+        With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance
         and turns then have no part in it.
         """
         made = cls()
