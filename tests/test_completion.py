@@ -101,7 +101,7 @@ def test_words_are_completed(monkeypatch, shell, case):
 def test_every_key_of_the_model_is_offered_but_laws_of_a_free_shape(monkeypatch, shell):
     found = answers(shell, ["stickslip", "run", "s.toml", "--set", ""], monkeypatch)
     hidden = [name for name in NAMES if name.startswith("effects.free_")]
-    assert found == plain(f"{k}=" for k in ({"drive.file", *NAMES} - {*hidden}))
+    assert found == plain(f"{k}=" for k in ({"drive.file", "coil.map", *NAMES} - {*hidden}))
     found = answers(shell, ["stickslip", "run", "s.toml", "--set", "effects.free_d"], monkeypatch)
     assert found == plain(f"{k}=" for k in keys_with("effects.free_d"))
     found = answers(shell, ["stickslip", "sweep", "s.toml", "--vary", "drive.f"], monkeypatch)

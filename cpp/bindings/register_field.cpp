@@ -9,6 +9,7 @@
 
 #include "register.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/field_map.hpp"
 #include "stickslip/probe.hpp"
 
 namespace py = pybind11;
@@ -99,9 +100,35 @@ Array readings(const Scenario& base, const std::vector<std::string>& keys, const
     return result;
 }
 
+/// Shape (points, 3, harmonics).
+Array fields_of_harmonics(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                          std::size_t degree, const Array& points) {
+    if (points.ndim() != 2 || points.shape(1) != 3) {
+        throw std::invalid_argument("points must be (n, 3)");
+    }
+    std::vector<Eigen::Vector3d> places;
+    for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+        places.emplace_back(points.at(i, 0), points.at(i, 1), points.at(i, 2));
+    }
+    const std::vector<double> found = harmonic_fields({low, high}, degree, places);
+    Array result(
+        {points.shape(0), py::ssize_t{3}, static_cast<py::ssize_t>(FieldMap::count(degree))});
+    std::copy(found.begin(), found.end(), result.mutable_data());
+    return result;
+}
+
 }  // namespace
 
 void register_field(py::module_& module) {
+    py::class_<FieldMap>(module, "FieldMap")
+        .def(py::init([](const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                         const PerCoilOf<std::vector<double>>& coefficients) {
+                 return FieldMap({low, high}, coefficients);
+             }),
+             py::arg("low"), py::arg("high"), py::arg("coefficients"));
+    module.def("harmonic_fields", &fields_of_harmonics, py::arg("low"), py::arg("high"),
+               py::arg("degree"), py::arg("points"));
+    module.attr("most_map_degree") = FieldMap::kMostDegree;
     py::class_<CoilSet>(module, "CoilSet")
         .def(py::init([](const PerCoil& side, const PerCoil& distance, const PerCoil& turns) {
                  PerCoilOf<CoilGeometry> geometry;
@@ -125,6 +152,12 @@ void register_field(py::module_& module) {
                                })
         .def("field", &field, py::arg("points"), py::arg("currents"))
         .def("gradient", &gradient, py::arg("points"), py::arg("currents"))
+        .def_property_readonly("box",
+                               [](const CoilSet& self) -> py::object {
+                                   if (self.map() == nullptr) return py::none();
+                                   const auto& [low, high] = self.map()->box();
+                                   return py::make_tuple(low, high);
+                               })
         .def("shares", &shares, py::arg("points"), py::arg("currents"));
     module.def("probe_readings", &readings, py::arg("base"), py::arg("keys"), py::arg("values"),
                py::arg("points"), py::arg("currents"));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bitset>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -181,6 +182,12 @@ void register_scenario(py::module_& module) {
             "set_program",
             [](Scenario& self, const py::list& blocks) { self.program = program_from(blocks); },
             py::arg("blocks"))
+        .def(
+            "set_map",
+            [](Scenario& self, const FieldMap& map) {
+                self.map = std::make_shared<const FieldMap>(map);
+            },
+            py::arg("map"))
         .def("record_nothing", [](Scenario& self) { self.record = {}; })
         .def(
             "record_events",
@@ -195,7 +202,7 @@ void register_scenario(py::module_& module) {
             },
             py::arg("rate"), py::arg("start") = 0.0, py::arg("fields") = kEveryColumn)
         .def("check", &check)
-        .def("coils", [](const Scenario& self) { return coil_set(world_coils(self)); })
+        .def("coils", [](const Scenario& self) { return world_coil_set(self); })
         .def("resistances",
              [](const Scenario& self) {
                  const PerCoilOf<CoilParameters> coils = world_coils(self);

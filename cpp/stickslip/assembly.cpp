@@ -64,6 +64,18 @@ void check_work(const Scenario& s, double duration) {
     }
 }
 
+// A sawtooth is given as the field of two coils at the centre.
+void check_drive_of_map(const Scenario& s) {
+    for (const Coil coil : {in_plane_coil(s.drive.direction), Coil::clamp}) {
+        const double field = world_coil_set(s).centre_field_per_ampere(coil);
+        if (field > 0.0) continue;
+        throw std::invalid_argument(
+            std::string("coil.map: coil ") + name(coil) + " has " + digits(field) +
+            " T/A along its axis at x = y = z = 0, from which the drive counts: allowed is a field "
+            "above 0");
+    }
+}
+
 FieldShape make_field_shape(const Effects& e) {
     return {.time = FreeCurve(e.free_field_time), .amplitude = FreeCurve(e.free_field_amplitude)};
 }
@@ -101,6 +113,7 @@ void check(const Scenario& s) {
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
+    if (s.map && s.drive.mode != DriveMode::program) check_drive_of_map(s);
     if (s.drive.mode == DriveMode::program) {
         if (s.program.blocks().empty()) {
             throw std::invalid_argument("drive.mode = \"program\": needs drive.file or a waveform");
@@ -239,7 +252,7 @@ VoltageProgram asked_program(const Scenario& s) {
         return s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
     }
     const PerCoilOf<CoilParameters> coils = robot_coils(s);
-    const CoilSet windings = coil_set(coils);
+    const CoilSet windings = robot_coil_set(s);
     PerCoil volts_per_tesla;
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);
@@ -280,7 +293,8 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);
         const double held = program.largest_voltage()[k] / own[k].resistance;
-        field += std::max(held, std::abs(current[k])) * coils.centre_field_per_ampere(coil);
+        field +=
+            std::max(held, std::abs(current[k])) * std::abs(coils.centre_field_per_ampere(coil));
     }
     const double radius = model.shape.radius();
     const double weight = model.mass * scenario.gravity + model.adhesion.strength;

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace stickslip {
 namespace {
@@ -53,7 +54,8 @@ const char* name(Coil coil) {
 CoilSet::CoilSet(const CoilGeometry& geometry)
     : CoilSet(PerCoilOf<CoilGeometry>{geometry, geometry, geometry, geometry, geometry}) {}
 
-CoilSet::CoilSet(const PerCoilOf<CoilGeometry>& geometry) : geometry_(geometry) {
+CoilSet::CoilSet(const PerCoilOf<CoilGeometry>& geometry, std::shared_ptr<const FieldMap> map)
+    : geometry_(geometry), map_(std::move(map)) {
     for (const CoilGeometry& each : geometry) {
         require_positive(each.side, "side (m)");
         require_positive(each.distance, "distance (m)");
@@ -61,7 +63,18 @@ CoilSet::CoilSet(const PerCoilOf<CoilGeometry>& geometry) : geometry_(geometry) 
     }
 }
 
+void CoilSet::require_known(const Eigen::Vector3d& point) const {
+    if (map_ == nullptr || map_->box().holds(point)) return;
+    const auto& [low, high] = map_->box();
+    std::ostringstream message;
+    message << "point (" << point[0] << ", " << point[1] << ", " << point[2]
+            << ") m lies outside of the field map, x " << low[0] << " to " << high[0] << " m, y "
+            << low[1] << " to " << high[1] << " m, z " << low[2] << " to " << high[2] << " m";
+    throw std::domain_error(message.str());
+}
+
 FieldAndGradient CoilSet::unit_field(Coil coil, const Eigen::Vector3d& point) const {
+    if (map_ != nullptr) return map_->unit_field(coil, point);
     const Placement& placement = kPlacements[static_cast<std::size_t>(coil)];
     const auto& [axis, sign, polarity] = placement;
     const CoilGeometry& own = geometry_[static_cast<std::size_t>(coil)];
@@ -87,6 +100,7 @@ FieldAndGradient CoilSet::unit_field(Coil coil, const Eigen::Vector3d& point) co
 }
 
 FieldAndGradient CoilSet::field(const Eigen::Vector3d& point, const Currents& currents) const {
+    require_known(point);
     FieldAndGradient total{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
     for (const Coil coil : kAllCoils) {
         const double current = currents[static_cast<Eigen::Index>(coil)];

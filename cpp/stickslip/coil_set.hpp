@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "stickslip/coil.hpp"
+#include "stickslip/field_map.hpp"
 #include "stickslip/square_coil.hpp"
 
 namespace stickslip {
@@ -26,20 +28,30 @@ using Currents = Eigen::Matrix<double, kCoilCount, 1>;
 /// The field of the coils in the frame of the device: right-handed, z up, origin at the centre.
 /// Positive current in ANY coil gives a field along the positive axis (+x, +y or +z) at the origin.
 /// Equal coils are one coil rotated, so a rotated or mirrored situation has the same bits.
+///
+/// With a map the field is that of the map, and the geometry has no part in it.
 class CoilSet {
 public:
     /// Five equal coils. Throws std::invalid_argument if a dimension is not positive and finite.
     explicit CoilSet(const CoilGeometry& geometry = {});
-    explicit CoilSet(const PerCoilOf<CoilGeometry>& geometry);
+    explicit CoilSet(const PerCoilOf<CoilGeometry>& geometry,
+                     std::shared_ptr<const FieldMap> map = nullptr);
 
     const PerCoilOf<CoilGeometry>& geometry() const { return geometry_; }
+    /// nullptr if the field is that of Eqs. (2)-(7).
+    const FieldMap* map() const { return map_.get(); }
+
+    /// Throws std::domain_error for a point (m) that lies outside of the map, if there is one.
+    void require_known(const Eigen::Vector3d& point) const;
 
     /// Field (T/A) and gradient (T/m/A) of one coil at `point` (m) for unit current, equations
-    /// (3)-(7). Throws std::domain_error if the point is within `kWireRadius` of its wire.
+    /// (3)-(7) or the map, which goes on beyond its box: see `require_known`. Throws
+    /// std::domain_error if the point is within `kWireRadius` of the wire.
     FieldAndGradient unit_field(Coil coil, const Eigen::Vector3d& point) const;
 
     /// Field (T) and gradient (T/m) of all coils at `point` (m). A coil without current takes no
-    /// part. Throws std::domain_error if the point is on the wire of a coil that has current.
+    /// part. Throws std::domain_error if the point is on the wire of a coil that has current, or
+    /// not known.
     FieldAndGradient field(const Eigen::Vector3d& point, const Currents& currents) const;
 
     /// Field at the origin, along the coil's positive axis, per ampere in one coil, T/A.
@@ -47,6 +59,7 @@ public:
 
 private:
     PerCoilOf<CoilGeometry> geometry_;
+    std::shared_ptr<const FieldMap> map_;
 };
 
 }  // namespace stickslip

@@ -21,7 +21,7 @@ public:
     explicit Driven(const Scenario& scenario)
         : model_(make_model(scenario)),
           program_(make_program(scenario)),
-          coils_(coil_set(robot_coils(scenario))),
+          coils_(robot_coil_set(scenario)),
           circuit_(make_circuit(scenario, program_)),
           dynamics_(model_, make_local_field(scenario, program_, coils_)),
           stretches_(program_, scenario.effects.sample_hold_period, {}) {}

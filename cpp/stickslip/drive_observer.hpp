@@ -54,9 +54,10 @@ public:
     }
 
     /// Whether a field across the plane is driven at all. gain: as of a LocalField.
-    static bool drives_across(const PerCoil& gain) {
-        return gain[static_cast<std::size_t>(Coil::yp)] != 0.0 ||
-               gain[static_cast<std::size_t>(Coil::ym)] != 0.0;
+    bool drives_across(const PerCoil& gain) const {
+        return std::any_of(kAllCoils.begin(), kAllCoils.end(), [&](Coil coil) {
+            return gain[static_cast<std::size_t>(coil)] != 0.0 && has_field_across(*coils_, coil);
+        });
     }
     /// Whether the field of the last stretch would have turned the robot out of the plane.
     bool leaves_plane() const { return leaves_plane_; }

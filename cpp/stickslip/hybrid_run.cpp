@@ -16,7 +16,7 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       amplifier_limit_(scenario.effects.amplifier_limit_voltage),
       field_gain_(stickslip::field_gain(scenario)),
       chain_(make_measurement_chain(scenario)),
-      coils_(coil_set(robot_coils(scenario))),
+      coils_(robot_coil_set(scenario)),
       model_(make_model(scenario)),
       circuit_(make_circuit(scenario, program_)),
       dynamics_(model_, make_local_field(scenario, program_, coils_)),
@@ -36,6 +36,7 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate),
       demand_(scenario, model_, options_.swing_rate, program_.duration()) {
     result_.most_steps = scenario.solver.max_steps;
+    result_.map = scenario.map;
     const Start start = initial_state(scenario, model_);
     state_ = start.state;
     touches_down_ = start.touches_down;
@@ -84,7 +85,7 @@ bool HybridRun::next_segment() {
 void HybridRun::end_stretch() {
     stretch_is_open_ = false;
     // A run that is stepped has no summary: what counts is whether it leaves the plane.
-    if (source_.is_stepped() && !DriveObserver::drives_across(dynamics_.field().gain())) return;
+    if (source_.is_stepped() && !drive_.drives_across(dynamics_.field().gain())) return;
     drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
     if (stays_planar_ && drive_.leaves_plane()) result_.status = Status::leaves_plane;
 }

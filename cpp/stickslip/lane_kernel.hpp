@@ -109,8 +109,7 @@ LaneRound lane_step(double* memory) {
     }
     flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});
     const Point<Real> centre = phase.centre(p.step.last, pose);
-    flagged =
-        flagged | !((magnitude(centre.x) < n.workspace) & (magnitude(centre.z) < n.workspace));
+    flagged = flagged | !n.workspace.holds(centre.x, centre.z);
     flagged = flagged | (magnitude(centre.x - n.field.centre_x) > p.half_reach) |
               (magnitude(centre.z - n.field.centre_z) > p.half_reach);
 

@@ -32,7 +32,7 @@ struct LaneNumbers {
     FieldStretch<Real> field;
     [[no_unique_address]] std::conditional_t<kEffects, EffectNumbers<Real>, NoEffectNumbers> named;
     Real contact_x, slip;                      ///< of a phase that has them, see make_phase
-    Real workspace;                            ///< m, how far the robot may go
+    WorkspaceOf<Real> workspace;               ///< where the robot may be
     std::array<Real, Phase::kEvents> unarmed;  ///< 1 while a function has not been positive, else 0
     Real stalled;                              ///< PhaseMemory::stalled
 };

@@ -10,6 +10,10 @@ namespace {
 // it.
 constexpr double kReachPart = 1.3e-3;
 
+// The same of half the diagonal of a map. Its wires lie beyond it, so that this too is some 1e-3 of
+// the distance to them.
+constexpr double kReachInMap = 1e-2;
+
 // Part of the way to a coil's plane that the robot may go.
 constexpr double kWorkspace = 0.9;
 
@@ -22,10 +26,6 @@ PlanarGradient gradient_at(const CoilSet& coils, Coil coil, double x, double z) 
     return {unit.gradient(0, 0), unit.gradient(0, 2), unit.gradient(2, 2)};
 }
 
-}  // namespace
-
-namespace {
-
 // The least over all coils of what `of` makes of each.
 double least(const CoilSet& coils, auto of) {
     double result = std::numeric_limits<double>::infinity();
@@ -33,15 +33,39 @@ double least(const CoilSet& coils, auto of) {
     return result;
 }
 
+double reach_of(const CoilSet& coils) {
+    if (coils.map() != nullptr) {
+        const Box& box = coils.map()->box();
+        return std::min(LocalField::kReach, kReachInMap * 0.5 * (box.high - box.low).norm());
+    }
+    return std::min(LocalField::kReach, kReachPart * least(coils, [](const CoilGeometry& each) {
+                                            return std::hypot(each.distance, 0.5 * each.side);
+                                        }));
+}
+
+Workspace workspace_of(const CoilSet& coils) {
+    if (coils.map() != nullptr) {
+        const auto& [low, high] = coils.map()->box();
+        return {low.x(), high.x(), low.z(), high.z()};
+    }
+    const double far =
+        kWorkspace * least(coils, [](const CoilGeometry& each) { return each.distance; });
+    return {-far, far, -far, far};
+}
+
 }  // namespace
+
+bool has_field_across(const CoilSet& coils, Coil coil) {
+    return coils.map() != nullptr || coil == Coil::yp || coil == Coil::ym;
+}
 
 double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
                     double z) {
     double result = 0.0;
-    for (const Coil coil : {Coil::yp, Coil::ym}) {
+    for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);
         const double current = gain[k] * currents[k];
-        if (current == 0.0) continue;
+        if (current == 0.0 || !has_field_across(coils, coil)) continue;
         result += current * coils.unit_field(coil, Eigen::Vector3d(x, 0.0, z)).field.y();
     }
     return result;
@@ -50,11 +74,7 @@ double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& cu
 LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x,
                        double ambient_z)
     : coils_(&coils),
-      reach_(std::min(kReach, kReachPart * least(coils,
-                                                 [](const CoilGeometry& each) {
-                                                     return std::hypot(each.distance,
-                                                                       0.5 * each.side);
-                                                 }))),
+      reach_(reach_of(coils)),
       gain_(gain),
       ambient_x_(ambient_x),
       ambient_z_(ambient_z) {
@@ -64,10 +84,9 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
 
 // Coils that never have current are not there.
 void LocalField::set_workspace() {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
     const bool driven = std::any_of(gain_.begin(), gain_.end(), [](double g) { return g != 0.0; });
-    workspace_ =
-        driven ? kWorkspace * least(*coils_, [](const CoilGeometry& each) { return each.distance; })
-               : std::numeric_limits<double>::infinity();
+    workspace_ = driven ? workspace_of(*coils_) : Workspace{-kFar, kFar, -kFar, kFar};
 }
 
 void LocalField::set_gain(const PerCoil& gain) {
@@ -100,7 +119,7 @@ void LocalField::set_segment(const CurrentSegment& segment) {
 }
 
 void LocalField::rebase(double x, double z) {
-    outside_ = !(std::abs(x) < workspace_ && std::abs(z) < workspace_);
+    outside_ = !workspace_.holds(x, z);
     if (outside_) return;
     const double half = 0.5 * reach_;
     if (!expanded_ || std::abs(x - stretch_.centre_x) > half ||

@@ -86,8 +86,23 @@ struct FurtherExponential {
     }
 };
 
-/// B_y on the plane of motion (T) at currents of the coils that make the field (A): that of the
-/// coils yp and ym, whose field has no other part there; zero without their currents. gain: as of a
+/// Where in the plane of motion the model of the set-up holds, m: between these.
+template <class Real>
+struct WorkspaceOf {
+    Real x_low, x_high, z_low, z_high;
+
+    /// Not a place with a coordinate that is NaN.
+    [[gnu::always_inline]] auto holds(Real x, Real z) const {
+        return ((x > x_low) & (x < x_high)) & ((z > z_low) & (z < z_high));
+    }
+};
+using Workspace = WorkspaceOf<double>;
+
+/// Whether a coil has a field across the plane of motion: square coils but yp and ym have none
+/// there, those of a map may have one.
+bool has_field_across(const CoilSet& coils, Coil coil);
+
+/// B_y on the plane of motion (T) at currents of the coils that make the field (A). gain: as of a
 /// LocalField.
 double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
                     double z);
@@ -98,7 +113,8 @@ double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& cu
 /// about a centre near the robot; its coefficients come from the analytic field and gradient at the
 /// centre and at four points about it. Inside the reach of the centre the field is then
 /// within 1e-9 of the full sum of Eqs. (4)-(6) (cpp/tests/test_local_field.cpp), at a twentieth of
-/// its cost. Coils smaller than those of Table I have a smaller reach, in proportion.
+/// its cost. Coils smaller than those of Table I have a smaller reach, in proportion; with a map it
+/// is in proportion to the map.
 class LocalField {
 public:
     static constexpr double kReach = 1.5e-4;  ///< m, the most that the robot may be from the centre
@@ -140,11 +156,11 @@ public:
     /// Half the time constant of the fastest exponential of the stretch, s.
     double min_time_constant() const { return min_time_constant_; }
 
-    /// The robot has come so near to a coil's plane that the model of the set-up ends.
+    /// The robot has come so near to a coil's plane, or to the end of the map, that the model of
+    /// the set-up ends.
     bool outside() const { return outside_; }
-    /// How far from the origin, along each axis, it may go, m; as far as it likes without coils
-    /// that drive.
-    double workspace() const { return workspace_; }
+    /// Where it may be; anywhere without coils that drive.
+    const Workspace& workspace() const { return workspace_; }
 
     /// The expansion at `tau` seconds into the stretch. It does not depend on the robot's state, so
     /// an integrator can have it ready before a stage begins.
@@ -173,7 +189,7 @@ private:
     const CoilSet* coils_;
     const FieldShape* shape_ = nullptr;
     double reach_;
-    double workspace_;
+    Workspace workspace_;
     double min_time_constant_ = 0.0;
     PerCoil gain_;
     double ambient_x_, ambient_z_;

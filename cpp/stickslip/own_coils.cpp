@@ -1,6 +1,7 @@
 #include "stickslip/own_coils.hpp"
 
 #include <array>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -30,6 +31,7 @@ constexpr OwnValue kValues[] = {
      [](CoilParameters& c) -> double& { return c.geometry.turns; }},
 };
 constexpr std::size_t kValueCount = std::size(kValues);
+constexpr std::size_t kFirstOfGeometry = 2;  // those before are of the circuit
 
 // Name, and a key a value in their order.
 #define STICKSLIP_COIL(coil)                                                          \
@@ -84,6 +86,33 @@ void add_coils(std::vector<Parameter>& rows, std::index_sequence<C...>) {
     (add_coil<C>(rows, std::make_index_sequence<kValueCount>()), ...);
 }
 
+PerCoilOf<CoilGeometry> geometry_of(const PerCoilOf<CoilParameters>& coils) {
+    PerCoilOf<CoilGeometry> geometry;
+    for (std::size_t k = 0; k < kCoilCount; ++k) geometry[k] = coils[k].geometry;
+    return geometry;
+}
+
+// Of coils whose field is that of a map.
+void refuse_geometry(const Scenario& scenario) {
+    CoilParameters usual, given = scenario.coil;
+    for (std::size_t v = kFirstOfGeometry; v < kValueCount; ++v) {
+        const auto refuse = [](const char* key, double value, double allowed) {
+            throw std::invalid_argument(std::string(key) + " = " + digits(value) +
+                                        ": allowed beside coil.map, which has the field of the "
+                                        "coils, is " +
+                                        digits(allowed) + " only");
+        };
+        const OwnValue& value = kValues[v];
+        if (value.common(given) != value.common(usual)) {
+            refuse(value.of_all, value.common(given), value.common(usual));
+        }
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            const double own = scenario.effects.own_coils[k].*value.own;
+            if (own != 0.0) refuse(kNames[k].keys[v], own, 0.0);
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<Parameter> with_own_coils(std::vector<Parameter> rows) {
@@ -125,13 +154,20 @@ PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario) {
     return coils;
 }
 
-CoilSet coil_set(const PerCoilOf<CoilParameters>& coils) {
-    PerCoilOf<CoilGeometry> geometry;
-    for (std::size_t k = 0; k < kCoilCount; ++k) geometry[k] = coils[k].geometry;
-    return CoilSet(geometry);
+CoilSet world_coil_set(const Scenario& scenario) {
+    return CoilSet(geometry_of(world_coils(scenario)), scenario.map);
+}
+
+CoilSet robot_coil_set(const Scenario& scenario) {
+    const bool is_turned = scenario.drive.direction == Direction::minus_x;
+    return CoilSet(geometry_of(robot_coils(scenario)),
+                   scenario.map && is_turned
+                       ? std::make_shared<const FieldMap>(scenario.map->turned())
+                       : scenario.map);
 }
 
 void check_own_coils(const Scenario& scenario) {
+    if (scenario.map) refuse_geometry(scenario);
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         for (std::size_t v = 0; v < kValueCount; ++v) {
             const double own = scenario.effects.own_coils[k].*kValues[v].own;

@@ -17,10 +17,12 @@ PerCoilOf<CoilParameters> world_coils(const Scenario& scenario);
 /// The same in the frame of the robot, which may be turned.
 PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario);
 
-/// The windings of such coils.
-CoilSet coil_set(const PerCoilOf<CoilParameters>& coils);
+/// What makes the field: the windings of such coils, or the scenario's map.
+CoilSet world_coil_set(const Scenario& scenario);
+CoilSet robot_coil_set(const Scenario& scenario);
 
-/// Throws std::invalid_argument for an own value that is neither 0 nor one that all coils may have.
+/// Throws std::invalid_argument for an own value that is neither 0 nor one that all coils may have,
+/// and beside a map for the geometry of a coil, which would have no effect.
 void check_own_coils(const Scenario& scenario);
 
 }  // namespace stickslip

@@ -31,6 +31,7 @@ std::vector<double> coil_shares(const CoilSet& coils, const std::vector<double>&
             if (currents[k] == 0.0) continue;
             Eigen::Map<Eigen::Vector3d> share(&shares[k * kAxes]);
             try {
+                coils.require_known(place);
                 share = currents[k] * coils.unit_field(coil, place).field;
             } catch (const std::domain_error&) {
                 share.setConstant(kNaN);
@@ -52,7 +53,7 @@ std::vector<double> probe_readings(const Scenario& base, const std::vector<std::
     for (std::size_t row = 0; row < rows.size(); ++row) {
         const std::optional<Scenario> scenario = rows[row];
         if (!scenario) continue;
-        const CoilSet coils = coil_set(world_coils(*scenario));
+        const CoilSet coils = world_coil_set(*scenario);
         if (shares.empty() || !(coils.geometry() == geometry)) {
             geometry = coils.geometry();
             shares = coil_shares(coils, places, currents);

@@ -10,8 +10,9 @@
 namespace stickslip {
 
 /// Field of each coil by itself (T) at each place: a row of 5 x 3 numbers a place, Eqs. (2)-(7).
-/// NaN for a coil with current whose wire the place lies on. `places`: x, y, z (m) of each;
-/// `currents`: those of the coils (A). Throws std::invalid_argument for sizes that do not fit.
+/// NaN for a coil with current whose wire the place lies on, or of whose map it lies outside.
+/// `places`: x, y, z (m) of each; `currents`: those of the coils (A). Throws std::invalid_argument
+/// for sizes that do not fit.
 std::vector<double> coil_shares(const CoilSet& coils, const std::vector<double>& places,
                                 const std::vector<double>& currents);
 

@@ -3,6 +3,7 @@
 #include <bitset>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "stickslip/coil_set.hpp"
@@ -141,8 +142,9 @@ struct RecordSettings {
 /// All that defines one simulation.
 struct Scenario {
     Drive drive;
-    VoltageProgram program;  ///< V, world frame; used by DriveMode::program
-    CoilParameters coil;     ///< of all five, where one has no own values
+    VoltageProgram program;               ///< V, world frame; used by DriveMode::program
+    CoilParameters coil;                  ///< of all five, where one has no own values
+    std::shared_ptr<const FieldMap> map;  ///< world frame; nullptr: the coils' own field
     RobotParameters robot;
     ContactParameters contact;
     DragParameters drag;

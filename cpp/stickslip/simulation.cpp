@@ -95,13 +95,22 @@ std::string message(const RunResult& result) {
                  << remedy(result, "look for extreme values in the scenario");
             break;
         case Status::left_workspace:
+            if (result.map) {
+                const auto& [low, high] = result.map->box();
+                text << "the robot left coil.map, which has the field from x = " << low.x()
+                     << " to " << high.x() << " m and from z = " << low.z() << " to " << high.z()
+                     << " m; give fewer pulses or less field, or a map that reaches farther";
+                break;
+            }
             text << "the robot reached the coils; give fewer pulses or less field, or look at "
                     "effects.surface_tilt and friction";
             break;
         case Status::leaves_plane:
             text << "B_y was more than 5 % of the horizontal field, which turns a robot out of the "
-                    "plane of this model; leave yp and ym without voltage, or set solver.planar = "
-                    "\"force\" to keep it in the plane";
+                    "plane of this model; "
+                 << (result.map ? "hold a field along x (drive.base), or set"
+                                : "leave yp and ym without voltage, or set")
+                 << " solver.planar = \"force\" to keep it in the plane";
             break;
         case Status::interrupted:
             text << "the run was stopped";

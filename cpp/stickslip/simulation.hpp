@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,7 @@ struct RunResult {
     Stiffness stiffness;          ///< what made steps short, for the message
     StepBound bound;              ///< the same, whatever moved
     std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
+    std::shared_ptr<const FieldMap> map;  ///< of the scenario, for the message
 };
 
 /// "ok", "step_underflow", ...

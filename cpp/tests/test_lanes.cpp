@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fitted_map.hpp"
 #include "stickslip/lanes.hpp"
 #include "support.hpp"
 
@@ -56,6 +57,11 @@ Scenario random_scenario(Random& random, int number) {
     if (number % 17 == 4) s.contact.adhesion_range = 1e-6;
     if (number % 17 == 9) e.free_drag_speed.knots = {0.1, 0.2, 0.3, 0.2, 0.1};
     if (number % 13 == 2) s.solver.max_steps = 500;
+    // A map that some leave, and one that none does.
+    static const auto small_map =
+        test::fitted_map(CoilSet(), {{-0.0003, -0.001, -0.001}, {0.0003, 0.001, 0.001}}, 4);
+    if (number % 8 == 2) s.map = small_map;
+    if (number % 8 == 6) s.map = test::paper_map();
     return s;
 }
 

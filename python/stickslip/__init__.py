@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from stickslip.measurement.reading import Measurement as Measurement
     from stickslip.measurement.reading import read_measurement as read_measurement
     from stickslip.reproduction.study import reproduce as reproduce
+    from stickslip.scenario.field_map import FieldMap as FieldMap
     from stickslip.scenario.named_effects import effects as effects
     from stickslip.scenario.priors import Prior as Prior
     from stickslip.scenario.scenario import Scenario as Scenario
@@ -86,6 +87,7 @@ _HOME = {
         "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
         "reproduction.study": ("reproduce",),
+        "scenario.field_map": ("FieldMap",),
         "scenario.named_effects": ("effects",),
         "scenario.scenario": ("Scenario",),
         "scenario.sections": (

@@ -21,9 +21,11 @@ from click.shell_completion import (
     split_arg_string,
 )
 
+from stickslip._util.atomic_files import NETCDF_SUFFIXES
 from stickslip.cli import COMPLETION
-from stickslip.scenario.keys import FILE, full_name, known_keys
+from stickslip.scenario.keys import full_name, known_keys
 from stickslip.scenario.named_effects import PREFIX, effects, is_free_shape
+from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS
 from stickslip.scenario.sections import COIL_NAMES
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
@@ -134,10 +136,10 @@ def _next_of_list(before: str, words: Iterable[str], incomplete: str) -> list[Co
     ]
 
 
-def _voltage_files(before: str, incomplete: str) -> list[CompletionItem]:
-    """CSV files and folders: shells complete a path only where it is a whole word."""
+def _files(before: str, incomplete: str, suffixes: tuple[str, ...]) -> list[CompletionItem]:
+    """Files of some kinds and folders: shells complete a path only where it is a whole word."""
     folders = glob.glob(f"{glob.escape(incomplete)}*/")
-    files = glob.glob(f"{glob.escape(incomplete)}*.csv")
+    files = [path for path in glob.glob(f"{glob.escape(incomplete)}*") if path.endswith(suffixes)]
     return [CompletionItem(before + path) for path in sorted([*folders, *files])]
 
 
@@ -153,9 +155,11 @@ def _setting(incomplete: str, is_list: bool) -> list[CompletionItem]:
         ]
         if not is_list:
             keys.append((f"{FILE}=", "CSV file of voltages"))
+            keys.append((f"{COIL_MAP}=", "CSV or netCDF file of the coils' measured field"))
         return _beginning(keys, incomplete)
-    if key == FILE:
-        return [] if is_list else _voltage_files(f"{key}=", value)
+    if key in PATHS:
+        suffixes = (".csv",) if key == FILE else (".csv", ".json", *NETCDF_SUFFIXES)
+        return [] if is_list else _files(f"{key}=", value, suffixes)
     known = known_keys().get(full_name(key))
     if known is None:
         return []
@@ -165,7 +169,7 @@ def _setting(incomplete: str, is_list: bool) -> list[CompletionItem]:
 
 
 def setting(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """``key=value``: the keys, and behind = the words that a key takes, or files of voltages."""
+    """``key=value``: the keys, and behind = the words that a key takes, or the files."""
     return _setting(incomplete, is_list=False)
 
 

@@ -12,7 +12,7 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, THREADS, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
-from stickslip.scenario.toml_file import voltages_beside
+from stickslip.scenario.toml_file import files_beside
 
 if TYPE_CHECKING:
     from stickslip.cli.next_table import Rounds
@@ -79,7 +79,7 @@ def command(
         out = Path("diagnosis")
     rounds = None
     if out is not None:
-        check_folder_target(out, [*FILES, voltages_beside(Path(EXTENDED)).name])
+        check_folder_target(out, [*FILES, *(path.name for path in files_beside(Path(EXTENDED)))])
         data, rounds = _with_next(data, out, most, budget)
     how = {"seed": seed, "threads": threads, "free_shapes": free_shapes}
     result = _diagnosed(data, out, how, as_json, rounds)

@@ -12,7 +12,8 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import PATH, say
 from stickslip.cli.targets import check_target
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import PROGRAM, Key, known_keys
+from stickslip.scenario.keys import Key, known_keys
+from stickslip.scenario.path_keys import PROGRAM
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
@@ -26,6 +27,9 @@ _REMARKS = {
 # base, hold, edge and clamp are not stated in the paper: their defaults are this package's.
 # With mode = "program", the other keys but direction are left out, and
 # file = "voltages.csv"  # columns t (s), xp, xm, yp, ym, clamp (V); relative to this file""",
+    "coil": """\
+# A measured field takes the place of side, distance and turns, which then keep their defaults:
+# map = "map.csv"  # columns x, y, z (m), coil, Bx, By, Bz (T/A); relative to this file""",
 }
 
 _TAIL = """\

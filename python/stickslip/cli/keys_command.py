@@ -11,12 +11,22 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON
 from stickslip.cli.completion import key_or_section
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, Key, full_name, key_hint, known_keys, shown
+from stickslip.scenario.keys import Key, full_name, key_hint, known_keys, shown
+from stickslip.scenario.path_keys import COIL_MAP, FILE
 
-_FILE_MEANING = (
-    'CSV file of voltages, relative to the scenario, with mode = "program": columns t (s), xp, xm, '
-    "yp, ym, clamp (V), straight lines between the rows, a repeated t is a jump"
-)
+_PATHS = {
+    "drive.mode": (
+        FILE,
+        'CSV file of voltages, relative to the scenario, with mode = "program": columns t (s), xp, '
+        "xm, yp, ym, clamp (V), straight lines between the rows, a repeated t is a jump",
+    ),
+    "coil.turns": (
+        COIL_MAP,
+        "CSV or netCDF file of the measured field per ampere, relative to the scenario, in place "
+        "of that of side, distance and turns: columns x, y, z (m), coil, Bx, By, Bz (T/A)",
+    ),
+}
+"""Keys that hold a path, with their meaning, by the key that they are shown beside."""
 
 
 @click.command("keys", epilog="\b\nExample:\n  stickslip keys drive\n  stickslip keys friction")
@@ -47,7 +57,8 @@ def _chosen(word: str | None) -> list[Key]:
     keys = known_keys()
     if word is None:
         return list(keys.values())
-    name = "drive.mode" if word == FILE else full_name(word)  # which is shown with the former
+    beside = [key for key, (name, _) in _PATHS.items() if word == name]
+    name = beside[0] if beside else full_name(word)
     if name in keys:
         return [keys[name]]
     found = [each for each in keys.values() if f"{each.section}.".startswith(f"{word}.")]
@@ -84,8 +95,9 @@ def _as_text(key: Key) -> str:
     name = key.name.rpartition(".")[2]
     unit = "" if key.unit == "-" or isinstance(key.default, str) else f" {key.unit}"
     lines = indented(f"{name} = {shown(key.default)}{unit}: {key.meaning}; {key.allowed}")
-    if key.name == "drive.mode":
-        lines += indented(f"{FILE.rpartition('.')[2]}: {_FILE_MEANING}")
+    if key.name in _PATHS:
+        path, meaning = _PATHS[key.name]
+        lines += indented(f"{path.rpartition('.')[2]}: {meaning}")
     return "\n".join(lines)
 
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, Value, checked, full_name
+from stickslip.scenario.field_map import FieldMap
+from stickslip.scenario.keys import Value, checked, full_name
+from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
 from stickslip.scenario.toml_file import read_parts, with_uncertain_of
@@ -31,7 +33,7 @@ def split_setting(text: str) -> tuple[str, str]:
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key:
         raise ScenarioError(f'--set "{text}": allowed is key=value, such as drive.frequency=30')
-    return key, _unquoted(value) if key == FILE else value
+    return key, _unquoted(value) if key in PATHS else value
 
 
 def parse_setting(text: str) -> tuple[str, Any]:
@@ -42,6 +44,8 @@ def parse_setting(text: str) -> tuple[str, Any]:
     with prefixed(f"--set {key}"):
         if key == FILE:
             return PROGRAM, Waveform.from_csv(Path(value))
+        if key == COIL_MAP:
+            return key, FieldMap.from_file(Path(value))
         return key, parse_value(value)
 
 
@@ -86,7 +90,7 @@ def read_with(
         changes[PROGRAM] = None
     with prefixed("--set"):
         for key, value in changes.items():
-            if key != PROGRAM:
+            if key not in OBJECTS:
                 checked(key, value)
     changes |= vary or {}
     parts = read_parts(path, changes)

@@ -9,8 +9,8 @@ from pathlib import Path
 from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
 from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import FILE
-from stickslip.scenario.toml_file import voltage_file
+from stickslip.scenario.path_keys import PATHS
+from stickslip.scenario.toml_file import named_files
 from stickslip.simulation.run import SUFFIXES
 
 Inputs = dict[str, Path]
@@ -18,16 +18,15 @@ Inputs = dict[str, Path]
 
 
 def input_files(scenario: Path, settings: Sequence[str], uncertain: Path | None = None) -> Inputs:
-    """The scenario, the voltages of its drive, by file or by --set, and --uncertain."""
+    """The scenario, its voltages and map, by file or by --set, and --uncertain."""
     files = {"the scenario": scenario}
     if uncertain is not None:
         files["--uncertain"] = uncertain
-    voltages = voltage_file(scenario)
-    if voltages is not None:
-        files[f"the scenario's {FILE}"] = voltages
+    for key, path in named_files(scenario).items():
+        files[f"the scenario's {key}"] = path
     for key, value in map(split_setting, settings):
-        if key == FILE:
-            files[f"--set {FILE}"] = Path(value)
+        if key in PATHS:
+            files[f"--set {key}"] = Path(value)
     return files
 
 

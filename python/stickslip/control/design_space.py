@@ -15,16 +15,8 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import (
-    PROGRAM,
-    Value,
-    checked,
-    find_key,
-    full_name,
-    meant,
-    refuse,
-    shown,
-)
+from stickslip.scenario.keys import Value, checked, find_key, full_name, meant, refuse, shown
+from stickslip.scenario.path_keys import PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.waveform import Waveform

@@ -20,7 +20,7 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_text
 from stickslip.sweeping.results import NUMBERS
 
-BEST, VOLTAGES, PAGE = FILES = "best.toml", "best.csv", "report.html"
+BEST, VOLTAGES, MAP, PAGE = FILES = "best.toml", "best.csv", "best.map.json", "report.html"
 """Names of the files of `Optimum.save_report`; the voltages are there with a free waveform only."""
 
 ACTIVE = 0.02
@@ -180,14 +180,15 @@ class Optimum(OneLine):
     @property
     def files(self) -> tuple[str, ...]:
         """Names of the files that `save_report` writes."""
-        has_voltages = self.scenario.drive.program is not None
-        return FILES if has_voltages else (BEST, PAGE)
+        parts = {VOLTAGES: self.scenario.drive.program, MAP: self.scenario.coil.map}
+        return tuple(name for name in FILES if parts.get(name, name) is not None)
 
     def save_report(self, out: str | PathLike[str]) -> None:
         """Write the best drive and one HTML page into the folder `out`, which is made: all or none.
 
-        ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform, and
-        ``report.html`` needs no other file.
+        ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
+        ``best.map.json`` the field of ``coil.map``, if there is one, and ``report.html`` needs no
+        other file.
 
         Raises
         ------
@@ -195,15 +196,18 @@ class Optimum(OneLine):
             If a file cannot be written.
         """
         from stickslip.control.optimum_page import page_text
+        from stickslip.scenario.map_files import map_text
         from stickslip.scenario.waveform_csv import write_rows
 
         folder = Path(out)
         writers = {
-            folder / BEST: text_writer(scenario_text(self.scenario, VOLTAGES)),
+            folder / BEST: text_writer(scenario_text(self.scenario, VOLTAGES, MAP)),
             folder / PAGE: text_writer(page_text(self)),
         }
         program = self.scenario.drive.program
         if program is not None:
             writers[folder / VOLTAGES] = functools.partial(write_rows, program)
+        if self.scenario.coil.map is not None:
+            writers[folder / MAP] = text_writer(map_text(self.scenario.coil.map))
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)

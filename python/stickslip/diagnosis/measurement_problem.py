@@ -52,6 +52,7 @@ from stickslip.facts import Code, Fact
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import refuse_uncertain_geometry
 from stickslip.simulation.scenario_notes import peak_voltages
 
 # Most pulses of a low-fidelity simulation. Chosen: enough for the first stages of a search.
@@ -92,6 +93,7 @@ def diagnose_measurement(
         If nothing was measured that the diagnosis can use.
     """
     scenario, keys = measurement.scenario, known_keys()
+    refuse_uncertain_geometry(scenario.coil, measurement.uncertain)
     observables = find_observables(measurement, threads)
     shared = [Uncertain(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()]
     nuisance = [each for observable in observables for each in observable.nuisance]

@@ -16,7 +16,8 @@ from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import read_numbers, stated_number
-from stickslip.scenario.keys import FILE, refuse, shown
+from stickslip.scenario.keys import refuse, shown
+from stickslip.scenario.path_keys import FILE
 from stickslip.scenario.scenario import Scenario
 
 FEWEST = 20

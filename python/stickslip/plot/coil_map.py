@@ -38,7 +38,9 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     """Draw the five coils with their field in the plane of motion, and the robot to scale.
 
     Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils, also of
-    coils of one's own, by Eqs. (2)-(7), without what other named effects add. The wires of the
+    coils of one's own, by Eqs. (2)-(7), without what other named effects add. With ``coil.map`` the
+    drawing ends where the map does, and no wires are drawn, as it does not say where they are. The
+    wires of the
     coils at +x and -x and of the one below cross the plane at the circles; a dot in one is a
     current towards the reader, a cross one away. The coils at +y and -y lie behind and before the
     plane, and a dashed line is their outline.
@@ -75,8 +77,11 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         raise ValueError("no coil has a current, so that there is no field to draw: give currents")
     made = Coils.of(scenario)
     with drawing(ax, (6.4, 5.4)) as axes:
-        _draw_field(axes, made, amperes)
-        _draw_wires(axes, made, amperes)
+        if made.box is None:
+            _draw_field(axes, made, amperes)
+            _draw_wires(axes, made, amperes)
+        else:
+            _draw_measured_field(axes, made, amperes)
         _draw_robot(axes, made, amperes, scenario)
         axes.set_xlabel("x (mm)")
         axes.set_ylabel("z (mm)")
@@ -128,8 +133,7 @@ def _wires(coils: Coils) -> dict[str, tuple[Array, float]]:
 def _draw_field(axes: Axes, coils: Coils, currents: Array) -> None:
     far = _farthest(coils)
     reach = _REACH * far
-    # Centres of the cells.
-    places = reach * ((2.0 * np.arange(_CELLS) + 1.0) / _CELLS - 1.0)
+    places = reach * _centres()
     x, z = np.meshgrid(places, places)
     field = coils.field(np.stack([x, np.zeros_like(x), z], axis=-1), currents) * 1e3
     strength = np.linalg.norm(field, axis=-1)
@@ -137,18 +141,45 @@ def _draw_field(axes: Axes, coils: Coils, currents: Array) -> None:
     distances = np.hypot(x[..., None] - wires[:, 0], z[..., None] - wires[:, 1]).min(axis=-1)
     # Places near to a wire are beyond the scale, and so are small ones where the fields cancel.
     shown = strength[distances > _NEAR * far]
-    lowest = float(np.quantile(shown, _DARKEST))
+    _paint(axes, places * 1e3, places * 1e3, field, shown)
+    axes.set_xlim(-reach * 1e3, reach * 1e3)
+    axes.set_ylim(-reach * 1e3, reach * 1e3)
+
+
+def _draw_measured_field(axes: Axes, coils: Coils, currents: Array) -> None:
+    """The field in the box of a map, with the currents above it."""
+    low, high = (np.array(corner)[[0, 2]] for corner in coils.box or ())
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    x_places, z_places = middle[:, None] + half[:, None] * _centres()
+    x, z = np.meshgrid(x_places, z_places)
+    field = coils.field(np.stack([x, np.zeros_like(x), z], axis=-1), currents) * 1e3
+    _paint(axes, x_places * 1e3, z_places * 1e3, field, np.linalg.norm(field, axis=-1))
+    # As wide as high, as the inset of the robot expects it.
+    first, last = (middle - half.max()) * 1e3, (middle + half.max()) * 1e3
+    axes.set_xlim(first[0], last[0])
+    axes.set_ylim(first[1], last[1])
+    pairs = zip(COIL_NAMES, currents.tolist(), strict=True)
+    axes.set_title(", ".join(f"{name}: {value:.3g} A" for name, value in pairs), fontsize=8.0)
+
+
+def _centres() -> Array:
+    """Of cells from -1 to 1."""
+    return (2.0 * np.arange(_CELLS) + 1.0) / _CELLS - 1.0
+
+
+def _paint(axes: Axes, x: Array, z: Array, field: Array, shown: Array) -> None:
+    """Colours and field lines of a field (mT) at places (mm), in the scale of some strengths."""
     mesh = axes.pcolormesh(
-        places * 1e3,
-        places * 1e3,
-        strength,
-        norm=LogNorm(lowest, shown.max()),
+        x,
+        z,
+        np.linalg.norm(field, axis=-1),
+        norm=LogNorm(float(np.quantile(shown, _DARKEST)), shown.max()),
         cmap="viridis",
         rasterized=True,
     )
     axes.streamplot(
-        places * 1e3,
-        places * 1e3,
+        x,
+        z,
         field[..., 0],
         field[..., 2],
         color="white",
@@ -156,8 +187,6 @@ def _draw_field(axes: Axes, coils: Coils, currents: Array) -> None:
         arrowsize=0.7,
         density=1.1,
     )
-    axes.set_xlim(-reach * 1e3, reach * 1e3)
-    axes.set_ylim(-reach * 1e3, reach * 1e3)
     axes.set_aspect("equal")
     ticks = LogLocator(subs=(1.0, 2.0, 5.0))
     bar = root_figure(axes).colorbar(mesh, ax=axes, extend="both", ticks=ticks, format="%g")

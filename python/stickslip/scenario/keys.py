@@ -19,6 +19,7 @@ from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 from stickslip import _core
 from stickslip._util.plain_text import quoted
 from stickslip.errors import ScenarioError
+from stickslip.scenario.path_keys import PATHS
 
 Value = float | int | str
 """What a scalar key of a scenario can hold."""
@@ -30,15 +31,6 @@ ALL_FIELDS = "all"
 """The value of `RECORD_FIELDS` that keeps all."""
 
 DTYPES = ("float64", "float32")
-
-PROGRAM = "drive.program"
-"""The waveform of a drive: in Python only, as a file has `FILE`."""
-
-FILE = "drive.file"
-"""The CSV file of voltages, which only a scenario's file and --set know."""
-
-PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
-_FILE_HINT = f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)"
 
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
@@ -271,8 +263,8 @@ def find_key(name: str, *value: object) -> Key:
     if name in keys:
         return keys[name]
     given = " = ".join([name, *map(shown, value)])
-    if name == FILE:
-        raise ScenarioError(f"{given}: there is no such key here; {_FILE_HINT}")
+    if name in PATHS:
+        raise ScenarioError(f"{given}: there is no such key here; {PATHS[name]}")
     raise ScenarioError(f"{given}: there is no such key; {key_hint(name)}")
 
 

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
-    PROGRAM,
     Value,
     check_kind,
     checked,
@@ -24,9 +23,9 @@ from stickslip.scenario.keys import (
     find_key,
     full_name,
     known_keys,
-    recorded_fields,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
+from stickslip.scenario.path_keys import OBJECTS
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import (
     Coil,
@@ -37,6 +36,7 @@ from stickslip.scenario.sections import (
     Record,
     Robot,
     Solver,
+    refuse_uncertain_geometry,
 )
 from stickslip.scenario.state import State
 
@@ -105,6 +105,8 @@ class Scenario:
                 f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
                 "by drive.file or a waveform"
             )
+        if self.uncertain is not None:
+            refuse_uncertain_geometry(self.coil, self.uncertain.names)
         try:
             self._kept_core().check()
         except ValueError as error:
@@ -145,7 +147,7 @@ class Scenario:
         ----------
         path : path-like, optional
             Where to write it too. The voltages of a program go beside it, to
-            ``<stem>.voltages.csv``.
+            ``<stem>.voltages.csv``, and the fitted field of ``coil.map`` to ``<stem>.map.json``.
 
         Returns
         -------
@@ -190,7 +192,7 @@ class Scenario:
         ----------
         changes : mapping
             New values by dotted key, of effects also by short name. ``"drive.program"`` takes a
-            `Waveform` or None.
+            `Waveform` or None, and ``"coil.map"`` a `FieldMap` or None.
 
         Returns
         -------
@@ -203,7 +205,7 @@ class Scenario:
         """
         changes = {full_name(key): value for key, value in changes.items()}
         for key, value in changes.items():
-            if key != PROGRAM:
+            if key not in OBJECTS:
                 find_key(key, value)
         # The core's scenario checks a value as it takes it. A copy of it and of the sections that
         # change is a tenth of the work of making all of them anew.
@@ -211,15 +213,15 @@ class Scenario:
         by_section: dict[str, dict[str, Any]] = {}
         for key, value in changes.items():
             section, name = key.split(".", 1)
-            given = value if key == PROGRAM else checked(key, value, core)
+            given = value if key in OBJECTS else checked(key, value, core)
             own = name if section == "effects" else field_of(key)
             by_section.setdefault(section, {})[own] = given
         parts = {section: self._changed(section, values) for section, values in by_section.items()}
         made = object.__new__(type(self))
         vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)
         if "record" in parts:
-            _set_record(core, made.record)
-        if PROGRAM not in changes:
+            made.record.give_to(core)
+        if not changes.keys() & {*OBJECTS}:
             vars(made)[_KEPT] = (known_keys(), core)
         made._check()
         return made
@@ -269,11 +271,11 @@ class Scenario:
         return counted_draws(self, n, seed)[0]
 
     def _changed(self, section: str, values: dict[str, Any]) -> Any:
-        """A copy of a section with values that are checked already, but for a program."""
+        """A copy of a section with values that are checked already, but for those of OBJECTS."""
         before = getattr(self, section)
         if section == "effects":
             return before.with_values(values)
-        if "program" in values:
+        if any(f"{section}.{name}" in OBJECTS for name in values):
             return dataclasses.replace(before, **values)
         after = object.__new__(type(before))
         vars(after).update(vars(before), **values)
@@ -317,19 +319,10 @@ class Scenario:
             checked(key, value, core)  # an effect of the user may be gone
         if self.drive.program is not None:
             core.set_program(self.drive.program.to_core())
-        _set_record(core, self.record)
+        if self.coil.map is not None:
+            core.set_map(self.coil.map.to_core())
+        self.record.give_to(core)
         return core
-
-
-def _set_record(core: _core.Scenario, record: Record) -> None:
-    """Give the core the keys of the record."""
-    fields = recorded_fields(str(record.fields))
-    if record.rate == "events":
-        core.record_events(record.from_, fields)
-    elif isinstance(record.rate, float):
-        core.record_uniform(record.rate, record.from_, fields)
-    else:
-        core.record_nothing()
 
 
 _FIELDS = dataclasses.fields(Scenario)

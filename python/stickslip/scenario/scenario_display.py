@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from stickslip._util.handy_units import handy
 from stickslip._util.html_table import html_table
-from stickslip.scenario.keys import PROGRAM, Key, Value, known_keys
+from stickslip.scenario.keys import Key, Value, known_keys
+from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -16,6 +17,8 @@ def scenario_html(scenario: Scenario) -> str:
     """A table of the keys of the drive, and of all others that have another value by default."""
     program = scenario.drive.program
     rows = [(PROGRAM, repr(program))] if program is not None else []
+    if scenario.coil.map is not None:
+        rows.append((COIL_MAP, str(scenario.coil.map)))
     for name, key in known_keys().items():
         value = scenario.get(name)
         if (key.section == "drive" and program is None) or value != key.default:

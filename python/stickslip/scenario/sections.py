@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import FILE, PROGRAM, PROGRAM_HINT, checked, refuse
+from stickslip.scenario.keys import checked, recorded_fields, refuse
+from stickslip.scenario.path_keys import COIL_MAP, FILE, MAP_HINT, OBJECTS, PROGRAM, PROGRAM_HINT
 
 if TYPE_CHECKING:
+    from stickslip.scenario.field_map import FieldMap
     from stickslip.scenario.waveform import Waveform
 
 COIL_NAMES = _core.coil_names
@@ -34,6 +36,19 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
         )
 
 
+_GEOMETRY = ("side", "distance", "turns")
+
+
+def refuse_uncertain_geometry(coil: Coil, keys: Iterable[str]) -> None:
+    """Refuse the first uncertain key of the coils' geometry, which has no effect beside a map."""
+    key = next((key for key in keys if "coil" in key and key.endswith(_GEOMETRY)), None)
+    if coil.map is not None and key is not None:
+        raise ScenarioError(
+            f"{key}: cannot be uncertain beside {COIL_MAP}, which has the field of the coils; "
+            "effects.field_gain.in_plane and effects.field_gain.clamp can"
+        )
+
+
 class Section:
     """A section of a scenario: it checks its fields by the keys of its own name."""
 
@@ -44,8 +59,8 @@ class Section:
 
     def __post_init__(self) -> None:
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
-            if each.name != "program":
-                key = f"{self._key}.{each.name.removesuffix('_')}"
+            key = f"{self._key}.{each.name.removesuffix('_')}"
+            if key not in OBJECTS:
                 value = checked(key, getattr(self, each.name))
                 object.__setattr__(self, each.name, value)
 
@@ -130,6 +145,9 @@ class Coil(Section):
         Distance of each coil's plane from the centre, m.
     turns : float
         Number of turns.
+    map : FieldMap, optional
+        Measured field of the five coils, in place of that of `side`, `distance` and `turns`, which
+        then have their defaults.
     """
 
     resistance: float = 10.0
@@ -137,6 +155,15 @@ class Coil(Section):
     side: float = 0.1385
     distance: float = 0.099
     turns: float = 510.0
+    map: FieldMap | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.map is not None:
+            from stickslip.scenario.field_map import FieldMap
+
+            if not isinstance(self.map, FieldMap):
+                refuse(COIL_MAP, self.map, f"a path in a file or with --set; {MAP_HINT}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -272,3 +299,13 @@ class Record(Section):
     from_: float = 0.0
     fields: str | Sequence[str] = "all"
     dtype: Literal["float64", "float32"] = "float64"
+
+    def give_to(self, core: _core.Scenario) -> None:
+        """Set the keys of the record in the core's scenario, which takes them together."""
+        fields = recorded_fields(str(self.fields))
+        if self.rate == "events":
+            core.record_events(self.from_, fields)
+        elif isinstance(self.rate, float):
+            core.record_uniform(self.rate, self.from_, fields)
+        else:
+            core.record_nothing()

@@ -12,24 +12,16 @@ from typing import TYPE_CHECKING, Any
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
 from stickslip._util.plain_text import printable, quoted
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import (
-    FILE,
-    PROGRAM,
-    PROGRAM_HINT,
-    Value,
-    field_of,
-    known_keys,
-    refuse,
-    shown,
-    suggestion,
-)
+from stickslip.scenario.keys import Value, field_of, known_keys, refuse, shown, suggestion
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
+from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.toml_text import parse_toml
 
 if TYPE_CHECKING:
+    from stickslip.scenario.field_map import FieldMap
     from stickslip.scenario.uncertain import JointPrior
     from stickslip.scenario.waveform import Waveform
 
@@ -73,19 +65,30 @@ def read_parts(path: str | PathLike[str], changes: Mapping[str, Any]) -> dict[st
         return _parts(read_document(path), path.parent, changes)
 
 
-def scenario_of(text: str, program: Waveform | None) -> Scenario:
-    """The scenario of what `scenario_text` gave, whose voltages are apart from it."""
-    changes = {} if program is None else {PROGRAM: program, "drive.mode": "program"}
+def scenario_of(text: str, program: Waveform | None, field_map: FieldMap | None) -> Scenario:
+    """The scenario of what `scenario_text` gave, whose voltages and map are apart from it."""
+    changes: dict[str, Any] = {}
+    if program is not None:
+        changes |= {PROGRAM: program, "drive.mode": "program"}
+    if field_map is not None:
+        changes[COIL_MAP] = field_map
     return Scenario(**_parts(parse_toml(text), Path(), changes))
 
 
-def voltage_file(path: Path) -> Path | None:
-    """The CSV file that an ordinary scenario file takes its voltages from, if it does."""
+def named_files(path: Path) -> dict[str, Path]:
+    """The files that an ordinary scenario file takes voltages or a map from, by key."""
     try:
-        file = read_document(path).get("drive", {}).get("file") if path.is_file() else None
-    except (ScenarioError, AttributeError):
-        return None
-    return path.parent / file if isinstance(file, str) else None
+        document = read_document(path) if path.is_file() else {}
+    except ScenarioError:
+        return {}
+    found = {}
+    for key in PATHS:
+        section, name = key.split(".")
+        values = document.get(section)
+        file = values.get(name) if isinstance(values, dict) else None
+        if isinstance(file, str):
+            found[key] = path.parent / file
+    return found
 
 
 def read_document(
@@ -126,6 +129,10 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
         own = {key.partition(".")[2]: changes[key] for key in changes if key.startswith(f"{name}.")}
         if name == "drive":
             values = _drive(values, own, folder)
+        if "map" in values and name == "coil":
+            file = values.pop("map")
+            if "map" not in own:
+                values["map"] = _field_map(file, folder)
         parts[name] = section(**{field_of(key): value for key, value in (values | own).items()})
     parts["effects"] = EffectSettings(_effects(document.get("effects"), changes))
     parts["uncertain"] = document.get("uncertain")
@@ -173,8 +180,7 @@ def _check_version(document: dict[str, Any]) -> None:
 
 def _check_fields(section: str, values: Mapping[str, object]) -> None:
     known = [key.name for key in known_keys().values() if key.section == section]
-    if section == "drive":
-        known.append(FILE)
+    known += [key for key in PATHS if key.startswith(f"{section}.")]
     for field, value in values.items():
         key = f"{section}.{field}"
         if key not in known:
@@ -195,10 +201,23 @@ def _program(file: object, folder: Path) -> Waveform:
         raise ScenarioError(f"drive.file = {shown(file)}: {reason}") from None
 
 
+def _field_map(file: object, folder: Path) -> FieldMap:
+    from stickslip.scenario.field_map import FieldMap
+
+    if not isinstance(file, str) or not file:
+        refuse(COIL_MAP, file, "the path of a CSV or netCDF file")
+    path = folder / file
+    try:
+        return FieldMap.from_file(path)
+    except ScenarioError as error:
+        reason = str(error).removeprefix(printable(f"{path}: "))
+        raise ScenarioError(f"{COIL_MAP} = {shown(file)}: {reason}") from None
+
+
 def write_scenario(
     scenario: Scenario, path: str | PathLike[str], comments: Sequence[str] = ()
 ) -> str:
-    """Write the scenario's file, and its voltages beside it; return the text.
+    """Write the scenario's file, and its voltages and map beside it; return the text.
 
     `comments` are lines at its top, without their ``#``.
     """
@@ -207,29 +226,34 @@ def write_scenario(
     return text
 
 
-def voltages_beside(path: Path) -> Path:
-    """Where the voltages of a scenario that is written to `path` go."""
-    return path.with_name(f"{path.stem}.voltages.csv")
+def files_beside(path: Path) -> tuple[Path, Path]:
+    """Where the voltages and the map of a scenario that is written to `path` go."""
+    return path.with_name(f"{path.stem}.voltages.csv"), path.with_name(f"{path.stem}.map.json")
 
 
 def scenario_writers(
     scenario: Scenario, path: Path, comments: Sequence[str] = ()
 ) -> tuple[str, dict[Path, Callable[[Path], object]]]:
     """The text of a scenario's file, and what `write_together` needs for all its files."""
-    voltages = voltages_beside(path)
+    voltages, field_map = files_beside(path)
     text = "".join(f"# {printable(line)}\n" for line in comments)
-    text += scenario_text(scenario, voltages.name)
+    text += scenario_text(scenario, voltages.name, field_map.name)
     writers = {path: text_writer(text)}
-    program = scenario.drive.program
-    if program is not None:
+    if scenario.drive.program is not None:
         from stickslip.scenario.waveform_csv import write_rows
 
-        writers[voltages] = functools.partial(write_rows, program)
+        writers[voltages] = functools.partial(write_rows, scenario.drive.program)
+    if scenario.coil.map is not None:
+        from stickslip.scenario.map_files import map_text
+
+        writers[field_map] = text_writer(map_text(scenario.coil.map))
     return text, writers
 
 
-def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
-    """The TOML text; `voltages` is the file that a program's voltages are in."""
+def scenario_text(
+    scenario: Scenario, voltages: str = "voltages.csv", field_map: str = "map.json"
+) -> str:
+    """The TOML text, with the files that a program's voltages and the coils' map are in."""
     lines = [f"stickslip = {FORMAT_VERSION}"]
     for section, kind in SECTIONS.items():
         if section == "initial" and scenario.initial == kind():
@@ -239,10 +263,12 @@ def scenario_text(scenario: Scenario, voltages: str = "voltages.csv") -> str:
             name = field.name.removesuffix("_")
             key = f"{section}.{name}"
             idle = scenario.drive.mode == "program" and key in SAWTOOTH
-            if key != PROGRAM and not idle:
+            if key not in OBJECTS and not idle:
                 lines.append(_line(name, scenario.get(key), known_keys()[key].unit))
         if section == "drive" and scenario.drive.program is not None:
             lines.append(_line("file", voltages, "-"))
+        if section == "coil" and scenario.coil.map is not None:
+            lines.append(_line("map", field_map, "-"))
     for name, parameters in scenario.effects.items():
         lines += ["", f"[effects.{name}]"]
         for parameter, value in parameters.items():

@@ -32,11 +32,11 @@ _MOST_POINTS = 100_000
 def volts_per_tesla(coil: Coil | None = None) -> float:
     """Voltage of one coil for a steady-state field of 1 T at the centre, V/T.
 
-    Resistance over field per ampere, Eqs. (1)-(7); of coils without values of their own.
+    Resistance over field per ampere, Eqs. (1)-(7); of coils without own values, or a map's +x coil.
     """
     coil = coil or Coil()
-    winding = _core.CoilSet([coil.side] * 5, [coil.distance] * 5, [coil.turns] * 5)
-    return coil.resistance / winding.centre_field_per_ampere[0]
+    fields = Scenario(coil=coil).to_core().coils().centre_field_per_ampere
+    return coil.resistance / fields[0]
 
 
 class Waveform:

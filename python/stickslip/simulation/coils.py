@@ -49,12 +49,18 @@ class Coils:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Coils:
-        """The coils of a scenario, with what ``[effects.coil_xp]`` .. say of single ones."""
+        """The coils of a scenario, with what ``[effects.coil_xp]`` .. say of single ones.
+
+        With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance
+        and turns then have no part in it.
+        """
         made = cls()
         made._core = scenario.to_core().coils()
         return made
 
     def __repr__(self) -> str:
+        if self.box is not None:
+            return f"<Coils of a field map from {self.box[0]} to {self.box[1]} m>"
         return f"Coils(side={self.side}, distance={self.distance}, turns={self.turns})"
 
     @property
@@ -80,6 +86,12 @@ class Coils:
         """
         return _one_or_five(self._core.centre_field_per_ampere)
 
+    @property
+    def box(self) -> tuple[list[float], list[float]] | None:
+        """Low and high corner of the field map, x, y and z, m; None for coils without one."""
+        corners = self._core.box
+        return None if corners is None else (corners[0].tolist(), corners[1].tolist())
+
     def field(self, points: ArrayLike, currents: ArrayLike) -> Array:
         """Magnetic field of all coils, equations (3)-(7) superposed.
 
@@ -100,7 +112,8 @@ class Coils:
         ------
         ValueError
             If a shape does not fit, a value is not finite, or a point lies within 1 nm of the
-            wire of a coil that has current, where the field of a filament is infinite.
+            wire of a coil that has current, where the field of a filament is infinite, or outside
+            of the box of a map.
         """
         flat_points, flat_currents, shape = _flatten(points, currents)
         return self._core.field(flat_points, flat_currents).reshape(*shape, 3)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import contextlib
 import importlib.metadata
 import json
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip import _core
+from stickslip.scenario.field_map import FieldMap
+from stickslip.scenario.map_files import map_text, stored_map
 from stickslip.scenario.waveform import Waveform
 
 if TYPE_CHECKING:
@@ -37,7 +40,7 @@ def attributes(run: Run) -> dict[str, Any]:
 
 
 def origin(scenario: Scenario) -> dict[str, str]:
-    """What a file says of where its numbers come from: versions, scenario and its voltages."""
+    """What a file says of where its numbers come from: versions, scenario, voltages and map."""
     about = {"stickslip_version": _core.__version__, "numpy_version": np.__version__}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
         about["xarray_version"] = importlib.metadata.version("xarray")
@@ -46,10 +49,19 @@ def origin(scenario: Scenario) -> dict[str, str]:
     if program is not None:  # a scenario's text names a file in place of the voltages
         blocks = [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
         about["voltage_blocks"] = json.dumps(blocks)
+    if scenario.coil.map is not None:
+        about["coil_map"] = map_text(scenario.coil.map)
     return about
 
 
-def program_of(voltage_blocks: str) -> Waveform:
-    """The program of which `origin` gave the blocks of times (s) and voltages (V)."""
-    blocks = json.loads(voltage_blocks)
+def map_of(about: Mapping[str, Any]) -> FieldMap | None:
+    """The field map of attributes that `origin` gave, if the scenario has one."""
+    return stored_map(about["coil_map"]) if "coil_map" in about else None
+
+
+def program_of(about: Mapping[str, Any]) -> Waveform | None:
+    """The program of attributes that `origin` gave, if the scenario has one."""
+    if "voltage_blocks" not in about:
+        return None
+    blocks = json.loads(about["voltage_blocks"])
     return Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])

@@ -94,6 +94,13 @@ def _of_drive(scenario: Scenario) -> list[str]:
 
 
 def _of_coils(scenario: Scenario) -> list[str]:
+    field_map = scenario.coil.map
+    return ([] if field_map is None else [f"the field of the coils is that of {field_map}"]) + (
+        _of_frequency(scenario)
+    )
+
+
+def _of_frequency(scenario: Scenario) -> list[str]:
     drive, core = scenario.drive, scenario.to_core()
     asked = drive.peak - drive.base
     if drive.mode == "program" or asked == 0.0:

@@ -24,7 +24,7 @@ from stickslip.simulation.columns import WORDS
 from stickslip.simulation.csv_export import beside, headings
 from stickslip.simulation.record_blocks import BLOCK, is_csv, recorded_names
 from stickslip.simulation.run import Outcome, Run
-from stickslip.simulation.run_attributes import program_of
+from stickslip.simulation.run_attributes import map_of, program_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -96,8 +96,7 @@ def open_run(path: str | PathLike[str]) -> Run:
     try:
         with prefixed(path):
             about = (_csv_attributes if is_csv(path) else _netcdf_attributes)(path)
-            voltages = about.get("voltage_blocks")
-            scenario = scenario_of(about["scenario"], program_of(voltages) if voltages else None)
+            scenario = scenario_of(about["scenario"], program_of(about), map_of(about))
             outcome = _outcome(about)
     except ScenarioError:
         raise

@@ -92,6 +92,8 @@ def _check_same(found: dict[str, Any], points: Points) -> None:
         raise ScenarioError(f"its scenario differs: {different}")
     if found.get("voltage_blocks") != here.get("voltage_blocks"):
         raise ScenarioError("its voltages differ")
+    if found.get("coil_map") != here.get("coil_map"):
+        raise ScenarioError("its map of the field (coil.map) differs")
     if (found.get("arrangement"), found["vary"]) != (points.arrangement, points.vary()):
         raise ScenarioError(f"its points differ: {_other_points(found['vary'], points.vary())}")
 

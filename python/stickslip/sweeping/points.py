@@ -18,15 +18,9 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import (
-    PROGRAM,
-    Value,
-    checked,
-    known_keys,
-    shown,
-    until_registration,
-)
+from stickslip.scenario.keys import Value, checked, known_keys, shown, until_registration
 from stickslip.scenario.named_effects import PREFIX
+from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.sweeping.results import NUMBERS
@@ -155,6 +149,8 @@ def from_scenarios(scenarios: Sequence[Scenario]) -> Points:
             f"{PROGRAM}: the scenarios of a sweep can have one program of voltages, not "
             f"{len(programs)}"
         )
+    if len({each.coil.map for each in scenarios}) > 1:
+        raise ScenarioError(f"{COIL_MAP}: the scenarios of a sweep have one map, or none has one")
     base = next((each for each in scenarios if each.drive.program is not None), scenarios[0])
     rows = [_changed_keys(base, each) for each in scenarios]
     return from_changes(base, rows)
@@ -206,6 +202,8 @@ def _check_key(key: object) -> None:
         raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
     if key in (PROGRAM, "drive.file"):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages")
+    if key == COIL_MAP:
+        raise ScenarioError(f"{key}: a sweep varies numbers and words, not maps of the field")
     if isinstance(key, str) and key.startswith("record."):
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
 

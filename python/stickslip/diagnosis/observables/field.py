@@ -36,7 +36,7 @@ _FIELD = ("Bx", "By", "Bz")
 
 
 class FieldObservable(TableObservable):
-    """A table of fields, with the five coils' Biot-Savart field as its model.
+    """A table of fields, with the five coils' Biot-Savart field, or their map, as its model.
 
     The columns are xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T). `scenario` has what no
     parameter sets. Columns in another unit, and probes that all lie on wires, are refused.
@@ -56,6 +56,7 @@ class FieldObservable(TableObservable):
         settings = np.stack([table[key] for key in (*COIL_NAMES, *_PLACE)], axis=1)
         fields = np.stack([table[key] for key in _FIELD], axis=1)
         count = len(COIL_NAMES)
+        _refuse_outside(coils.box, settings[:, count:], title)
         shares = coils.shares(settings[:, count:], settings[:, :count])
         off = np.asarray(np.isfinite(shares).all(axis=(1, 2)))
         if not off.any():
@@ -90,6 +91,19 @@ class FieldObservable(TableObservable):
         ).reshape(len(parameters), -1)
         fields[np.isnan(fields).any(axis=1)] = np.nan
         return fields
+
+
+def _refuse_outside(box: tuple[Array, Array] | None, places: Array, title: str) -> None:
+    """Refuse places, shape (n, 3), m, that a field map does not know."""
+    if box is None:
+        return
+    outside = np.any((places < box[0]) | (places > box[1]), axis=1)
+    if outside.any():
+        first = ", ".join(f"{each:g}" for each in places[int(np.argmax(outside))])
+        raise ScenarioError(
+            f"{title}: {int(outside.sum())} of {len(places)} probes lie outside of coil.map, the "
+            f"first at ({first}) m: allowed are probes in the box of the map"
+        )
 
 
 def _free_fit(shares: Array, fields: Array) -> tuple[Array, int]:

@@ -1,0 +1,174 @@
+"""The measured field of coils of one's own, in place of the formula of square coils."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip import _core
+from stickslip._util.arrays import Array
+from stickslip.errors import ScenarioError
+from stickslip.scenario.map_fit import CoilFit, fit_coils
+from stickslip.scenario.sections import COIL_NAMES
+
+_AXES = "xxyyz"
+"""Along which each coil's field points at the centre."""
+
+_WORST = 0.05
+"""Largest rms residual of a coil, relative to its rms field. Chosen: probes are read to a per cent
+or so, and what no source-free field comes near by 5 % has columns in a wrong order, places that are
+off, or iron within the map."""
+
+
+@dataclass(frozen=True)
+class FieldMap:
+    """Field of the five coils per ampere in a box, as harmonics that were fitted to a measured map.
+
+    Without a current in the box the field is the gradient of a potential that obeys Laplace's
+    equation, so that each coil is a sum of regular solid harmonics; see the page on the theory of
+    the field. Made by `from_file` or `from_points`. Two maps are equal if they give the same field.
+
+    Parameters
+    ----------
+    low, high : tuple of float
+        Corners of the box, x, y and z, m.
+    coefficients : tuple of tuple of float
+        Of the harmonics of each coil in the order of `COIL_NAMES`, T/A; l (l + 2) numbers for those
+        up to degree l, in the order of ``cpp/stickslip/field_map.hpp``.
+    residual : tuple of float
+        Root mean square of what the fit leaves of each coil's map, T/A for each of Bx, By and Bz.
+    field : tuple of float
+        The same of the map itself, T/A.
+    points : tuple of int
+        Points of each coil.
+    source : str
+        The file's name, or "" for none.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no map that can be simulated: the box does not hold the place x = y = z = 0, from
+        which the drive counts, or a positive current makes a field the wrong way there.
+    """
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    coefficients: tuple[tuple[float, ...], ...]
+    residual: tuple[float, ...] = dataclasses.field(compare=False)
+    field: tuple[float, ...] = dataclasses.field(compare=False)
+    points: tuple[int, ...] = dataclasses.field(compare=False)
+    source: str = dataclasses.field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        core = _core.Scenario()
+        try:
+            core.set_map(self.to_core())
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
+        fields = core.coils().centre_field_per_ampere
+        for name, axis, value in zip(COIL_NAMES, _AXES, fields, strict=True):
+            if value < 0.0:
+                raise ScenarioError(
+                    f"coil {name}: B{axis} = {value:.4g} T/A at x = y = z = 0: allowed is a "
+                    f"positive field, as a positive current of any coil makes one along +{axis}; "
+                    "take the values of this coil with the other sign"
+                )
+
+    @classmethod
+    def from_file(cls, path: str | PathLike[str]) -> FieldMap:
+        """Read and fit a CSV or netCDF file, or read a ``.json`` that a scenario was stored with.
+
+        Raises
+        ------
+        ScenarioError
+            If the file cannot be read, a column, coil or value is not as it has to be, or no field
+            of coils comes near to the values; the message names the file.
+        """
+        from stickslip.scenario.map_files import read_map
+
+        return read_map(path)
+
+    @classmethod
+    def from_points(cls, points: ArrayLike, fields: ArrayLike, source: str = "") -> FieldMap:
+        """Fit fields that were measured at the same points for all five coils.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, 3)
+            x, y and z, m; in any order, 8 or more.
+        fields : array_like, shape (n, 5, 3)
+            Bx, By and Bz of each coil in the order of `COIL_NAMES`, T/A.
+
+        Raises
+        ------
+        ScenarioError
+            If a shape does not fit, a number is not allowed, or no field of coils comes near to
+            the values.
+        """
+        places = np.asarray(points, dtype=np.float64)
+        values = np.asarray(fields, dtype=np.float64)
+        count = len(places) if places.ndim else 0
+        if places.shape != (count, 3) or values.shape != (count, len(COIL_NAMES), 3):
+            raise ScenarioError(
+                f"points of shape {places.shape} and fields of shape {values.shape}: allowed are "
+                "(n, 3) and (n, 5, 3)"
+            )
+        each = [(places, values[:, k]) for k in range(len(COIL_NAMES))]
+        return cls.from_coils(each, source)
+
+    @classmethod
+    def from_coils(cls, samples: Sequence[tuple[Array, Array]], source: str = "") -> FieldMap:
+        """The same of points (n, 3) and fields (n, 3) for each coil, in a common box."""
+        low, high, fits = fit_coils(samples)
+        for name, fit in zip(COIL_NAMES, fits, strict=True):
+            _refuse_bad_fit(name, fit)
+        return cls(
+            tuple(low.tolist()),
+            tuple(high.tolist()),
+            tuple(tuple(fit.coefficients.tolist()) for fit in fits),
+            tuple(fit.residual for fit in fits),
+            tuple(fit.field for fit in fits),
+            tuple(fit.points for fit in fits),
+            source,
+        )
+
+    @property
+    def degrees(self) -> tuple[int, ...]:
+        """Highest degree of the harmonics of each coil."""
+        return tuple(round((len(own) + 1) ** 0.5) - 1 for own in self.coefficients)
+
+    @property
+    def relative_residual(self) -> tuple[float, ...]:
+        """`residual` over `field`, 0 for a coil without a field."""
+        pairs = zip(self.residual, self.field, strict=True)
+        return tuple(left / field if field else 0.0 for left, field in pairs)
+
+    def to_core(self) -> _core.FieldMap:
+        """The map as the compiled core takes it."""
+        return _core.FieldMap(self.low, self.high, self.coefficients)
+
+    def __str__(self) -> str:
+        worst = int(np.argmax(self.relative_residual))
+        return (
+            f"{self.source or 'a map'} (harmonics up to degree {max(self.degrees)}; rms residual "
+            f"{self.residual[worst]:.2g} T/A, {self.relative_residual[worst]:.2g} of the field, at "
+            f"most, coil {COIL_NAMES[worst]})"
+        )
+
+    def __repr__(self) -> str:
+        return f"<FieldMap: {self}>"
+
+
+def _refuse_bad_fit(name: str, fit: CoilFit) -> None:
+    if fit.residual <= _WORST * fit.field:
+        return
+    raise ScenarioError(
+        f"coil {name}: the field of a coil comes near to the values to {fit.residual:.3g} T/A rms "
+        f"only, {fit.residual / fit.field:.2g} of the field: allowed is at most {_WORST:g}; look "
+        "for columns that are exchanged, signs, places that are off, or iron within the map"
+    )

@@ -1,0 +1,167 @@
+"""Solid harmonics fitted to the measured field of coils, by linear least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip import _core
+from stickslip._util.arrays import Array
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import shown
+from stickslip.scenario.sections import COIL_NAMES
+
+FEWEST = 8
+"""Fewest points of a coil. Chosen: the corners of a box, whose 24 numbers determine the 8 harmonics
+of degrees 1 and 2 three times over."""
+
+_FARTHEST, _STRONGEST = 1.0, 0.3
+"""Largest coordinate (m) and field (T/A) that are accepted. Chosen: coils of a thousand turns on a
+centimetre make 0.1 T/A, and beyond these limits a unit is wrong."""
+
+_ENTRIES = 20_000_000
+"""Most numbers of the matrix of a fit, 160 MB; where points are many, the degree is limited."""
+
+_SINGULAR = 1e-7
+"""Part of a harmonic's field at the points that has to be none of the harmonics before it. Chosen:
+what is less is rounding, as of high degrees on a grid of few planes."""
+
+
+@dataclass(frozen=True)
+class CoilFit:
+    """The harmonics of one coil: `coefficients` (T/A), what they leave and what there was.
+
+    `residual` and `field` are root mean squares of one component, T/A; `points` counts.
+    """
+
+    coefficients: Array
+    residual: float
+    field: float
+    points: int
+
+
+def fit_coils(samples: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, list[CoilFit]]:
+    """The box of all points, its low and high corner (m), and the fit of each coil.
+
+    `samples` has points, shape (n, 3), m, and fields, shape (n, 3), T/A, of each coil. A
+    ScenarioError names the coil, the value and what is allowed.
+    """
+    for name, (points, fields) in zip(COIL_NAMES, samples, strict=True):
+        _check(name, points, fields)
+    every = np.concatenate([points for points, _ in samples])
+    low, high = every.min(axis=0), every.max(axis=0)
+    _check_box(low, high)
+    fits: list[CoilFit] = []
+    basis: _Basis | None = None
+    for points, fields in samples:
+        # Mostly all coils were measured at the same points, and these are most of the work.
+        if basis is None or not np.array_equal(points, basis.points):
+            basis = _Basis(low, high, points)
+        fits.append(basis.fit(fields))
+    return low, high, fits
+
+
+class _Basis:
+    """Orthonormal combinations of the harmonics' fields at some points, by degree."""
+
+    def __init__(self, low: Array, high: Array, points: Array) -> None:
+        self.points = points
+        numbers = points.size
+        degree = _core.most_map_degree
+        # Half as many harmonics as numbers at the most: what is left tells the noise.
+        while degree > 1 and (2 * _count(degree) > numbers or _count(degree) * numbers > _ENTRIES):
+            degree -= 1
+        fields = _core.harmonic_fields(low, high, degree, points).reshape(numbers, -1)
+        self._scale = np.linalg.norm(fields, axis=0)
+        self._scale[self._scale == 0.0] = 1.0
+        self._q, self._r = np.linalg.qr(fields / self._scale)
+        known = np.abs(np.diag(self._r)) > _SINGULAR
+        self._degree = degree
+        while self._degree > 1 and not known[: _count(self._degree)].all():
+            self._degree -= 1
+        if self._degree < 2:
+            raise ScenarioError(
+                "the points do not determine the gradient of the field: allowed are points of a "
+                "box, or of the plane y = 0, and not of a line"
+            )
+
+    def fit(self, fields: Array) -> CoilFit:
+        """The fit of the degree that predicts best what it was not fitted to."""
+        values = fields.reshape(-1)
+        shares = self._q.T @ values
+        degree = 1 + int(np.argmin(self._prediction_errors(values, shares)))
+        count = _count(degree)
+        left = values - self._q[:, :count] @ shares[:count]
+        solution = np.linalg.solve(self._r[:count, :count], shares[:count])
+        return CoilFit(
+            solution / self._scale[:count],
+            float(np.sqrt(np.mean(left**2))),
+            float(np.sqrt(np.mean(values**2))),
+            len(fields),
+        )
+
+    def _prediction_errors(self, values: Array, shares: Array) -> Array:
+        """Mean squared error at a point that is left out of the fit, for each degree from 1.
+
+        Exact without another fit (Allen, Technometrics 16, 1974): what is left at a point, times
+        the inverse of 1 - H with the point's three rows of the projection H.
+        """
+        count = len(self.points)
+        left = values.copy()
+        free = np.tile(np.eye(3), (count, 1, 1))
+        errors = []
+        for degree in range(1, self._degree + 1):
+            new = slice(_count(degree - 1), _count(degree))
+            q = self._q[:, new]
+            left -= q @ shares[new]
+            rows = q.reshape(count, 3, -1)
+            free -= rows @ rows.transpose(0, 2, 1)
+            # A point without which the fit is not determined has an error without bound.
+            safe = np.linalg.det(free) > _SINGULAR
+            if not safe.all():
+                errors.append(np.inf)
+                continue
+            out = np.linalg.solve(free, left.reshape(count, 3, 1))
+            errors.append(float(np.mean(out**2)))
+        return np.array(errors)
+
+
+def _count(degree: int) -> int:
+    """Number of harmonics of degrees 1 to `degree`."""
+    return degree * (degree + 2)
+
+
+def _check(name: str, points: Array, fields: Array) -> None:
+    if len(points) < FEWEST:
+        raise ScenarioError(
+            f"coil {name}: {len(points)} points: allowed are {FEWEST} or more, as every coil has "
+            "to be measured"
+        )
+    for values, names, most, unit, hint in (
+        (points, "xyz", _FARTHEST, "m", "are these millimetres?"),
+        (fields, ("Bx", "By", "Bz"), _STRONGEST, "T/A", "are these mT/A or gauss?"),
+    ):
+        for axis, column in enumerate(names):
+            at = int(np.argmax(np.where(np.isnan(values[:, axis]), np.inf, abs(values[:, axis]))))
+            worst = float(values[at, axis])
+            if not abs(worst) <= most:
+                raise ScenarioError(
+                    f"coil {name}, point {at + 1}: {column} = {shown(worst)}: allowed are "
+                    f"-{most:g} to {most:g} {unit}; {hint}"
+                )
+
+
+def _check_box(low: Array, high: Array) -> None:
+    for axis, least, most in zip("xyz", low.tolist(), high.tolist(), strict=True):
+        if not least <= 0.0 <= most:
+            raise ScenarioError(
+                f"{axis} goes from {least!r} to {most!r} m: allowed are maps that hold the place "
+                "x = y = z = 0, from which the drive counts"
+            )
+        if axis != "y" and least == most:
+            raise ScenarioError(
+                f"{axis} = {least!r} m at all points: allowed are maps of some width, in which the "
+                "robot can be"
+            )

@@ -1,0 +1,309 @@
+"""Coils whose field was measured: the fit of a map, and runs, sweeps and pictures with one."""
+
+import numpy as np
+import pytest
+
+from measured_maps import (
+    UNIT_FIELD,
+    by,
+    formula_fields,
+    formula_map,
+    grid,
+    wire_fields,
+    with_map,
+)
+from stickslip import (
+    Coil,
+    Coils,
+    FieldMap,
+    Scenario,
+    ScenarioError,
+    Simulator,
+    Waveform,
+    _core,
+    plot,
+    simulate,
+    simulate_batch,
+    sweep,
+    volts_per_tesla,
+)
+from stickslip.scenario.map_fit import _Basis
+
+FIVE = np.array([2.0, -1.0, 0.5, 0.3, -3.0])
+RUNS = {
+    "IPP": {"drive.base": 0.5e-3, "drive.pulses": 20},
+    "OPP": {
+        "drive.mode": "OPP",
+        "drive.frequency": 30.0,
+        "drive.hold": 2.5e-3,
+        "drive.edge": "fall",
+        "drive.pulses": 12,
+    },
+    "turned": {"drive.base": 0.5e-3, "drive.pulses": 20, "drive.direction": "-x"},
+}
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return formula_map()
+
+
+def coils_of(field_map):
+    return Coils.of(Scenario(coil=Coil(map=field_map)))
+
+
+def places(field_map, count=200, seed=1):
+    return np.random.default_rng(seed).uniform(field_map.low, field_map.high, (count, 3))
+
+
+def test_a_map_without_noise_gives_the_formula_back(exact):
+    # What degrees above n leave falls as (9.0 mm, the corner, over 103 mm, the nearest wire)^n.
+    assert min(exact.degrees) >= 4
+    points, made = places(exact), coils_of(exact)
+    size = UNIT_FIELD * np.abs(FIVE).sum()
+    np.testing.assert_allclose(
+        made.field(points, FIVE), Coils().field(points, FIVE), rtol=0, atol=3e-6 * size
+    )
+    np.testing.assert_allclose(
+        made.gradient(points, FIVE), Coils().gradient(points, FIVE), rtol=0, atol=1e-3 * size
+    )
+    assert np.max(exact.relative_residual) < 1e-7
+    assert made.centre_field_per_ampere == pytest.approx([UNIT_FIELD] * 5, rel=1e-5)
+
+
+def test_the_field_of_any_map_is_free_of_sources_and_its_gradient_is_its_own():
+    noisy = formula_map(noise=0.02)
+    points, made = places(noisy), coils_of(noisy)
+    gradient = made.gradient(points, FIVE)
+    size = np.abs(gradient).max()
+    assert np.abs(gradient - gradient.swapaxes(1, 2)).max() == 0.0  # curl
+    assert np.abs(np.trace(gradient, axis1=1, axis2=2)).max() < 1e-14 * size  # divergence
+    step = 1e-6 * np.eye(3)
+    inside = 0.99 * points
+    differences = [made.field(inside + d, FIVE) - made.field(inside - d, FIVE) for d in step]
+    # Rounding of a field of 5 mT over the step: 1e-18 / 1e-6.
+    np.testing.assert_allclose(
+        made.gradient(inside, FIVE), np.stack(differences, axis=-1) / 2e-6, rtol=0, atol=1e-8
+    )
+
+
+def test_currents_superpose(exact):
+    points, made = places(exact, 20), coils_of(exact)
+    alone = [
+        current * made.field(points, one) for current, one in zip(FIVE, np.eye(5), strict=True)
+    ]
+    np.testing.assert_allclose(made.field(points, FIVE), np.sum(alone, axis=0), rtol=1e-13)
+
+
+@pytest.mark.parametrize("case", RUNS)
+def test_a_run_with_the_map_of_the_formula_goes_as_with_the_formula(exact, case):
+    # The velocity follows the field by a factor of some 1: the error of the field bounds it.
+    expected = simulate(Scenario().replace(RUNS[case]))
+    found = simulate(Scenario(coil=Coil(map=exact)).replace(RUNS[case]))
+    assert found.ok
+    assert found.mean_velocity == pytest.approx(expected.mean_velocity, rel=1e-4)
+
+
+def test_batches_sweeps_and_steps_give_the_bits_of_single_runs():
+    base = with_map(formula_map(noise=0.01))
+    values = np.linspace(40.0, 120.0, 13).tolist()
+    many = [base.replace({"drive.frequency": value}) for value in values]
+    many += [each.replace({"drive.direction": "-x"}) for each in many]
+    alone = [simulate(each) for each in many]
+    assert all(run.ok for run in alone)
+    for threads in (1, 2):
+        together = simulate_batch(many, threads=threads)
+        assert [run.summary() for run in together] == [run.summary() for run in alone]
+    swept = sweep(base, {"drive.frequency": values}).mean_velocity.values
+    assert swept.tolist() == [run.mean_velocity for run in alone[:13]]
+
+    held = with_map(base.coil.map, drive__mode="program", drive__program=Waveform.hold(0.02, {}))
+    by_steps = Simulator(held)
+    for level in (0.0, 10.0):
+        by_steps.step({"xp": level, "clamp": -8.0}, 0.01)
+    levels = Waveform.hold(0.01, {"clamp": -8.0}) + Waveform.hold(0.01, {"xp": 10.0, "clamp": -8.0})
+    whole = simulate(held.replace({"drive.program": levels}))
+    assert by_steps.state.x == pytest.approx(whole.final_state.x, abs=1e-10)
+
+
+def test_noise_of_a_per_cent_changes_the_velocity_by_a_few_tenths_of_one():
+    # 225 points of a coil give 675 numbers, of which the lowest degrees take 15: the field is known
+    # to 1 % sqrt(15 / 675) = 0.15 %, and the velocity follows the field by a factor of some 1 to 2.
+    expected = simulate(Scenario().replace(RUNS["IPP"])).mean_velocity
+    errors = []
+    for seed in range(6):
+        noisy = formula_map(noise=0.01, seed=seed)
+        assert max(noisy.degrees) <= 4
+        assert noisy.residual == pytest.approx([0.01 * UNIT_FIELD] * 5, rel=0.15)
+        run = simulate(with_map(noisy))
+        errors.append(run.mean_velocity / expected - 1.0)
+    assert 1e-5 < np.max(np.abs(errors)) < 5e-3
+
+
+def test_the_error_of_prediction_is_that_of_fits_without_each_point():
+    points = grid((8e-3, 3e-3, 3e-3), (4, 3, 3))
+    fields = formula_fields(points)[:, 0]
+    fields = fields + 1e-5 * np.random.default_rng(3).standard_normal(fields.shape)
+    basis = _Basis(points.min(axis=0), points.max(axis=0), points)
+    found = basis._prediction_errors(fields.reshape(-1), basis._q.T @ fields.reshape(-1))
+    for degree in (1, 2, 3):
+        design = (basis._q @ basis._r)[:, : degree * (degree + 2)].reshape(len(points), 3, -1)
+        squares = []
+        for out in range(len(points)):
+            kept = np.arange(len(points)) != out
+            solution, *_ = np.linalg.lstsq(
+                design[kept].reshape(-1, design.shape[2]), fields[kept].reshape(-1), rcond=None
+            )
+            squares.append(np.mean((fields[out] - design[out] @ solution) ** 2))
+        assert found[degree - 1] == pytest.approx(np.mean(squares), rel=1e-8)
+
+
+def turned_about_y(angle):
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    return lambda corners: corners @ turn.T
+
+
+def test_a_coil_that_is_turned_and_one_that_is_moved_are_as_by_their_wires():
+    moved = {"xp": turned_about_y(0.05), "clamp": by(2e-3, 1e-3, -3e-3)}
+    made = FieldMap.from_points(grid(), wire_fields(grid(), **moved))
+    points = places(made, 50)
+    expected = np.einsum("k,nki->ni", FIVE, wire_fields(points, **moved))
+    found = coils_of(made).field(points, FIVE)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=5e-6 * UNIT_FIELD * 6.8)
+    # The formula is off by the tilt, 5 % of 2 A.
+    assert np.abs(Coils().field(points, FIVE) - expected).max() > 0.04 * 2 * UNIT_FIELD
+
+
+def test_coils_that_are_all_moved_are_a_robot_that_starts_elsewhere():
+    away = 3e-3  # m along x
+    moved = dict.fromkeys(("xp", "xm", "yp", "ym", "clamp"), by(away, 0.0, 0.0))
+    made = FieldMap.from_points(grid(), wire_fields(grid(), **moved))
+    pulses = Waveform.ipp(base=0.5e-3, pulses=20)
+    keys = {"drive.mode": "program", "drive.program": pulses}
+    found = simulate(with_map(made, **keys))
+    expected = simulate(Scenario().replace({**keys, "initial.x": -away}))
+    assert found.ok
+    assert found.mean_velocity == pytest.approx(expected.mean_velocity, rel=1e-4)
+    centred = simulate(Scenario().replace(keys))
+    assert abs(centred.mean_velocity / expected.mean_velocity - 1.0) > 1e-3
+
+
+def test_a_clamp_coil_that_is_nearer_is_as_with_values_of_its_own():
+    nearer = {"clamp": by(0.0, 0.0, 5e-3)}
+    made = FieldMap.from_points(grid(), wire_fields(grid(), **nearer))
+    found = simulate(with_map(made))
+    own = Scenario().replace({**RUNS["IPP"], "effects.coil_clamp.distance": 0.094})
+    assert found.mean_velocity == pytest.approx(simulate(own).mean_velocity, rel=1e-4)
+
+
+def test_a_field_across_the_plane_is_recorded_and_ends_the_run():
+    # 2 mm beside the plane, a clamp coil of 1 mT has B_y of half its gradient there, 19 uT, and the
+    # default drive has no B_x while it ramps.
+    aside = {"clamp": by(0.0, 2e-3, 0.0)}
+    made = FieldMap.from_points(grid(), wire_fields(grid(), **aside))
+    stopped = simulate(with_map(made, drive__base=0.0))
+    assert stopped.status == "leaves_plane"
+    assert "drive.base" in stopped.message
+    run = simulate(with_map(made, record__rate=1e3))
+    assert run.ok
+    place = np.array([run.x[-1], 0.0, run.z[-1]])
+    field = np.einsum("k,nki->i", run.current[-1], wire_fields(place[None], **aside))
+    assert run.by[-1] == pytest.approx(field[1], rel=1e-3)
+    assert abs(field[1]) > 1e-5
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_robot_that_comes_to_the_end_of_the_map_ends_its_run(direction):
+    small = formula_map(half=(4e-4, 1e-3, 1e-3), count=(5, 5, 5))
+    # In packs and alone.
+    many = [with_map(small, drive__direction=direction, drive__frequency=f) for f in (90.0, 100.0)]
+    for run in (*simulate_batch(many), simulate(many[1])):
+        assert run.status == "left_workspace"
+        assert 4e-4 <= abs(run.final_state.x) < 4.1e-4
+        assert "the robot left coil.map, which has the field from x = -0.0004 to 0.0004 m" in (
+            run.message
+        )
+    above = formula_map(half=(4e-3, 1e-3, 1e-5), count=(5, 5, 5))
+    assert simulate(with_map(above)).status == "left_workspace"  # its centre is 50 um high
+
+
+def test_a_map_of_the_plane_of_motion_suffices():
+    flat = formula_map(half=(8e-3, 0.0, 3e-3), count=(9, 1, 5))
+    expected = simulate(Scenario().replace(RUNS["IPP"])).mean_velocity
+    assert simulate(with_map(flat)).mean_velocity == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_map_that_begins_at_the_surface_suffices():
+    points = grid(half=(8e-3, 2e-3, 2e-3)) + np.array([0.0, 0.0, 2e-3])
+    above = FieldMap.from_points(points, formula_fields(points))
+    assert above.low[2] == 0.0
+    expected = simulate(Scenario().replace(RUNS["IPP"])).mean_velocity
+    assert simulate(with_map(above)).mean_velocity == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.skipif(not _core.has_arkode, reason="this build has no arkode")
+def test_both_integrators_take_a_map(exact):
+    one, other = (simulate(with_map(exact, solver__method=each)) for each in ("tsit5", "arkode"))
+    assert other.mean_velocity == pytest.approx(one.mean_velocity, rel=1e-5)
+
+
+def test_coils_that_are_not_there_have_zeros(exact):
+    points = grid()
+    fields = formula_fields(points)
+    fields[:, 1:4] = 0.0
+    made = FieldMap.from_points(points, fields)
+    assert made.relative_residual[1] == 0.0
+    run = simulate(with_map(made))
+    assert run.mean_velocity == pytest.approx(simulate(with_map(exact)).mean_velocity, rel=1e-12)
+    with pytest.raises(ScenarioError, match=r"coil\.map: coil xm has 0 T/A along its axis"):
+        with_map(made, drive__direction="-x")
+
+
+def test_a_run_says_whose_field_it_had(exact):
+    note = next(each for each in simulate(with_map(exact)).summary()["notes"] if "map" in each)
+    assert "the field of the coils is that of a map (harmonics up to degree" in note
+    assert "rms residual" in note
+    assert "map" in with_map(exact)._repr_html_()
+    assert volts_per_tesla(Coil(map=exact)) == pytest.approx(volts_per_tesla(), rel=1e-5)
+    assert "field map" in repr(coils_of(exact))
+
+
+def test_outside_of_the_map_there_is_no_field(exact):
+    made = coils_of(exact)
+    assert made.box == ([-8e-3, -3e-3, -3e-3], [8e-3, 3e-3, 3e-3])
+    with pytest.raises(ValueError, match=r"point \(0.0081, 0, 0\) m lies outside of the field map"):
+        made.field([8.1e-3, 0, 0], FIVE)
+
+
+def test_a_map_takes_the_place_of_the_geometry(exact):
+    base = with_map(exact)
+    same = base.replace({"coil.resistance": 12.0, "effects.coil_xp.inductance": 0.05})
+    assert simulate(same).ok
+    for key, value in (("coil.turns", 400.0), ("effects.coil_clamp.side", 0.1)):
+        with pytest.raises(ScenarioError, match="allowed beside coil"):
+            base.replace({key: value})
+    with pytest.raises(ScenarioError, match=r"coil\.side: cannot be uncertain beside coil.map"):
+        base.with_uncertain({"coil.side": {"mean": 0.14, "sd": 0.01}})
+    assert base.replace({"coil.map": None}).coil == Coil()
+
+
+def test_the_coils_of_a_map_are_drawn_where_it_is(exact):
+    figure = plot.coils(Scenario(coil=Coil(map=exact)), FIVE)
+    axes = figure.axes[0]
+    corners = axes.collections[0].get_coordinates()
+    assert np.abs(corners[..., 0]).max() == pytest.approx(8.0, rel=1e-9)
+    assert np.abs(corners[..., 1]).max() == pytest.approx(3.0, rel=1e-9)
+    assert "xp: 2 A" in axes.get_title()
+
+
+def test_what_is_no_map_is_refused_where_one_belongs(exact):
+    with pytest.raises(ScenarioError, match=r'coil\.map = "map\.csv"'):
+        Coil(map="map.csv")
+    with pytest.raises(ScenarioError, match="such key here; in Python"):
+        Scenario().get("coil.map")
+    base = with_map(exact)
+    with pytest.raises(ScenarioError, match="not maps of the field"):
+        sweep(base, {"coil.map": [exact]})
+    with pytest.raises(ScenarioError, match="the scenarios of a sweep have one map"):
+        sweep([base, base.replace({"coil.map": None})])
