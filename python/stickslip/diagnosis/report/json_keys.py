@@ -27,7 +27,7 @@ from stickslip.diagnosis.inference.upper_bounds import smallest_effects
 from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.messages import headline
+from stickslip.diagnosis.report.headline import headline
 from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.facts import Fact
@@ -119,7 +119,7 @@ def _details(found: Findings, posed: PosedProblem, unit: str) -> dict[str, Any]:
     """What was found, beyond the summary."""
     problem, gain, test = found.problem, found.gain, found.detection
     return {
-        "headline": headline(found),
+        "headline": str(headline(found, posed, unit)),
         "runner_up": str(runner_up(found) or ""),
         "reasons": _sentences(found.verdict.reasons),
         "notes": _sentences(found.notes),
@@ -308,11 +308,3 @@ def _level(found: Findings, unit: str) -> float | None:
         return None
     size = float(np.mean(np.abs(found.problem.observed[found.gain.held_out])))
     return size if size > 0.0 else None
-
-
-def gain_unit(posed: PosedProblem) -> str:
-    """Unit of what is held out: velocities, where there are any, else the channels' observables."""
-    if posed.conditions:
-        return "m/s"
-    kinds = {observable.name for observable in posed.model.observables}
-    return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"
