@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from stickslip._util.plain_text import printable
+from stickslip._util.plain_text import printable, shortened
 
 WIDTH, WIDE, HEIGHT = 460, 620, 300
 """Of a panel, and of one that stands alone, in units of the drawing."""
@@ -174,7 +174,8 @@ class _Drawing:
             (f'transform="translate(14 {middle}) rotate(-90)"', _over(panel.ylabel, over_y)),
         )
         return parts + [
-            f'<text {place} text-anchor="middle">{_text(name)}</text>' for place, name in names
+            f'<text {place} text-anchor="middle">{_text(shortened(name))}</text>'
+            for place, name in names
         ]
 
     def _places(self, places: Sequence[tuple[float, float]]) -> str:
