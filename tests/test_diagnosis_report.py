@@ -1,6 +1,7 @@
 """What a reader is told of a diagnosis: sentences, numbers of the report, files."""
 
 import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -136,6 +137,9 @@ def test_the_extended_scenario_says_where_it_is_from(tilted):
     ]
     assert first.startswith("# stickslip diagnose m.toml: ")
     assert any(line.startswith("# contact.kinetic_friction: 0.145 -> ") for line in changed)
+    # Its drive is none that was measured, and these lines are to be changed for one that was.
+    (drive,) = [line for line in changed if line.startswith("# [drive] is that of the scenario")]
+    assert re.search("the measurements set (frequency, direction|direction, frequency):$", drive)
 
 
 def test_the_page_explains_its_terms(tilted):
