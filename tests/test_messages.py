@@ -237,7 +237,7 @@ EXAMPLES = {
     Code.NO_FORCE_VIEW: ({}, "frames"),
     Code.ADVANCE: (
         {"measured": 1.5e-5, "sd": 1e-7, "recalibrated": 2.5e-5, "extended": 1.25e-5},
-        r"15 ± 0\.1 um, .* 25 um; .* 12\.5 um",
+        r"15 ± 0\.1 um, .* 25 um, .*extended.* 12\.5 um",
     ),
     Code.TOO_FEW_PHASES: ({"phases": 20, "orders": 6, "needed": 10}, "20 .* 6 .* 10"),
     Code.TORQUE_NOT_JUDGED: ({}, "torque"),

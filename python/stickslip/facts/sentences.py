@@ -202,7 +202,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     ),
     "extended_angle": _extended(", and the extended model by {extended!d:.2f} degrees"),
     "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
-    "extended_advance": _extended("; with the cause {extended!u:.5g} um"),
+    "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,
     "improvement": _improvement,
