@@ -175,6 +175,12 @@ EXAMPLES = {
         {"law": "drag", "argument": "speed", "lead": 15.0, "band": 90.0},
         r"drag depends on speed .* 15\.0 above .* 90 %",
     ),
+    Code.FREE_SHAPE_MEANING: (
+        {"law": "drag", "argument": "speed", "unit": "m/s", "told": (0.25, 0.5), "size": "|u|",
+         "reach": 0.75},
+        r"drag is .* times 1 \+ f\(u\), .* speed in m/s.* from 0\.25 to 0\.5 m/s; .* "
+        r"\|u\| is above 0\.75 m/s",
+    ),
     Code.FREE_SHAPE_RIVALS: (
         {"law": "drag", "argument": "speed", "others": ["drag over tilt", "field over time"]},
         "drag over tilt and field over time .* drag over speed",

@@ -113,10 +113,9 @@ def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
             for each in each_once.values()
         )
     if found.free_shape is not None and found.open_set is not None:
-        # What was gained is an answer of its own.
-        return tuple(
-            each for each in found.open_set.facts() if each.code is not Code.FREE_SHAPE_GAIN
-        )
+        # The headline says that there is a law, and what was gained is an answer of its own.
+        elsewhere = (Code.FREE_SHAPE, Code.FREE_SHAPE_GAIN)
+        return tuple(each for each in found.open_set.facts() if each.code not in elsewhere)
     codes = {"none": Code.WHAT_NOTHING, "unexplained": Code.WHAT_UNKNOWN}
     return (Fact(codes.get(found.verdict.kind, Code.WHAT_DATA), {}),)
 
