@@ -205,6 +205,7 @@ class Code(str, Enum):
     SURE_OF_REFUSAL = "sure-of-refusal"  #: A refusal says nothing of causes.
     DO_REMEDY = "do-remedy"  #: What to do about one cause.
     DO_KEEP = "do-keep"  #: Go on with the extended model.
+    DO_VALUES = "do-values"  #: Where the values are of the extended model of one's own.
     DO_EXPERIMENT = "do-experiment"  #: What to measure next.
     DO_MEASURE_MORE = "do-measure-more"  #: No experiment is proposed.
     DO_CONFIRM = "do-confirm"  #: Use the recalibrated model.

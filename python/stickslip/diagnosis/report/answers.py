@@ -169,6 +169,7 @@ def _do(
     kind = found.verdict.kind
     own = "the recalibrated model" if kind == "none" else "the extended model"
     model = {"model": own if posed.simulator is None else "extended.toml"}
+    values = [] if posed.simulator is not None else [Fact(Code.DO_VALUES, {})]
     if kind == "data-problem":
         return (Fact(Code.DO_CORRECT, {}),)
     if kind == "none":
@@ -182,12 +183,12 @@ def _do(
         remedies = [each.remedy for each in claimed[0] if each.remedy]
         said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]
         keep = Fact(Code.DO_KEEP, {**model, "first": not said})
-        return (*said, keep, *([] if next_step(found).code is Code.NAME_SAFE else steps))
+        return (*said, keep, *values, *([] if next_step(found).code is Code.NAME_SAFE else steps))
     looks = [in_plain_words(found, each) for each in advice(found)]
     measure = [*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})]
     leading = _leading(found)
     kept = [] if leading is None else [Fact(Code.DO_LEADING, {**model, "name": leading})]
-    return (*measure, *kept)
+    return (*measure, *kept, *values)
 
 
 def _measure_next(found: Findings, posed: PosedProblem, experiment: Experiment) -> Fact:
