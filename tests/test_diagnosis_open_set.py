@@ -249,6 +249,11 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     found.save_report(tmp_path)
     report = json.loads((tmp_path / "report.json").read_text())
     assert list(report["parameters"]) == [key.removeprefix("effects.") for key in hook.knots]
+    held = [each for each in report["conditions"] if each["held_out"]]
+    assert len(held) == report["open_set"]["gain"]["n"]
+    missed = [abs(each["velocity"] - each["extended_without_it"]) for each in held]
+    assert report["open_set"]["gain"]["mae_after"] == pytest.approx(np.mean(missed))
+    assert report["held_out_level"] > 0.0
     errors = [(each["velocity"] - each["extended"]) / each["sd"] for each in report["conditions"]]
     # As the law explains the data, with chi-square of about one a condition.
     assert np.mean(np.square(errors)) < 2.5

@@ -202,12 +202,7 @@ class OpenSet(OneLine):
             "formula": None if formula is None else {
                 "text": formula.text, "a": formula.a, "b": formula.b, "p_value": formula.p_value
             },
-            "gain": None if self.gain is None else {
-                "n": len(self.gain.held_out),
-                "heldout_chi2_before": self.gain.chi2_before,
-                "heldout_chi2_after": self.gain.chi2_after,
-                "interval": list(self.gain.interval),
-            },
+            "gain": None if self.gain is None else self.gain.as_dict(),
         }  # fmt: skip
 
     def table(self) -> DataFrame:
