@@ -16,6 +16,7 @@ from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.open_set import BAND, OpenSet
 from stickslip.diagnosis.inference.ranking import leading, set_members
+from stickslip.diagnosis.report.chart import UPWARDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -206,7 +207,7 @@ def against_model(
               None if sd is None else series(sd, k),
               {model: series(values, k) for model, values in models.items()},
               held_out[order], joined)  # fmt: skip
-    across, up = map(shortened, labels)
+    across, up = shortened(labels[0]), shortened(labels[1], UPWARDS)
     if models:
         _label_residuals(below, across)
     below.set_xlabel(across)
