@@ -51,24 +51,6 @@ def test_the_facts_are_those_of_the_sentences(full):
     assert full["notes"]
 
 
-def test_the_table_of_words_names_keys_that_the_file_has(full):
-    def keys(value):
-        if isinstance(value, dict):
-            return set(value) | {name for each in value.values() for name in keys(each)}
-        return {name for each in value for name in keys(each)} if isinstance(value, list) else set()
-
-    page = Path(__file__).parents[1] / "docs" / "reference" / "measurement.md"
-    text = page.read_text(encoding="utf-8")
-    section = text.split("### Words of the page and keys of the file")[1].split("\n#")[0]
-    rows = [line.split("|")[2] for line in section.splitlines() if line.startswith("| ")][2:]
-    # That of a law of another shape is null here, and has keys of its own.
-    named = [re.findall(r"`([\w.]+)`", row) for row in rows if "`open_set`" not in row]
-    assert len(named) >= 15
-    known = keys(full) | {"hooks"}
-    for name in (part for each in named for names in each for part in names.split(".")):
-        assert name in known, name
-
-
 def test_parts_share_the_whole_misfit(full):
     # Without errors that set-ups share, each half of a split and its complement add up to all.
     parts = full["misfit_by_part"]

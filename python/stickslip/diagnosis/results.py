@@ -23,7 +23,6 @@ from stickslip.diagnosis.inference.verdict import Verdict
 from stickslip.diagnosis.new_drives import drive_settings
 from stickslip.diagnosis.next_trials import trial_table
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.errors import gain_unit
 from stickslip.diagnosis.report.messages import no_gain_lines, set_lines, table_lines, verdict_lines
 from stickslip.diagnosis.report.plots import OWN_LABELS, Plots, refuse_own
 from stickslip.errors import ScenarioError
@@ -88,8 +87,7 @@ class Diagnosis(ShownBySummary):
     def verdict_lines(self) -> list[str]:
         """The verdict in one sentence, and below it the reasons, notes and what was left out."""
         measured = () if self.measurement is None else self.measurement.left_out
-        left_out = [*measured, *self.posed.left_out]
-        return verdict_lines(self.findings, self.posed, left_out, gain_unit(self.posed))
+        return verdict_lines(self.findings, self.posed, [*measured, *self.posed.left_out])
 
     @property
     def verdict(self) -> Verdict:

@@ -12,6 +12,7 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.ranking import runner_up, set_members
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.cause_words import interval_of
+from stickslip.diagnosis.report.errors import gain_unit
 from stickslip.diagnosis.report.headline import LISTED, headline
 from stickslip.diagnosis.report.parameters import extended_parameters, short
 from stickslip.facts import Fact
@@ -20,16 +21,11 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-def verdict_lines(
-    found: Findings, posed: PosedProblem, left_out: Sequence[Fact], unit: str
-) -> list[str]:
-    """The verdict and its reasons, what was left out, and the held-out improvement.
-
-    `unit` is that of what is held out.
-    """
+def verdict_lines(found: Findings, posed: PosedProblem, left_out: Sequence[Fact]) -> list[str]:
+    """The verdict and its reasons, what was left out, and the held-out improvement."""
     reasons = () if found.verdict.kind == "data-problem" else found.verdict.reasons
     second = runner_up(found)
-    lines = [printable(f"{found.verdict.kind}: {headline(found, posed, unit)}")]
+    lines = [printable(f"{found.verdict.kind}: {headline(found, posed, gain_unit(posed))}")]
     lines += [f"  {fact}" for fact in (*reasons, *([second] if second else []), *found.notes)]
     lines += [f"  left out: {fact}" for fact in left_out]
     if found.open_set is not None:
