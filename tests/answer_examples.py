@@ -60,6 +60,7 @@ ANSWERS = {
     Code.SURE_OF_REFUSAL: ({}, "checks of the data"),
     Code.DO_REMEDY: ({"remedy": "Level it"}, "Level it"),
     Code.DO_KEEP: ({"model": "extended.toml", "first": False}, r"Or go on with extended\.toml"),
+    Code.DO_VALUES: ({}, r"report\.json, under .parameters."),
     Code.DO_EXPERIMENT: (
         {"settings": "mode OPP", "predicted": PREDICTED, "why": Fact(Code.NO_SAFE_NAME, {})},
         r"mode OPP\. Predicted is -0\.63 mm/s with a wave, 2 mm/s with a bend\. No name",

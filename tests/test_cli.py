@@ -125,11 +125,15 @@ def test_notes_are_printed(scenario):
     assert "note" not in stickslip("run", scenario).stdout
 
 
-def test_init_writes_the_defaults_once(tmp_path):
+def test_init_writes_a_robot_that_walks_with_all_keys_once(tmp_path):
     done = stickslip("init", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "wrote scenario.toml\n", "")
     text = (tmp_path / "scenario.toml").read_text()
-    assert load(tmp_path / "scenario.toml") == Scenario()
+    written = load(tmp_path / "scenario.toml")
+    assert written == Scenario().replace({"drive.base": 0.5e-3})
+    walk = simulate(written)
+    assert walk.mean_velocity == pytest.approx(1.9e-3, rel=0.05)
+    assert walk.notes == []
     assert max(map(len, text.splitlines())) <= 100
     for key in Scenario.keys():  # noqa: SIM118
         if not key.startswith("effects."):

@@ -117,7 +117,7 @@ def test_a_page_escapes_control_characters_and_markup(tmp_path):
     assert json.loads((tmp_path / "out" / "report.json").read_text())["name"] == f"<b>{WILD}"
 
 
-@pytest.mark.filterwarnings("error:Glyph")
+@pytest.mark.filterwarnings("error:Glyph", "error:constrained_layout")
 def test_names_of_a_users_model_are_text_on_the_page_whatever_they_hold(tmp_path):
     name = f"<script>alert(1)</script>\"'>& {WILD} $\\frac{{$"
     x = np.linspace(0.2, 1.0, 24)

@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -80,6 +81,25 @@ def test_the_report_needs_no_other_file(tilted):
     assert set(full) >= KEYS
     assert full["verdict"] == said["verdict"]
     assert len(full["conditions"]) == 8
+
+
+def test_the_table_of_words_names_keys_that_the_file_has(tilted):
+    def keys(value):
+        if isinstance(value, dict):
+            return set(value) | {name for each in value.values() for name in keys(each)}
+        return {name for each in value for name in keys(each)} if isinstance(value, list) else set()
+
+    full = json.loads((tilted[0] / "found" / "report.json").read_text())
+    page = Path(__file__).parents[1] / "docs" / "reference" / "measurement.md"
+    text = page.read_text(encoding="utf-8")
+    section = text.split("### Words of the page and keys of the file")[1].split("\n#")[0]
+    rows = [line.split("|")[2] for line in section.splitlines() if line.startswith("| ")][2:]
+    # That of a law of another shape is null here, and has keys of its own.
+    named = [re.findall(r"`([\w.]+)`", row) for row in rows if "`open_set`" not in row]
+    assert len(named) >= 15
+    known = keys(full) | {"hooks"}
+    for name in (part for each in named for names in each for part in names.split(".")):
+        assert name in known, name
 
 
 def test_nothing_is_found_where_nothing_is(tmp_path):

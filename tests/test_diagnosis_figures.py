@@ -64,3 +64,14 @@ def test_a_saved_figure_shows_all_its_text_and_fills_the_page(kind):
     assert_legible(figure)
     frame = figure.axes[0].get_tightbbox()
     assert frame.width > 0.95 * figure.bbox.width
+
+
+def test_long_names_of_axes_are_shortened_to_what_has_place():
+    long = "a name that nobody can mistake for another one, as it is " * 3
+    found = shared_result(3, wave=1.0)
+    figure = found.plot.fit(place=X, labels=(long, long))
+    assert_legible(figure)
+    above, below = figure.axes
+    for label in (above.get_ylabel(), below.get_xlabel()):
+        assert label.endswith("...")
+        assert long.startswith(label[:-3])

@@ -23,7 +23,6 @@ from stickslip.diagnosis.inference.model_comparison import AssessedBaseline, set
 from stickslip.diagnosis.inference.smooth_residual import Settings, smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import smallest_effects, upper_bounds
 from stickslip.diagnosis.report.cause_words import rounded
-from stickslip.diagnosis.report.messages import headline
 from stickslip.facts import Code, Fact
 
 
@@ -204,45 +203,6 @@ def test_a_bound_holds_for_every_shape():
     # Shapes are tried at 0 and 1.5, where log width is 0.7 * 1.5; the slope absorbs a little.
     least = 1.96 * SD * (1.0 + 1.05**2) / float(np.linalg.norm(np.sin(4 * X)))
     assert least < limit < 1.3 * least
-
-
-def test_an_ambiguous_pair_is_worded_as_one():
-    def said(causes, fitted_causes, *reasons):
-        fit = SimpleNamespace(candidate=SimpleNamespace(causes=fitted_causes))
-        verdict = SimpleNamespace(kind="ambiguous", causes=causes, fit=fit, reasons=reasons)
-        return headline(SimpleNamespace(verdict=verdict, gain=None))
-
-    why = Fact(Code.AT_LIMIT, {"name": "a"})
-    both = said(("a", "b"), ("a", "b"), why)
-    assert both == f"a and b are the best pair, but this is not certain. {why}"
-    assert said(("a",), ("a",), why).startswith("a is the best candidate, but")
-    assert said(("a", "b", "c"), ("a", "b"), why).startswith("Two of these together")
-    assert said(("a", "b"), ("a",), why).startswith("One of these")
-
-
-NOT_CERTAIN = " On 5 held-out conditions the gain is not certain: its interval includes 0."
-
-
-@pytest.mark.parametrize(
-    ("interval", "said"),
-    [
-        ((0.5, 9.0), ""),
-        ((-0.5, 9.0), NOT_CERTAIN),
-        ((0.0, 9.0), NOT_CERTAIN),
-        (
-            (-9.0, -0.5),
-            " But it predicts 5 held-out conditions worse: chi-square per condition is 1.2 before "
-            "and 6.7 after.",
-        ),
-    ],
-)
-def test_an_uncertain_gain_is_reported_in_the_headline(interval, said):
-    gain = SimpleNamespace(
-        held_out=np.arange(5), interval=interval, chi2_before=1.21, chi2_after=6.68
-    )
-    nothing = SimpleNamespace(kind="none")
-    plain = headline(SimpleNamespace(verdict=nothing, gain=None))
-    assert headline(SimpleNamespace(verdict=nothing, gain=gain)) == plain + said
 
 
 def test_the_p_value_of_both_tests_is_uniform_where_nothing_is_hidden():

@@ -37,6 +37,11 @@ def test_a_model_of_the_users_own_has_a_page_too(tmp_path):
     data = full["channels"]["Data and models"]
     assert data["place"] == X.tolist()
     assert data["observed"] == given.findings.problem.observed.tolist()
+    # The parameters of the extended model are in no file of their own.
+    assert "in report.json, under “parameters”" in text
+    values = {name: each["value"] for name, each in full["parameters"].items()}
+    constants = {name: each["extended"] for name, each in full["recalibrated"].items()}
+    assert {**constants, **values} == pytest.approx(given.extended)
     # The extended model is within the noise, the recalibrated one is not.
     gap = {
         name: np.subtract(data[name], data["observed"]) / data["sd"]

@@ -10,7 +10,7 @@ import pytest
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
-from stickslip.diagnosis.inference.open_set import explore_free_shapes
+from stickslip.diagnosis.inference.open_set import Curve, explore_free_shapes
 from stickslip.diagnosis.inference.verdict import reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
 from stickslip.diagnosis.model.problem import Problem
@@ -54,6 +54,23 @@ def test_the_curve_of_the_report_is_the_law_of_the_core():
     expected = bent.to_core().free_curve(hook.effect, arguments)
     design = curve_design(BASE, hook, span, arguments)
     assert design @ list(values.values()) == pytest.approx(expected, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("width", "told"),
+    [
+        (lambda u: 0.1 + 0.0 * u, (-1.0, 1.0)),
+        (lambda u: np.where(u < 0.2, 0.1, 0.6), (-1.0, 0.1)),
+        (lambda u: np.where(np.abs(u) < 0.25, 0.6, np.where(u > 0.85, 0.6, 0.1)), (-1.0, -0.3)),
+        (lambda u: 0.6 + 0.0 * u, None),
+    ],
+)
+def test_a_curve_is_known_where_its_band_is_narrow(width, told):
+    # Of f at a knot 0.3 were expected, whose band of 90 % reaches 0.49 to both sides.
+    u = np.linspace(-1.0, 1.0, 21)
+    law, half = 1.0 + 0.0 * u, width(u)
+    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, "-")
+    assert curve.told == (told if told is None else pytest.approx(told))
 
 
 def test_spans_are_what_the_runs_reach():
@@ -232,6 +249,11 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     found.save_report(tmp_path)
     report = json.loads((tmp_path / "report.json").read_text())
     assert list(report["parameters"]) == [key.removeprefix("effects.") for key in hook.knots]
+    held = [each for each in report["conditions"] if each["held_out"]]
+    assert len(held) == report["open_set"]["gain"]["n"]
+    missed = [abs(each["velocity"] - each["extended_without_it"]) for each in held]
+    assert report["open_set"]["gain"]["mae_after"] == pytest.approx(np.mean(missed))
+    assert report["held_out_level"] > 0.0
     errors = [(each["velocity"] - each["extended"]) / each["sd"] for each in report["conditions"]]
     # As the law explains the data, with chi-square of about one a condition.
     assert np.mean(np.square(errors)) < 2.5
@@ -240,4 +262,9 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     assert simulate(extended).ok
     page = (tmp_path / "report.html").read_text()
     assert "A law of another shape" in page
+    low, high = curve.told
+    assert 0.0 <= low < high <= shapes.first.span
+    first_screen = page[: page.index("<nav>")]
+    for words in ("times 1 + f(u)", "where u is the slip speed in m/s", "say something of f(u)"):
+        assert words in first_screen
     assert "friction over slip speed" in page

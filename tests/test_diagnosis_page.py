@@ -238,6 +238,15 @@ def test_sizes_are_told_in_peoples_units_with_words_for_their_sign(
     assert "With a probability of 95 % it is" in page.answer("size")[0]
 
 
+@pytest.mark.parametrize(
+    ("kind", "said"), [("named", "with the cause "), ("pair", "with both causes ")]
+)
+def test_a_point_says_what_it_is_compared_with(page_of, kind, said):
+    titles = [each["text"] for each in page_of(kind).all("title") if "measured" in each["text"]]
+    assert len(titles) >= SIZE
+    assert all(said in each for each in titles)
+
+
 def test_where_nothing_is_found_wide_limits_are_told_too(page_of):
     sharpest, widest, *_ = page_of("none").answer("size")
     assert "limit best" in sharpest
@@ -247,7 +256,7 @@ def test_where_nothing_is_found_wide_limits_are_told_too(page_of):
 
 def test_errors_of_a_set_are_those_of_its_leading_member(page_of):
     assert "the leading one" in page_of("set").answer("better")[0]
-    assert "the leading one" in page_of("set").answer("do")[-1]
+    assert "the leading one" in page_of("set").answer("do")[-2]
     assert "the leading one" not in page_of("perhaps").answer("better")[0]
 
 
@@ -265,7 +274,7 @@ def test_the_figure_is_over_the_setting_on_which_the_change_depends():
     zero = np.zeros(16)
     for key in ("drive.frequency", "drive.peak"):
         change = np.array([each[key] for each in conditions])
-        rows = Rows(zero, zero, change, None, zero > 0)
+        rows = Rows(zero, zero, change, None, zero > 0, "with the cause")
         assert abscissa_key(conditions, rows) == key
     # A setting that was mostly left as it was is no abscissa.
     for k, each in enumerate(conditions):

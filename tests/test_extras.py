@@ -148,6 +148,15 @@ def test_a_command_names_its_extra_in_one_line(arguments, module, extra, tmp_pat
     assert not (tmp_path / "run.nc").exists()
 
 
+def test_the_tour_names_its_extra_in_one_line(tmp_path):
+    result = without(OPTIONAL, ["-m", "stickslip.demo"], tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert re.fullmatch(
+        r'stickslip: .* needs matplotlib: pip install "stickslip\[plot\]"\n', result.stderr
+    )
+    assert not (tmp_path / "demo_output").exists()
+
+
 EVERY_NAME = """
 import stickslip
 for name in stickslip.__all__:

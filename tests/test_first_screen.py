@@ -6,10 +6,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from report_page import Page
+from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.report.answers import Answers
 from stickslip.diagnosis.report.cause_words import Told, size_in_words
 from stickslip.diagnosis.report.certainty import sure_of
 from stickslip.diagnosis.report.drawings import drawing
+from stickslip.diagnosis.report.messages import parameter_lines
 from stickslip.facts import Code, Fact
 from stickslip.facts.causes import CAUSES
 from toy_model import shared_result
@@ -43,6 +46,41 @@ def test_an_error_that_contradicts_the_interval_is_not_told_beside_it(low, high,
         SimpleNamespace(profiles=(profile,)), name, entry, CAUSES["ambient_field"].sizes["Bx"]
     )
     assert (size.error_fits, size.way) == (fits, "along +x")
+    # A sentence has the interval in its place.
+    assert ("+-" in size.text, size.interval in size.text) == (fits, not fits)
+
+
+def test_the_command_begins_with_the_sentence_of_the_page(tmp_path):
+    found = shared_result(3, wave=1.0)
+    found.save_report(tmp_path)
+    first = found.verdict_lines()[0].replace(" +- ", " ± ")
+    assert first == "named: " + Page(tmp_path / "report.html").headline.replace("\xa0", " ")
+
+
+def test_the_command_has_the_keys_of_what_its_first_sentence_says_in_words():
+    (line,) = parameter_lines(shared_result(3, wave=1.0).findings)
+    value, low, high = re.fullmatch(
+        r"  wave\.size = (\S+), with 95 % from (\S+) to (\S+)", line
+    ).groups()
+    assert float(low) < float(value) < float(high)
+    uncertain = shared_result(0, split=0.4).findings
+    causes, *sizes = parameter_lines(uncertain)
+    assert causes == f"  the set: {', '.join(uncertain.verdict.causes)}"
+    assert [each.split(" = ")[0].strip() for each in sizes] == [
+        f"{each.name}.size" for fit in set_members(uncertain) for each in fit.candidate.causes
+    ]
+    assert parameter_lines(shared_result(3).findings) == []
+
+
+@pytest.mark.parametrize(
+    ("interval", "sure"), [((0.5, 9.0), True), ((-0.5, 9.0), False), ((-9.0, -0.5), True)]
+)
+def test_an_uncertain_gain_is_told_with_it(interval, sure):
+    named = shared_result(3, wave=1.0)
+    gain = replace(named.findings.gain, interval=interval)
+    lines = replace(named, findings=replace(named.findings, gain=gain)).verdict_lines()
+    (line,) = [each for each in lines if "chi-square per condition" in each]
+    assert line.endswith("the interval of the gain includes 0") != sure
 
 
 def test_an_arrow_points_the_way_that_was_found():

@@ -175,6 +175,12 @@ EXAMPLES = {
         {"law": "drag", "argument": "speed", "lead": 15.0, "band": 90.0},
         r"drag depends on speed .* 15\.0 above .* 90 %",
     ),
+    Code.FREE_SHAPE_MEANING: (
+        {"law": "drag", "argument": "speed", "unit": "m/s", "told": (0.25, 0.5), "size": "|u|",
+         "reach": 0.75},
+        r"drag is .* times 1 \+ f\(u\), .* speed in m/s.* from 0\.25 to 0\.5 m/s; .* "
+        r"\|u\| is above 0\.75 m/s",
+    ),
     Code.FREE_SHAPE_RIVALS: (
         {"law": "drag", "argument": "speed", "others": ["drag over tilt", "field over time"]},
         "drag over tilt and field over time .* drag over speed",
@@ -237,7 +243,7 @@ EXAMPLES = {
     Code.NO_FORCE_VIEW: ({}, "frames"),
     Code.ADVANCE: (
         {"measured": 1.5e-5, "sd": 1e-7, "recalibrated": 2.5e-5, "extended": 1.25e-5},
-        r"15 ± 0\.1 um, .* 25 um; .* 12\.5 um",
+        r"15 ± 0\.1 um, .* 25 um, .*extended.* 12\.5 um",
     ),
     Code.TOO_FEW_PHASES: ({"phases": 20, "orders": 6, "needed": 10}, "20 .* 6 .* 10"),
     Code.TORQUE_NOT_JUDGED: ({}, "torque"),

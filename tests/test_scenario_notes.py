@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Scenario, simulate
+from stickslip import Drive, Scenario, Waveform, simulate
 from stickslip.simulation.scenario_notes import field_swing, scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
@@ -22,9 +22,11 @@ NONSENSE = [
          "effects.surface_tilt.angle": 0.02},
         "the robot slides",
     ),
-    ({"drive.frequency": 5e3}, "drive.frequency = 5000 is 220 times the corner frequency"),
-    ({"coil.inductance": 7.0}, "R/(2 pi L) = 0.227 Hz"),
-    ({"coil.resistance": 0.1}, "within a period the field comes to swing by 0.0045 mT"),
+    ({"drive.frequency": 5e3}, "a pulse of 0.2 ms is 0.029 times the time constant"),
+    ({"drive.frequency": 400.0}, "L/R = 7 ms, so that the field comes to swing by 0.11 mT"),
+    ({"coil.inductance": 7.0}, "L/R = 700 ms"),
+    ({"drive.frequency": 200.0, "drive.pulses": 4}, "the measuring window lasts 5 ms, less than"),
+    ({"coil.resistance": 0.1}, "the field comes to swing by 0.0045 mT"),
     ({"contact.adhesion": 1e-3}, "contact.adhesion = 0.001 N is 3.98e+03 times the weight"),
     ({"contact.adhesion": 6e-6}, "contact.adhesion = 6e-06 N is 23.9 times the weight"),
     ({"environment.gravity": 0.0}, "acts on a robot without weight"),
@@ -54,7 +56,7 @@ def test_sound_scenarios_get_none():
             "drive.base": base,
             "drive.peak": base + random.uniform(1e-3, 4e-3),
             "drive.hold": random.uniform(0.0, 3e-3),
-            "drive.pulses": int(random.integers(4, 100)),
+            "drive.pulses": int(random.integers(6, 100)),
             "robot.length": 250e-6 * random.uniform(0.8, 1.25),
             "robot.height": 100e-6 * random.uniform(0.8, 1.25),
             "robot.mass": 25.6e-9 * random.uniform(0.5, 1.25),
@@ -102,3 +104,24 @@ RESTING = [
 def test_a_robot_that_never_moved_has_a_reason(changes, text):
     run = simulate(Scenario().replace({"drive.pulses": 5, **changes}))
     assert any("never moved" in note and text in note for note in run.notes), run.notes
+
+
+@pytest.mark.parametrize(
+    ("changes", "sticks"),
+    [({"contact.adhesion": 6e-6}, True), ({"contact.static_friction": 2.0}, True), ({}, False)],
+)
+def test_a_contact_that_never_slipped_is_noted(changes, sticks):
+    run = simulate(Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 12, **changes}))
+    assert abs(run.mean_velocity) > 1e-6
+    assert any("never slipped" in note for note in run.notes) == sticks, run.notes
+
+
+def test_a_program_that_is_over_before_the_current_has_followed_is_noted():
+    def noted(duration):
+        program = Waveform.ramp(duration, {"xp": 5.0}, {"xp": 10.0})
+        drive = Drive(mode="program", program=program)
+        return [note for note in scenario_notes(Scenario(drive=drive)) if "window" in note]
+
+    (note,) = noted(5e-3)
+    assert "lasts 5 ms, less than the time constant of coil xp, L/R = 7 ms" in note
+    assert noted(0.1) == []

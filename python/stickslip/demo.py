@@ -9,8 +9,8 @@ import math
 import sys
 from pathlib import Path
 
-from stickslip import plot
-from stickslip.cli import INTERRUPTED
+from stickslip._util.missing_extra import MissingExtra
+from stickslip.cli import BAD_INPUT, INTERRUPTED
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive, Record
 from stickslip.simulation.run import Run
@@ -60,7 +60,15 @@ def table(runs: list[Run]) -> str:
 
 
 def main() -> int:
-    """Simulate, print the table, write the pictures; 1 if a simulation failed."""
+    """Simulate, print the table, write the pictures; 1 if a simulation failed.
+
+    Raises
+    ------
+    MissingExtra
+        If matplotlib is not installed, before anything is simulated.
+    """
+    from stickslip import plot
+
     runs = simulate_batch(scenarios())
     print(table(runs))
     OUTPUT.mkdir(exist_ok=True)
@@ -81,3 +89,6 @@ if __name__ == "__main__":
         sys.exit(main())
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
+    except MissingExtra as error:
+        print(f"stickslip: {error}", file=sys.stderr)
+        sys.exit(BAD_INPUT)

@@ -26,6 +26,16 @@ def printable_lines(text: str) -> str:
     return "\n".join(map(printable, text.split("\n")))
 
 
+def shortened(text: object, most: int = 60) -> str:
+    """The printable text, without the end of what is longer than `most` characters.
+
+    For figures, whose axes would have no place beside a longer name. Chosen: a pair of the
+    library's causes is not longer.
+    """
+    text = printable(text)
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
 def quoted(text: str) -> str:
     """The text as a TOML string in double quotes.
 

@@ -139,13 +139,14 @@ def _diagnosed(
 
 
 def _tell(result: Diagnosis, as_json: bool, rounds: Rounds | None) -> None:
-    from stickslip.diagnosis.report.messages import experiment_lines
+    from stickslip.diagnosis.report.messages import experiment_lines, parameter_lines
 
     if as_json:
         said = result.as_dict()
         click.echo(json_text(said if rounds is None else {**said, "next": rounds.as_dict(result)}))
         return
-    lines = result.verdict_lines()
+    first, *others = result.verdict_lines()
+    lines = [first, *parameter_lines(result.findings), *others]
     if rounds is None:
         experiments = result.propose_experiments()
         lines += experiment_lines(result.findings, experiments, result.posed.conditions)

@@ -18,13 +18,18 @@ from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
 _HEAD = f"""\
-# A scenario with all keys at their defaults. SI units and radians; leave out what stays as it is.
+# A robot that walks: all keys at their defaults, but drive.base. SI units and radians; what is left
+# out has its default.
 stickslip = {FORMAT_VERSION}  # version of the format, required
 """
 
+_WALKS = {"drive.base": 0.5e-3}
+"""What is not at its default, so that the first run of a new user walks. From README.md."""
+
 _REMARKS = {
     "drive": """\
-# base, hold, edge and clamp are not stated in the paper: their defaults are this package's.
+# base, hold, edge and clamp are not stated in the paper: their defaults are this package's. That of
+# base is 0, with which the holding coil alone turns the robot upright and it rolls over.
 # With mode = "program", the other keys but direction are left out, and
 # file = "voltages.csv"  # columns t (s), xp, xm, yp, ym, clamp (V); relative to this file""",
     "coil": """\
@@ -44,7 +49,7 @@ _WIDTH = 100  # as the help of the commands
 @click.command("init", epilog="\b\nExample:\n  stickslip init scenario.toml")
 @click.argument("file", type=PATH, default=Path("scenario.toml"))
 def command(file: Path) -> None:
-    """Write a scenario with all keys, their defaults and what they mean to FILE.
+    """Write a scenario that walks, with all keys and what they mean, to FILE.
 
     FILE is scenario.toml where none is given; one that is there is not overwritten.
     """
@@ -52,12 +57,12 @@ def command(file: Path) -> None:
         raise ScenarioError(f"{file} is already there: choose another name, or remove it")
     check_target("FILE", file, {})
     with replacing(file) as temporary:
-        temporary.write_text(_commented_defaults(), encoding="utf-8")
+        temporary.write_text(_commented_scenario(), encoding="utf-8")
     say(f"wrote {file}")
 
 
-def _commented_defaults() -> str:
-    """The text of a scenario file with every key at its default."""
+def _commented_scenario() -> str:
+    """The text of a scenario file with every key."""
     blocks = [_HEAD]
     for section in SECTIONS:
         lines = [f"[{section}]"]
@@ -72,7 +77,7 @@ def _commented_defaults() -> str:
 
 def _lines(key: Key) -> list[str]:
     """The setting with its meaning beside it, or above it where that is too long."""
-    setting = f"{key.name.rpartition('.')[2]} = {json_text(key.default)}"
+    setting = f"{key.name.rpartition('.')[2]} = {json_text(_WALKS.get(key.name, key.default))}"
     comment = f"# {key.meaning}; {key.allowed}"
     line = f"{setting}  {comment}"
     if len(line) <= _WIDTH:

@@ -87,7 +87,7 @@ class Diagnosis(ShownBySummary):
     def verdict_lines(self) -> list[str]:
         """The verdict in one sentence, and below it the reasons, notes and what was left out."""
         measured = () if self.measurement is None else self.measurement.left_out
-        return verdict_lines(self.findings, [*measured, *self.posed.left_out])
+        return verdict_lines(self.findings, self.posed, [*measured, *self.posed.left_out])
 
     @property
     def verdict(self) -> Verdict:

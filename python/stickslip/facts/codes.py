@@ -110,6 +110,7 @@ class Code(str, Enum):
     NOTHING_LEFT = "nothing-left"  #: No second cause is seen beside the named one.
     NO_FREE_SHAPE = "no-free-shape"  #: No law of a free shape explains the data.
     FREE_SHAPE = "free-shape"  #: A law of another shape explains the data.
+    FREE_SHAPE_MEANING = "free-shape-meaning"  #: What f(u) is, and for which u it is known.
     FREE_SHAPE_RIVALS = "free-shape-rivals"  #: Others explain them about as well.
     FREE_SHAPE_GAIN = "free-shape-gain"  #: What it gains on held-out conditions.
     FREE_SHAPE_FORMULA = "free-shape-formula"  #: A formula fits as well as the curve.
@@ -204,6 +205,7 @@ class Code(str, Enum):
     SURE_OF_REFUSAL = "sure-of-refusal"  #: A refusal says nothing of causes.
     DO_REMEDY = "do-remedy"  #: What to do about one cause.
     DO_KEEP = "do-keep"  #: Go on with the extended model.
+    DO_VALUES = "do-values"  #: Where the values are of the extended model of one's own.
     DO_EXPERIMENT = "do-experiment"  #: What to measure next.
     DO_MEASURE_MORE = "do-measure-more"  #: No experiment is proposed.
     DO_CONFIRM = "do-confirm"  #: Use the recalibrated model.

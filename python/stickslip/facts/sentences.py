@@ -182,6 +182,14 @@ def _predicted_velocities(f: Fields) -> str:
     return f"Predicted is {', '.join(each)}. " if each else ""
 
 
+def _told_of_curve(f: Fields) -> str:
+    """Where the data say something of a law of a free shape."""
+    if f["told"] is None:
+        return "At no u alone do these data say much of f(u)"
+    low, high = f["told"]
+    return f"These data say something of f(u) for u from {low:.3g} to {high:.3g} {f['unit']}"
+
+
 _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "at": lambda f: f"{f['table']} {_named_lines(f)}",
     "column_is": _column_is,
@@ -202,7 +210,8 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     ),
     "extended_angle": _extended(", and the extended model by {extended!d:.2f} degrees"),
     "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
-    "extended_advance": _extended("; with the cause {extended!u:.5g} um"),
+    "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
+    "told_of_curve": _told_of_curve,
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,
     "improvement": _improvement,

@@ -207,10 +207,11 @@ class Run:
     def notes(self) -> list[str]:
         """What stands out, a line each; mostly none.
 
-        Of the motion: a robot that never moved, and what holds it; one that rolled over; a window
-        that is not measured whole. Of the scenario, values that are hardly meant so: fewer than
-        four pulses, high voltages, a drive far above the coils' corner frequency, a density that no
-        body has, a tilt that friction does not hold, adhesion of many weights, a loose tolerance.
+        Of the motion: a robot that never moved, or whose contact never slipped, and what holds it;
+        one that rolled over; a window that is not measured whole. Of the scenario, values that are
+        hardly meant so: fewer than four pulses, high voltages, pulses or a window far shorter than
+        the coils' time constant, a density that no body has, a tilt that friction does not hold,
+        adhesion of many weights, a loose tolerance.
         """
         notes = run_notes(self.scenario, {**self._summary}, self.condition_met)
         if self.ok and not self.complete and self.recorded:

@@ -68,6 +68,8 @@ def _of_motion(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
             if moved
             else f"the robot never moved: {_why_it_rests(scenario, summary)}"
         )
+    elif all(summary[name] == 0.0 for name in ("slip_up", "slip_down", "slip_flat")):
+        notes.append(_why_it_sticks(scenario))
     if events["roll_over"]:
         count = events["roll_over"]
         notes.append(
@@ -82,6 +84,17 @@ def _of_motion(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
             f"{math.degrees(low):.1f} to {math.degrees(high):.1f} degrees in the measuring window"
         )
     return notes
+
+
+def _why_it_sticks(scenario: Scenario) -> str:
+    """What holds the contact of a robot that moves without a slip."""
+    contact, pull = scenario.contact, weight(scenario)
+    most = contact.static_friction * (pull + contact.adhesion)
+    return (
+        "the contact never slipped in the measuring window: contact.static_friction = "
+        f"{contact.static_friction:g} holds it with about {most:.3g} N under the weight of "
+        f"{pull:.3g} N and contact.adhesion = {contact.adhesion:g} N"
+    )
 
 
 def _why_it_rests(scenario: Scenario, summary: dict[str, Any]) -> str:

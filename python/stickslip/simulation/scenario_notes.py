@@ -25,9 +25,9 @@ DENSITIES = 100.0, 25_000.0
 """Densities outside of these are noted, kg/m3: foams are lighter, and no element is heavier (osmium
 has 22 600)."""
 
-LEAST_SWING = 0.02
+LEAST_SWING = 0.05
 """Parts of the asked swing of the field below this are noted. With the coils of Table I that is a
-sawtooth of more than 890 Hz; the paper's 200 Hz give 9 %."""
+sawtooth of more than 357 Hz, whose pulses last 0.4 L/R; the paper's 200 Hz give 9 %."""
 
 MUCH_ADHESION = 20.0
 """Adhesion above so many times the weight is noted; the paper's is 0.9 times."""
@@ -95,30 +95,48 @@ def _of_drive(scenario: Scenario) -> list[str]:
 
 def _of_coils(scenario: Scenario) -> list[str]:
     field_map = scenario.coil.map
-    return ([] if field_map is None else [f"the field of the coils is that of {field_map}"]) + (
-        _of_frequency(scenario)
-    )
+    told = [] if field_map is None else [f"the field of the coils is that of {field_map}"]
+    return [*told, *_of_window(scenario), *_of_pulses(scenario)]
 
 
-def _of_frequency(scenario: Scenario) -> list[str]:
-    drive, core = scenario.drive, scenario.to_core()
+def _of_window(scenario: Scenario) -> list[str]:
+    """Whether all that is measured is over before a current has followed its voltage."""
+    start, end = scenario.window
+    driven = [name for name, volts in peak_voltages(scenario).items() if volts > 0.0]
+    slowest = max(driven, key=lambda name: _time_constant(scenario, name), default=None)
+    if slowest is None or end - start >= _time_constant(scenario, slowest):
+        return []
+    return [
+        f"the measuring window lasts {1e3 * (end - start):.3g} ms, less than the time constant of "
+        f"coil {slowest}, L/R = {1e3 * _time_constant(scenario, slowest):.3g} ms: the field is "
+        "still changing from before, and what is measured is no steady motion"
+    ]
+
+
+def _of_pulses(scenario: Scenario) -> list[str]:
+    drive = scenario.drive
     asked = drive.peak - drive.base
     if drive.mode == "program" or asked == 0.0:
         return []
-    name = core.in_plane_coil if drive.mode == "IPP" else "clamp"
-    resistance = core.resistances()[_core.coil_names.index(name)]
-    own = float(scenario.get(f"effects.coil_{name}.inductance"))
-    inductance = own or scenario.coil.inductance
-    share = field_swing(drive.frequency, inductance / resistance)
+    name = scenario.to_core().in_plane_coil if drive.mode == "IPP" else "clamp"
+    time_constant = _time_constant(scenario, name)
+    share = field_swing(drive.frequency, time_constant)
     if share >= LEAST_SWING:
         return []
-    corner = resistance / (2.0 * math.pi * inductance)
     return [
-        f"drive.frequency = {drive.frequency:g} is {drive.frequency / corner:.3g} times the corner "
-        f"frequency of the coils, R/(2 pi L) = {corner:.3g} Hz: within a period the field comes to "
-        f"swing by {1e3 * share * asked:.2g} mT of the {1e3 * asked:.3g} mT between drive.base and "
+        f"drive.frequency = {drive.frequency:g}: a pulse of {1e3 / drive.frequency:.3g} ms is "
+        f"{1.0 / (drive.frequency * time_constant):.2g} times the time constant of its coil, "
+        f"L/R = {1e3 * time_constant:.3g} ms, so that the field comes to swing by "
+        f"{1e3 * share * asked:.2g} mT of the {1e3 * asked:.3g} mT between drive.base and "
         "drive.peak"
     ]
+
+
+def _time_constant(scenario: Scenario, coil: str) -> float:
+    """L/R of a coil, s."""
+    resistance = scenario.to_core().resistances()[_core.coil_names.index(coil)]
+    own = float(scenario.get(f"effects.coil_{coil}.inductance"))
+    return (own or scenario.coil.inductance) / resistance
 
 
 def _of_body(scenario: Scenario) -> list[str]:

@@ -64,6 +64,17 @@ class Gain(OneLine):
     predicted_before: Array
     predicted_after: Array
 
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "n": len(self.held_out),
+            "heldout_chi2_before": self.chi2_before,
+            "heldout_chi2_after": self.chi2_after,
+            "mae_before": self.mae_before,
+            "mae_after": self.mae_after,
+            "interval": list(self.interval),
+        }
+
 
 def split(
     count: int, seed: int, group: ArrayLike | None = None, singleton_condition: int | None = None

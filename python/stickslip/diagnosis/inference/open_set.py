@@ -35,7 +35,7 @@ from stickslip.diagnosis.fit.single_cause import (
 from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.formulas import Formula, find_formula
 from stickslip.diagnosis.inference.verdict import MARGIN
-from stickslip.diagnosis.model.free_shapes import HOOKS, Hook, curve_design
+from stickslip.diagnosis.model.free_shapes import HOOKS, SCALE, Hook, curve_design
 from stickslip.diagnosis.model.problem import Problem
 from stickslip.facts import Code, Fact
 from stickslip.scenario.keys import known_keys
@@ -97,6 +97,22 @@ class Curve(OneLine):
     constant: float
     unit: str
 
+    @property
+    def told(self) -> tuple[float, float] | None:
+        """Ends of the widest range of the argument that the data tell something of, or None.
+
+        There f, the relative change of the law, has a band less than half as wide as before them.
+        Chosen: the data then tell more than was known.
+        """
+        before = 2.0 * float(normal_law.ppf(0.5 + 0.5 * BAND)) * SCALE
+        narrow = (self.high - self.low) < 0.5 * before * abs(self.constant)
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], narrow, [0]])))
+        runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        if not runs:
+            return None
+        first, last = max(runs, key=lambda ends: ends[1] - ends[0])
+        return float(self.argument[first]), float(self.argument[last])
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class OpenSet(OneLine):
@@ -156,6 +172,7 @@ class OpenSet(OneLine):
             fields = {**first, "p_value": self.first.p_value, "lead": self.first.lead}
             return (Fact(Code.NO_FREE_SHAPE, {**fields, "level": ADEQUATE}), *self.against)
         said = [Fact(Code.FREE_SHAPE, {**first, "lead": self.first.lead, "band": 100.0 * BAND})]
+        said.append(self._meaning())
         if self.rivals:
             others = [each.hook.name for each in self.rivals]
             said.append(Fact(Code.FREE_SHAPE_RIVALS, {**first, "others": others}))
@@ -168,6 +185,12 @@ class OpenSet(OneLine):
             said.append(Fact(Code.FREE_SHAPE_FORMULA, {**fields, "argument": first["argument"]}))
         return tuple(said)
 
+    def _meaning(self) -> Fact:
+        """What f and its argument are, and where the data say something of them."""
+        hook, reach = self.first.hook, {"reach": self.first.span, "told": self.curve.told}
+        law = {"law": hook.quantity, "argument": hook.argument, "unit": hook.unit, **reach}
+        return Fact(Code.FREE_SHAPE_MEANING, {**law, "size": "|u|" if hook.both_ways else "u"})
+
     def as_dict(self) -> dict[str, object]:
         """For report.json; SI units."""
         formula, curve = self.formula, self.curve
@@ -179,12 +202,7 @@ class OpenSet(OneLine):
             "formula": None if formula is None else {
                 "text": formula.text, "a": formula.a, "b": formula.b, "p_value": formula.p_value
             },
-            "gain": None if self.gain is None else {
-                "n": len(self.gain.held_out),
-                "heldout_chi2_before": self.gain.chi2_before,
-                "heldout_chi2_after": self.gain.chi2_after,
-                "interval": list(self.gain.interval),
-            },
+            "gain": None if self.gain is None else self.gain.as_dict(),
         }  # fmt: skip
 
     def table(self) -> DataFrame:

@@ -23,7 +23,7 @@ KNOTS = 5
 
 # Relative change of a law at a knot that would not surprise, and the largest that is searched.
 # Chosen as rough orders: a third of the law, and three times it.
-_SCALE, _LARGEST = 0.3, 3.0
+SCALE, _LARGEST = 0.3, 3.0
 # Samples a pulse of the runs that show how far the arguments reach. Chosen: the rocking of a pulse
 # is seen.
 _SAMPLES = 400.0
@@ -77,8 +77,7 @@ class Hook:
     def cause(self) -> Cause:
         """The law as a candidate, whose amplitudes are the knots."""
         parameters = tuple(
-            CauseParameter(key, known_keys()[key].unit, -1.0, _LARGEST, _SCALE)
-            for key in self.knots
+            CauseParameter(key, known_keys()[key].unit, -1.0, _LARGEST, SCALE) for key in self.knots
         )
         return Cause(self.effect, parameters, f"{self.name} has another shape")
 

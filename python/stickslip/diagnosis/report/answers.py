@@ -8,11 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.diagnosis.data.conditions import changes
-from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.next_step import next_step
-from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.cause_words import (
     Size,
@@ -20,17 +18,14 @@ from stickslip.diagnosis.report.cause_words import (
     in_plain_words,
     meanings_of,
     plain_name,
-    told,
 )
 from stickslip.diagnosis.report.certainty import gain_of, sure_of
 from stickslip.diagnosis.report.drawings import DRAWN
 from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
+from stickslip.diagnosis.report.headline import LISTED, claimed_by, headline, improvement
 from stickslip.diagnosis.report.limits import limits_in_words
 from stickslip.diagnosis.report.parameters import short
 from stickslip.facts import Code, Fact
-
-_LISTED = 6
-"""Candidates that the headline names. Chosen: more are not read."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +68,7 @@ class Answers:
             # Laws have the names of their drawings.
             return [Drawn(self.law)] if self.law in DRAWN else []
         drawable = [causes for causes in self.told if all(each.drawing in DRAWN for each in causes)]
-        once = {each.name: each for causes in drawable[:_LISTED] for each in causes}
+        once = {each.name: each for causes in drawable[:LISTED] for each in causes}
         captions = len({each.name for causes in self.told for each in causes}) > 1
         return [
             Drawn(each.drawing, each.way, _capital(each.title) if captions else "")
@@ -85,101 +80,26 @@ def answers(
     found: Findings, posed: PosedProblem, experiments: Sequence[Experiment], unit: str
 ) -> Answers:
     """The answers of a diagnosis; `unit` is that of what is held out."""
-    claimed = tuple(told(found, fit) for fit in set_members(found))
+    claimed = claimed_by(found)
     return Answers(
-        headline(found, posed, claimed, unit),
+        headline(found, posed, unit),
         claimed,
         None if found.free_shape is None else found.free_shape.hook.quantity,
         _what(found, claimed),
         _size(found, claimed),
-        sure_of(found, _LISTED),
+        sure_of(found, LISTED),
         _do(found, posed, claimed, experiments),
         _better(found, posed, unit),
     )
-
-
-def headline(
-    found: Findings, posed: PosedProblem, claimed: Sequence[Sequence[Told]], unit: str
-) -> Fact:
-    """The verdict and what to do in a sentence or two."""
-    kind, reasons = found.verdict.kind, found.verdict.reasons
-    if kind == "none":
-        return Fact(Code.HEADLINE_NONE, {})
-    if kind == "data-problem":
-        return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
-    gain = gain_of(found)
-    fit = found.verdict.fit
-    if fit is not None and all(each.relaxes_prior for each in fit.candidate.causes):
-        gain = None  # recalibration has moved a constant most of the way, so it gains little
-    improvement = _improvement(found, posed, gain, unit)
-    if kind == "unexplained":
-        shape = found.free_shape
-        if shape is None:
-            return Fact(Code.HEADLINE_UNEXPLAINED, {"count": len(found.problem.causes)})
-        law = {"law": shape.hook.quantity, "argument": shape.hook.argument}
-        return Fact(Code.HEADLINE_LAW, {**law, **improvement})
-    finding = " ".join(each.finding for each in claimed[0])
-    if kind == "ambiguous":
-        if len(claimed) == 1 and len(found.verdict.causes) == len(claimed[0]):
-            reason = in_plain_words(found, reasons[0])
-            return Fact(Code.HEADLINE_PERHAPS, {"finding": finding, "reason": reason})
-        return _set(found, claimed)
-    remedies = [each.remedy for each in claimed[0] if each.remedy]
-    remedy = " and ".join([*remedies[:1], *(_lower(each) for each in remedies[1:])])
-    fields = {"finding": finding, "remedy": remedy, "causes": len(claimed[0]), **improvement}
-    if kind == "pair":
-        return Fact(Code.HEADLINE_PAIR, fields)
-    return Fact(Code.HEADLINE_NAMED, fields)
-
-
-def _set(found: Findings, claimed: Sequence[Sequence[Told]]) -> Fact:
-    """Several candidates, or one and the names that were added to it."""
-    names = [" with ".join(each.title for each in causes) for causes in claimed]
-    mentioned = {each.name for causes in claimed for each in causes}
-    names += [
-        plain_name(each, meanings_of(found))
-        for each in found.verdict.causes
-        if each not in mentioned
-    ]
-    things = "pairs of causes" if len(claimed[0]) > 1 else "causes"
-    more = [f"{len(names) - _LISTED} more"] if len(names) > _LISTED else []
-    listed = [*names[:_LISTED], *more]
-    return Fact(Code.HEADLINE_SET, {"count": len(names), "things": things, "names": listed})
 
 
 def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _lower(text: str) -> str:
-    return text[:1].lower() + text[1:]
-
-
-def held_out_thing(posed: PosedProblem) -> str:
-    """What one of those is called that are held out."""
-    return "reading" if posed.model.observables and not posed.conditions else "condition"
-
-
-def _improvement(
-    found: Findings, posed: PosedProblem, gain: Gain | None, unit: str
-) -> dict[str, object]:
-    """Fields that say what was gained; `count` is None where that was not tested."""
-    if gain is None:
-        return {"count": None}
-    low, high = gain.interval
-    change = "falls" if low > 0.0 else "grows" if high < 0.0 else "not sure"
-    error = errors_of_gain(found, gain, unit)
-    return {
-        "count": len(gain.held_out),
-        "thing": held_out_thing(posed),
-        **error.in_short,
-        "change": change,
-    }
-
-
 def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
     if claimed:
-        each_once = {each.name: each for causes in claimed[:_LISTED] for each in causes}
+        each_once = {each.name: each for causes in claimed[:LISTED] for each in causes}
         return tuple(
             Fact(
                 Code.WHAT_CAUSE,
@@ -193,10 +113,9 @@ def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
             for each in each_once.values()
         )
     if found.free_shape is not None and found.open_set is not None:
-        # What was gained is an answer of its own.
-        return tuple(
-            each for each in found.open_set.facts() if each.code is not Code.FREE_SHAPE_GAIN
-        )
+        # The headline says that there is a law, and what was gained is an answer of its own.
+        elsewhere = (Code.FREE_SHAPE, Code.FREE_SHAPE_GAIN)
+        return tuple(each for each in found.open_set.facts() if each.code not in elsewhere)
     codes = {"none": Code.WHAT_NOTHING, "unexplained": Code.WHAT_UNKNOWN}
     return (Fact(codes.get(found.verdict.kind, Code.WHAT_DATA), {}),)
 
@@ -207,7 +126,7 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
     if claimed:
         return tuple(
             _size_of(each, size)
-            for causes in claimed[:_LISTED] for each in causes for size in each.sizes
+            for causes in claimed[:LISTED] for each in causes for size in each.sizes
         )  # fmt: skip
     limits = limits_in_words(found) if found.verdict.kind == "none" else ()
     if limits:
@@ -250,6 +169,7 @@ def _do(
     kind = found.verdict.kind
     own = "the recalibrated model" if kind == "none" else "the extended model"
     model = {"model": own if posed.simulator is None else "extended.toml"}
+    values = [] if posed.simulator is not None else [Fact(Code.DO_VALUES, {})]
     if kind == "data-problem":
         return (Fact(Code.DO_CORRECT, {}),)
     if kind == "none":
@@ -263,12 +183,12 @@ def _do(
         remedies = [each.remedy for each in claimed[0] if each.remedy]
         said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]
         keep = Fact(Code.DO_KEEP, {**model, "first": not said})
-        return (*said, keep, *([] if next_step(found).code is Code.NAME_SAFE else steps))
+        return (*said, keep, *values, *([] if next_step(found).code is Code.NAME_SAFE else steps))
     looks = [in_plain_words(found, each) for each in advice(found)]
     measure = [*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})]
     leading = _leading(found)
     kept = [] if leading is None else [Fact(Code.DO_LEADING, {**model, "name": leading})]
-    return (*measure, *kept)
+    return (*measure, *kept, *values)
 
 
 def _measure_next(found: Findings, posed: PosedProblem, experiment: Experiment) -> Fact:
@@ -280,7 +200,7 @@ def _measure_next(found: Findings, posed: PosedProblem, experiment: Experiment) 
     ]
     fields = {
         "settings": changes(experiment.drive, posed.conditions),
-        "predicted": predicted[:_LISTED],
+        "predicted": predicted[:LISTED],
         "why": in_plain_words(found, experiment.why),
     }
     return Fact(Code.DO_EXPERIMENT, fields)
@@ -301,7 +221,7 @@ def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]
         return (Fact(Code.BETTER_NO_MODEL, {}),)
     gain, leading = gain_of(found), {"leading": _leading(found)}
     if gain is not None:
-        fields: Mapping[str, object] = _improvement(found, posed, gain, unit)
+        fields: Mapping[str, object] = improvement(found, posed, gain, unit)
         error = errors_of_gain(found, gain, unit)
         told_change = {
             "falls": Code.BETTER_FALLS, "not sure": Code.BETTER_NOT_SURE,

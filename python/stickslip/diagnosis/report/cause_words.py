@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stickslip.diagnosis.fit.fit_result import Fit
@@ -31,8 +31,8 @@ class Size:
     ----------
     name : str
         Of the parameter, as files have it, without ``effects.``.
-    text : str
-        The value with its error and unit, and the word for its sign.
+    amount : str
+        The value with its unit and its error, or with the interval where the error does not fit it.
     interval : str
         Both ends that hold 95 %.
     way : str
@@ -45,11 +45,16 @@ class Size:
     """
 
     name: str
-    text: str
+    amount: str
     interval: str
     way: str = ""
     magnitude: float = 0.0
     error_fits: bool = True
+
+    @property
+    def text(self) -> str:
+        """The amount, and the word for its sign."""
+        return f"{self.amount}, {self.way}" if self.way else self.amount
 
     @property
     def parameter(self) -> str:
@@ -200,18 +205,22 @@ def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told
     sizes = tuple(
         size_in_words(found, name, entries[name], words.sizes[end]) for end, name in ends.items()
     )
-    finding = _sentence(words, ends, entries)
+    finding = _sentence(words, ends, entries, sizes)
     return Told(cause.name, words.name, finding, words.remedy, words.drawing, sizes, cause.meaning)
 
 
-def _sentence(words: CauseWords, ends: Mapping[str, str], entries: Mapping[str, Entry]) -> str:
-    """The sentence of a listed effect; `ends` are full names by short ones."""
+def _sentence(
+    words: CauseWords,
+    ends: Mapping[str, str],
+    entries: Mapping[str, Entry],
+    sizes: Sequence[Size],
+) -> str:
+    """The sentence of a listed effect; `ends` are full names by short ones, as `sizes` has them."""
     fields = {}
-    for end, size in words.sizes.items():
-        entry = entries[ends[end]]
-        value = float(entry["value"])
-        fields[end] = _with_unit(abs(value) if size.up else value, entry, size)
-        fields[f"{end}_way"] = size.up if value >= 0.0 else size.down
+    for (end, name), size in zip(ends.items(), sizes, strict=True):
+        known = words.sizes[end]
+        fields[end] = size.amount
+        fields[f"{end}_way"] = known.up if float(entries[name]["value"]) >= 0.0 else known.down
     return words.finding.format_map(fields)
 
 
@@ -244,9 +253,8 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
     """A parameter with its error and its interval."""
     value, factor = float(entry["value"]), _factor(words, entry)
     sd = float(entry["sd"]) * factor
-    low, high = (end * factor for end in _interval(found, name, entry))
+    low, high = (end * factor for end in interval_of(found, name, entry))
     way = words.up if value >= 0.0 else words.down
-    text = _with_unit(abs(value) if words.up else value, entry, words)
     fits = not (value * factor - sd < low or value * factor + sd > high)
     told_apart = words.up != words.down
     ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
@@ -256,11 +264,16 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
     elif words.up:
         low, high = sorted((abs(low), abs(high)))
         ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
-    said = f"{text}, {way}" if told_apart else text
-    return Size(short(name), said, ends, way if told_apart else "", abs(value * factor), fits)
+    shown = abs(value) if words.up else value
+    if fits:
+        amount = _with_unit(shown, entry, words)
+    else:
+        alone = f"{shown * factor:.3g} {words.unit}".rstrip()
+        amount = f"{alone} ({ends} with a probability of 95 %)"
+    return Size(short(name), amount, ends, way if told_apart else "", abs(value * factor), fits)
 
 
-def _interval(found: Findings, name: str, entry: Entry) -> tuple[float, float]:
+def interval_of(found: Findings, name: str, entry: Entry) -> tuple[float, float]:
     """Ends that hold 95 %: of the profile, where there is one, else by the standard deviation."""
     for each in found.profiles:
         if each.name == name:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from stickslip._util.plain_text import printable
+from stickslip._util.plain_text import printable, shortened
 
 WIDTH, WIDE, HEIGHT = 460, 620, 300
 """Of a panel, and of one that stands alone, in units of the drawing."""
@@ -17,6 +17,9 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 12, 30, 44
 _TICKS = 6
 _LARGE, _SMALL, _MANY = 4.5, 2.5, 60  # radius of a point; smaller where so many would overlap
 _DIGITS = 4  # of values that are said on hover
+
+UPWARDS = 44
+"""Characters of a label that runs upwards. Chosen: the height of a panel holds them."""
 
 MARKERS = ("circle", "square", "triangle", "diamond", "cross")
 """Shapes of points, which stand for kinds of settings."""
@@ -168,13 +171,15 @@ class _Drawing:
             parts.append(f'<line class="grid" x1="{_LEFT}" x2="{right}" y1="{at}" y2="{at}"/>')
             place = f'x="{_LEFT - 5}" y="{self.y(value) + 4:.1f}"'
             parts.append(f'<text {place} text-anchor="end">{label}</text>')
+        upwards = shortened(_over(panel.ylabel, over_y), UPWARDS)
         names = (
             (f'class="title" x="{center}" y="18"', panel.title),
             (f'x="{center}" y="{HEIGHT - 8}"', _over(panel.xlabel, over_x)),
-            (f'transform="translate(14 {middle}) rotate(-90)"', _over(panel.ylabel, over_y)),
+            (f'transform="translate(14 {middle}) rotate(-90)"', upwards),
         )
         return parts + [
-            f'<text {place} text-anchor="middle">{_text(name)}</text>' for place, name in names
+            f'<text {place} text-anchor="middle">{_text(shortened(name))}</text>'
+            for place, name in names
         ]
 
     def _places(self, places: Sequence[tuple[float, float]]) -> str:

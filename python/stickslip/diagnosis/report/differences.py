@@ -50,7 +50,8 @@ class Rows:
     """Readings beside the recalibrated model, in the unit that is drawn; shape (m,) each.
 
     `change` is what the claimed cause adds to the recalibrated model, where there is one, and
-    `base` what is drawn as zero: the recalibrated model, or nothing where none was fitted.
+    `base` what is drawn as zero: the recalibrated model, or nothing where none was fitted. `added`
+    says in short what their sum is.
     """
 
     observed: Array
@@ -58,6 +59,7 @@ class Rows:
     change: Array | None
     sd: Array | None
     held_out: NDArray[np.bool_]
+    added: str
 
     def point(self, k: int, x: float, where: str, unit: str, marker: int = 0) -> Point:
         """Reading k at `x`."""
@@ -69,7 +71,7 @@ class Rows:
         if np.any(self.base):
             parts.append(f"recalibrated {said(self.base[k])}")
         if self.change is not None:
-            parts.append(f"with the cause {said(self.base[k] + self.change[k])}")
+            parts.append(f"{self.added} {said(self.base[k] + self.change[k])}")
         parts += ["held out"] if self.held_out[k] else []
         return Point(x, value, sd, "; ".join(parts), bool(self.held_out[k]), marker)
 
@@ -83,6 +85,14 @@ def claimed_change(found: Findings, m: int) -> tuple[Array | None, str]:
     if found.free_shape is not None:
         name = f"with the curve of {found.free_shape.hook.name}"
     return models["extended"] - models["recalibrated"], name
+
+
+def added(found: Findings) -> str:
+    """What the extended model has beyond the recalibrated one, in short."""
+    if found.free_shape is not None:
+        return "with the curve"
+    pair = found.extended is not None and len(found.extended[1].candidate.causes) > 1
+    return "with both causes" if pair else "with the cause"
 
 
 def held_out(found: Findings, m: int) -> NDArray[np.bool_]:

@@ -77,6 +77,14 @@ class Errors:
         return f"{two_digits(100.0 * error / self.level)} % ({text})"
 
 
+def gain_unit(posed: PosedProblem) -> str:
+    """Unit of what is held out: velocities, where there are any, else the channels' observables."""
+    if posed.conditions:
+        return "m/s"
+    kinds = {observable.name for observable in posed.model.observables}
+    return {"angle": "rad", "field": "T"}.get(kinds.pop(), MIXED) if len(kinds) == 1 else MIXED
+
+
 def errors_of_gain(found: Findings, gain: Gain, unit: str) -> Errors:
     """Errors on the held-out conditions."""
     if unit == MIXED:

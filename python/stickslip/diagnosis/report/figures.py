@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from stickslip._util.palette import BLUE, DARK_GREY, GREEN, LIGHT_GREY, VERMILION
 from stickslip._util.picture import Picture
-from stickslip._util.plain_text import printable
+from stickslip._util.plain_text import shortened
 from stickslip.diagnosis.data.conditions import Conditions, panel, sorted_by_settings
 from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.open_set import BAND, OpenSet
 from stickslip.diagnosis.inference.ranking import leading, set_members
+from stickslip.diagnosis.report.chart import UPWARDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _MARKERS = "o^sDv"
+_MAP_LABEL = 30
+"""Characters of a name beside the map of cosines. Chosen: no cause of the library is longer, and a
+map of a single cause has place for it."""
+
 COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
 
 
@@ -107,7 +112,7 @@ def _models_in_mm(found: Findings, m: int) -> dict[str, Array]:
         models["extended"][gain.held_out] = gain.predicted_after * 1e3
     labels = {}
     if found.extended is not None:
-        labels["extended"] = printable(f"with {found.extended[1].name}")
+        labels["extended"] = shortened(f"with {found.extended[1].name}")
     return {labels.get(name, name): row for name, row in models.items()}
 
 
@@ -202,7 +207,7 @@ def against_model(
               None if sd is None else series(sd, k),
               {model: series(values, k) for model, values in models.items()},
               held_out[order], joined)  # fmt: skip
-    across, up = map(printable, labels)
+    across, up = shortened(labels[0]), shortened(labels[1], UPWARDS)
     if models:
         _label_residuals(below, across)
     below.set_xlabel(across)
@@ -251,7 +256,7 @@ def profile(each: Profile) -> Figure:
         frame.axhline(height, color=DARK_GREY, lw=0.8, ls="--")
     frame.locator_params(axis="x", nbins=5)
     frame.set_ylim(-0.3, float(np.clip(np.max(each.chi2[order]), 5.0, 1.5 * FAR)))
-    frame.set_xlabel(printable(f"{each.name.removeprefix('effects.')} ({each.unit})"))
+    frame.set_xlabel(shortened(f"{each.name.removeprefix('effects.')} ({each.unit})"))
     frame.set_ylabel("chi-square above the least")
     return figure
 
@@ -267,7 +272,7 @@ def ranking(found: Findings) -> Figure | None:
     figure, ((frame,),) = new_figure(7.0, 0.8 + 0.3 * len(fits))
     claimed = {fit.name for fit in set_members(found)}
     frame.barh(
-        [printable(fit.name) for fit in fits],
+        [shortened(fit.name) for fit in fits],
         [fit.priced_evidence - found.null.log_evidence for fit in fits],
         color=[GREEN if fit.name in claimed else DARK_GREY for fit in fits],
     )
@@ -277,7 +282,7 @@ def ranking(found: Findings) -> Figure | None:
 
 def distinguishability(found: Findings) -> Figure:
     """Map of the cosines between projected sensitivities."""
-    names = [printable(cause.name) for cause in found.problem.causes]
+    names = [shortened(cause.name, _MAP_LABEL) for cause in found.problem.causes]
     size = 2.6 + 0.18 * len(names)
     figure, ((frame,),) = new_figure(size + 1.0, size)
     image = frame.imshow(found.cosines, vmin=0, vmax=1, cmap="viridis")

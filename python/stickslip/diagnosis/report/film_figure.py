@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_WITH_CAUSE = "with the cause"
-
 
 @dataclass(frozen=True, eq=False)
 class Trace:
@@ -65,7 +63,7 @@ def film_figure(view: ForceView, after: ForceView | None) -> Figure:
         lines = {
             "measured, smoothed": (trace.measured, "k", 1.6, "-"),
             "recalibrated": (trace.recalibrated, BLUE, 1.4, "--"),
-            _WITH_CAUSE: (trace.extended, VERMILION, 1.4, ":"),
+            "extended": (trace.extended, VERMILION, 1.4, ":"),
         }
         for label, (values, colour, width, style) in lines.items():
             if values is not None:
@@ -104,7 +102,7 @@ def _residuals(
         if after is not None:
             at, value, _ = _well_separated(view, after)
             each.plot(variable[at], value * unit, "D", color=VERMILION, mfc="none", ms=4,
-                      label=_WITH_CAUSE)  # fmt: skip
+                      label="extended")  # fmt: skip
     if after is not None:
         frames[3].legend(fontsize=7, frameon=False)
 

@@ -53,7 +53,7 @@ def write_report(
     }
     if isinstance(source, Measurement):
         extended = extended_scenario(found, source.scenario)
-        lines = _origin(found, source, extended)
+        lines = [*_origin(found, source, extended), *_drive(posed, source.scenario)]
         writers |= scenario_writers(extended, folder / EXTENDED, lines)[1]
     folder.mkdir(parents=True, exist_ok=True)
     write_together(writers)
@@ -89,3 +89,22 @@ def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> li
         if known.kind == "real" and extended.get(key) != measurement.scenario.get(key)
     ]
     return [*lines, *(changed or ["nothing is changed"])]
+
+
+def _drive(posed: PosedProblem, scenario: Scenario) -> list[str]:
+    """What the drive of an extended scenario is, which measurements do not change."""
+    conditions = posed.conditions
+    if not conditions:
+        return ["[drive] is that of the scenario as it was given"]
+    differs = [
+        key.removeprefix("drive.")
+        for key in conditions[0]
+        if any(each[key] != scenario.get(key) for each in conditions)
+    ]
+    if not differs:
+        return ["[drive] is that of the scenario as it was given, with which all was measured"]
+    return [
+        "[drive] is that of the scenario as it was given, and the measurements set "
+        f"{', '.join(differs)}:",
+        "change these lines to simulate one of the conditions that were measured",
+    ]

@@ -27,7 +27,8 @@ from stickslip.diagnosis.inference.upper_bounds import smallest_effects
 from stickslip.diagnosis.inference.verdict import share_of_smooth_bound
 from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.messages import headline
+from stickslip.diagnosis.report.certainty import gain_of
+from stickslip.diagnosis.report.headline import headline
 from stickslip.diagnosis.report.parameters import describe, extended_parameters, short
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.facts import Fact
@@ -49,7 +50,7 @@ def summary(
     experiments: Sequence[Experiment],
 ) -> dict[str, Any]:
     """Keys of ``stickslip diagnose --json``; SI units."""
-    verdict, gain = found.verdict, found.gain
+    verdict = found.verdict
     cause: Any = None
     if verdict.kind == "named":
         cause = verdict.causes[0]
@@ -62,14 +63,7 @@ def summary(
         "probabilities": dict(verdict.probabilities),
         "p_value": found.detection.p_value,
         "bounds": _by_short_name(found.bounds),
-        "gain": None if gain is None else {
-            "n": len(gain.held_out),
-            "heldout_chi2_before": gain.chi2_before,
-            "heldout_chi2_after": gain.chi2_after,
-            "mae_before": gain.mae_before,
-            "mae_after": gain.mae_after,
-            "interval": list(gain.interval),
-        },
+        "gain": None if found.gain is None else found.gain.as_dict(),
         "next_experiments": [
             {"drive": dict(each.drive), "why": str(each.why), "predictions": each.predictions}
             for each in experiments
@@ -78,7 +72,7 @@ def summary(
         "open_set": None if found.open_set is None else found.open_set.as_dict(),
         "seed": found.seed,
         "version": _core.__version__,
-    }  # fmt: skip
+    }
 
 
 def report_numbers(
@@ -117,9 +111,9 @@ def report_numbers(
 
 def _details(found: Findings, posed: PosedProblem, unit: str) -> dict[str, Any]:
     """What was found, beyond the summary."""
-    problem, gain, test = found.problem, found.gain, found.detection
+    problem, gain, test = found.problem, gain_of(found), found.detection
     return {
-        "headline": headline(found),
+        "headline": str(headline(found, posed, unit)),
         "runner_up": str(runner_up(found) or ""),
         "reasons": _sentences(found.verdict.reasons),
         "notes": _sentences(found.notes),
@@ -175,7 +169,7 @@ def _correlation(found: Findings) -> dict[str, Any] | None:
 
 def _condition_rows(found: Findings, posed: PosedProblem) -> list[dict[str, Any]]:
     """Each condition with its settings, its reading, and the predictions of the models."""
-    problem, gain = found.problem, found.gain
+    problem, gain = found.problem, gain_of(found)
     fits = [(problem, found.null), *([] if found.extended is None else [found.extended])]
     predicted = [of.predicted(fit.x[None, :])[0] for of, fit in fits]
     sd = np.sqrt(np.diag(found.noise.covariance))
@@ -304,15 +298,8 @@ def _data(facts: Iterable[Fact]) -> list[dict[str, Any]]:
 
 def _level(found: Findings, unit: str) -> float | None:
     """Mean size of what is held out, where it has one unit: its error is given in per cent."""
-    if found.gain is None or unit == "SI":
+    gain = gain_of(found)
+    if gain is None or unit == "SI":
         return None
-    size = float(np.mean(np.abs(found.problem.observed[found.gain.held_out])))
+    size = float(np.mean(np.abs(found.problem.observed[gain.held_out])))
     return size if size > 0.0 else None
-
-
-def gain_unit(posed: PosedProblem) -> str:
-    """Unit of what is held out: velocities, where there are any, else the channels' observables."""
-    if posed.conditions:
-        return "m/s"
-    kinds = {observable.name for observable in posed.model.observables}
-    return {"angle": "rad", "field": "T"}.get(kinds.pop(), "SI") if len(kinds) == 1 else "SI"

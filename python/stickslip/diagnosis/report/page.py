@@ -27,11 +27,12 @@ from stickslip.diagnosis.inference.verdict import LEAST_SHARE, MARGIN
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report import figures
-from stickslip.diagnosis.report.answers import answers, held_out_thing
+from stickslip.diagnosis.report.answers import answers
 from stickslip.diagnosis.report.chart import marker, raised
 from stickslip.diagnosis.report.differences import GIVEN, LargeFigure
 from stickslip.diagnosis.report.drawings import drawing
 from stickslip.diagnosis.report.errors import MIXED, SHOWN
+from stickslip.diagnosis.report.headline import held_out_thing
 from stickslip.diagnosis.report.parameters import short
 from stickslip.diagnosis.report.section import ReportSection
 from stickslip.diagnosis.report.words import used_in

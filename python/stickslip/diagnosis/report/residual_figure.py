@@ -21,6 +21,7 @@ from stickslip.diagnosis.report.differences import (
     Array,
     LargeFigure,
     Rows,
+    added,
     claimed_change,
     curves,
     held_out,
@@ -46,15 +47,18 @@ def large_figure(
     for observable, each in zip(posed.model.observables, comparisons, strict=True):
         start, end = end, end + len(observable.observed)
         if isinstance(each, FilmComparison):
-            drawn.append((float(np.sum(fall[start:end])), film_difference(each)))
+            drawn.append((float(np.sum(fall[start:end])), film_difference(each, added(found))))
         else:
-            drawn.append((float(np.sum(fall[start:end])), table_figure(each)))
+            drawn.append((float(np.sum(fall[start:end])), table_figure(each, added(found))))
     there = [(size, figure) for size, figure in drawn if figure is not None]
     return max(there, key=lambda each: each[0])[1] if there else None
 
 
-def table_figure(found: Comparison) -> LargeFigure:
-    """A table of angles over the field that was varied most, or of fields row by row."""
+def table_figure(found: Comparison, name: str) -> LargeFigure:
+    """A table of angles over the field that was varied most, or of fields row by row.
+
+    `name` says what the extended model has.
+    """
     degrees = found.kind == "angle"
     factor, unit = (math.degrees(1.0), "degrees") if degrees else (1e3, "mT")
     observed = np.atleast_2d(found.observed.T).T * factor
@@ -72,26 +76,26 @@ def table_figure(found: Comparison) -> LargeFigure:
             ["Bx", "By", "Bz"],
         )
     panels = []
-    for k, name in enumerate(names):
+    for k, part in enumerate(names):
         change = None if extended is None else extended[:, k] - base[:, k]
-        rows = Rows(observed[:, k], base[:, k], change, sd[:, k], found.held_out)
+        rows = Rows(observed[:, k], base[:, k], change, sd[:, k], found.held_out, name)
         everywhere = range(len(at))
         points = tuple(
             rows.point(n, float(at[n]), f"{xlabel.split(' (')[0]} {said(at[n])}", unit)
             for n in everywhere
         )
-        lines = curves(at, change, everywhere, "with the cause")
+        lines = curves(at, change, everywhere, name)
         if not degrees:
             lines = [replace(each, joined=False) for each in lines]
-        panels.append(Panel(name, xlabel, f"difference ({unit})", points, tuple(lines)))
+        panels.append(Panel(part, xlabel, f"difference ({unit})", points, tuple(lines)))
     return LargeFigure(
         f"{found.title}: measured minus recalibrated model", tuple(panels),
-        "" if extended is None else "with the cause", "measured minus recalibrated (bars: 2 sd)",
+        "" if extended is None else name, "measured minus recalibrated (bars: 2 sd)",
         (), bool(found.held_out.any()),
     )  # fmt: skip
 
 
-def film_difference(found: FilmComparison) -> LargeFigure | None:
+def film_difference(found: FilmComparison, name: str) -> LargeFigure | None:
     """Tilt and place over the phase of the drive; None where a film shows no phases."""
     if found.view is None:
         return None
@@ -101,17 +105,17 @@ def film_difference(found: FilmComparison) -> LargeFigure | None:
     for each in traces(found.view, found.after):
         change = None if each.extended is None else each.extended - each.recalibrated
         rows = Rows(each.measured, each.recalibrated, change, None,
-                    np.full(len(phase), found.held_out))  # fmt: skip
+                    np.full(len(phase), found.held_out), name)  # fmt: skip
         points = tuple(
             rows.point(k, float(phase[k]), f"phase {phase[k]:.3f}", "")
             for k in range(0, len(phase), step)
         )
-        lines = curves(phase, change, range(len(phase)), "with the cause")
+        lines = curves(phase, change, range(len(phase)), name)
         panels.append(Panel(each.label.split(" (")[0], "phase of the drive",
                             f"difference of {each.label}", points, tuple(lines)))  # fmt: skip
     return LargeFigure(
         f"{found.file}: measured minus recalibrated model", tuple(panels),
-        "" if found.after is None else "with the cause", "measured (smoothed) minus recalibrated",
+        "" if found.after is None else name, "measured (smoothed) minus recalibrated",
         (), found.held_out,
     )  # fmt: skip
 
@@ -127,7 +131,7 @@ def own_figure(found: Findings, place: Array, labels: tuple[str, str]) -> LargeF
         change, name = claimed_change(found, m)
         base = found.problem.predicted(found.null.x[None, :])[0, :m]
         title, ylabel = "Data minus recalibrated model", f"difference of {labels[1]}"
-    rows = Rows(observed, base, change, sd, held_out(found, m))
+    rows = Rows(observed, base, change, sd, held_out(found, m), added(found))
     points = tuple(
         rows.point(k, float(place[k]), f"condition {k + 1}: {labels[0]} {said(place[k])}", "")
         for k in range(m)

@@ -10,8 +10,9 @@ from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis.inference.experiment_design import Experiment
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.errors import gain_unit
 from stickslip.diagnosis.report.html import FILES, report_sections, write_report
-from stickslip.diagnosis.report.json_keys import OwnData, gain_unit
+from stickslip.diagnosis.report.json_keys import OwnData
 from stickslip.diagnosis.report.plots import abscissa
 from stickslip.diagnosis.report.residual_figure import large_figure, own_figure
 from stickslip.diagnosis.report.section import free_shape_section, model_section

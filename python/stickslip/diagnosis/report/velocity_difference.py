@@ -25,6 +25,7 @@ from stickslip.diagnosis.report.differences import (
     Array,
     LargeFigure,
     Rows,
+    added,
     claimed_change,
     curves,
     held_out,
@@ -45,14 +46,14 @@ def velocity_figure(found: Findings, posed: PosedProblem) -> LargeFigure | None:
     observed = found.problem.observed[:m] * 1e3
     if found.verdict.kind == "data-problem":
         none = np.zeros(m)
-        rows = Rows(observed, none, posed.given * 1e3, sd, np.zeros(m, dtype=bool))
+        rows = Rows(observed, none, posed.given * 1e3, sd, np.zeros(m, dtype=bool), GIVEN)
         name, title = GIVEN, "Measured velocities"
         ylabel, measured = "mean velocity (mm/s)", "measured"
     else:
         change, name = claimed_change(found, m)
         null = found.problem.predicted(found.null.x[None, :])[0, :m] * 1e3
         part = None if change is None else change * 1e3
-        rows = Rows(observed, null, part, sd, held_out(found, m))
+        rows = Rows(observed, null, part, sd, held_out(found, m), added(found))
         title = "Measured minus recalibrated model"
         ylabel, measured = "difference (mm/s)", "measured minus recalibrated"
     key = abscissa_key(conditions, rows)

@@ -1,0 +1,101 @@
+"""The first sentence of a report, which the command prints too: the verdict and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stickslip.diagnosis.inference.cross_validation import Gain
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.posed_problem import PosedProblem
+from stickslip.diagnosis.report.cause_words import (
+    Told,
+    in_plain_words,
+    meanings_of,
+    plain_name,
+    told,
+)
+from stickslip.diagnosis.report.certainty import gain_of
+from stickslip.diagnosis.report.errors import errors_of_gain
+from stickslip.facts import Code, Fact
+
+LISTED = 6
+"""Candidates that are named. Chosen: more are not read."""
+
+
+def claimed_by(found: Findings) -> tuple[tuple[Told, ...], ...]:
+    """The causes of each candidate that is claimed, or that is in the set."""
+    return tuple(told(found, fit) for fit in set_members(found))
+
+
+def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
+    """The verdict and what to do in a sentence or two; `unit` is that of what is held out."""
+    kind, reasons, claimed = found.verdict.kind, found.verdict.reasons, claimed_by(found)
+    if kind == "none":
+        return Fact(Code.HEADLINE_NONE, {})
+    if kind == "data-problem":
+        return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
+    gain = gain_of(found)
+    fit = found.verdict.fit
+    if fit is not None and all(each.relaxes_prior for each in fit.candidate.causes):
+        gain = None  # recalibration has moved a constant most of the way, so it gains little
+    gained = improvement(found, posed, gain, unit)
+    if kind == "unexplained":
+        shape = found.free_shape
+        if shape is None:
+            return Fact(Code.HEADLINE_UNEXPLAINED, {"count": len(found.problem.causes)})
+        law = {"law": shape.hook.quantity, "argument": shape.hook.argument}
+        return Fact(Code.HEADLINE_LAW, {**law, **gained})
+    finding = " ".join(each.finding for each in claimed[0])
+    if kind == "ambiguous":
+        if len(claimed) == 1 and len(found.verdict.causes) == len(claimed[0]):
+            reason = in_plain_words(found, reasons[0])
+            return Fact(Code.HEADLINE_PERHAPS, {"finding": finding, "reason": reason})
+        return _set(found, claimed)
+    remedies = [each.remedy for each in claimed[0] if each.remedy]
+    remedy = " and ".join([*remedies[:1], *(_lower(each) for each in remedies[1:])])
+    fields = {"finding": finding, "remedy": remedy, "causes": len(claimed[0]), **gained}
+    if kind == "pair":
+        return Fact(Code.HEADLINE_PAIR, fields)
+    return Fact(Code.HEADLINE_NAMED, fields)
+
+
+def _set(found: Findings, claimed: Sequence[Sequence[Told]]) -> Fact:
+    """Several candidates, or one and the names that were added to it."""
+    names = [" with ".join(each.title for each in causes) for causes in claimed]
+    mentioned = {each.name for causes in claimed for each in causes}
+    names += [
+        plain_name(each, meanings_of(found))
+        for each in found.verdict.causes
+        if each not in mentioned
+    ]
+    things = "pairs of causes" if len(claimed[0]) > 1 else "causes"
+    more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
+    listed = [*names[:LISTED], *more]
+    return Fact(Code.HEADLINE_SET, {"count": len(names), "things": things, "names": listed})
+
+
+def _lower(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def held_out_thing(posed: PosedProblem) -> str:
+    """What one of those is called that are held out."""
+    return "reading" if posed.model.observables and not posed.conditions else "condition"
+
+
+def improvement(
+    found: Findings, posed: PosedProblem, gain: Gain | None, unit: str
+) -> dict[str, object]:
+    """Fields that say what was gained; `count` is None where that was not tested."""
+    if gain is None:
+        return {"count": None}
+    low, high = gain.interval
+    change = "falls" if low > 0.0 else "grows" if high < 0.0 else "not sure"
+    error = errors_of_gain(found, gain, unit)
+    return {
+        "count": len(gain.held_out),
+        "thing": held_out_thing(posed),
+        **error.in_short,
+        "change": change,
+    }
