@@ -44,7 +44,7 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
         shape = found.free_shape
         if shape is None:
             return Fact(Code.HEADLINE_UNEXPLAINED, {"count": len(found.problem.causes)})
-        law = {"law": shape.hook.quantity, "argument": shape.hook.argument}
+        law = {"law": shape.term.law, "argument": shape.term.argument}
         return Fact(Code.HEADLINE_LAW, {**law, **gained})
     finding = " ".join(each.finding for each in claimed[0])
     if kind == "ambiguous":
