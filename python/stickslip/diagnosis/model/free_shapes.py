@@ -48,6 +48,10 @@ class Hook:
         Of the argument.
     both_ways : bool
         Whether the argument has both signs, so that the knots reach from -span to span.
+    length : str
+        Unit of f where it is a length; empty where the law is a quantity times 1 + f.
+    size, largest : float
+        Of f at a knot: what would not surprise, and the largest that is searched.
     """
 
     effect: str
@@ -55,6 +59,9 @@ class Hook:
     argument: str
     unit: str
     both_ways: bool = False
+    length: str = ""
+    size: float = _SCALE
+    largest: float = _LARGEST
 
     @property
     def name(self) -> str:
@@ -79,7 +86,7 @@ class Hook:
     def cause(self) -> Cause:
         """The law as a candidate, whose amplitudes are the knots."""
         parameters = tuple(
-            CauseParameter(key, known_keys()[key].unit, -1.0, _LARGEST, _SCALE)
+            CauseParameter(key, known_keys()[key].unit, -1.0, self.largest, self.size)
             for key in self.knots
         )
         return Cause(self.effect, parameters, f"{self.name} has another shape")
@@ -93,16 +100,16 @@ class Hook:
             law=self.law,
             argument=self.argument,
             unit=self.unit,
-            law_unit="of the model's" if key is None else known_keys()[key].unit,
+            law_unit=self.length or ("of the model's" if key is None else known_keys()[key].unit),
             cause=self.cause,
             low=low,
             high=span,
             places=points[np.argmax(design(points), axis=0)],
             design=design,
             constant=key,
-            stated=1.0 if key is None else float(scenario.get(key)),
-            relative=True,
-            cut=True,
+            stated=float(not self.length) if key is None else float(scenario.get(key)),
+            relative=not self.length,
+            cut=not self.length,
             fixed={self.span_key: span},
         )
 
@@ -114,6 +121,8 @@ HOOKS = (
     Hook("free_friction_age", "friction", "time", "s"),
     Hook("free_adhesion_angle", "adhesion", "tilt", "rad", both_ways=True),
     Hook("free_adhesion_age", "adhesion", "age of the contact", "s"),
+    # Chosen: a tenth of half the body, and no farther than its other end.
+    Hook("free_contact_place", "contact place", "tilt", "rad", True, "half lengths", 0.1, 1.0),
     Hook("free_drag_angle", "drag", "tilt", "rad", both_ways=True),
     Hook("free_drag_speed", "drag", "speed", "m/s"),
     Hook("free_drag_rate", "drag", "rate of the tilt", "rad/s"),
