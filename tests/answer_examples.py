@@ -24,6 +24,7 @@ ANSWERS = {
     ),
     Code.HEADLINE_NONE: ({}, "recalibrated"),
     Code.HEADLINE_UNEXPLAINED: ({"count": 28}, "28 causes .* well enough.* which part"),
+    Code.HEADLINE_NO_CAUSE: ({}, "no cause was given.* which part"),
     Code.HEADLINE_LAW: (
         {"law": "drag", "argument": "speed", **FELL, "change": "grows"}, "drag .* speed .* but"
     ),

@@ -107,6 +107,18 @@ def test_the_extended_model_has_the_curve(tmp_path):
     assert "A law of another shape" in page
 
 
+def test_a_page_where_no_curve_explains_the_data_says_so(tmp_path):
+    # A wave that is none of speed, load or temperature.
+    found = result(measured(0, extra=0.2 * np.sin(np.arange(40))))
+    assert found.verdict.kind == "unexplained"
+    assert not found.open_set.accepted
+    found.save_report(tmp_path, place=SPEED)
+    page = without_pictures(tmp_path / "report.html")
+    assert "no cause was given" in page
+    assert "No law of the model with another shape explains the data either" in page
+    assert list(found.extended) == ["friction", "drag"]
+
+
 def test_a_term_that_is_a_force_has_its_unit():
     # The same term with other units of its own, so that nothing in it is of the order of one.
     micro = FreeTerm("wind", "speed", "m/s", 0.0, 2.0, size=2e5, law_unit="uN")

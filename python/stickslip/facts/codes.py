@@ -182,6 +182,7 @@ class Code(str, Enum):
     HEADLINE_SET = "headline-set"  #: One of several, and the data cannot say which.
     HEADLINE_NONE = "headline-none"  #: Nothing is found.
     HEADLINE_UNEXPLAINED = "headline-unexplained"  #: Nothing that was tried explains the data.
+    HEADLINE_NO_CAUSE = "headline-no-cause"  #: The same where no cause was given.
     HEADLINE_LAW = "headline-law"  #: Nor does a cause, but a law of another shape does.
     HEADLINE_REFUSED = "headline-refused"  #: The data allow no diagnosis.
     WHAT_CAUSE = "what-cause"  #: What a cause is.

@@ -281,6 +281,17 @@ PredictWithCurves = Callable[..., Array]
 """``predict(conditions, parameters, curves)``: as `Predict`, with the `Curves` of free terms."""
 
 
+def predicted_once(
+    predict: PredictWithCurves, conditions: Any, parameters: Array, *curves: Curves
+) -> Array:
+    """Predictions, with or without curves, of which those of equal vectors are made once."""
+    vectors = np.hstack([parameters, *(each.knots for each in curves)])
+    _, first, at = np.unique(vectors, axis=0, return_index=True, return_inverse=True)
+    given = [each.rows(first) for each in curves]
+    predicted = np.asarray(predict(conditions, parameters[first], *given), dtype=float)
+    return predicted[at.reshape(-1)]
+
+
 def with_flat_curves(predict: PredictWithCurves, terms: Sequence[FreeTerm]) -> Predict:
     """The model without its terms, which takes the uncertain parameters and those of all causes."""
     count = sum(each.count for each in terms)

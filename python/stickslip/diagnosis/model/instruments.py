@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from stickslip.diagnosis.model.free_terms import Curves
+from stickslip.diagnosis.model.free_terms import Curves, predicted_once
 from stickslip.diagnosis.model.problem import Array, Cause, CauseParameter, Predict
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse
@@ -51,8 +51,7 @@ def with_instruments(predict: Predict, instruments: Sequence[Instrument]) -> Pre
     Parameters
     ----------
     predict : callable
-        ``predict(conditions, parameters)``, as for `diagnose_model`, of the physics alone; with
-        free terms it takes their curves too.
+        As for `diagnose_model`, with curves or without, of the physics alone.
     instruments : sequence of Instrument
         The first one reads what `predict` returns, each further one what the one before it has
         read. Rows that are given hold for the measured conditions and for no others.
@@ -77,11 +76,7 @@ def with_instruments(predict: Predict, instruments: Sequence[Instrument]) -> Pre
     def read(conditions: Any, parameters: Array, *curves: Curves) -> Array:
         own = parameters.shape[1] - sum(counts)
         # Derivatives by an instrument's parameter share the physics.
-        physics = np.hstack([parameters[:, :own], *(each.knots for each in curves)])
-        _, first, at = np.unique(physics, axis=0, return_index=True, return_inverse=True)
-        bent = [each.rows(first) for each in curves]
-        predicted = np.asarray(predict(conditions, parameters[first, :own], *bent), dtype=float)
-        predicted = predicted[at.reshape(-1)]
+        predicted = predicted_once(predict, conditions, parameters[:, :own], *curves)
         reading = predicted
         for each, count in zip(instruments, counts, strict=True):
             reading = each.read(reading, predicted, parameters[:, own : own + count])
