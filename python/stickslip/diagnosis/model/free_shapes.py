@@ -121,8 +121,8 @@ HOOKS = (
     Hook("free_friction_age", "friction", "time", "s"),
     Hook("free_adhesion_angle", "adhesion", "tilt", "rad", both_ways=True),
     Hook("free_adhesion_age", "adhesion", "age of the contact", "s"),
-    # Chosen: a tenth of half the body, and no farther than its other end.
-    Hook("free_contact_place", "contact place", "tilt", "rad", True, "half lengths", 0.1, 1.0),
+    # Chosen: a fifth of half the body, and no farther than its middle.
+    Hook("free_contact_place", "contact place", "tilt", "rad", True, "half lengths", 0.2, 1.0),
     Hook("free_drag_angle", "drag", "tilt", "rad", both_ways=True),
     Hook("free_drag_speed", "drag", "speed", "m/s"),
     Hook("free_drag_rate", "drag", "rate of the tilt", "rad/s"),
