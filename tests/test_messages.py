@@ -184,7 +184,7 @@ EXAMPLES = {
     Code.FREE_TERM_MEANING: (
         {"law": "wind", "argument": "speed", "unit": "m/s", "told": None, "low": -0.5, "high": 2.0,
          "own": "N"},
-        r"of the wind is f\(u\) in N, .* speed in m/s.*; below -0\.5 and above 2 m/s it is constant",
+        r"wind is f\(u\) in N, .* speed in m/s.*; below -0\.5 and above 2 m/s it is constant",
     ),
     Code.FREE_SHAPE_RIVALS: (
         {"law": "drag", "argument": "speed", "others": ["drag over tilt", "field over time"]},
