@@ -264,7 +264,7 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     page = (tmp_path / "report.html").read_text()
     assert "A law of another shape" in page
     low, high = curve.told
-    assert 0.0 <= low < high <= shapes.first.span
+    assert 0.0 <= low < high <= shapes.first.term.span
     first_screen = page[: page.index("<nav>")]
     for words in ("times 1 + f(u)", "where u is the slip speed in m/s", "say something of f(u)"):
         assert words in first_screen
