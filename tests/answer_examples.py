@@ -24,6 +24,7 @@ ANSWERS = {
     ),
     Code.HEADLINE_NONE: ({}, "recalibrated"),
     Code.HEADLINE_UNEXPLAINED: ({"count": 28}, "28 causes .* well enough.* which part"),
+    Code.HEADLINE_NO_CAUSE: ({}, "no cause was given.* which part"),
     Code.HEADLINE_LAW: (
         {"law": "drag", "argument": "speed", **FELL, "change": "grows"}, "drag .* speed .* but"
     ),
@@ -37,6 +38,9 @@ ANSWERS = {
     ),
     Code.SIZE_IN_INTERVAL: ({"name": "A wave", "interval": "3 to 7 mm"}, "A wave: .* 3 to 7 mm"),
     Code.SIZE_OF_LAW: ({"law": "drag", "low": 0.9, "high": 1.5}, r"drag .* 0\.9 and 1\.5 times"),
+    Code.SIZE_OF_TERM: (
+        {"law": "wind", "low": -0.5, "high": 1.5, "unit": "N"}, r"wind .* -0\.5 and 1\.5 N\."
+    ),
     Code.SIZE_LIMITS: ({"percent": 95.0, "limits": ["a wave 5 mm"]}, "95 %.* best .* a wave 5 mm"),
     Code.SIZE_HIDDEN: ({"name": "a bend", "size": "27 %"}, "a bend of up to 27 %"),
     Code.SIZE_UNLIMITED: ({"count": 3, "causes": 28}, "3 of the 28 causes .* nothing"),

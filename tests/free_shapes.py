@@ -12,6 +12,7 @@ SHAPES = {
     "free_friction_age": (0.1, ZERO_UP),
     "free_adhesion_angle": (1.5, BOTH_WAYS),
     "free_adhesion_age": (0.1, ZERO_UP),
+    "free_contact_place": (1.5, BOTH_WAYS),
     "free_drag_angle": (1.5, BOTH_WAYS),
     "free_drag_speed": (0.02, ZERO_UP),
     "free_drag_rate": (500.0, ZERO_UP),

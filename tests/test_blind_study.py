@@ -153,7 +153,7 @@ def test_two_causes_are_given_as_a_pair_or_a_set():
 @pytest.mark.slow
 def test_an_effect_outside_the_library_is_not_named(monkeypatch):
     # Laws of a free shape are looked for after the verdict, which is what counts here.
-    monkeypatch.setattr(measurement_problem, "explore_free_shapes", lambda *a, **k: None)
+    monkeypatch.setattr(measurement_problem, "search_terms", lambda *a, **k: None)
     _, said, _ = _said("unknown", 20001)
     assert said["verdict"] == "unexplained"
     assert said["parameters"] == {}

@@ -10,7 +10,8 @@ import pytest
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
-from stickslip.diagnosis.inference.open_set import Curve, explore_free_shapes
+from stickslip.diagnosis.inference.free_term_search import explore_terms
+from stickslip.diagnosis.inference.open_set import Curve
 from stickslip.diagnosis.inference.verdict import reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
 from stickslip.diagnosis.model.problem import Problem
@@ -69,7 +70,7 @@ def test_a_curve_is_known_where_its_band_is_narrow(width, told):
     # Of f at a knot 0.3 were expected, whose band of 90 % reaches 0.49 to both sides.
     u = np.linspace(-1.0, 1.0, 21)
     law, half = 1.0 + 0.0 * u, width(u)
-    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, "-")
+    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, 2.0, 0.6, "-")
     assert curve.told == (told if told is None else pytest.approx(told))
 
 
@@ -102,9 +103,9 @@ def explored(observed, against=against, sd=0.05):
         None, observed, np.eye(len(X)) / sd, math.inf,
         (Uncertain("slope", Prior("normal", 1.0, 0.5)),), (hook.cause,),
     )  # fmt: skip
-    spans = {hook.effect: 0.01}
+    terms = [hook.term(BASE, 0.01)]
     held_out, covariance = np.arange(0, len(X), 3), sd**2 * np.eye(len(X))
-    return explore_free_shapes(problem, covariance, np.zeros(1), spans, held_out, BASE, 0, against)
+    return explore_terms(problem, covariance, np.zeros(1), terms, held_out, 0, against)
 
 
 # Without noise: the law at knots of at most 0.6, two sd of its prior, takes all of the misfit.
@@ -222,7 +223,7 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     assert found.verdict.kind == "unexplained"
     shapes = found.open_set
     assert shapes.accepted
-    assert shapes.first.hook is hook
+    assert shapes.first.term.effect == hook.effect
     # Where the robot slips at most of the time, not at the ends.
     curve = shapes.curve
     inside = (curve.argument > 0.1 * span) & (curve.argument < 0.9 * span)
@@ -258,12 +259,12 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     # As the law explains the data, with chi-square of about one a condition.
     assert np.mean(np.square(errors)) < 2.5
     extended = load(tmp_path / "extended.toml")
-    assert extended.effects[hook.effect]["span"] == pytest.approx(shapes.first.span)
+    assert extended.effects[hook.effect]["span"] == pytest.approx(shapes.first.term.span)
     assert simulate(extended).ok
     page = (tmp_path / "report.html").read_text()
     assert "A law of another shape" in page
     low, high = curve.told
-    assert 0.0 <= low < high <= shapes.first.span
+    assert 0.0 <= low < high <= shapes.first.term.span
     first_screen = page[: page.index("<nav>")]
     for words in ("times 1 + f(u)", "where u is the slip speed in m/s", "say something of f(u)"):
         assert words in first_screen

@@ -327,7 +327,7 @@ def test_what_is_public_has_public_types():
     pattern = re.compile(r"\b[A-Z]\w+\b")
     outside = {"Any", "None", "Array", "Indices", "NDArray", "Mapping", "Sequence", "Callable",
                "ArrayLike", "PathLike", "Path", "DataFrame", "Figure", "Value", "Table", "Index",
-               "VerdictKind", "Literal", "Predict", "Progress"}  # fmt: skip
+               "VerdictKind", "Literal", "Predict", "PredictWithCurves", "Progress"}  # fmt: skip
     inner = {"Combined", "Simulator", "Comparison", "FilmComparison"}  # of PosedProblem
     missing = set()
     for name in stickslip.diagnosis.__all__:

@@ -181,6 +181,11 @@ EXAMPLES = {
         r"drag is .* times 1 \+ f\(u\), .* speed in m/s.* from 0\.25 to 0\.5 m/s; .* "
         r"\|u\| is above 0\.75 m/s",
     ),
+    Code.FREE_TERM_MEANING: (
+        {"law": "wind", "argument": "speed", "unit": "m/s", "told": None, "low": -0.5, "high": 2.0,
+         "own": "N"},
+        r"wind is f\(u\) in N, .* speed in m/s.*; below -0\.5 and above 2 m/s it is constant",
+    ),
     Code.FREE_SHAPE_RIVALS: (
         {"law": "drag", "argument": "speed", "others": ["drag over tilt", "field over time"]},
         "drag over tilt and field over time .* drag over speed",

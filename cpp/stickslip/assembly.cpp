@@ -193,6 +193,7 @@ Model make_model(const Scenario& s) {
                                  .ageing_time = e.adhesion_ageing_time},
                       .angle = FreeCurve(e.free_adhesion_angle),
                       .age = FreeCurve(e.free_adhesion_age)};
+    model.place = ContactPlace(e.free_contact_place, model.shape.half_base(0));
     model.drag_shape = {.angle = FreeCurve(e.free_drag_angle),
                         .speed = FreeCurve(e.free_drag_speed),
                         .rate = FreeCurve(e.free_drag_rate)};

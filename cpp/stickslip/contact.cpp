@@ -123,7 +123,9 @@ Resolution resolve_contact(Dynamics& dynamics, double tau, const BodyState& body
 void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velocity,
                           BodyState& body) {
     // The impulse passes through the corner, so the angular momentum about it is kept.
-    body.omega += model.mass * pose.height * slip_velocity / model.corner_inertia();
+    const double inertia = model.place.absent() ? model.corner_inertia()
+                                                : pivot_inertia(model.inertia, model.mass, pose);
+    body.omega += model.mass * pose.height * slip_velocity / inertia;
     body.vx = body.omega * pose.height;
     body.vz = body.omega * pose.lever;
 }

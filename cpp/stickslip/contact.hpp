@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "stickslip/dynamics.hpp"
 
 namespace stickslip {
@@ -49,15 +51,36 @@ template <class Real>
                                                               const LoadOf<Real>& load) {
     const Real ww = omega * omega;
     const Real ax = alpha * pose.height + ww * pose.lever;
-    const Real az = alpha * pose.lever - ww * pose.height;
+    const Real az = alpha * pose.lever - ww * (pose.height - pose.bend);
     return {robot.mass * az - load.fz + load.contact_adhesion, robot.mass * ax - load.fx};
+}
+
+/// Inertia about the point that touches, kg m^2.
+inline double pivot_inertia(double inertia, double mass, const Pose& pose) {
+    return inertia + mass * (pose.lever * pose.lever + pose.height * pose.height);
+}
+
+/// Angular acceleration (rad/s^2) of a contact that does not slip: of one that rolls too, whose
+/// inertia about the pivot changes with the angle.
+template <class Real>
+[[gnu::always_inline]] inline Real stuck_acceleration(const PlainDynamics<Real>& robot,
+                                                      const PoseOf<Real>& pose, Real omega,
+                                                      const LoadOf<Real>& load) {
+    const Real moment = moment_about_corner(pose, load);
+    if constexpr (std::is_same_v<Real, double>) {
+        if (pose.roll != 0.0 || pose.bend != 0.0) {
+            const double turning = robot.mass * pose.lever * pose.bend * omega * omega;
+            return (moment - turning) / pivot_inertia(robot.inertia, robot.mass, pose);
+        }
+    }
+    return moment * robot.per_corner_inertia;
 }
 
 template <class Real>
 [[gnu::always_inline]] inline CornerStickOf<Real> corner_stick(const PlainDynamics<Real>& robot,
                                                                const PoseOf<Real>& pose, Real omega,
                                                                const LoadOf<Real>& load) {
-    const Real alpha = moment_about_corner(pose, load) * robot.per_corner_inertia;
+    const Real alpha = stuck_acceleration(robot, pose, omega, load);
     return {alpha, pivot_reaction(robot, pose, omega, alpha, load)};
 }
 
@@ -90,7 +113,7 @@ template <class Real>
     const Real adhesion = load.contact_adhesion;
     const Real arm = pose.lever - coefficient * pose.height;
     const Real effective = painleve_inertia(robot, pose, coefficient);
-    const Real rest = adhesion - robot.mass * ww * pose.height - load.fz;
+    const Real rest = adhesion - robot.mass * ww * (pose.height - pose.bend) - load.fz;
     const Real alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
     const Real normal = robot.mass * pose.lever * alpha + rest;
     const Real ax = (load.fx - coefficient * normal) * robot.per_mass;
@@ -111,8 +134,9 @@ inline FaceReaction face_reaction(const Model& model, int quadrant, const Load& 
                                   double coefficient) {
     const double normal = load.contact_adhesion - load.fz;
     const double friction = sticks ? -load.fx : -coefficient * normal;
-    const double tilt = (load.torque - model.shape.half_rise(quadrant) * friction) /
-                        (2.0 * model.shape.half_base(quadrant));
+    const Face face = model.face(quadrant);
+    const double tilt =
+        (load.torque - face.height * friction + face.shift * load.fz) / (2.0 * face.half_base);
     return {0.5 * normal + tilt, 0.5 * normal - tilt, friction};
 }
 

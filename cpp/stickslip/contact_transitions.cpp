@@ -122,7 +122,8 @@ void ContactTransitions::touch_down(int offset, double tau) {
     body = impact.body;
     dynamics_.set_contact_age(-tau);
     dynamics_.set_quadrant(body.quadrant);
-    state_.contact_x = body.x + pose().lever;
+    const Pose there = pose();
+    state_.contact_x = body.x + (there.lever - there.roll);
     place_by_contact();
     settle(impact.touch, impact.slip_velocity, 0, tau);
 }
@@ -132,7 +133,7 @@ void ContactTransitions::place_by_contact() {
     BodyState& body = state_.body;
     dynamics_.set_quadrant(body.quadrant);
     const Pose now = pose();
-    body.x = state_.contact_x - now.lever;
+    body.x = state_.contact_x - (now.lever - now.roll);
     body.z = now.height;
 }
 

@@ -68,7 +68,11 @@ CornerBalance balance(Dynamics& dynamics, const Expansion& field, double x, doub
     CornerBalance result;
     const Load pinned = load_at(omega * pose.height);
     const Reaction held = pivot_reaction(dynamics.robot(), pose, omega, alpha, pinned);
-    result.torque = model.corner_inertia() * alpha - moment_about_corner(pose, pinned);
+    // What the motion asks for beyond that of a contact that does not slip.
+    const double inertia = model.place.absent() ? model.corner_inertia()
+                                                : pivot_inertia(model.inertia, model.mass, pose);
+    const double turning = model.mass * pose.lever * pose.bend * omega * omega;
+    result.torque = inertia * alpha + turning - moment_about_corner(pose, pinned);
     result.friction_ratio = std::abs(held.friction) / std::max(held.normal, kLeastNormal * weight);
 
     const Load sliding = load_at(motion.vx);

@@ -32,7 +32,7 @@ Dynamics::Dynamics(const Model& model, LocalField field)
     robot_.adhesion = model.adhesion.strength;
     robot_.static_friction = model.friction.static_coefficient;
     robot_.kinetic_friction = model.friction.kinetic_coefficient;
-    robot_.radius = model.shape.radius();
+    robot_.radius = model.shape.radius() + model.place.reach();
     set_quadrant(0);
 }
 
@@ -98,7 +98,8 @@ double Dynamics::extended_corner_kinetic(double slip, double slip_velocity, doub
     const FreeCurve& curve = law.load();
     if (curve.absent()) return coefficient;
     const PlainDynamics<double>& r = robot_;
-    const double rest = load.contact_adhesion - r.mass * omega * omega * pose.height - load.fz;
+    const double rest =
+        load.contact_adhesion - r.mass * omega * omega * (pose.height - pose.bend) - load.fz;
     const double a =
         r.mass * pose.lever * (load.torque + pose.lever * load.contact_adhesion) + r.inertia * rest;
     const double b = r.inertia + r.mass * pose.lever * pose.lever;

@@ -129,13 +129,13 @@ public:
         base.turns += 1.0;
         if (base.turns < PlainDynamics<double>::kMostTurns &&
             std::abs(angle - base.angle) < PlainDynamics<double>::kNear) {
-            base.pose = pose(angle);
+            base.pose = corner_pose(angle);
         } else {
             base.pose = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));
             base.turns = 0.0;
         }
         base.angle = angle;
-        return base.pose;
+        return model_->placed(base.pose, quadrant_, angle);
     }
     void rebase_field(double x, double z) { field_.rebase(x, z); }
 
@@ -161,6 +161,10 @@ public:
     double contact_age() const { return age_; }
 
     [[gnu::always_inline]] Pose pose(double angle) const {
+        return model_->placed(corner_pose(angle), quadrant_, angle);
+    }
+    /// The same of the rectangle, wherever the contact lies.
+    [[gnu::always_inline]] Pose corner_pose(double angle) const {
         const double d = angle - robot_.base.angle;
         const double dd = d * d;
         if (!(dd < PlainDynamics<double>::kNearSquared)) {

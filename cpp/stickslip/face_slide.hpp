@@ -16,7 +16,8 @@ public:
     static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
                                                           Event::slip_stops};
 
-    FaceSlidePhase(Dynamics& dynamics, int slip) : PhaseBase(dynamics), slip_(slip) {}
+    FaceSlidePhase(Dynamics& dynamics, int slip)
+        : PhaseBase(dynamics), slip_(slip), face_(model().face(quadrant())) {}
 
     [[gnu::always_inline]] void rates(const Expansion& field, const State& y, State& dydt,
                                       Values& g) const {
@@ -38,17 +39,20 @@ public:
     Snapshot snapshot(double tau, const State& y) const {
         Load load;
         const FaceReaction reaction = solve(field_at(tau), y, load);
-        return {body(y), {reaction.normal(), reaction.friction}, contact_x(y), y[1]};
+        const double end = contact_x(y) + face_.roll;
+        return {body(y), {reaction.normal(), reaction.friction}, end, y[1]};
     }
     State scale(const Scales& s) const { return {s.length, s.velocity}; }
     double speed(const State& y) const { return std::abs(y[1]); }
     double angle(const State&) const { return 0.0; }
     double omega(const State&) const { return 0.0; }
-    double contact_x(const State& y) const { return y[0] + model().shape.half_base(quadrant()); }
+    double contact_x(const State& y) const {
+        return y[0] + (face_.half_base + face_.shift - face_.roll);
+    }
     double slip_velocity(const State& y) const { return y[1]; }
 
 private:
-    double height() const { return model().shape.half_rise(quadrant()); }
+    double height() const { return face_.height; }
     FaceReaction solve(const Expansion& field, const State& y, Load& load) const {
         const Pose pose = dynamics_->pose(0.0);
         load = dynamics_->load(field, y[0], height(), pose, y[1], 0.0, 0.0);
@@ -58,6 +62,7 @@ private:
     }
 
     int slip_;
+    Face face_;
 };
 
 }  // namespace stickslip

@@ -56,6 +56,10 @@ constexpr Hook kHooks[] = {
     {STICKSLIP_HOOK(adhesion_age,
         "adhesion times 1 + f(time since touch-down); 1 + f is cut off at 0"),
      .unit = "s", .low = 1e-6, .high = 1e6, .span = "time of the last knot"},
+    {STICKSLIP_HOOK(contact_place,
+        "the contact lies f(tilt) half lengths farther to the front of the robot: its lever is "
+        "longer by that times the cosine of the tilt"),
+     .unit = "rad", .low = 1e-2, .high = kWidestAngle, .span = "tilt of the last knot"},
     {STICKSLIP_HOOK(drag_angle,
         "the fluid's drag force times 1 + f(tilt); 1 + f is cut off at 0"),
      .unit = "rad", .low = 1e-3, .high = kWidestAngle, .span = "tilt of the last knot"},

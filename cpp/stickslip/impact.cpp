@@ -225,16 +225,15 @@ ImpactResult touching(const Model& model, const BodyState& after, double slip_ve
     if (ahead && behind) return laid_down(after, slip_velocity);
     ImpactResult result{after, Touch::none, slip_velocity};
     if (!ahead && !behind) return result;
-    const double base = model.shape.half_base(after.quadrant);
-    const double rise = model.shape.half_rise(after.quadrant);
+    const Face face = model.face(after.quadrant);
     result.touch = Touch::corner;
     if (behind) {
         result.body.quadrant -= 1;
         result.body.angle = kQuarterTurn;
     }
-    const double lever = ahead ? base : -base;
-    result.body.vz = result.body.omega * lever;
-    result.body.vx = result.body.omega * rise + result.slip_velocity;
+    const double lever = ahead ? face.half_base : -face.half_base;
+    result.body.vz = result.body.omega * (lever + face.shift);
+    result.body.vx = result.body.omega * face.height + result.slip_velocity;
     return result;
 }
 
@@ -261,16 +260,16 @@ ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState
 
 ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
                          bool old_slips, double time) {
-    const double base = model.shape.half_base(before.quadrant);
-    const double rise = model.shape.half_rise(before.quadrant);
+    const Face face = model.face(before.quadrant);
+    const double front = face.half_base + face.shift, rear = -face.half_base + face.shift;
     const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
-    const double ahead_leaves = before.vz - before.omega * base;
-    const double behind_leaves = before.vz + before.omega * base;
+    const double ahead_leaves = before.vz - before.omega * front;
+    const double behind_leaves = before.vz - before.omega * rear;
     const bool slides = old_slips || arrival == Arrival::both;
 
-    ImpactProblem problem(model, rise, before.x, time, before);
-    problem.add(base, new_ahead, !new_ahead && !old_slips);
-    problem.add(-base, new_behind, !new_behind && !old_slips);
+    ImpactProblem problem(model, face.height, before.x, time, before);
+    problem.add(front, new_ahead, !new_ahead && !old_slips);
+    problem.add(rear, new_behind, !new_behind && !old_slips);
     if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {
         problem.hold({ahead_leaves <= kCaptureSpeed, behind_leaves <= kCaptureSpeed}, slides);
     } else if (!problem.solve()) {

@@ -24,6 +24,7 @@ public:
     Starter(const Scenario& scenario, const Model& model)
         : given_(scenario.initial),
           word_(find_choice("initial.contact")->get(scenario)),
+          model_(model),
           shape_(model.shape),
           sign_(model.frame_sign) {}
 
@@ -59,7 +60,8 @@ public:
                 set_slip(ContactWord::face_slip_forward, ContactWord::face_slip_backward);
                 break;
         }
-        start_.state.contact_x = body.x + pose().lever;
+        const Pose placed = pose();
+        start_.state.contact_x = body.x + (placed.lever - placed.roll);
         return start_;
     }
 
@@ -193,7 +195,7 @@ private:
 
     Pose pose() const {
         const BodyState& body = start_.state.body;
-        return shape_.pose(body.quadrant, std::cos(body.angle), std::sin(body.angle));
+        return model_.pose(body.quadrant, body.angle);
     }
     double slack() const {
         return kSlack * (std::abs(given_.vx) + std::abs(given_.vz) +
@@ -213,6 +215,7 @@ private:
 
     const SimulationState& given_;
     const std::string word_;
+    const Model& model_;
     const Rectangle& shape_;
     const double sign_;
     Start start_;

@@ -7,6 +7,7 @@
 
 #include "stickslip/adhesion.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/contact_place.hpp"
 #include "stickslip/field_shape.hpp"
 #include "stickslip/free_curve.hpp"
 #include "stickslip/friction.hpp"
@@ -24,10 +25,19 @@ struct DragShape {
     bool absent() const { return angle.absent() && speed.absent() && rate.absent(); }
 };
 
+/// A face that lies on the surface, from the centre of mass.
+struct Face {
+    double half_base = 0.0;  ///< m
+    double shift = 0.0;      ///< m, of its middle, to +x
+    double height = 0.0;     ///< m, of the centre of mass above it
+    double roll = 0.0;       ///< m, as of the pose of its end
+};
+
 /// The mechanical constants of one simulation, in the robot's own frame (its x axis points the way
 /// that the moment does at theta = 0), with all named effects already in their places.
 struct Model {
     Rectangle shape{0.0, 0.0};
+    ContactPlace place;
     double mass = 0.0;          ///< kg
     double inertia = 0.0;       ///< kg m^2 about the centre of mass
     double moment = 0.0;        ///< A m^2
@@ -58,7 +68,8 @@ struct Model {
     /// Whether the named effects between events are all among the SmoothEffects.
     bool is_smooth() const {
         return adhesion.range == 0.0 && !adhesion.has_free_shape() && !friction.has_free_shape() &&
-               drag_shape.absent() && field_shape.absent() && user_effects.empty();
+               drag_shape.absent() && field_shape.absent() && place.absent() &&
+               user_effects.empty();
     }
 
     /// Shortest time (s) over which a free shape may change the forces while nothing moves.
@@ -71,8 +82,28 @@ struct Model {
     /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.
     double rocking_rate(double tesla) const { return std::sqrt(moment * tesla / inertia); }
 
-    /// Inertia about a corner, J + m r^2.
+    /// Inertia about a corner of the rectangle, J + m r^2.
     double corner_inertia() const { return inertia + mass * shape.radius() * shape.radius(); }
+
+    /// The pivot at an angle in a quadrant, where it touches.
+    Pose pose(int quadrant, double angle) const {
+        return placed(shape.pose(quadrant, std::cos(angle), std::sin(angle)), quadrant, angle);
+    }
+    /// A pose of the rectangle with its contact where it is.
+    Pose placed(Pose pose, int quadrant, double angle) const {
+        if (place.absent()) return pose;
+        const PlaceShift shift = place.at(quadrant * kQuarterTurn + angle);
+        pose.lever += shift.lever;
+        pose.height += shift.height;
+        pose.roll = shift.roll;
+        pose.bend = shift.bend;
+        return pose;
+    }
+    Face face(int quadrant) const {
+        const PlaceShift shift = place.at(quadrant * kQuarterTurn);
+        return {shape.half_base(quadrant), shift.lever, shape.half_rise(quadrant) + shift.height,
+                shift.roll};
+    }
 };
 
 }  // namespace stickslip

@@ -116,17 +116,22 @@ public:
     }
     void rebase(const State& y) { Base::rebase_to(*this, y); }
     Point<Real> centre(const State&, const PoseOf<Real>& pose) const {
-        return {contact_x_ - pose.lever, pose.height};
+        return {contact_x_ - (pose.lever - pose.roll), pose.height};
     }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(const State& y) const {
         const Pose pose = dynamics_->pose(y[0]);
-        return {contact_x_ - pose.lever, pose.height, y[0],      y[1] * pose.height,
-                y[1] * pose.lever,       y[1],        quadrant()};
+        return {contact_x_ - (pose.lever - pose.roll),
+                pose.height,
+                y[0],
+                y[1] * pose.height,
+                y[1] * pose.lever,
+                y[1],
+                quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
-        return {body(y), solve(Base::field_at(tau), y, dynamics_->pose(y[0])).reaction, contact_x_,
-                0.0};
+        const Pose pose = dynamics_->pose(y[0]);
+        return {body(y), solve(Base::field_at(tau), y, pose).reaction, contact_x_ + pose.roll, 0.0};
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
@@ -137,13 +142,13 @@ public:
 private:
     [[gnu::always_inline]] Real limit(double slip, const PoseOf<Real>& pose, Real normal,
                                       Real tau) const {
-        return dynamics_->static_limit(slip, contact_x_, pose, normal, tau);
+        return dynamics_->static_limit(slip, contact_x_ + pose.roll, pose, normal, tau);
     }
     [[gnu::always_inline]] CornerStickOf<Real> solve(const ExpansionOf<Real>& field, const State& y,
                                                      const PoseOf<Real>& pose) const {
         const LoadOf<Real> load =
-            dynamics_->load_near_surface(field, contact_x_ - pose.lever, pose.height, pose,
-                                         y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
+            dynamics_->load_near_surface(field, contact_x_ - (pose.lever - pose.roll), pose.height,
+                                         pose, y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
         return corner_stick(robot(), pose, y[1], load);
     }
 
@@ -187,19 +192,25 @@ public:
     }
     void rebase(const State& y) { Base::rebase_to(*this, y); }
     Point<Real> centre(const State& y, const PoseOf<Real>& pose) const {
-        return {y[0] - pose.lever, pose.height};
+        return {y[0] - (pose.lever - pose.roll), pose.height};
     }
     State begin(const BodyState& body) const {
         return {contact_x_, body.angle, slip_velocity_, body.omega};
     }
     BodyState body(const State& y) const {
         const Pose pose = dynamics_->pose(y[1]);
-        return {y[0] - pose.lever, pose.height, y[1],      y[2] + y[3] * pose.height,
-                y[3] * pose.lever, y[3],        quadrant()};
+        return {y[0] - (pose.lever - pose.roll),
+                pose.height,
+                y[1],
+                y[2] + y[3] * pose.height,
+                y[3] * pose.lever,
+                y[3],
+                quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
         const CornerSlipOf<Real> motion = solve(Base::field_at(tau), y);
-        return {body(y), {motion.normal, -motion.coefficient * motion.normal}, y[0], y[2]};
+        const Reaction reaction = {motion.normal, -motion.coefficient * motion.normal};
+        return {body(y), reaction, y[0] + dynamics_->pose(y[1]).roll, y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[2]) + magnitude(y[3]) * robot().radius; }
@@ -222,10 +233,10 @@ private:
                                                     const State& y) const {
         const PoseOf<Real> pose = dynamics_->pose(y[1]);
         const LoadOf<Real> load =
-            dynamics_->load_near_surface(field, y[0] - pose.lever, pose.height, pose,
+            dynamics_->load_near_surface(field, y[0] - (pose.lever - pose.roll), pose.height, pose,
                                          y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
         const Real coefficient =
-            dynamics_->corner_kinetic(slip_, y[2], y[0], pose, y[3], load, field.tau);
+            dynamics_->corner_kinetic(slip_, y[2], y[0] + pose.roll, pose, y[3], load, field.tau);
         return corner_slip(robot(), pose, y[3], load, slip_ * coefficient);
     }
 

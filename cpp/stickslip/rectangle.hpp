@@ -14,6 +14,9 @@ struct PoseOf {
     Real sine = 0.0;
     Real lever = 0.0;   ///< m, horizontal distance from the centre of mass to the pivot, signed
     Real height = 0.0;  ///< m, height of the centre of mass above the pivot
+    // Zero where the pivot is the rectangle's corner; see ContactPlace.
+    Real roll = 0.0;  ///< m, of the pivot from the point that stays where it is while it sticks
+    Real bend = 0.0;  ///< m, radius of curvature of what touches
 
     /// Turned on by an angle with cosine c and sine s.
     PoseOf turned(Real c, Real s) const {

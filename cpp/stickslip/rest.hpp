@@ -39,8 +39,9 @@ public:
 
     Snapshot snapshot(double tau) const {
         const FaceReaction reaction = solve(tau);
-        const double base = dynamics_->model().shape.half_base(body_.quadrant);
-        return {body_, {reaction.normal(), reaction.friction}, body_.x + base, 0.0};
+        const Face face = dynamics_->model().face(body_.quadrant);
+        const double end = body_.x + face.half_base + face.shift;
+        return {body_, {reaction.normal(), reaction.friction}, end, 0.0};
     }
 
     struct End {

@@ -103,6 +103,7 @@ struct Effects {
     FreeShape free_drag_angle{FreeReach::both_ways, 1.5};         ///< of rad
     FreeShape free_drag_speed{FreeReach::from_zero, 0.02};        ///< of m/s
     FreeShape free_drag_rate{FreeReach::from_zero, 500.0};        ///< of rad/s
+    FreeShape free_contact_place{FreeReach::both_ways, 1.5};      ///< of rad
     FreeShape free_field_time{FreeReach::from_zero, 1.0};         ///< of s
     FreeShape free_field_frequency{FreeReach::from_zero, 200.0};  ///< of Hz
     FreeShape free_field_amplitude{FreeReach::from_zero, 2.5};    ///< of A

@@ -128,8 +128,9 @@ TEST_CASE("balances close with free shapes of all that acts on a touching body")
     std::vector<std::pair<std::string, double>> keys;
     for (const char* name :
          {"free_friction_speed", "free_friction_angle", "free_friction_load", "free_friction_age",
-          "free_adhesion_angle", "free_adhesion_age", "free_drag_angle", "free_drag_speed",
-          "free_drag_rate", "free_field_time", "free_field_frequency", "free_field_amplitude"}) {
+          "free_adhesion_angle", "free_adhesion_age", "free_contact_place", "free_drag_angle",
+          "free_drag_speed", "free_drag_rate", "free_field_time", "free_field_frequency",
+          "free_field_amplitude"}) {
         double knot = 0.1;
         for (const char* number : {"1", "2", "3", "4", "5"}) {
             keys.emplace_back("effects." + std::string(name) + ".knot_" + number, knot);

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.api import diagnose as diagnose
     from stickslip.diagnosis.api import diagnose_model as diagnose_model
     from stickslip.diagnosis.model import instruments as instruments
+    from stickslip.diagnosis.model.free_terms import FreeTerm as FreeTerm
     from stickslip.diagnosis.model.problem import Cause as Cause
     from stickslip.diagnosis.model.problem import CauseParameter as CauseParameter
     from stickslip.diagnosis.model.problem import Uncertain as Uncertain
@@ -79,6 +80,7 @@ _HOME = {
         "control.predict": ("predict",),
         "control.prediction": ("Prediction",),
         "diagnosis.api": ("diagnose", "diagnose_model"),
+        "diagnosis.model.free_terms": ("FreeTerm",),
         "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
         "diagnosis.options": ("Options",),
         "diagnosis.results": ("Diagnosis",),

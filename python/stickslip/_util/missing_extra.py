@@ -22,8 +22,8 @@ EXTRAS = {
 """The modules of each extra of pyproject.toml."""
 
 _DIAGNOSIS = (
-    *("Cause", "CauseParameter", "Diagnosis", "Measurement", "Options", "Uncertain", "diagnose"),
-    *("diagnose_in_rounds", "diagnose_model", "instruments", "read_measurement"),
+    *("Cause", "CauseParameter", "Diagnosis", "FreeTerm", "Measurement", "Options", "Uncertain"),
+    *("diagnose", "diagnose_in_rounds", "diagnose_model", "instruments", "read_measurement"),
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
     "optimise": ("optimise",),

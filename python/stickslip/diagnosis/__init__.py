@@ -17,7 +17,7 @@ from stickslip.diagnosis.inference.formulas import Formula
 from stickslip.diagnosis.inference.open_set import Curve, FreeShape, OpenSet
 from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.inference.verdict import Verdict
-from stickslip.diagnosis.model.free_shapes import Hook
+from stickslip.diagnosis.model.free_terms import Curves, FreeTerm, Term
 from stickslip.diagnosis.model.problem import (
     AuxiliaryData,
     Cause,
@@ -37,6 +37,7 @@ __all__ = [
     "Cause",
     "CauseParameter",
     "Curve",
+    "Curves",
     "Detection",
     "Diagnosis",
     "ErrorCorrelation",
@@ -45,8 +46,8 @@ __all__ = [
     "Fit",
     "Formula",
     "FreeShape",
+    "FreeTerm",
     "Gain",
-    "Hook",
     "NoiseModel",
     "OpenSet",
     "Options",
@@ -61,6 +62,7 @@ __all__ = [
     "Sensitivities",
     "Separation",
     "Settings",
+    "Term",
     "Uncertain",
     "Verdict",
     "diagnose",

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.processor_count import worker_count
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.free_term_search import search_terms
 from stickslip.diagnosis.inference.model_comparison import Progress
+from stickslip.diagnosis.input_checks import check_terms
 from stickslip.diagnosis.measurement_problem import diagnose_measurement
-from stickslip.diagnosis.model.problem import Cause, Predict, Uncertain
+from stickslip.diagnosis.model.free_terms import (
+    FreeTerm,
+    PredictWithCurves,
+    with_curves,
+    with_flat_curves,
+)
+from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.observables import Combined
 from stickslip.diagnosis.options import Options, changed
 from stickslip.diagnosis.pipeline import run_steps
@@ -71,12 +81,14 @@ def diagnose(
 
 
 def diagnose_model(
-    predict: Predict,
+    predict: PredictWithCurves,
     conditions: Any,
     observed: ArrayLike,
     uncertain: Sequence[Uncertain],
     causes: Sequence[Cause] = (),
     options: Options | None = None,
+    *,
+    free_terms: Sequence[FreeTerm] = (),
     **changes: Any,
 ) -> Diagnosis:
     """Diagnose measured data with a forward model of one's own.
@@ -86,7 +98,10 @@ def diagnose_model(
     predict : callable
         ``predict(conditions, parameters)`` takes parameters of shape (vectors, parameters), the
         uncertain ones and then those of all causes in their order and units, and returns
-        observables of shape (vectors, m). What it cannot compute is NaN.
+        observables of shape (vectors, m). What it cannot compute is NaN. With `free_terms` it is
+        called as ``predict(conditions, parameters, curves)``, and ``curves["friction over speed"]``
+        is a function of the argument, of shape (m,) or (vectors, ...), to values of shape (vectors,
+        ...). So is `low_fidelity` of the options.
     conditions : Any
         Handed to `predict` as it is; m conditions.
     observed : array_like, shape (n,)
@@ -96,6 +111,10 @@ def diagnose_model(
         To them a suspect is added for every uncertain parameter whose prior is not a mere range.
     options : Options, optional
         What is known of the trials beside their values, and how to look.
+    free_terms : sequence of FreeTerm
+        Places where a law may have another shape than the model says. Where the verdict is
+        unexplained a curve is fitted at each: see `Diagnosis.open_set`. In the search for causes
+        the curves are zero.
     **changes
         Any attribute of `Options`, such as ``condition=index`` or ``sd=errors``, in its place.
 
@@ -124,8 +143,38 @@ def diagnose_model(
     ('named', ('wave',))
     """
     chosen = changed(options, changes)
-    found = run_steps(predict, conditions, observed, uncertain, causes, chosen)
+    check_terms(free_terms, uncertain, causes)
+    flat, low = predict, chosen.low_fidelity
+    if free_terms:
+        flat = with_flat_curves(predict, free_terms)
+        low = None if low is None else with_flat_curves(low, free_terms)
+    without = replace(chosen, low_fidelity=low)
+    found = run_steps(flat, conditions, observed, uncertain, causes, without)
     names = found.problem.names
     # What the rows of such a model stand for is not known here.
-    posed = PosedProblem(Combined(predict, names, names, ()), [], None, np.zeros(0), ())
+    posed = PosedProblem(Combined(flat, names, names, ()), [], None, np.zeros(0), ())
+    if free_terms and found.verdict.kind == "unexplained":
+        found, posed = _with_terms(found, posed, predict, chosen, free_terms)
     return Diagnosis(found, posed, None)
+
+
+def _with_terms(
+    found: Findings,
+    posed: PosedProblem,
+    predict: PredictWithCurves,
+    options: Options,
+    free_terms: Sequence[FreeTerm],
+) -> tuple[Findings, PosedProblem]:
+    """The free terms of a model of one's own at the recalibrated one, and the model with them."""
+    say = options.progress or (lambda fraction, stage: None)
+    say(0.9, "laws of a free shape")
+    bent, low = with_curves(predict, free_terms, found.problem.causes), options.low_fidelity
+    if low is not None:
+        low = with_curves(low, free_terms, found.problem.causes)
+    terms = [each.term(found.problem.uncertain) for each in free_terms]
+    shapes = search_terms(found, options, bent, low, terms)
+    names = [each.name for each in found.problem.uncertain]
+    names += [knot for each in terms for knot in each.knots]
+    say(1.0, "done")
+    extended = replace(posed, bent=Combined(bent, names, names, ()))
+    return replace(found, open_set=shapes), extended

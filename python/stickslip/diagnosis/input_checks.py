@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.diagnosis.data.trials import Trials
+from stickslip.diagnosis.model.free_terms import FreeTerm
 from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.options import Options
 from stickslip.errors import ScenarioError
@@ -41,6 +42,32 @@ def check_inputs(
     _check_lengths(trials, options)
     _check_names(uncertain, causes)
     return trials
+
+
+def check_terms(
+    terms: Sequence[FreeTerm], uncertain: Sequence[Uncertain], causes: Sequence[Cause]
+) -> None:
+    """Check free terms beside the parameters and causes of a model of one's own.
+
+    Raises
+    ------
+    ScenarioError
+        If something else is given, a name comes twice, or `factor_of` is no uncertain parameter.
+    """
+    _check_names(uncertain, causes)
+    if not isinstance(terms, Sequence) or not all(isinstance(each, FreeTerm) for each in terms):
+        raise ScenarioError("free_terms: allowed is a list of FreeTerm")
+    given: Sequence[FreeTerm | Uncertain | Cause] = (*terms, *uncertain, *causes)
+    names = [each.name for each in given]
+    twice = sorted({each.name for each in terms if names.count(each.name) > 1})
+    if twice:
+        raise ScenarioError(f"free_terms: {', '.join(twice)} comes twice; allowed is once")
+    constants = {each.name for each in uncertain}
+    for each in terms:
+        if each.factor_of is not None and each.factor_of not in constants:
+            said = f"factor_of = {each.factor_of}: allowed is the name of an uncertain parameter"
+            hint = meant(each.factor_of, constants)
+            raise ScenarioError(f"free term {each.name}: {said}{hint}")
 
 
 def _check_lengths(trials: Trials, options: Options) -> None:

@@ -19,22 +19,15 @@ from stickslip.diagnosis.data.plausibility import (
 )
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
-from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
-from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.free_term_search import search_terms
 from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.inference.open_set import OpenSet, explore_free_shapes
+from stickslip.diagnosis.inference.open_set import OpenSet
 from stickslip.diagnosis.inference.smooth_residual import Settings
-from stickslip.diagnosis.inference.verdict import (
-    contradictions,
-    reasons_against,
-    smooth_rest,
-)
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans
-from stickslip.diagnosis.model.prediction_cache import PredictionCache
-from stickslip.diagnosis.model.problem import Array, Cause, Problem, Uncertain
+from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
 from stickslip.diagnosis.model.simulator import (
     TOLERANCES,
     Simulator,
@@ -168,46 +161,17 @@ def _open_set(
     stated = {key.split(".")[1] for key in own if key.startswith("effects.")}
     hooks = [each for each in HOOKS if each.effect in spans]
     hooks = [each for each in hooks if each.effect not in {*recalibrated.effects, *stated}]
-    causes = tuple(hook.cause for hook in hooks)
-    knots = [parameter.name for cause in causes for parameter in cause.parameters]
+    terms = [hook.term(recalibrated, spans[hook.effect]) for hook in hooks]
+    knots = [name for each in terms for name in each.knots]
     # Observables have scenarios of their own, so that the spans are columns as the knots are.
-    reach = {hook.span_key: spans[hook.effect] for hook in hooks}
+    reach = {key: value for each in terms for key, value in each.fixed.items()}
     free = Simulator(simulator.scenario, [*own, *knots, *reach], simulator.threads)
     bent = Combined(free, [*names, *knots], [*own, *knots], model.observables, reach)
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return bent([_low_fidelity(free.scenario, each) for each in conditions], values)
 
-    m = len(problem.observed)
-    problem = replace(
-        problem,
-        predict=PredictionCache(bent, m),
-        causes=causes,
-        low_fidelity=PredictionCache(low_fidelity, m),
-    )
-    held_out = cross_validation.split(
-        len(found.noise.mean), options.seed, options.group, options.singleton_condition
-    )
-    inverse = np.linalg.inv(problem.whiten)
-
-    def against(problem: Problem, null: Fit, fit: Fit) -> tuple[Fact, ...]:
-        return (
-            *reasons_against(problem, null, fit, found.tables),
-            *smooth_rest(null, fit, found.smooth_bound),
-            *contradictions(fit, found.tables),
-        )
-
-    shapes = explore_free_shapes(
-        problem,
-        inverse @ inverse.T,
-        null.x[:count],
-        spans,
-        held_out,
-        free.scenario,
-        options.seed,
-        against,
-    )
-    return shapes, bent
+    return search_terms(found, options, bent, low_fidelity, terms), bent
 
 
 def _walks(

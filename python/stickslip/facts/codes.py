@@ -111,6 +111,7 @@ class Code(str, Enum):
     NO_FREE_SHAPE = "no-free-shape"  #: No law of a free shape explains the data.
     FREE_SHAPE = "free-shape"  #: A law of another shape explains the data.
     FREE_SHAPE_MEANING = "free-shape-meaning"  #: What f(u) is, and for which u it is known.
+    FREE_TERM_MEANING = "free-term-meaning"  #: The same of a curve that is no factor.
     FREE_SHAPE_RIVALS = "free-shape-rivals"  #: Others explain them about as well.
     FREE_SHAPE_GAIN = "free-shape-gain"  #: What it gains on held-out conditions.
     FREE_SHAPE_FORMULA = "free-shape-formula"  #: A formula fits as well as the curve.
@@ -181,6 +182,7 @@ class Code(str, Enum):
     HEADLINE_SET = "headline-set"  #: One of several, and the data cannot say which.
     HEADLINE_NONE = "headline-none"  #: Nothing is found.
     HEADLINE_UNEXPLAINED = "headline-unexplained"  #: Nothing that was tried explains the data.
+    HEADLINE_NO_CAUSE = "headline-no-cause"  #: The same where no cause was given.
     HEADLINE_LAW = "headline-law"  #: Nor does a cause, but a law of another shape does.
     HEADLINE_REFUSED = "headline-refused"  #: The data allow no diagnosis.
     WHAT_CAUSE = "what-cause"  #: What a cause is.
@@ -191,6 +193,7 @@ class Code(str, Enum):
     #: The same where the error alone would contradict the interval.
     SIZE_IN_INTERVAL = "size-in-interval"
     SIZE_OF_LAW = "size-of-law"  #: How far a law of another shape is from that of the model.
+    SIZE_OF_TERM = "size-of-term"  #: How large the curve is, in a model of one's own.
     SIZE_LIMITS = "size-limits"  #: How large some causes could be, where nothing was found.
     SIZE_HIDDEN = "size-hidden"  #: The cause that could be largest and not be seen.
     SIZE_UNLIMITED = "size-unlimited"  #: How many causes these data do not limit.

@@ -24,7 +24,7 @@ def extended_values(found: Findings) -> dict[str, float]:
     values = problem.physical(fit.x[None, :])[0]
     fitted = {problem.names[k]: float(values[k]) for k in fit.candidate.free.tolist()}
     shape = found.free_shape
-    return fitted if shape is None else {**fitted, shape.hook.span_key: shape.span}
+    return fitted if shape is None else {**fitted, **shape.term.fixed}
 
 
 def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:

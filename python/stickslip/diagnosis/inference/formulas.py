@@ -96,28 +96,39 @@ class Formula:
         place = self.b / scale if form.place else 1.0
         return np.asarray(self.a * scale**form.power * form.shape(argument / scale, place))
 
-    def in_numbers(self, unit: str) -> str:
-        """The formula and its numbers, with `unit` for the argument's."""
+    def in_numbers(self, unit: str, own: str = "-") -> str:
+        """The formula and its numbers, with `unit` for the argument's and `own` for that of f."""
         place = "" if np.isnan(self.b) else f", b = {self.b:.3g} {unit}"
         power = next(each.power for each in FORMS if each.text == self.text)
-        per = "" if power == 0.0 else f" per {unit}" if power == 1.0 else f" per ({unit})^{power:g}"
+        per = "" if own == "-" else f" {own}"
+        per += (
+            "" if power == 0.0 else f" per {unit}" if power == 1.0 else f" per ({unit})^{power:g}"
+        )
         return f"f(u) = {self.text} with a = {self.a:.3g}{per}{place}"
 
 
 def find_formula(
-    argument: Array, curve: Array, covariance: Array, span: float, angle: bool
+    argument: Array,
+    curve: Array,
+    covariance: Array,
+    span: float,
+    angle: bool,
+    size: float = 1.0,
 ) -> Formula | None:
     """The formula of fewest parameters and least misfit, if one fits as well as the curve.
 
     Parameters
     ----------
     argument, curve : ndarray, shape (knots,)
-        The curve at its knots.
+        The curve at its knots, in sizes.
     covariance : ndarray, shape (knots, knots)
+        Of `curve`.
     span : float
         Of the argument.
     angle : bool
         Whether the argument is an angle, for which alone there are sines.
+    size : float
+        Unit of the curve: `a` of the formula is times it.
     """
     whiten = np.linalg.inv(np.linalg.cholesky(covariance))
     found: list[tuple[float, Formula]] = []
@@ -140,7 +151,7 @@ def find_formula(
         chi2 = 2.0 * best.cost
         p_value = float(chi2_law.sf(chi2, len(curve) - count))
         place = float(np.exp(best.x[1])) * scale if form.place else np.nan
-        factor = float(best.x[0]) / scale**form.power
+        factor = size * float(best.x[0]) / scale**form.power
         formula = Formula(form.text, factor, place, p_value)
         if p_value >= LEAST_P:
             found.append((chi2 + count * np.log(len(curve)), formula))

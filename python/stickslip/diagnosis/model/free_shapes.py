@@ -1,4 +1,4 @@
-"""Laws of a free shape as candidates: a place of the model, an argument, and five knots.
+"""Laws of the simulator with a free shape: a place of the model, an argument, and five knots.
 
 They are looked at where no cause of a known law explains the data. What they are is
 the core's, see the page on named effects; here is how far each argument reaches in these data, and
@@ -9,21 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip.diagnosis.model.free_terms import KNOTS, Term
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import simulate_batch
 
-KNOTS = 5
-
 # Relative change of a law at a knot that would not surprise, and the largest that is searched.
 # Chosen as rough orders: a third of the law, and three times it.
-SCALE, _LARGEST = 0.3, 3.0
+_SCALE, _LARGEST = 0.3, 3.0
+# Points between which the place of a knot is sought. Chosen: a multiple of the knots' spacings.
+_POINTS = 61
 # Samples a pulse of the runs that show how far the arguments reach. Chosen: the rocking of a pulse
 # is seen.
 _SAMPLES = 400.0
@@ -40,29 +42,36 @@ class Hook:
     ----------
     effect : str
         Name of the core's effect.
-    quantity, argument : str
+    law, argument : str
         In words: ``friction`` over ``slip speed``.
     unit : str
         Of the argument.
     both_ways : bool
         Whether the argument has both signs, so that the knots reach from -span to span.
+    length : str
+        Unit of f where it is a length; empty where the law is a quantity times 1 + f.
+    size, largest : float
+        Of f at a knot: what would not surprise, and the largest that is searched.
     """
 
     effect: str
-    quantity: str
+    law: str
     argument: str
     unit: str
     both_ways: bool = False
+    length: str = ""
+    size: float = _SCALE
+    largest: float = _LARGEST
 
     @property
     def name(self) -> str:
-        return f"{self.quantity} over {self.argument}"
+        return f"{self.law} over {self.argument}"
 
     @property
     def constant(self) -> str | None:
         """Key of the constant that the law is times 1 + f; the field has none."""
         keys = {"friction": "contact.kinetic_friction", "adhesion": "contact.adhesion"}
-        return {**keys, "drag": "drag.linear"}.get(self.quantity)
+        return {**keys, "drag": "drag.linear"}.get(self.law)
 
     @property
     def span_key(self) -> str:
@@ -77,9 +86,32 @@ class Hook:
     def cause(self) -> Cause:
         """The law as a candidate, whose amplitudes are the knots."""
         parameters = tuple(
-            CauseParameter(key, known_keys()[key].unit, -1.0, _LARGEST, SCALE) for key in self.knots
+            CauseParameter(key, known_keys()[key].unit, -1.0, self.largest, self.size)
+            for key in self.knots
         )
         return Cause(self.effect, parameters, f"{self.name} has another shape")
+
+    def term(self, scenario: Scenario, span: float) -> Term:
+        """The law where it reaches as far as `span`, in any scenario that knows the effect."""
+        key, low = self.constant, -span if self.both_ways else 0.0
+        design = partial(curve_design, scenario, self, span)
+        points = np.linspace(low, span, _POINTS)
+        return Term(
+            law=self.law,
+            argument=self.argument,
+            unit=self.unit,
+            law_unit=self.length or ("of the model's" if key is None else known_keys()[key].unit),
+            cause=self.cause,
+            low=low,
+            high=span,
+            places=points[np.argmax(design(points), axis=0)],
+            design=design,
+            constant=key,
+            stated=float(not self.length) if key is None else float(scenario.get(key)),
+            relative=not self.length,
+            cut=not self.length,
+            fixed={self.span_key: span},
+        )
 
 
 HOOKS = (
@@ -89,6 +121,8 @@ HOOKS = (
     Hook("free_friction_age", "friction", "time", "s"),
     Hook("free_adhesion_angle", "adhesion", "tilt", "rad", both_ways=True),
     Hook("free_adhesion_age", "adhesion", "age of the contact", "s"),
+    # Chosen: a fifth of half the body, and no farther than its middle.
+    Hook("free_contact_place", "contact place", "tilt", "rad", True, "half lengths", 0.2, 1.0),
     Hook("free_drag_angle", "drag", "tilt", "rad", both_ways=True),
     Hook("free_drag_speed", "drag", "speed", "m/s"),
     Hook("free_drag_rate", "drag", "rate of the tilt", "rad/s"),
@@ -142,7 +176,7 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
 
 
 def _without_law(hook: Hook, scenario: Scenario) -> bool:
-    return hook.quantity == "adhesion" and scenario.contact.adhesion == 0.0
+    return hook.law == "adhesion" and scenario.contact.adhesion == 0.0
 
 
 def curve_design(scenario: Scenario, hook: Hook, span: float, arguments: Array) -> Array:

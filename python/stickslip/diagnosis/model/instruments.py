@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
+from stickslip.diagnosis.model.free_terms import Curves, predicted_once
 from stickslip.diagnosis.model.problem import Array, Cause, CauseParameter, Predict
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse
@@ -50,7 +51,7 @@ def with_instruments(predict: Predict, instruments: Sequence[Instrument]) -> Pre
     Parameters
     ----------
     predict : callable
-        ``predict(conditions, parameters)``, as for `diagnose_model`, of the physics alone.
+        As for `diagnose_model`, with curves or without, of the physics alone.
     instruments : sequence of Instrument
         The first one reads what `predict` returns, each further one what the one before it has
         read. Rows that are given hold for the measured conditions and for no others.
@@ -72,11 +73,10 @@ def with_instruments(predict: Predict, instruments: Sequence[Instrument]) -> Pre
             raise ScenarioError(f"instruments: {each!r} is none; instruments.offset(...) makes one")
     counts = [len(each.parameters) for each in instruments]
 
-    def read(conditions: Any, parameters: Array) -> Array:
+    def read(conditions: Any, parameters: Array, *curves: Curves) -> Array:
         own = parameters.shape[1] - sum(counts)
         # Derivatives by an instrument's parameter share the physics.
-        physics, at = np.unique(parameters[:, :own], axis=0, return_inverse=True)
-        predicted = np.asarray(predict(conditions, physics), dtype=float)[at.reshape(-1)]
+        predicted = predicted_once(predict, conditions, parameters[:, :own], *curves)
         reading = predicted
         for each, count in zip(instruments, counts, strict=True):
             reading = each.read(reading, predicted, parameters[:, own : own + count])

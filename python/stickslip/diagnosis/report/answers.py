@@ -84,7 +84,7 @@ def answers(
     return Answers(
         headline(found, posed, unit),
         claimed,
-        None if found.free_shape is None else found.free_shape.hook.quantity,
+        None if found.free_shape is None else found.free_shape.term.law,
         _what(found, claimed),
         _size(found, claimed),
         sure_of(found, LISTED),
@@ -134,9 +134,12 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
     said = []
     if found.free_shape is not None and found.open_set is not None:
         curve = found.open_set.curve
-        ratio = curve.law / curve.constant
-        ends = {"low": float(np.min(ratio)), "high": float(np.max(ratio))}
-        said.append(Fact(Code.SIZE_OF_LAW, {"law": found.free_shape.hook.quantity, **ends}))
+        term = found.free_shape.term
+        code, size, unit = Code.SIZE_OF_TERM, curve.law, {"unit": term.law_unit}
+        if term.relative:
+            code, size, unit = Code.SIZE_OF_LAW, curve.law / curve.without, {}
+        ends = {"low": float(np.min(size)), "high": float(np.max(size))}
+        said.append(Fact(code, {"law": term.law, **ends, **unit}))
     ratio_of_noise = float(np.sqrt(found.null.data_chi2 / len(found.problem.observed)))
     return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise}))
 

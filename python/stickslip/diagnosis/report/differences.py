@@ -83,7 +83,7 @@ def claimed_change(found: Findings, m: int) -> tuple[Array | None, str]:
         return None, ""
     name = f"with {plain_name(found.extended[1].name, meanings_of(found))}"
     if found.free_shape is not None:
-        name = f"with the curve of {found.free_shape.hook.name}"
+        name = f"with the curve of {found.free_shape.term.name}"
     return models["extended"] - models["recalibrated"], name
 
 

@@ -80,22 +80,24 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
 
 
 def free_shape(found: OpenSet) -> Figure:
-    """The curve of the first hook with its band and formula, and how the hooks rank."""
+    """The curve of the first place with its band and formula, and how the places rank."""
 
     figure = Picture(figsize=(9.0, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[3, 2])
-    hook, curve = found.first.hook, found.curve
+    term, curve = found.first.term, found.curve
     left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
                       label=f"{BAND:.0%} band")  # fmt: skip
     left.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
     if found.formula is not None:
-        law = curve.constant * (1.0 + found.formula.at(curve.argument, found.first.span))
-        left.plot(curve.argument, law, "--", color=BLUE, label=f"1 + {found.formula.text}")
-    left.axhline(curve.constant, color=DARK_GREY, lw=0.8, label="without f")
+        one = "1 + " if term.relative else ""
+        law = curve.without + curve.factor * found.formula.at(curve.argument, term.span)
+        left.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{found.formula.text}")
+    left.axhline(curve.without, color=DARK_GREY, lw=0.8, label="without f")
     unit = "" if curve.unit == "-" else f" ({curve.unit})"
-    left.set(xlabel=f"{hook.argument} ({hook.unit})", ylabel=f"{hook.quantity}{unit}")
+    law_name = term.law if term.relative else f"f of {term.law}"
+    left.set(xlabel=f"{term.argument} ({term.unit})", ylabel=f"{law_name}{unit}")
     left.legend(fontsize=8, frameon=False)
-    names = [each.hook.name for each in found.shapes]
+    names = [each.term.name for each in found.shapes]
     colours = [VERMILION if each is found.first else BLUE for each in found.shapes]
     right.barh(names, [each.lead for each in found.shapes], color=colours)
     right.invert_yaxis()

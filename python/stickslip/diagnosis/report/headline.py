@@ -43,8 +43,10 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
     if kind == "unexplained":
         shape = found.free_shape
         if shape is None:
-            return Fact(Code.HEADLINE_UNEXPLAINED, {"count": len(found.problem.causes)})
-        law = {"law": shape.hook.quantity, "argument": shape.hook.argument}
+            count = len(found.problem.causes)
+            code = Code.HEADLINE_UNEXPLAINED if count else Code.HEADLINE_NO_CAUSE
+            return Fact(code, {"count": count} if count else {})
+        law = {"law": shape.term.law, "argument": shape.term.argument}
         return Fact(Code.HEADLINE_LAW, {**law, **gained})
     finding = " ".join(each.finding for each in claimed[0])
     if kind == "ambiguous":

@@ -78,7 +78,7 @@ def _origin(found: Findings, measurement: Measurement, extended: Scenario) -> li
     if found.verdict.causes:
         lines[0] += " " + ", ".join(found.verdict.causes)
     if found.free_shape is not None:
-        lines.append(f"here: {found.free_shape.hook.name} as a curve of free shape")
+        lines.append(f"here: {found.free_shape.term.name} as a curve of free shape")
     if found.verdict.fit is not None and found.verdict.kind == "ambiguous":
         lines.append(
             f"here: {found.verdict.fit.name}, which leads among those that explain the data"

@@ -15,7 +15,11 @@ from stickslip.diagnosis.report.html import FILES, report_sections, write_report
 from stickslip.diagnosis.report.json_keys import OwnData
 from stickslip.diagnosis.report.plots import abscissa
 from stickslip.diagnosis.report.residual_figure import large_figure, own_figure
-from stickslip.diagnosis.report.section import free_shape_section, model_section
+from stickslip.diagnosis.report.section import (
+    ReportSection,
+    free_shape_section,
+    model_section,
+)
 from stickslip.measurement.reading import Measurement
 
 Folder = str | PathLike[str]
@@ -31,8 +35,7 @@ def save_of_measurement(
     """Write the report of a measurement, with a section for each kind of its data."""
     check_folder(folder, FILES)  # before what takes long
     comparisons = posed.comparisons(found)
-    sections = report_sections(comparisons)
-    sections += [] if found.open_set is None else [free_shape_section(found.open_set)]
+    sections = [*report_sections(comparisons), *_free_shapes(found)]
     large, unit = large_figure(found, posed, comparisons), gain_unit(posed)
     write_report(folder, found, posed, measurement, experiments, sections, unit, large)
 
@@ -50,5 +53,11 @@ def save_of_own_model(
     check_folder(folder, FILES)
     source = OwnData("Diagnosis" if title is None else title)
     at = abscissa(place, len(found.noise.mean))
-    section, large = model_section(found, at, labels), own_figure(found, at, labels)
-    write_report(folder, found, posed, source, [], [section], unit, large)
+    sections = [model_section(found, at, labels), *_free_shapes(found)]
+    large = own_figure(found, at, labels)
+    write_report(folder, found, posed, source, [], sections, unit, large)
+
+
+def _free_shapes(found: Findings) -> list[ReportSection]:
+    """The section of laws of another shape, where they were looked at."""
+    return [] if found.open_set is None else [free_shape_section(found.open_set)]

@@ -1,0 +1,160 @@
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+#include "stickslip/contact.hpp"
+#include "stickslip/phases.hpp"
+#include "support.hpp"
+
+using namespace stickslip;
+using stickslip::test::in_uniform_field;
+using stickslip::test::paper_model;
+using stickslip::test::Random;
+
+namespace {
+
+FreeShape random_shape(Random& random) {
+    FreeShape shape{FreeReach::both_ways, random.between(0.2, 3.2)};
+    for (double& knot : shape.knots) knot = random.between(-0.3, 0.3);
+    return shape;
+}
+
+Model placed_model(const FreeShape& shape) {
+    Model model = paper_model();
+    model.place = ContactPlace(shape, model.shape.half_base(0));
+    return model;
+}
+
+// Central difference of what a pose has, by the angle; of fourth order.
+template <class Of>
+double slope(const Model& model, int quadrant, double angle, Of of) {
+    constexpr double kWidth = 1e-3;
+    const auto at = [&](double steps) { return of(model.pose(quadrant, angle + steps * kWidth)); };
+    return (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * kWidth);
+}
+
+// Of a cubic's third derivative times the width to the third, where a knot lies within it too.
+constexpr double kDifference = 1e-5;
+
+}  // namespace
+
+TEST_CASE("contact place: the lever is the slope of the height, as of all that touches a plane") {
+    Random random(1);
+    for (int n = 0; n < 500; ++n) {
+        const Model model = placed_model(random_shape(random));
+        const double size = model.shape.radius();
+        const int quadrant = random.integer(-4, 4);
+        const double angle = random.between(0.0, kQuarterTurn);
+        const Pose pose = model.pose(quadrant, angle);
+        const auto height = [](const Pose& p) { return p.height; };
+        const auto lever = [](const Pose& p) { return p.lever; };
+        const auto stuck = [](const Pose& p) { return p.lever - p.roll; };
+        const double tolerance = kDifference * size;
+        CHECK(std::abs(slope(model, quadrant, angle, height) - pose.lever) < tolerance);
+        CHECK(std::abs(slope(model, quadrant, angle, stuck) + pose.height) < tolerance);
+        const double bend = slope(model, quadrant, angle, lever) + pose.height;
+        // The slope of the curve bends at a knot.
+        CHECK(std::abs(bend - pose.bend) < 2e-2 * size);
+    }
+}
+
+TEST_CASE("contact place: a constant is a corner that lies so much farther to the front") {
+    Random random(2);
+    for (int n = 0; n < 200; ++n) {
+        FreeShape shape{FreeReach::both_ways, random.between(0.01, 3.2)};
+        const double part = random.between(-0.9, 2.0);
+        shape.knots.fill(part);
+        const Model model = placed_model(shape), plain = paper_model();
+        const int quadrant = random.integer(-4, 4);
+        const double angle = random.between(0.0, kQuarterTurn);
+        const double theta = quadrant * kQuarterTurn + angle;
+        const double farther = part * model.shape.half_base(0);
+        const Pose pose = model.pose(quadrant, angle), corner = plain.pose(quadrant, angle);
+        const double rounding = 1e-14 * model.shape.radius() * (1.0 + std::abs(theta));
+        CHECK(std::abs(pose.lever - corner.lever - farther * std::cos(theta)) < rounding);
+        CHECK(std::abs(pose.height - corner.height - farther * std::sin(theta)) < rounding);
+        CHECK(std::abs(pose.roll - farther) < rounding);
+        CHECK(std::abs(pose.bend) < rounding);
+    }
+}
+
+TEST_CASE("contact place: nothing jumps at a knot, at zero or where a quadrant ends") {
+    Random random(3);
+    for (int n = 0; n < 100; ++n) {
+        const FreeShape shape = random_shape(random);
+        const Model model = placed_model(shape);
+        for (const double theta : {-shape.span, -0.5 * shape.span, 0.0, 0.5 * shape.span,
+                                   shape.span, 0.25 * shape.span, kQuarterTurn}) {
+            constexpr double kNear = 1e-11;
+            const PlaceShift a = model.place.at(theta - kNear), b = model.place.at(theta + kNear);
+            const double rounding = 1e-9 * model.shape.radius();
+            CHECK(std::abs(a.lever - b.lever) < rounding);
+            CHECK(std::abs(a.height - b.height) < rounding);
+            CHECK(std::abs(a.roll - b.roll) < rounding);
+            CHECK(std::abs(a.bend - b.bend) < 100.0 * rounding);
+        }
+        for (int quadrant = -4; quadrant < 4; ++quadrant) {
+            const Pose end = model.pose(quadrant, kQuarterTurn),
+                       next = model.pose(quadrant + 1, 0.0);
+            const Face face = model.face(quadrant + 1);
+            CHECK(end.height == doctest::Approx(next.height).epsilon(1e-12));
+            CHECK(face.height == doctest::Approx(next.height).epsilon(1e-12));
+            CHECK(face.shift + face.half_base == doctest::Approx(next.lever).epsilon(1e-12));
+            CHECK(face.shift - face.half_base == doctest::Approx(end.lever).epsilon(1e-12));
+        }
+    }
+}
+
+TEST_CASE("contact place: motions satisfy Newton's and Euler's equations") {
+    Random random(4);
+    for (int n = 0; n < 500; ++n) {
+        const Model model = placed_model(random_shape(random));
+        Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
+        const int quadrant = random.integer(-2, 1);
+        dynamics.set_quadrant(quadrant);
+        const double angle = random.between(0.0, kQuarterTurn);
+        const double omega = random.between(-3000.0, 3000.0);
+        const Pose pose = dynamics.rebase_angle(angle);
+        const Load load = {random.between(-1e-6, 1e-6), random.between(-1e-6, 1e-6),
+                           random.between(-1e-10, 1e-10), random.between(0.0, 0.5e-6)};
+        const double m = model.mass, ww = omega * omega;
+        // Accelerations of the centre of mass from the constraints z = h(theta), and vx = h omega
+        // where it rolls.
+        const double bend = -pose.height + pose.bend;  // slope of the lever
+        const auto check = [&](double alpha, double slip, const Reaction& reaction) {
+            const double ax = slip + alpha * pose.height + ww * pose.lever;
+            const double az = alpha * pose.lever + ww * bend;
+            const double up = reaction.normal - load.contact_adhesion;
+            const double force = m * (std::abs(ax) + std::abs(az)) + std::abs(up) + 1e-6;
+            CHECK(std::abs(m * ax - load.fx - reaction.friction) < 1e-13 * force);
+            CHECK(std::abs(m * az - load.fz - up) < 1e-13 * force);
+            const double torque = load.torque - pose.height * reaction.friction - pose.lever * up;
+            const double size = model.inertia * std::abs(alpha) + force * model.shape.radius();
+            CHECK(std::abs(model.inertia * alpha - torque) < 1e-12 * size);
+        };
+        const CornerStick stick = corner_stick(dynamics.robot(), pose, omega, load);
+        check(stick.angular_acceleration, 0.0, stick.reaction);
+        const CornerSlip slip = corner_slip(dynamics.robot(), pose, omega, load, 0.1);
+        if (std::abs(slip.effective_inertia) < 0.1 * model.inertia) continue;
+        check(slip.angular_acceleration, slip.slip_acceleration, {slip.normal, -0.1 * slip.normal});
+    }
+}
+
+TEST_CASE("contact place: a face carries its load where its ends are") {
+    Random random(5);
+    for (int n = 0; n < 200; ++n) {
+        const Model model = placed_model(random_shape(random));
+        const int quadrant = random.integer(-2, 2);
+        const Load load = {random.between(-1e-6, 1e-6), random.between(-1e-6, 1e-6),
+                           random.between(-1e-10, 1e-10), random.between(0.0, 0.5e-6)};
+        const FaceReaction r = face_reaction(model, quadrant, load, true, 0.0);
+        const Face face = model.face(quadrant);
+        const double adhesion = 0.5 * load.contact_adhesion;
+        const double torque = load.torque - face.height * r.friction -
+                              (face.shift + face.half_base) * (r.ahead - adhesion) -
+                              (face.shift - face.half_base) * (r.behind - adhesion);
+        CHECK(std::abs(torque) < 1e-13 * 1e-6 * model.shape.radius() * 10.0);
+        CHECK(r.normal() == doctest::Approx(load.contact_adhesion - load.fz));
+    }
+}

@@ -1,0 +1,209 @@
+"""Search for the law of another shape, where no cause explains the data.
+
+First the place is found, by fits of a free curve at each that is listed; then its shape, with a
+band; then a formula, where one fits as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import norm as normal_law
+
+from stickslip._util.arrays import Array, Indices
+from stickslip.diagnosis.fit.fit_result import (
+    Fit,
+    Start,
+    free_parameters,
+    make_candidate,
+    physical_covariance,
+    ranked,
+)
+from stickslip.diagnosis.fit.goodness import adequacy
+from stickslip.diagnosis.fit.multistart import fit_candidates
+from stickslip.diagnosis.fit.single_cause import (
+    quick_fits,
+    refine,
+    refit_worse_than_null,
+    starts_by_misfit,
+)
+from stickslip.diagnosis.inference import cross_validation
+from stickslip.diagnosis.inference.cross_validation import measure_gain
+from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.formulas import Formula, find_formula
+from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
+from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
+from stickslip.diagnosis.model.free_terms import Term
+from stickslip.diagnosis.model.prediction_cache import PredictionCache
+from stickslip.diagnosis.model.problem import Predict, Problem
+from stickslip.diagnosis.options import Options
+from stickslip.facts import Fact
+
+# Points at which a curve is drawn, and half the width of its band in standard deviations.
+_POINTS, _HALF_BAND = 61, float(normal_law.ppf(0.5 + 0.5 * BAND))
+# Starts of each term beside the null, of those with one knot moved. Chosen: with fewer a curve that
+# changes its sign is missed, each costs the stages of a quick fit.
+_STARTS = 3
+
+
+def search_terms(
+    found: Findings,
+    options: Options,
+    predict: Predict,
+    low_fidelity: Predict | None,
+    terms: Sequence[Term],
+) -> OpenSet | None:
+    """Free curves at the recalibrated model of a diagnosis.
+
+    Parameters
+    ----------
+    found : Findings
+    options : Options
+        Of the diagnosis.
+    predict, low_fidelity : callable
+        The model without its causes: columns of its parameters are the uncertain ones and then the
+        knots of all terms.
+    terms : sequence of Term
+    """
+    m = len(found.problem.observed)
+    problem = replace(
+        found.problem,
+        predict=PredictionCache(predict, m),
+        causes=tuple(each.cause for each in terms),
+        low_fidelity=None if low_fidelity is None else PredictionCache(low_fidelity, m),
+    )
+    held_out = cross_validation.split(
+        len(found.noise.mean), options.seed, options.group, options.singleton_condition
+    )
+    inverse = np.linalg.inv(problem.whiten)
+
+    def against(problem: Problem, null: Fit, fit: Fit) -> tuple[Fact, ...]:
+        return (
+            *reasons_against(problem, null, fit, found.tables),
+            *smooth_rest(null, fit, found.smooth_bound),
+            *contradictions(fit, found.tables),
+        )
+
+    constants = found.null.x[: problem.base_count]
+    covariance = inverse @ inverse.T
+    return explore_terms(problem, covariance, constants, terms, held_out, options.seed, against)
+
+
+def explore_terms(
+    problem: Problem,
+    covariance: Array,
+    constants: Array,
+    terms: Sequence[Term],
+    held_out: Indices,
+    seed: int,
+    against: Callable[[Problem, Fit, Fit], tuple[Fact, ...]],
+) -> OpenSet | None:
+    """Fit a free curve at each place, and rank them.
+
+    Parameters
+    ----------
+    problem : Problem
+        Whose causes are those of the terms.
+    covariance : ndarray, shape (m, m)
+        Of the observed means.
+    constants : ndarray, shape (constants,)
+        Coordinates of the recalibrated model.
+    terms : sequence of Term
+    held_out : ndarray of int
+        Conditions that the gain is measured on.
+    seed : int
+        Of the bootstrap of the gain.
+    against : callable
+        ``against(problem, null, fit)`` is what speaks against a fit, beside the recalibrated model.
+
+    Returns
+    -------
+    OpenSet, optional
+        None where there is no term.
+    """
+    if not problem.causes:
+        return None
+    by_name = {each.effect: each for each in terms}
+    x = np.concatenate([constants, np.zeros(problem.size - problem.base_count)])
+    (null,) = fit_candidates(problem, [make_candidate(problem)], [[Start(x)]], 6)
+    fits = _fits(problem, null)
+    # With errors that are taken as too large, five knots may be led astray.
+    fits = refit_worse_than_null(problem, null, fits)
+    shapes = tuple(
+        FreeShape(
+            by_name[fit.name],
+            fit,
+            fit.log_evidence - null.log_evidence,
+            adequacy(problem, fit),
+        )
+        for fit in ranked(fits)
+    )
+    first = shapes[0]
+    gain = measure_gain(
+        problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
+    )
+    curve, formula = _curve(problem, first.term, first.fit)
+    return OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, formula)
+
+
+def _fits(problem: Problem, null: Fit) -> tuple[Fit, ...]:
+    """The best fit of each term, from the null and from changes of one knot alone.
+
+    The constants of the null make up for the law as far as they can, so that a change also begins
+    at the middle of their priors.
+    """
+    candidates, begins = [], []
+    for cause in problem.causes:
+        points = []
+        for constants in (null.x, np.zeros(problem.size)):
+            for column in problem.columns([cause]):
+                for sign in (1.0, -1.0):
+                    x = constants.copy()
+                    x[column] = sign
+                    points.append(Start(x))
+        candidates.append(make_candidate(problem, [cause]))
+        begins.append(points)
+    ordered = starts_by_misfit(problem, candidates, begins)
+    plan = [
+        (candidate, start)
+        for candidate, points in zip(candidates, ordered, strict=True)
+        for start in (Start(null.x), *points[:_STARTS])
+    ]
+    quick = quick_fits(problem, [each for each, _ in plan], [[start] for _, start in plan], 1)
+    best: dict[str, Fit] = {}
+    others: dict[str, list[Start]] = {}
+    for fit in sorted(quick, key=lambda fit: fit.chi2):
+        if best.setdefault(fit.name, fit) is not fit:
+            others.setdefault(fit.name, []).append(Start.of(fit))
+    return refine(problem, list(best.values()), others, survivors=len(best))
+
+
+def _curve(problem: Problem, term: Term, fit: Fit) -> tuple[Curve, Formula | None]:
+    """The curve of a fit with its band, and a formula for it."""
+    values = problem.physical(fit.x[None, :])[0]
+    free = free_parameters(problem, fit)
+    knots = [each for each in free if each.name in term.knots]
+    own = [each for each in free if each.name == term.constant]
+    argument = np.linspace(term.low, term.high, _POINTS)
+    design = term.design(argument)
+    change = values[[each.column for each in knots]]
+    without = float(values[own[0].column]) if own else term.stated
+    factor, law, slopes = 1.0, without + design @ change, design
+    if term.relative:
+        relative = 1.0 + design @ change
+        if term.cut:
+            relative, design = np.maximum(relative, 0.0), design * (relative > 0.0)[:, None]
+        factor, law = without, without * relative
+        slopes = np.hstack([*(relative[:, None] for _ in own), without * design])
+    spread = physical_covariance(fit, [*own, *knots])
+    width = _HALF_BAND * np.sqrt(np.sum((slopes @ spread) * slopes, axis=1))
+    low = np.maximum(law - width, 0.0) if term.cut else law - width
+    expected = abs(factor) * term.cause.parameters[0].scale
+    curve = Curve(argument, law, low, law + width, without, factor, expected, term.law_unit)
+    alone = physical_covariance(fit, knots) / term.size**2
+    formula = find_formula(
+        term.places, change / term.size, alone, term.span, term.unit == "rad", term.size
+    )
+    return curve, formula

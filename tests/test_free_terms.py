@@ -1,0 +1,232 @@
+"""Free terms of a model of one's own: where a law has another shape, and which."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicHermiteSpline
+
+from report_page import without_pictures
+from sliding_block import (
+    CONDITIONS,
+    DRAG,
+    FRICTION,
+    LOAD,
+    OVER_LOAD,
+    OVER_SPEED,
+    OVER_WARMTH,
+    SPEED,
+    TERMS,
+    UNCERTAIN,
+    WARMTH,
+    measured,
+    push,
+    result,
+)
+from stickslip import Cause, CauseParameter, FreeTerm, ScenarioError, instruments
+from stickslip.diagnosis import Curves
+
+SEEDS = (0, 1, 2)
+# The law over each argument, and its values at the conditions. All bend more slowly than knots lie.
+HIDDEN = {
+    OVER_SPEED: (lambda v: 0.3 * np.exp(-v / 0.7), SPEED),
+    OVER_LOAD: (lambda n: 0.15 * np.sin(0.7 * n), LOAD),
+    OVER_WARMTH: (lambda t: 0.2 * ((t - 305.0) / 25.0) ** 2, WARMTH),
+}
+
+
+def hidden(term, seed):
+    law, at = HIDDEN[term]
+    return measured(seed, 1.0 + law(at))
+
+
+# In 155 of 155 accepted curves of 180 such data sets, others than these, the place was right.
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("term", HIDDEN, ids=lambda term: term.argument)
+def test_a_hidden_term_is_found_over_its_argument(term, seed):
+    found = result(hidden(term, seed), seed=seed)
+    shapes = found.open_set
+    assert found.verdict.kind == "unexplained"
+    assert (shapes.accepted, shapes.rivals) == (True, ())
+    assert shapes.first.term.name == term.name
+    assert found.findings.free_shape is shapes.first
+    assert shapes.table()["effect"].iloc[0] == term.name
+    assert set(shapes.table()["argument"]) == {"speed", "load", "temperature"}
+    assert shapes.gain.chi2_after < 0.5 * shapes.gain.chi2_before
+
+
+@pytest.mark.parametrize("term", HIDDEN, ids=lambda term: term.argument)
+def test_the_band_holds_the_hidden_law(term):
+    law, _ = HIDDEN[term]
+    held = []
+    for seed in SEEDS:
+        curve = result(hidden(term, seed), seed=seed).open_set.curve
+        assert (curve.argument[0], curve.argument[-1]) == (term.low, term.high)
+        truth = FRICTION * (1.0 + law(curve.argument))
+        held.append(np.mean((curve.low <= truth) & (truth <= curve.high)))
+        # Not for want of a narrow band: the law varies by far more than that.
+        assert np.mean(curve.high - curve.low) < 0.4 * np.ptp(truth)
+    # At each point the band holds it in 90 % of all data sets; the points of one go together.
+    assert np.mean(held) >= 0.8
+
+
+# A claim takes a false alarm, which 5 % of such data sets give, and a curve that predicts better.
+# Of 200 seven gave an alarm, and none a claim; these seeds were not chosen by their result.
+@pytest.mark.parametrize("seed", range(8))
+def test_without_a_hidden_term_nothing_is_claimed(seed):
+    found = result(measured(seed), seed=seed)
+    assert found.findings.free_shape is None
+    assert found.open_set is None or not found.open_set.accepted
+
+
+def test_the_extended_model_has_the_curve(tmp_path):
+    law, _ = HIDDEN[OVER_SPEED]
+    found = result(hidden(OVER_SPEED, 0))
+    assert list(found.extended) == ["friction", "drag", *OVER_SPEED.knots]
+    assert list(found.params.index) == list(found.extended)
+    assert set(found.params.loc[OVER_SPEED.knots, "unit"]) == {"-"}
+    # Between what was measured.
+    new = tuple(np.array(row) for row in ((0.3, 1.1), (2.0, 5.0), (300.0, 310.0)))
+    table = found.predict(new)
+    truth = FRICTION * (1.0 + law(new[0])) * new[1] + DRAG * new[0]
+    assert np.all(np.abs(table["extended"] - truth) < 4.0 * table["extended_sd"])
+    assert np.all(np.abs(table["recalibrated"] - truth) > 4.0 * table["recalibrated_sd"])
+    values = found.extended
+    knots = [[values[name] for name in OVER_SPEED.knots]]
+    own = values["friction"] * (1.0 + OVER_SPEED.at(new[0], knots)[0]) * new[1]
+    assert table["extended"].to_numpy() == pytest.approx(own + values["drag"] * new[0])
+    found.save_report(tmp_path, place=SPEED, labels=("speed (m/s)", "force (N)"), unit="N")
+    said = json.loads((tmp_path / "report.json").read_text())["open_set"]
+    assert said["accepted"]
+    assert said["hooks"][0] | {"lead": 0, "p": 0} == {
+        "effect": "friction over speed", "law": "friction", "argument": "speed",
+        "span": 2.0, "unit": "m/s", "lead": 0, "p": 0,
+    }  # fmt: skip
+    page = without_pictures(tmp_path / "report.html")
+    assert "The friction depends on the speed in another way than the model says" in page
+    assert "A law of another shape" in page
+
+
+def test_a_page_where_no_curve_explains_the_data_says_so(tmp_path):
+    # A wave that is none of speed, load or temperature.
+    found = result(measured(0, extra=0.2 * np.sin(np.arange(40))))
+    assert found.verdict.kind == "unexplained"
+    assert not found.open_set.accepted
+    found.save_report(tmp_path, place=SPEED)
+    page = without_pictures(tmp_path / "report.html")
+    assert "no cause was given" in page
+    assert "No law of the model with another shape explains the data either" in page
+    assert list(found.extended) == ["friction", "drag"]
+
+
+def test_a_term_that_is_a_force_has_its_unit():
+    # The same term with other units of its own, so that nothing in it is of the order of one.
+    micro = FreeTerm("wind", "speed", "m/s", 0.0, 2.0, size=2e5, law_unit="uN")
+
+    def predict(conditions, parameters, curves):
+        own = Curves(TERMS, np.zeros((len(parameters), 15)))
+        return push(conditions, parameters, own) + 1e-6 * curves[micro.name](conditions[0])
+
+    found = result(measured(0, extra=0.5 * SPEED**2), [micro], predict)
+    assert found.open_set.accepted
+    assert set(found.params.loc[micro.knots, "unit"]) == {"uN"}
+    curve, formula = found.open_set.curve, found.open_set.formula
+    assert (curve.unit, curve.without) == ("uN", 0.0)
+    assert formula.text == "a u^2"
+    # Each of drag and constant force is hidden in it, so within 20 % and no closer.
+    assert formula.a == pytest.approx(0.5e6, rel=0.2)
+    assert "uN per (m/s)^2" in formula.in_numbers("m/s", "uN")
+
+
+def test_a_cause_that_explains_the_data_comes_first():
+    wind = Cause("wind", (CauseParameter("wind.strength", "N s^2/m^2", -5.0, 5.0, 0.3),))
+    observed = measured(0, extra=0.5 * SPEED**2)
+
+    def predict(conditions, parameters, curves):
+        return push(conditions, parameters, curves) + parameters[:, 2:] * conditions[0] ** 2
+
+    named = result(observed, predict=predict, causes=[wind])
+    assert (named.verdict.kind, named.verdict.causes) == ("named", ("wind",))
+    assert named.open_set is None
+    # Where it does not, it is absent beside the curves.
+    found = result(hidden(OVER_WARMTH, 0), predict=predict, causes=[wind])
+    assert found.open_set.first.term.name == OVER_WARMTH.name
+    assert found.open_set.accepted
+    assert "wind.strength" not in found.extended
+
+
+def test_an_instrument_reads_a_model_with_curves():
+    meter = instruments.offset("N", 0.1)
+    read = instruments.with_instruments(push, [meter])
+    knots = np.zeros((3, 15))
+    knots[1, 2] = 0.5
+    parameters = np.array([[0.3, 0.2, 0.0], [0.3, 0.2, 0.0], [0.3, 0.2, 0.7]])
+    given = Curves(TERMS, knots)
+    plain = push(CONDITIONS, parameters[:, :2], given)
+    assert np.max(np.abs(plain[1] - plain[0])) > 0.1
+    assert read(CONDITIONS, parameters, given) == pytest.approx(
+        plain + 0.7 * np.array([[0], [0], [1]])
+    )
+    found = result(hidden(OVER_LOAD, 0), predict=read, causes=[meter])
+    assert found.open_set.first.term.name == OVER_LOAD.name
+
+
+def test_a_cheaper_model_has_the_curves_too():
+    calls = []
+
+    def cheaper(conditions, parameters, curves):
+        calls.append((parameters.shape[1], bool(curves.knots.any())))
+        return push(conditions, parameters, curves)
+
+    found = result(hidden(OVER_SPEED, 0), low_fidelity=cheaper)
+    assert found.open_set.accepted
+    assert set(calls) == {(2, False), (2, True)}
+
+
+def test_a_curve_goes_through_its_knots_and_is_constant_beyond_them():
+    term = FreeTerm("pull", "gap", "m", -1.0, 3.0, count=6)
+    places, values = np.linspace(-1.0, 3.0, 6), np.array([0.3, -0.2, 0.5, 0.1, 0.0, 0.4])
+    slopes = np.gradient(values, places, edge_order=2)
+    fine = np.linspace(-1.0, 3.0, 37)
+    expected = CubicHermiteSpline(places, values, slopes)(fine)
+    assert term.at(fine, [values])[0] == pytest.approx(expected, abs=1e-14)
+    assert term.at([-9.0, -1.0, 3.0, 9.0], [values])[0] == pytest.approx([0.3, 0.3, 0.4, 0.4])
+    parabola = 0.2 + 0.1 * places - 0.3 * places**2
+    assert term.at(fine, [parabola])[0] == pytest.approx(0.2 + 0.1 * fine - 0.3 * fine**2)
+
+
+def test_a_curve_takes_arguments_of_each_vector():
+    values = np.array([[0.0, 0.1, 0.2, 0.3, 0.4], [1.0, 1.0, 1.0, 1.0, 1.0]])
+    curves = Curves([OVER_SPEED], values)
+    assert list(curves) == ["friction over speed"]
+    over = curves["friction over speed"]
+    assert over([0.5, 1.0]) == pytest.approx(np.array([[0.1, 0.2], [1.0, 1.0]]))
+    own = np.array([[0.5, 1.0, 1.5], [0.0, 1.0, 2.0]])
+    assert over(own) == pytest.approx(np.array([[0.1, 0.2, 0.3], [1.0, 1.0, 1.0]]))
+    assert over(own[:, :, None]).shape == (2, 3, 1)
+    assert over(1.0) == pytest.approx(np.array([[0.2], [1.0]]))
+    assert np.isnan(over([np.nan, 1.0])[0]).tolist() == [True, False]
+    second = curves.rows(np.array([1]))["friction over speed"]
+    assert second([0.0]) == pytest.approx(np.array([[1.0]]))
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: FreeTerm("friction", "speed", "m/s", 2.0, 2.0), "low < high"),
+        (lambda: FreeTerm("friction", "speed", "m/s", 0.0, np.inf), "low < high"),
+        (lambda: FreeTerm("", "speed", "m/s", 0.0, 1.0), "law"),
+        (lambda: FreeTerm("friction", "speed", "m/s", 0.0, 1.0, size=0.0), "size"),
+        (lambda: FreeTerm("friction", "speed", "m/s", 0.0, 1.0, count=2), "count"),
+        (lambda: Curves(TERMS, np.zeros((1, 15)))["friction over sped"], "friction over speed"),
+        (lambda: result(measured(0), [UNCERTAIN[0]]), "free_terms: allowed is a list"),
+        (lambda: result(measured(0), [OVER_LOAD, OVER_LOAD]), "comes twice"),
+        (
+            lambda: result(measured(0), [FreeTerm("a", "b", "m", 0, 1, factor_of="drg")]),
+            'factor_of = drg: .* "drag"',
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(make, said):
+    with pytest.raises(ScenarioError, match=said):
+        make()
