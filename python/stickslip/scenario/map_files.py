@@ -67,7 +67,11 @@ def map_text(field_map: FieldMap) -> str:
 
 
 def stored_map(text: str | bytes) -> FieldMap:
-    """The map of which `map_text` gave the text; ValueError, KeyError or TypeError for another."""
+    """The map of which `map_text` gave the text.
+
+    Another text is a ValueError, KeyError, TypeError or, where a number is beyond those of its
+    kind, an OverflowError.
+    """
     found: dict[str, Any] = json.loads(text)
     if found["stickslip_map"] != FORMAT_VERSION:
         raise ValueError("another version")
@@ -95,7 +99,7 @@ def _stored(data: bytes) -> FieldMap:
         return stored_map(data)
     except ScenarioError:
         raise
-    except (KeyError, TypeError, ValueError, RecursionError):
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
         raise ScenarioError(
             "is no fitted map; allowed is the .json that a scenario was written with, or a "
             "measured map as .csv or .nc"
@@ -205,5 +209,6 @@ def _check_variable(data: Any, name: str, dimensions: tuple[str, ...]) -> None:
     if found.dtype.kind not in "iuf":
         raise ScenarioError(f"{name} has values of type {found.dtype}: allowed are numbers")
     unit = found.attrs.get("units")
-    if unit is not None and unit not in _SAME_UNITS[_UNITS[name]]:
+    # An attribute of netCDF can be a number or an array too.
+    if unit is not None and str(unit) not in _SAME_UNITS[_UNITS[name]]:
         refuse(f"units of {name}", unit, f'"{_UNITS[name]}", or no such attribute')
