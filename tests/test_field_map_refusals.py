@@ -8,7 +8,13 @@ import pytest
 
 from command_line import check, stickslip
 from measured_maps import HALF, dataset, formula_fields, formula_map, grid
-from stickslip import FieldMap, ScenarioError
+from own_effects import (
+    nothing,
+    nothing_stays,  # noqa: F401 (around every test here)
+    parameter,
+    register,
+)
+from stickslip import Coil, FieldMap, Scenario, ScenarioError
 from stickslip.scenario.map_files import map_text
 
 SMALL = (3, 3, 3)
@@ -53,3 +59,16 @@ def test_a_map_has_every_number_for_each_coil(field_map, name):
 def test_samples_are_of_five_coils():
     with pytest.raises(ScenarioError, match="samples of 0 coils: allowed is one for each of 5"):
         FieldMap.from_coils([])
+
+
+@pytest.mark.parametrize("key", ["coil.turns", "effects.coil_clamp.distance"])
+def test_the_geometry_beside_a_map_is_not_uncertain(field_map, key):
+    with pytest.raises(ScenarioError, match=rf"{key}: cannot be uncertain beside coil\.map"):
+        Scenario(coil=Coil(map=field_map)).with_uncertain({key: {"mean": 0.1, "sd": 0.01}})
+
+
+def test_an_effect_of_ones_own_beside_a_map_can_be_uncertain(field_map):
+    register(nothing, parameter("distance"), name="recoil")
+    uncertain = {"effects.recoil.distance": {"mean": 0.1, "sd": 0.01}}
+    scenario = Scenario(coil=Coil(map=field_map)).with_uncertain(uncertain)
+    assert scenario.uncertain.names == ("effects.recoil.distance",)
