@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray
 
 from command_line import check, stickslip
 from measured_maps import HALF, dataset, formula_fields, formula_map, grid
@@ -72,3 +73,20 @@ def test_an_effect_of_ones_own_beside_a_map_can_be_uncertain(field_map):
     uncertain = {"effects.recoil.distance": {"mean": 0.1, "sd": 0.01}}
     scenario = Scenario(coil=Coil(map=field_map)).with_uncertain(uncertain)
     assert scenario.uncertain.names == ("effects.recoil.distance",)
+
+
+def test_a_netcdf_file_that_is_too_large_is_refused(tmp_path):
+    count = (47, 47, 47)
+    zeros = np.zeros((47**3, 5, 3), dtype=np.float32)
+    dataset(zeros, HALF, count).to_netcdf(tmp_path / "map.nc")
+    with pytest.raises(ScenarioError, match=r"has 47 x 47 x 47 x 5 values .* at most 500000"):
+        FieldMap.from_file(tmp_path / "map.nc")
+
+
+def test_a_want_of_memory_is_not_taken_for_another_file(tmp_path, monkeypatch):
+    def open_dataset(path):
+        raise MemoryError
+
+    monkeypatch.setattr(xarray, "open_dataset", open_dataset)
+    with pytest.raises(MemoryError):
+        FieldMap.from_file(tmp_path / "map.nc")

@@ -166,14 +166,14 @@ def _netcdf_samples(path: Path) -> list[tuple[Array, Array]]:
 
     try:
         with xarray.open_dataset(path) as file:
-            data = file.load()
+            _check_variables(file)
+            data = file[list(FIELD)].load()
+    except (ScenarioError, MemoryError):
+        raise
     except OSError as error:
         raise ScenarioError(f"cannot be read: {error.strerror or error}") from None
     except Exception:  # whatever HDF5 and its readers raise for another file
         raise ScenarioError("is no netCDF file") from None
-    dimensions = (*PLACE, "coil")
-    for name in (*dimensions, *FIELD):
-        _check_variable(data, name, (name,) if name in dimensions else dimensions)
     coils = [
         each.decode() if isinstance(each, bytes) else str(each) for each in data["coil"].values
     ]
@@ -191,6 +191,19 @@ def _netcdf_samples(path: Path) -> list[tuple[Array, Array]]:
         measured = ~np.isnan(fields).all(axis=1)
         samples.append((points[measured], fields[measured]))
     return samples
+
+
+def _check_variables(file: Any) -> None:
+    """Refuse a file that is no map, or too large, before its values are read."""
+    dimensions = (*PLACE, "coil")
+    for name in (*dimensions, *FIELD):
+        _check_variable(file, name, (name,) if name in dimensions else dimensions)
+    sizes = [int(file.sizes[name]) for name in dimensions]
+    if math.prod(sizes) > _MOST_ROWS:
+        said = " x ".join(map(str, sizes))
+        raise ScenarioError(
+            f"has {said} values over x, y, z and coil: allowed are at most {_MOST_ROWS}"
+        )
 
 
 def _check_variable(data: Any, name: str, dimensions: tuple[str, ...]) -> None:
