@@ -23,7 +23,16 @@ from sliding_block import (
     push,
     result,
 )
-from stickslip import Cause, CauseParameter, FreeTerm, ScenarioError, instruments
+from stickslip import (
+    Cause,
+    CauseParameter,
+    FreeTerm,
+    Prior,
+    ScenarioError,
+    Uncertain,
+    diagnose_model,
+    instruments,
+)
 from stickslip.diagnosis import Curves
 
 SEEDS = (0, 1, 2)
@@ -219,6 +228,10 @@ def test_a_curve_takes_arguments_of_each_vector():
         (lambda: FreeTerm("friction", "speed", "m/s", 0.0, 1.0, size=0.0), "size"),
         (lambda: FreeTerm("friction", "speed", "m/s", 0.0, 1.0, count=2), "count"),
         (lambda: Curves(TERMS, np.zeros((1, 15)))["friction over sped"], "friction over speed"),
+        (
+            lambda: FreeTerm("drag", "load", "N", 0, 1, law_unit="N s/m", factor_of="drag"),
+            'law_unit = "N s/m": allowed is "-" beside factor_of',
+        ),
         (lambda: result(measured(0), [UNCERTAIN[0]]), "free_terms: allowed is a list"),
         (lambda: result(measured(0), [OVER_LOAD, OVER_LOAD]), "comes twice"),
         (
@@ -230,3 +243,23 @@ def test_a_curve_takes_arguments_of_each_vector():
 def test_what_does_not_fit_is_refused(make, said):
     with pytest.raises(ScenarioError, match=said):
         make()
+
+
+KNOT = OVER_SPEED.knots[0]
+
+
+@pytest.mark.parametrize(
+    ("terms", "uncertain", "parameter"),
+    [
+        ([OVER_SPEED], [Uncertain(KNOT, Prior("normal", 0.0, 0.1))], "other"),
+        ([OVER_SPEED], [], KNOT),
+        ([OVER_SPEED, FreeTerm("friction", "speed.knot_1", "m/s", 0.0, 1.0)], [], "other"),
+    ],
+    ids=["constant", "parameter of a cause", "term"],
+)
+def test_a_name_of_a_knot_is_that_of_nothing_else(terms, uncertain, parameter):
+    cause = Cause("wind", (CauseParameter(parameter, "N", -5.0, 5.0, 0.3),))
+    with pytest.raises(ScenarioError, match=f"free_terms: {KNOT} comes twice; allowed is once"):
+        diagnose_model(
+            push, CONDITIONS, measured(0), [*UNCERTAIN, *uncertain], [cause], free_terms=terms
+        )
