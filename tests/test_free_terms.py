@@ -79,13 +79,15 @@ def test_the_band_holds_the_hidden_law(term):
     assert np.mean(held) >= 0.8
 
 
-# A claim takes a false alarm, which 5 % of such data sets give, and a curve that predicts better.
-# Of 200 seven gave an alarm, and none a claim; these seeds were not chosen by their result.
-@pytest.mark.parametrize("seed", range(8))
+# Without an alarm there is no search. Of the seeds below 200 these give a false one. Six of the
+# seven have a curve that fits and predicts no worse, and is not claimed for want of evidence alone.
+@pytest.mark.parametrize("seed", [26, 102, 108, 113, 135, 158, 190])
 def test_without_a_hidden_term_nothing_is_claimed(seed):
     found = result(measured(seed), seed=seed)
+    assert found.verdict.kind == "unexplained"
+    assert found.open_set is not None
+    assert not found.open_set.accepted
     assert found.findings.free_shape is None
-    assert found.open_set is None or not found.open_set.accepted
 
 
 def test_the_extended_model_has_the_curve(tmp_path):
