@@ -103,6 +103,16 @@ def test_a_sweep_with_another_map_is_not_resumed(tmp_path, fields):
     assert kept.sizes["frequency"] == 2
 
 
+def test_a_sweep_whose_map_has_another_name_is_resumed(tmp_path, fields):
+    values = {"drive.frequency": [50.0, 100.0]}
+    base = with_map(FieldMap.from_points(grid(), fields, "map.csv"), drive__pulses=4)
+    first = sweep(base, values, out=tmp_path / "s.nc")
+    renamed = base.replace({"coil.map": FieldMap.from_points(grid(), fields, "coils.csv")})
+    assert renamed == base
+    again = sweep(renamed, values, out=tmp_path / "s.nc", resume=True)
+    assert again["mean_velocity"].values.tolist() == first["mean_velocity"].values.tolist()
+
+
 def test_the_command_takes_a_map_by_set(folder):
     (folder / "plain.toml").write_text(HEAD)
     with_file = json.loads(stickslip("run", "s.toml", "--json", cwd=folder).stdout)

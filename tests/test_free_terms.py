@@ -23,7 +23,16 @@ from sliding_block import (
     push,
     result,
 )
-from stickslip import Cause, CauseParameter, FreeTerm, ScenarioError, instruments
+from stickslip import (
+    Cause,
+    CauseParameter,
+    FreeTerm,
+    Prior,
+    ScenarioError,
+    Uncertain,
+    diagnose_model,
+    instruments,
+)
 from stickslip.diagnosis import Curves
 
 SEEDS = (0, 1, 2)
@@ -70,13 +79,15 @@ def test_the_band_holds_the_hidden_law(term):
     assert np.mean(held) >= 0.8
 
 
-# A claim takes a false alarm, which 5 % of such data sets give, and a curve that predicts better.
-# Of 200 seven gave an alarm, and none a claim; these seeds were not chosen by their result.
-@pytest.mark.parametrize("seed", range(8))
+# Without an alarm there is no search. Of the seeds below 200 these give a false one. Six of the
+# seven have a curve that fits and predicts no worse, and is not claimed for want of evidence alone.
+@pytest.mark.parametrize("seed", [26, 102, 108, 113, 135, 158, 190])
 def test_without_a_hidden_term_nothing_is_claimed(seed):
     found = result(measured(seed), seed=seed)
+    assert found.verdict.kind == "unexplained"
+    assert found.open_set is not None
+    assert not found.open_set.accepted
     assert found.findings.free_shape is None
-    assert found.open_set is None or not found.open_set.accepted
 
 
 def test_the_extended_model_has_the_curve(tmp_path):
@@ -219,6 +230,10 @@ def test_a_curve_takes_arguments_of_each_vector():
         (lambda: FreeTerm("friction", "speed", "m/s", 0.0, 1.0, size=0.0), "size"),
         (lambda: FreeTerm("friction", "speed", "m/s", 0.0, 1.0, count=2), "count"),
         (lambda: Curves(TERMS, np.zeros((1, 15)))["friction over sped"], "friction over speed"),
+        (
+            lambda: FreeTerm("drag", "load", "N", 0, 1, law_unit="N s/m", factor_of="drag"),
+            'law_unit = "N s/m": allowed is "-" beside factor_of',
+        ),
         (lambda: result(measured(0), [UNCERTAIN[0]]), "free_terms: allowed is a list"),
         (lambda: result(measured(0), [OVER_LOAD, OVER_LOAD]), "comes twice"),
         (
@@ -230,3 +245,23 @@ def test_a_curve_takes_arguments_of_each_vector():
 def test_what_does_not_fit_is_refused(make, said):
     with pytest.raises(ScenarioError, match=said):
         make()
+
+
+KNOT = OVER_SPEED.knots[0]
+
+
+@pytest.mark.parametrize(
+    ("terms", "uncertain", "parameter"),
+    [
+        ([OVER_SPEED], [Uncertain(KNOT, Prior("normal", 0.0, 0.1))], "other"),
+        ([OVER_SPEED], [], KNOT),
+        ([OVER_SPEED, FreeTerm("friction", "speed.knot_1", "m/s", 0.0, 1.0)], [], "other"),
+    ],
+    ids=["constant", "parameter of a cause", "term"],
+)
+def test_a_name_of_a_knot_is_that_of_nothing_else(terms, uncertain, parameter):
+    cause = Cause("wind", (CauseParameter(parameter, "N", -5.0, 5.0, 0.3),))
+    with pytest.raises(ScenarioError, match=f"free_terms: {KNOT} comes twice; allowed is once"):
+        diagnose_model(
+            push, CONDITIONS, measured(0), [*UNCERTAIN, *uncertain], [cause], free_terms=terms
+        )

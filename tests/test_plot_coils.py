@@ -5,8 +5,9 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
 
+from measured_maps import formula_fields, grid
 from pictures import assert_legible
-from stickslip import COIL_NAMES, Coils, Drive, Scenario, State, Waveform, plot
+from stickslip import COIL_NAMES, Coil, Coils, Drive, FieldMap, Scenario, State, Waveform, plot
 
 FIVE = [2.0, -1.0, 0.5, 0.0, -3.0]
 
@@ -128,3 +129,28 @@ def test_what_cannot_be_drawn_is_refused():
             plot.coils(Scenario(), currents)
     with pytest.raises(ValueError, match="no coil has a current"):
         plot.coils(Scenario(drive=Drive(peak=0.0, hold=0.0)))
+
+
+@pytest.fixture(scope="module")
+def without_ym():
+    """A map in which the coil at -y has zeros, as one that is not there."""
+    points = grid(count=(3, 3, 3))
+    fields = formula_fields(points)
+    fields[:, COIL_NAMES.index("ym")] = 0.0
+    return Coil(map=FieldMap.from_points(points, fields))
+
+
+def test_a_coil_that_is_not_there_has_no_field_to_draw(without_ym):
+    with pytest.raises(ValueError, match="no coil has a current that makes a field"):
+        plot.coils(Scenario(coil=without_ym), [0.0, 0.0, 0.0, 1.0, 0.0])
+
+
+def test_a_robot_that_begins_outside_of_a_map_is_drawn_without_a_field(without_ym):
+    inside, outside = (
+        inset(plot.coils(Scenario(coil=without_ym, initial=State(x=x)), FIVE).axes[0])
+        for x in (0.007, 0.009)
+    )
+    for axes, shown in ((inside, 1), (outside, 0)):
+        assert sum(word.startswith("B = ") for word in words(axes)) == shown
+        arrows = [each for each in axes.patches if isinstance(each, FancyArrowPatch)]
+        assert len(arrows) == 1 + shown

@@ -10,8 +10,9 @@ namespace {
 // it.
 constexpr double kReachPart = 1.3e-3;
 
-// The same of half the diagonal of a map. Its wires lie beyond it, so that this too is some 1e-3 of
-// the distance to them.
+// Reach over half the diagonal of a map, which does not say where its wires are. Where they are
+// eight times as far, this too is 1.3e-3 of the distance to them; where they are nearer, the error
+// is larger, and still far below what the fit of such a map leaves (docs/theory/field.md).
 constexpr double kReachInMap = 1e-2;
 
 // Part of the way to a coil's plane that the robot may go.

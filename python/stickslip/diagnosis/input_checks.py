@@ -52,16 +52,18 @@ def check_terms(
     Raises
     ------
     ScenarioError
-        If something else is given, a name comes twice, or `factor_of` is no uncertain parameter.
+        If something else is given, `factor_of` is no uncertain parameter, or a name comes twice: of
+        a term, of its knots, of a constant, of a cause or of a parameter of one.
     """
     _check_names(uncertain, causes)
     if not isinstance(terms, Sequence) or not all(isinstance(each, FreeTerm) for each in terms):
         raise ScenarioError("free_terms: allowed is a list of FreeTerm")
-    given: Sequence[FreeTerm | Uncertain | Cause] = (*terms, *uncertain, *causes)
-    names = [each.name for each in given]
-    twice = sorted({each.name for each in terms if names.count(each.name) > 1})
-    if twice:
-        raise ScenarioError(f"free_terms: {', '.join(twice)} comes twice; allowed is once")
+    own = [name for each in terms for name in (each.name, *each.knots)]
+    names = [*own, *(each.name for each in uncertain), *(each.name for each in causes)]
+    names += [each.name for cause in causes for each in cause.parameters]
+    twice = next((name for name in own if names.count(name) > 1), None)
+    if twice is not None:
+        raise ScenarioError(f"free_terms: {twice} comes twice; allowed is once")
     constants = {each.name for each in uncertain}
     for each in terms:
         if each.factor_of is not None and each.factor_of not in constants:

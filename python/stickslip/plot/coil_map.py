@@ -33,6 +33,10 @@ _INSET = (0.27, 0.6, 0.46, 0.37)  # left, bottom, width, height; above the robot
 _ROBOT_VIEW = 3.0  # width of the inset in lengths of the body; chosen by eye
 _ARROW = 0.75  # length of the arrow of the field in lengths of the body; chosen by eye
 
+_NO_FIELD = (
+    "no coil has a current that makes a field, so that there is no field to draw: give currents"
+)
+
 
 def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None = None) -> Figure:
     """Draw the five coils with their field in the plane of motion, and the robot to scale.
@@ -45,7 +49,7 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     current towards the reader, a cross one away. The coils at +y and -y lie behind and before the
     plane, and a dashed line is their outline.
     The inset is an enlarged view of the robot where the scenario begins, with its moment (blue) and
-    the field there (green, as long as its part in the plane).
+    the field there (green, as long as its part in the plane); no field outside of a map.
 
     Parameters
     ----------
@@ -67,14 +71,14 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     ScenarioError
         If `scenario` is none.
     ValueError
-        If the currents are not five finite numbers, or no coil has one.
+        If the currents are not five finite numbers, or make no field.
     """
     check_kind("scenario", scenario, Scenario)
     amperes = _highest_currents(scenario) if currents is None else np.asarray(currents, np.float64)
     if amperes.shape != (len(COIL_NAMES),) or not np.isfinite(amperes).all():
         raise ValueError(f"currents = {currents!r}: allowed are five finite numbers, A")
     if not amperes.any():
-        raise ValueError("no coil has a current, so that there is no field to draw: give currents")
+        raise ValueError(_NO_FIELD)
     made = Coils.of(scenario)
     with drawing(ax, (6.4, 5.4)) as axes:
         if made.box is None:
@@ -94,12 +98,10 @@ def _highest_currents(scenario: Scenario) -> Array:
 
     Highest is the greatest sum of the magnitudes of all five.
     """
-    blocks = scenario.to_core().program()
-    voltages = np.concatenate([values for _, values, _ in blocks])
+    core = scenario.to_core()
+    voltages = np.concatenate([values for _, values, _ in core.program()])
     highest = voltages[np.abs(voltages).sum(axis=1).argmax()]
-    own = [scenario.get(f"effects.coil_{name}.resistance") for name in COIL_NAMES]
-    resistance = [each or scenario.coil.resistance for each in own]
-    return np.asarray(highest / np.array(resistance) + 0.0)  # no negative zeros
+    return np.asarray(highest / np.array(core.resistances()) + 0.0)  # no negative zeros
 
 
 def _sizes(coils: Coils) -> dict[str, tuple[float, float]]:
@@ -169,6 +171,8 @@ def _centres() -> Array:
 
 def _paint(axes: Axes, x: Array, z: Array, field: Array, shown: Array) -> None:
     """Colours and field lines of a field (mT) at places (mm), in the scale of some strengths."""
+    if shown.max() == 0.0:
+        raise ValueError(_NO_FIELD)
     mesh = axes.pcolormesh(
         x,
         z,
@@ -225,31 +229,17 @@ def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -
         z = z - z.min()
     outline = np.column_stack([x, z]) * 1e6
     centre = outline.mean(axis=0)
-    field = coils.field([centre[0] * 1e-6, 0.0, centre[1] * 1e-6], currents)
-    strength = float(np.linalg.norm(field))
 
     inset = axes.inset_axes(_INSET)
     inset.axhline(0.0, color=palette.BLACK, linewidth=1.0)
     inset.add_patch(Polygon(outline, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2))
-    moment, arrow = thin_arrow(palette.BLUE, 1.4), thin_arrow(palette.GREEN, 1.8)
+    moment = thin_arrow(palette.BLUE, 1.4)
     moment.set_positions(*body_arrow(outline))
-    size = robot.length * 1e6
-    towards = _ARROW * size * field[[0, 2]] / strength if strength > 0.0 else np.zeros(2)
-    foot = centre + np.array([0.0, 0.9 * size])
-    arrow.set_positions(tuple(foot - 0.5 * towards), tuple(foot + 0.5 * towards))
     inset.add_patch(moment)
-    if np.hypot(*towards) > 0.1 * size:  # a shorter one has a head only
-        inset.add_patch(arrow)
-    inset.text(
-        0.97,
-        0.93,
-        f"B = {strength * 1e3:.3g} mT",
-        transform=inset.transAxes,
-        color=palette.GREEN,
-        fontsize=8.5,
-        ha="right",
-        va="center",
-    )
+    size = robot.length * 1e6
+    place = np.array([centre[0], 0.0, centre[1]]) * 1e-6
+    if _is_known(coils, place):
+        _draw_field_arrow(inset, coils.field(place, currents), centre, size)
     width = _ROBOT_VIEW * size
     inset.set_xlim(centre[0] - 0.5 * width, centre[0] + 0.5 * width)
     inset.set_ylim(-0.15 * width, (_INSET[3] / _INSET[2] - 0.15) * width)
@@ -266,3 +256,32 @@ def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -
         arrowprops={"arrowstyle": "-", "color": palette.BLACK, "linewidth": 0.8},
     )
     axes.plot(*(centre * 1e-3), "+", color=palette.BLACK, markersize=7)
+
+
+def _is_known(coils: Coils, place: Array) -> bool:
+    """Whether the coils have a field at a place (m): beyond a map there is none."""
+    if coils.box is None:
+        return True
+    low, high = (np.array(corner) for corner in coils.box)
+    return bool(np.all((low <= place) & (place <= high)))
+
+
+def _draw_field_arrow(inset: Axes, field: Array, centre: Array, size: float) -> None:
+    """The field (T) over a robot of a size and with a centre in um."""
+    strength = float(np.linalg.norm(field))
+    arrow = thin_arrow(palette.GREEN, 1.8)
+    towards = _ARROW * size * field[[0, 2]] / strength if strength > 0.0 else np.zeros(2)
+    foot = centre + np.array([0.0, 0.9 * size])
+    arrow.set_positions(tuple(foot - 0.5 * towards), tuple(foot + 0.5 * towards))
+    if np.hypot(*towards) > 0.1 * size:  # a shorter one has a head only
+        inset.add_patch(arrow)
+    inset.text(
+        0.97,
+        0.93,
+        f"B = {strength * 1e3:.3g} mT",
+        transform=inset.transAxes,
+        color=palette.GREEN,
+        fontsize=8.5,
+        ha="right",
+        va="center",
+    )

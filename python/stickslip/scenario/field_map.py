@@ -53,7 +53,8 @@ class FieldMap:
     ------
     ScenarioError
         If it is no map that can be simulated: the box does not hold the place x = y = z = 0, from
-        which the drive counts, or a positive current makes a field the wrong way there.
+        which the drive counts, a positive current makes a field the wrong way there, or something
+        is not given for each of the five coils.
     """
 
     low: tuple[float, float, float]
@@ -65,6 +66,8 @@ class FieldMap:
     source: str = dataclasses.field(default="", compare=False)
 
     def __post_init__(self) -> None:
+        for name in ("coefficients", "residual", "field", "points"):
+            _check_count(name, getattr(self, name))
         core = _core.Scenario()
         try:
             core.set_map(self.to_core())
@@ -110,8 +113,13 @@ class FieldMap:
             If a shape does not fit, a number is not allowed, or no field of coils comes near to
             the values.
         """
-        places = np.asarray(points, dtype=np.float64)
-        values = np.asarray(fields, dtype=np.float64)
+        try:
+            places = np.asarray(points, dtype=np.float64)
+            values = np.asarray(fields, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise ScenarioError(
+                "points and fields: allowed are numbers of shapes (n, 3) and (n, 5, 3)"
+            ) from None
         count = len(places) if places.ndim else 0
         if places.shape != (count, 3) or values.shape != (count, len(COIL_NAMES), 3):
             raise ScenarioError(
@@ -123,7 +131,23 @@ class FieldMap:
 
     @classmethod
     def from_coils(cls, samples: Sequence[tuple[Array, Array]], source: str = "") -> FieldMap:
-        """The same of points (n, 3) and fields (n, 3) for each coil, in a common box."""
+        """Fit fields that were measured at points of its own for each coil, in a common box.
+
+        Parameters
+        ----------
+        samples : sequence of tuple of ndarray
+            Points, shape (n, 3), m, and fields at them, shape (n, 3), T/A, of each coil in the
+            order of `COIL_NAMES`.
+        source : str
+            The file's name, or "" for none.
+
+        Raises
+        ------
+        ScenarioError
+            If the samples are not of five coils, a number is not allowed, or no field of coils
+            comes near to the values.
+        """
+        _check_count("samples", samples)
         low, high, fits = fit_coils(samples)
         for name, fit in zip(COIL_NAMES, fits, strict=True):
             _refuse_bad_fit(name, fit)
@@ -162,6 +186,13 @@ class FieldMap:
 
     def __repr__(self) -> str:
         return f"<FieldMap: {self}>"
+
+
+def _check_count(name: str, given: Sequence[object]) -> None:
+    if len(given) != len(COIL_NAMES):
+        raise ScenarioError(
+            f"{name} of {len(given)} coils: allowed is one for each of {len(COIL_NAMES)}"
+        )
 
 
 def _refuse_bad_fit(name: str, fit: CoilFit) -> None:

@@ -67,7 +67,11 @@ def map_text(field_map: FieldMap) -> str:
 
 
 def stored_map(text: str | bytes) -> FieldMap:
-    """The map of which `map_text` gave the text; ValueError, KeyError or TypeError for another."""
+    """The map of which `map_text` gave the text.
+
+    Another text is a ValueError, KeyError, TypeError or, where a number is beyond those of its
+    kind, an OverflowError.
+    """
     found: dict[str, Any] = json.loads(text)
     if found["stickslip_map"] != FORMAT_VERSION:
         raise ValueError("another version")
@@ -95,7 +99,7 @@ def _stored(data: bytes) -> FieldMap:
         return stored_map(data)
     except ScenarioError:
         raise
-    except (KeyError, TypeError, ValueError, RecursionError):
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
         raise ScenarioError(
             "is no fitted map; allowed is the .json that a scenario was written with, or a "
             "measured map as .csv or .nc"
@@ -162,14 +166,14 @@ def _netcdf_samples(path: Path) -> list[tuple[Array, Array]]:
 
     try:
         with xarray.open_dataset(path) as file:
-            data = file.load()
+            _check_variables(file)
+            data = file[list(FIELD)].load()
+    except (ScenarioError, MemoryError):
+        raise
     except OSError as error:
         raise ScenarioError(f"cannot be read: {error.strerror or error}") from None
     except Exception:  # whatever HDF5 and its readers raise for another file
         raise ScenarioError("is no netCDF file") from None
-    dimensions = (*PLACE, "coil")
-    for name in (*dimensions, *FIELD):
-        _check_variable(data, name, (name,) if name in dimensions else dimensions)
     coils = [
         each.decode() if isinstance(each, bytes) else str(each) for each in data["coil"].values
     ]
@@ -189,6 +193,19 @@ def _netcdf_samples(path: Path) -> list[tuple[Array, Array]]:
     return samples
 
 
+def _check_variables(file: Any) -> None:
+    """Refuse a file that is no map, or too large, before its values are read."""
+    dimensions = (*PLACE, "coil")
+    for name in (*dimensions, *FIELD):
+        _check_variable(file, name, (name,) if name in dimensions else dimensions)
+    sizes = [int(file.sizes[name]) for name in dimensions]
+    if math.prod(sizes) > _MOST_ROWS:
+        said = " x ".join(map(str, sizes))
+        raise ScenarioError(
+            f"has {said} values over x, y, z and coil: allowed are at most {_MOST_ROWS}"
+        )
+
+
 def _check_variable(data: Any, name: str, dimensions: tuple[str, ...]) -> None:
     """Refuse a variable that is not there, has other dimensions, or a unit that is not SI."""
     if name not in data.variables:
@@ -205,5 +222,6 @@ def _check_variable(data: Any, name: str, dimensions: tuple[str, ...]) -> None:
     if found.dtype.kind not in "iuf":
         raise ScenarioError(f"{name} has values of type {found.dtype}: allowed are numbers")
     unit = found.attrs.get("units")
-    if unit is not None and unit not in _SAME_UNITS[_UNITS[name]]:
+    # An attribute of netCDF can be a number or an array too.
+    if unit is not None and str(unit) not in _SAME_UNITS[_UNITS[name]]:
         refuse(f"units of {name}", unit, f'"{_UNITS[name]}", or no such attribute')

@@ -28,6 +28,11 @@ _SINGULAR = 1e-7
 """Part of a harmonic's field at the points that has to be none of the harmonics before it. Chosen:
 what is less is rounding, as of high degrees on a grid of few planes."""
 
+_UNDETERMINED = 1e-7
+"""Determinant of a point's block of 1 - H at which a fit without the point is not determined. Its
+eigenvalues are 0 to 1, so that the least is not below it. Chosen: they have errors of some 1e-15 by
+rounding, so that the error at a point that is left out has seven digits and more."""
+
 
 @dataclass(frozen=True)
 class CoilFit:
@@ -119,7 +124,7 @@ class _Basis:
             rows = q.reshape(count, 3, -1)
             free -= rows @ rows.transpose(0, 2, 1)
             # A point without which the fit is not determined has an error without bound.
-            safe = np.linalg.det(free) > _SINGULAR
+            safe = np.linalg.det(free) > _UNDETERMINED
             if not safe.all():
                 errors.append(np.inf)
                 continue

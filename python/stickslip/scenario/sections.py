@@ -36,12 +36,16 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
         )
 
 
-_GEOMETRY = ("side", "distance", "turns")
+_GEOMETRY = frozenset(
+    f"{part}.{name}"
+    for part in ("coil", *(f"effects.coil_{name}" for name in COIL_NAMES))
+    for name in ("side", "distance", "turns")
+)
 
 
 def refuse_uncertain_geometry(coil: Coil, keys: Iterable[str]) -> None:
     """Refuse the first uncertain key of the coils' geometry, which has no effect beside a map."""
-    key = next((key for key in keys if "coil" in key and key.endswith(_GEOMETRY)), None)
+    key = next((key for key in keys if key in _GEOMETRY), None)
     if coil.map is not None and key is not None:
         raise ScenarioError(
             f"{key}: cannot be uncertain beside {COIL_MAP}, which has the field of the coils; "

@@ -15,7 +15,7 @@ from stickslip import _core
 from stickslip._util.checksum import check_checksum
 from stickslip.errors import ScenarioError
 from stickslip.simulation.netcdf import write_netcdf
-from stickslip.simulation.run_attributes import origin
+from stickslip.simulation.run_attributes import map_of, origin
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import NOT_RUN, Results
@@ -92,7 +92,7 @@ def _check_same(found: dict[str, Any], points: Points) -> None:
         raise ScenarioError(f"its scenario differs: {different}")
     if found.get("voltage_blocks") != here.get("voltage_blocks"):
         raise ScenarioError("its voltages differ")
-    if found.get("coil_map") != here.get("coil_map"):
+    if map_of(found) != points.scenario.coil.map:
         raise ScenarioError("its map of the field (coil.map) differs")
     if (found.get("arrangement"), found["vary"]) != (points.arrangement, points.vary()):
         raise ScenarioError(f"its points differ: {_other_points(found['vary'], points.vary())}")

@@ -126,7 +126,7 @@ class FreeTerm:
     size : float
         What would not surprise of f at a knot, above 0, in `law_unit`.
     law_unit : str
-        Of f.
+        Of f; beside `factor_of` only "-".
     largest : float, optional
         Largest value at a knot that is searched, to both sides; ten times the size, if not given.
     factor_of : str, optional
@@ -160,6 +160,8 @@ class FreeTerm:
         if not all(is_number(end) and np.isfinite(end) for end in ends) or not ends[0] < ends[1]:
             said = f"low = {self.low}, high = {self.high}: allowed is low < high"
             raise ScenarioError(f"free term {self.name}: {said}")
+        if self.factor_of is not None and self.law_unit != "-":
+            refuse("law_unit", self.law_unit, '"-" beside factor_of, as 1 + f is a factor')
         check_whole("count", self.count, _FEWEST)
         for name in ("size", "largest"):
             value = getattr(self, name)
