@@ -178,10 +178,18 @@ class FieldMap:
 
     def __str__(self) -> str:
         worst = int(np.argmax(self.relative_residual))
+        box = ", ".join(
+            f"{axis} {1e3 * low:.3g} to {1e3 * high:.3g}"
+            for axis, low, high in zip("xyz", self.low, self.high, strict=True)
+        )
+        # What a unit that slipped would show.
+        sizes = ", ".join(
+            f"{name} {1e3 * size:.3g}" for name, size in zip(COIL_NAMES, self.field, strict=True)
+        )
         return (
             f"{self.source or 'a map'} (harmonics up to degree {max(self.degrees)}; rms residual "
             f"{self.residual[worst]:.2g} T/A, {self.relative_residual[worst]:.2g} of the field, at "
-            f"most, coil {COIL_NAMES[worst]})"
+            f"most, coil {COIL_NAMES[worst]}; {box} mm; rms field {sizes} mT/A)"
         )
 
     def __repr__(self) -> str:
