@@ -1,10 +1,13 @@
-"""Figures of the diagnosis: which readings are hollow, and what the legend says of them."""
+"""Figures of the diagnosis: which readings are hollow, what the legend says, what is a curve."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pictures import assert_legible
 from stickslip.diagnosis.report import figures
+from stickslip.diagnosis.report.velocity_difference import velocity_figure
 from toy_model import X, shared_result
 
 HELD = "held out for the gain"
@@ -75,3 +78,40 @@ def test_long_names_of_axes_are_shortened_to_what_has_place():
     for label in (above.get_ylabel(), below.get_xlabel()):
         assert label.endswith("...")
         assert long.startswith(label[:-3])
+
+
+def test_a_curve_is_drawn_only_through_conditions_of_one_setting():
+    # Eight at one peak, and six at a peak each: seven kinds, more than there are markers.
+    usual = [(20.0 + 10.0 * k, 2.5e-3) for k in range(8)]
+    other = [(25.0 + 10.0 * k, 3e-3 + 1e-4 * k) for k in range(6)]
+    conditions = [
+        {"drive.mode": "IPP", "drive.direction": "+x", "drive.frequency": hertz, "drive.peak": peak}
+        for hertz, peak in usual + other
+    ]
+    simulated = []
+
+    def velocities(drives, vectors):
+        simulated.extend((each["drive.frequency"], each["drive.peak"]) for each in drives)
+        return np.outer(vectors[:, 0], [each["drive.frequency"] for each in drives])
+
+    change = np.array([hertz for hertz, _ in usual + other])
+    problem = SimpleNamespace(
+        observed=change, size=1, base_count=0, causes=(), physical=lambda x: x,
+        predicted=lambda x: np.outer(x[:, 0], change),
+    )  # fmt: skip
+    fit = SimpleNamespace(x=np.ones(1), name="wave", candidate=SimpleNamespace(causes=("wave",)))
+    found = SimpleNamespace(
+        problem=problem, null=SimpleNamespace(x=np.zeros(1)), extended=(problem, fit),
+        noise=SimpleNamespace(dof=0.0, covariance=np.eye(14)), held_out=np.zeros(14, dtype=bool),
+        verdict=SimpleNamespace(kind="named"), free_shape=None,
+    )  # fmt: skip
+    model = SimpleNamespace(velocities=velocities)
+    posed = SimpleNamespace(conditions=conditions, extended_model=lambda _: model)
+    figure = velocity_figure(found, posed)
+    assert figure.kinds == ("peak 2.5 mT", "other peak")
+    ((curve, dashes),) = [panel.lines for panel in figure.panels]
+    assert curve.joined
+    assert len(curve.x) > len(usual)
+    assert not dashes.joined
+    assert sorted(dashes.x) == sorted(hertz for hertz, _ in other)
+    assert {peak for _, peak in simulated} == {2.5e-3}

@@ -34,6 +34,18 @@ def test_an_interval_with_both_signs_has_both_words(value, text, interval):
     assert (size.name, size.text, size.interval) == ("ambient_field.Bx", text, interval)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_interval_holds_its_value_where_both_signs_have_one_word(sign):
+    entry = {"value": sign * 0.05, "sd": 0.1, "unit": "-"}
+    words = CAUSES["friction_patches"].sizes["amplitude"]
+    name = "effects.friction_patches.amplitude"
+    size = size_in_words(SimpleNamespace(profiles=()), name, entry, words)
+    low, high = (float(end) for end in size.interval.removesuffix(" %").split(" to "))
+    assert low <= 100.0 * abs(entry["value"]) <= high
+    # By the normal law 95 % are within 1.96 sd of 5 %, and the size is at least 0.
+    assert (low, high) == (0.0, pytest.approx(5.0 + 1.96 * 10.0, abs=0.05))
+
+
 @pytest.mark.parametrize(
     ("low", "high", "fits"), [(0.35, 0.65, True), (0.45, 0.55, False), (0.45, 0.9, False)]
 )

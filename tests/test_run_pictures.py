@@ -45,6 +45,7 @@ def test_a_run_is_written_as_a_moving_picture(scenario, tmp_path, suffix):
         (["--animate", "a.gif", "--out", "a.gif"], "--out and --animate: a.gif cannot be both"),
         (["--animate", "a.gif", "--slowdown", "1e5"], "--animate: 340000 frames: allowed are at"),
         (["--animate", "a.gif", "--slowdown", "0"], "--animate: slowdown = 0.0: allowed is a"),
+        (["--animate", "a.gif", "--slowdown", "inf"], "--animate: slowdown = inf: allowed is a"),
         (["--animate", "a.gif", "--set=record.rate=events"], '--animate: record.rate = "events"'),
         (["--slowdown", "10"], "--slowdown: allowed with --animate only"),
         (["--start", "0.1"], "--start: allowed with --plot or --animate only"),

@@ -107,6 +107,21 @@ def test_a_robot_that_never_moved_has_a_reason(changes, text):
 
 
 @pytest.mark.parametrize(
+    "effect",
+    ["surface_tilt.angle", "free_contact_place.knot_3", "adhesion_ageing.rate"],
+)
+def test_a_moment_that_an_effect_changes_is_not_told(effect):
+    still = {"drive.pulses": 5, "drive.peak": 1e-5, "drive.base": 0.0, "drive.hold": 1e-5}
+    run = simulate(Scenario().replace({**still, f"effects.{effect}": 0.2}))
+    (note,) = [each for each in run.notes if "never moved" in each]
+    assert "hold it with" not in note
+    assert f"effects.{effect.split('.')[0]}" in note
+    # An effect on the drag holds nothing that rests.
+    run = simulate(Scenario().replace({**still, "effects.angle_drag.strength": 0.2}))
+    assert any("hold it with" in note for note in run.notes)
+
+
+@pytest.mark.parametrize(
     ("changes", "sticks"),
     [({"contact.adhesion": 6e-6}, True), ({"contact.static_friction": 2.0}, True), ({}, False)],
 )

@@ -12,7 +12,6 @@ from stickslip._util.strict_json import json_text
 from stickslip.cli.common import JSON, PATH, THREADS, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
-from stickslip.scenario.toml_file import files_beside
 
 if TYPE_CHECKING:
     from stickslip.cli.next_table import Rounds
@@ -30,8 +29,8 @@ if TYPE_CHECKING:
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for report.html, report.json and extended.toml.  [default: diagnosis; with "
-    "--json and without --next none]",
+    help="Folder for report.html, report.json and extended.toml with its voltages and map, if "
+    "any.  [default: diagnosis; with --json and without --next none]",
 )
 @click.option(
     "--next",
@@ -69,7 +68,7 @@ def command(
     Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
     ambiguous, pair, unexplained, data-problem.
     """
-    from stickslip.diagnosis.report.html import EXTENDED, FILES
+    from stickslip.diagnosis.report.html import report_files
     from stickslip.measurement import read_measurement
 
     if budget is not None and most is None:
@@ -78,14 +77,15 @@ def command(
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None
+    files = report_files(data.scenario)
     if out is not None:
-        check_folder_target(out, [*FILES, *(path.name for path in files_beside(Path(EXTENDED)))])
+        check_folder_target(out, files)
         data, rounds = _with_next(data, out, most, budget)
     how = {"seed": seed, "threads": threads, "free_shapes": free_shapes}
     result = _diagnosed(data, out, how, as_json, rounds)
     _tell(result, as_json, rounds)
     if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(FILES)}")
+        say(f"  in {out}: {', '.join(files)}")
 
 
 def _with_next(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import uuid
 from os import PathLike
 from pathlib import Path
@@ -70,8 +71,8 @@ def animation(
     AttributeError
         If a run has no record.
     ValueError
-        If `slowdown` or `frames_per_second` is not above zero, the stretch has less than two
-        samples or gives more than 2000 frames, or the record is one of events.
+        If `slowdown` or `frames_per_second` is not finite and above zero, the stretch has less than
+        two samples or gives more than 2000 frames, or the record is one of events.
 
     Examples
     --------
@@ -90,15 +91,16 @@ def frame_count(
 ) -> int:
     """How many frames a moving picture of `duration` (s) has; a ValueError if too many."""
     for name, value in (("slowdown", slowdown), ("frames_per_second", frames_per_second)):
-        if not value > 0.0:
-            raise ValueError(f"{name} = {value!r}: allowed is a number above 0")
-    count = max(2, round(duration * slowdown * frames_per_second))
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
+    # A float, as the product of two finite numbers may be infinite.
+    count = max(2.0, float(np.rint(duration * slowdown * frames_per_second)))
     if count > MOST_FRAMES:
         raise ValueError(
-            f"{count} frames: allowed are at most {MOST_FRAMES}; choose a shorter stretch or less "
-            "slowdown"
+            f"{count:.15g} frames: allowed are at most {MOST_FRAMES}; choose a shorter stretch or "
+            "less slowdown"
         )
-    return count
+    return int(count)
 
 
 class Animation:

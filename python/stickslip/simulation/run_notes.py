@@ -5,11 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from stickslip import _core
+from stickslip.scenario.named_effects import PREFIX
 from stickslip.simulation.scenario_notes import scenario_notes, weight
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
 
+
+_CHANGE_WHAT_HOLDS = (
+    "surface_tilt", "angle_adhesion", "adhesion_ageing", "free_adhesion_angle",
+    "free_adhesion_age", "free_contact_place",
+)  # fmt: skip
+"""Effects on weight, adhesion or their levers, as those of a user may be too."""
 
 _UPRIGHT = "; at drive.base = 0 the holding coil alone turns it upright: set drive.base, say 5e-4"
 
@@ -101,7 +109,8 @@ def _why_it_rests(scenario: Scenario, summary: dict[str, Any]) -> str:
     """What holds a robot that never moved, by the moments about the corner that it would tip on.
 
     The largest torque of a field is that of one across the moment, Eq. (8). A body that lies on a
-    face is held by its weight and by the adhesion of the face, half the face's length away.
+    face is held by its weight and by the adhesion of the face, half the face's length away; where
+    an effect changes one of these, no moment is told.
     """
     robot = scenario.robot
     field = summary["field_max"]
@@ -110,13 +119,15 @@ def _why_it_rests(scenario: Scenario, summary: dict[str, Any]) -> str:
     moment = robot.magnetization * robot.length * robot.width * robot.height
     moment *= 1.0 + float(scenario.get("effects.magnetization_scale.fraction"))
     torque = abs(moment) * field
+    turns = f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m"
+    changing = {*_CHANGE_WHAT_HOLDS, *_core.registered_effects()}
+    others = [f"{PREFIX}{name}" for name in scenario.effects if name in changing]
+    if others:
+        return f"{turns} against weight and adhesion, together with {', '.join(others)}"
     stands = abs(math.sin(summary["theta_max"])) > math.sqrt(0.5)
     lever = 0.5 * (robot.height if stands else robot.length)
     held = lever * (weight(scenario) + scenario.contact.adhesion)
-    said = (
-        f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m, and "
-        f"weight and adhesion hold it with {held:.2g} N m"
-    )
+    said = f"{turns}, and weight and adhesion hold it with {held:.2g} N m"
     if torque <= held:
         return f"{said}; a larger drive.peak or drive.hold is needed, or less contact.adhesion"
     return f"{said}, so that the field was too nearly along its moment, or too slow to tip it"

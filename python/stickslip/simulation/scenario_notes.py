@@ -43,9 +43,10 @@ def counts_start_up(scenario: Scenario) -> bool:
 
 def scenario_notes(scenario: Scenario) -> list[str]:
     """Values of a scenario that are hardly meant so, a line each; none for most scenarios."""
+    core = scenario.to_core()  # once for all notes
     return [
-        *_of_drive(scenario),
-        *_of_coils(scenario),
+        *_of_drive(scenario, core),
+        *_of_coils(scenario, core),
         *_of_body(scenario),
         *_of_contact(scenario),
         *_of_solver(scenario),
@@ -54,7 +55,7 @@ def scenario_notes(scenario: Scenario) -> list[str]:
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
     """Largest magnitude of the voltage that the drive asks of each coil, V."""
-    return dict(zip(_core.coil_names, scenario.to_core().asked_voltages(), strict=True))
+    return _asked_voltages(scenario.to_core())
 
 
 def field_swing(frequency: float, time_constant: float) -> float:
@@ -75,15 +76,19 @@ def weight(scenario: Scenario) -> float:
     return scenario.robot.mass * scenario.environment.gravity
 
 
-def _of_drive(scenario: Scenario) -> list[str]:
+def _asked_voltages(core: _core.Scenario) -> dict[str, float]:
+    return dict(zip(_core.coil_names, core.asked_voltages(), strict=True))
+
+
+def _of_drive(scenario: Scenario, core: _core.Scenario) -> list[str]:
     notes = []
     if counts_start_up(scenario):
         notes.append(
             f"drive.pulses = {scenario.drive.pulses} is fewer than {STEADY_PULSES}: the measuring "
             "window begins after the ramp and includes the start-up"
         )
-    resistances = scenario.to_core().resistances()
-    for (name, volts), ohms in zip(peak_voltages(scenario).items(), resistances, strict=True):
+    resistances = core.resistances()
+    for (name, volts), ohms in zip(_asked_voltages(core).items(), resistances, strict=True):
         if volts > HIGH_VOLTAGE:
             amperes = volts / ohms
             notes.append(
@@ -93,33 +98,37 @@ def _of_drive(scenario: Scenario) -> list[str]:
     return notes
 
 
-def _of_coils(scenario: Scenario) -> list[str]:
+def _of_coils(scenario: Scenario, core: _core.Scenario) -> list[str]:
     field_map = scenario.coil.map
     told = [] if field_map is None else [f"the field of the coils is that of {field_map}"]
-    return [*told, *_of_window(scenario), *_of_pulses(scenario)]
+    return [*told, *_of_window(scenario, core), *_of_pulses(scenario, core)]
 
 
-def _of_window(scenario: Scenario) -> list[str]:
+def _of_window(scenario: Scenario, core: _core.Scenario) -> list[str]:
     """Whether all that is measured is over before a current has followed its voltage."""
     start, end = scenario.window
-    driven = [name for name, volts in peak_voltages(scenario).items() if volts > 0.0]
-    slowest = max(driven, key=lambda name: _time_constant(scenario, name), default=None)
-    if slowest is None or end - start >= _time_constant(scenario, slowest):
+    times = {
+        name: _time_constant(scenario, core, name)
+        for name, volts in _asked_voltages(core).items()
+        if volts > 0.0
+    }
+    slowest = max(times, key=lambda name: times[name], default=None)
+    if slowest is None or end - start >= times[slowest]:
         return []
     return [
         f"the measuring window lasts {1e3 * (end - start):.3g} ms, less than the time constant of "
-        f"coil {slowest}, L/R = {1e3 * _time_constant(scenario, slowest):.3g} ms: the field is "
+        f"coil {slowest}, L/R = {1e3 * times[slowest]:.3g} ms: the field is "
         "still changing from before, and what is measured is no steady motion"
     ]
 
 
-def _of_pulses(scenario: Scenario) -> list[str]:
+def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[str]:
     drive = scenario.drive
     asked = drive.peak - drive.base
     if drive.mode == "program" or asked == 0.0:
         return []
-    name = scenario.to_core().in_plane_coil if drive.mode == "IPP" else "clamp"
-    time_constant = _time_constant(scenario, name)
+    name = core.in_plane_coil if drive.mode == "IPP" else "clamp"
+    time_constant = _time_constant(scenario, core, name)
     share = field_swing(drive.frequency, time_constant)
     if share >= LEAST_SWING:
         return []
@@ -132,9 +141,9 @@ def _of_pulses(scenario: Scenario) -> list[str]:
     ]
 
 
-def _time_constant(scenario: Scenario, coil: str) -> float:
+def _time_constant(scenario: Scenario, core: _core.Scenario, coil: str) -> float:
     """L/R of a coil, s."""
-    resistance = scenario.to_core().resistances()[_core.coil_names.index(coil)]
+    resistance = core.resistances()[_core.coil_names.index(coil)]
     own = float(scenario.get(f"effects.coil_{coil}.inductance"))
     return (own or scenario.coil.inductance) / resistance
 

@@ -63,7 +63,8 @@ class Curve(OneLine):
         constant that belongs to it is in them, as the data often tell their product alone.
     without : float
         The law without f: that constant in the fit; 1 for the field, whose law is over that of the
-        model; 0 for a term of one's own, whose law is f.
+        model; 0 where the law is f alone: the place of the contact, and a term of one's own that
+        has no `factor_of`.
     factor : float
         What f is times in the law: that constant, else 1.
     expected : float

@@ -262,7 +262,9 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
         unit = f" {words.unit}".rstrip()
         ends = f"{-low:.3g}{unit} {words.down} to {high:.3g}{unit} {words.up}"
     elif words.up:
-        low, high = sorted((abs(low), abs(high)))
+        # A size whose sign has no word begins at 0 where both signs are possible.
+        least = 0.0 if low < 0.0 < high else min(abs(low), abs(high))
+        low, high = least, max(abs(low), abs(high))
         ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
     shown = abs(value) if words.up else value
     if fits:

@@ -1,4 +1,7 @@
-"""The files of a diagnosis: report.html, report.json, and of a measurement extended.toml."""
+"""The files of a diagnosis: report.html, report.json, and of a measurement extended.toml.
+
+Beside extended.toml are the voltages and the map of a scenario that has them.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +26,17 @@ from stickslip.diagnosis.report.section import ReportSection, table_section
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import scenario_writers
+from stickslip.scenario.toml_file import files_beside, scenario_writers
 
 PAGE, JSON, EXTENDED = FILES = "report.html", "report.json", "extended.toml"
 """Names of what a report consists of."""
+
+
+def report_files(scenario: Scenario) -> tuple[str, ...]:
+    """Names of the files of a report of a measurement with this scenario."""
+    voltages, field_map = files_beside(Path(EXTENDED))
+    held = {voltages.name: scenario.drive.program, field_map.name: scenario.coil.map}
+    return (*FILES, *(name for name, value in held.items() if value is not None))
 
 
 def write_report(

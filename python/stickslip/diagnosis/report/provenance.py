@@ -17,7 +17,7 @@ from stickslip._util.checksum import sha256_of
 from stickslip.diagnosis.report.json_keys import OwnData
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.toml_file import read_document
+from stickslip.scenario.toml_file import named_files, read_document
 
 
 def origin(source: Measurement | OwnData, seed: int) -> list[tuple[str, str]]:
@@ -49,7 +49,7 @@ def _command() -> str:
 
 
 def _files(path: Path) -> Iterator[Path]:
-    """The measurement file and what it names; nothing of a table in memory."""
+    """The measurement file and what it and its scenario name; nothing of a table in memory."""
     if not path.is_file():
         return
     yield path
@@ -57,11 +57,16 @@ def _files(path: Path) -> Iterator[Path]:
         document = read_document(path, "measurement")
     except (ScenarioError, OSError):  # it was changed meanwhile
         return
-    named = [document.get("scenario")]
+    scenario = document.get("scenario")
+    if isinstance(scenario, str):
+        yield path.parent / scenario
+        yield from named_files(path.parent / scenario).values()
+    tables = []
     for kind in ("velocity", "tracking", "angle", "field"):
-        entries = document.get(kind, [])
-        named += [each.get("file") for each in entries if isinstance(each, dict)]
-    yield from (path.parent / each for each in dict.fromkeys(named) if isinstance(each, str))
+        entries = document.get(kind)
+        if isinstance(entries, list):  # else it was changed meanwhile
+            tables += [each.get("file") for each in entries if isinstance(each, dict)]
+    yield from (path.parent / each for each in dict.fromkeys(tables) if isinstance(each, str))
 
 
 def _checksum(path: Path) -> str:

@@ -11,7 +11,12 @@ from stickslip.diagnosis.inference.experiment_design import Experiment
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.errors import gain_unit
-from stickslip.diagnosis.report.html import FILES, report_sections, write_report
+from stickslip.diagnosis.report.html import (
+    FILES,
+    report_files,
+    report_sections,
+    write_report,
+)
 from stickslip.diagnosis.report.json_keys import OwnData
 from stickslip.diagnosis.report.plots import abscissa
 from stickslip.diagnosis.report.residual_figure import large_figure, own_figure
@@ -33,7 +38,7 @@ def save_of_measurement(
     experiments: list[Experiment],
 ) -> None:
     """Write the report of a measurement, with a section for each kind of its data."""
-    check_folder(folder, FILES)  # before what takes long
+    check_folder(folder, report_files(measurement.scenario))  # before what takes long
     comparisons = posed.comparisons(found)
     sections = [*report_sections(comparisons), *_free_shapes(found)]
     large, unit = large_figure(found, posed, comparisons), gain_unit(posed)

@@ -116,10 +116,21 @@ def _velocity_panels(
                 where = _condition(conditions[k], k, varied(conditions))
                 points.append(rows.point(k, float(at[k]), where, "mm/s", number))
             drawn = curves(at, rows.change, mine, name, label)
+            if not _alike([conditions[k] for k in mine], (*_PLACES, key)):
+                # Between readings of different settings there is no curve and no drive to simulate.
+                drawn = [replace(each, joined=False) for each in drawn]
             finer = [_finer(found, posed, key, mine, each) for each in drawn]
             lines += [replace(each, series=number) for each in finer]
         panels.append(Panel(word, heading(key), ylabel, tuple(points), tuple(lines), levels))
     return tuple(panels), tuple(kinds)
+
+
+def _alike(conditions: Conditions, shown: Sequence[str]) -> bool:
+    """Whether conditions differ only in the settings that `shown` holds.
+
+    Those of one kind do not where `sorted_by_settings` has merged all but the commonest kind.
+    """
+    return all(key in shown for key in varied(conditions))
 
 
 def _finer(
