@@ -116,7 +116,7 @@ def test_each_of_several_drawings_has_the_name_of_its_cause_and_a_pair_has_two_o
         one = Fact(Code.WHAT_NOTHING, {})
         told = tuple(tuple(cause(*each) for each in causes) for causes in candidates)
         return [
-            (each.name, each.caption)
+            (each.name, "" if each.caption is None else each.caption.fields["name"])
             for each in Answers(one, told, None, (one,), (), (), (), ()).drawings
         ]
 

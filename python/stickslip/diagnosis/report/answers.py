@@ -30,11 +30,11 @@ from stickslip.facts import Code, Fact
 
 @dataclass(frozen=True)
 class Drawn:
-    """A drawing: its name, the word for the sign of what was found, and its caption."""
+    """A drawing: its name, the word for the sign of what was found, and what stands beside it."""
 
     name: str
     way: str = ""
-    caption: str = ""
+    caption: Fact | None = None
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Answers:
         once = {each.name: each for causes in drawable[:LISTED] for each in causes}
         captions = len({each.name for causes in self.told for each in causes}) > 1
         return [
-            Drawn(each.drawing, each.way, _capital(each.title) if captions else "")
+            Drawn(each.drawing, each.way, _meaning(each) if captions else None)
             for each in once.values()
         ]
 
@@ -80,6 +80,11 @@ def answers(
     found: Findings, posed: PosedProblem, experiments: Sequence[Experiment], unit: str
 ) -> Answers:
     """The answers of a diagnosis; `unit` is that of what is held out."""
+    @property
+    def what_beside(self) -> list[Fact]:
+        """What is wrong, less what stands beside a drawing."""
+        return [each for each in self.what if each not in [of.caption for of in self.drawings]]
+
     claimed = claimed_by(found)
     return Answers(
         headline(found, posed, unit),
@@ -98,20 +103,14 @@ def _capital(text: str) -> str:
 
 
 def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
+def _meaning(cause: Told) -> Fact:
+    name = _capital(cause.title) if cause.listed else f"The cause {short(cause.name)}"
+    return Fact(Code.WHAT_CAUSE, {"name": name, "meaning": cause.meaning})
+
+
     if claimed:
         each_once = {each.name: each for causes in claimed[:LISTED] for each in causes}
-        return tuple(
-            Fact(
-                Code.WHAT_CAUSE,
-                {
-                    "name": _capital(each.title)
-                    if each.listed
-                    else f"The cause {short(each.name)}",
-                    "meaning": each.meaning,
-                },
-            )
-            for each in each_once.values()
-        )
+        return tuple(_meaning(each) for each in each_once.values())
     if found.free_shape is not None and found.open_set is not None:
         # The headline says that there is a law, and what was gained is an answer of its own.
         elsewhere = (Code.FREE_SHAPE, Code.FREE_SHAPE_GAIN)
