@@ -243,7 +243,7 @@ def test_a_point_says_what_it_is_compared_with(page_of, kind, said):
 
 def test_where_nothing_is_found_wide_limits_are_told_too(page_of):
     sharpest, widest, *_ = page_of("none").answer("size")
-    assert re.search("limit best, .* is below ", sharpest)
+    assert re.search("limit best, .* below ", sharpest)
     assert "of up to" in widest
     assert "50 % before any data" in " ".join(page_of("none").answer("sure")).replace("\xa0", " ")
 

@@ -7,6 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from report_page import Page
+from stickslip import Scenario
+from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.report.answers import Answers, answers
 from stickslip.diagnosis.report.cause_words import Told, size_in_words
@@ -184,16 +186,28 @@ def test_that_nothing_is_wrong_is_told_softly_where_it_is_not_sure(p_value, prob
 
 
 def test_the_constants_that_have_moved_are_told_the_farthest_first():
-    found = shared_result(3).findings
+    posed, found = of_toy(shared_result(3))
     x = found.null.x.copy()
     x[:4] = (0.5, -2.5, 1.5, -0.9)
-    told = moved(replace(found, null=replace(found.null, x=x)))
+    told = moved(replace(found, null=replace(found.null, x=x)), posed)
     assert [(each["name"], each["before"], each["pull"]) for each in told] == [
         ("k1", 0.0, -2.5),
         ("k2", 0.0, 1.5),
     ]
     x[:4] = 0.9
-    assert moved(replace(found, null=replace(found.null, x=x))) == []
+    assert moved(replace(found, null=replace(found.null, x=x)), posed) == []
+
+
+def test_a_constant_of_a_range_has_moved_from_the_value_of_the_scenario():
+    posed, found = of_toy(shared_result(3))
+    drag = Uncertain("drag.linear", Prior("log-uniform", 1e-6, 1e-4), "N s/m")
+    found = replace(found, problem=replace(found.problem, uncertain=(drag,)))
+    scenario = Scenario()
+    simulator = SimpleNamespace(scenario=scenario)
+    (told,) = moved(found, replace(posed, simulator=simulator))
+    assert (told["before"], told["pull"]) == (scenario.get("drag.linear"), None)
+    (told,) = moved(found, posed)
+    assert told["before"] is None
 
 
 @pytest.mark.parametrize(("p_value", "count"), [(0.002, 1), (0.4, 0)])

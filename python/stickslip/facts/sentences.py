@@ -201,18 +201,18 @@ def _moved_briefly(f: Fields) -> str:
 
 def _moved_in_full(f: Fields) -> str:
     """The same, with how far that is beside what was stated."""
-    known = [c for c in f["moved"] if c["before"] is not None]
-    ranges = [c for c in f["moved"] if c["before"] is None]
-    said = [
-        f"{c['name']} from {c['before']:.3g} to {c['after']:.3g}{_unit_after(c)} "
-        f"({abs(c['pull']):.1f} standard deviations of what was stated)"
-        for c in known
-    ]
+    said = []
+    for c in f["moved"]:
+        start = "" if c["before"] is None else f"from {c['before']:.3g} to "
+        far = "within the range that was stated"
+        if c["pull"] is not None:
+            far = f"{abs(c['pull']):.1f} standard deviations of what was stated"
+        said.append(f"{c['name']} {start}{c['after']:.3g}{_unit_after(c)} ({far})")
     moved = f"Its constants that moved most: {'; '.join(said)}"
-    if not known:
-        moved = "No constant is more than 1 standard deviation from the value that was stated"
-    within = "; ".join(f"{c['name']} {c['after']:.3g}{_unit_after(c)}" for c in ranges)
-    return f"{moved}. Of those stated as a range: {within}" if ranges else moved
+    if any(c["pull"] is not None for c in f["moved"]):
+        return moved
+    near = "No constant is more than 1 standard deviation from the value that was stated for it"
+    return f"{near}. Found in the data: {'; '.join(said)}" if said else near
 
 
 def _unit_after(constant: Fields) -> str:

@@ -95,7 +95,7 @@ def answers(
         headline(found, posed, unit),
         claimed,
         None if found.free_shape is None else found.free_shape.term.law,
-        _what(found, claimed),
+        _what(found, posed, claimed),
         _size(found, claimed),
         sure_of(found, LISTED),
         _do(found, posed, claimed, experiments),
@@ -112,7 +112,9 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
+def _what(
+    found: Findings, posed: PosedProblem, claimed: Sequence[Sequence[Told]]
+) -> tuple[Fact, ...]:
     if claimed:
         each_once = {each.name: each for causes in claimed[:LISTED] for each in causes}
         return tuple(_meaning(each) for each in each_once.values())
@@ -121,7 +123,7 @@ def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
         elsewhere = (Code.FREE_SHAPE, Code.FREE_SHAPE_GAIN)
         return tuple(each for each in found.open_set.facts() if each.code not in elsewhere)
     if found.verdict.kind == "none":
-        return (Fact(Code.WHAT_NOTHING, {}), Fact(Code.WHAT_MOVED, {"moved": moved(found)}))
+        return (Fact(Code.WHAT_NOTHING, {}), Fact(Code.WHAT_MOVED, {"moved": moved(found, posed)}))
     unknown = found.verdict.kind == "unexplained"
     return (Fact(Code.WHAT_UNKNOWN if unknown else Code.WHAT_DATA, {}),)
 

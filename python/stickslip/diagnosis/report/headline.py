@@ -37,7 +37,7 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
     """The verdict and what to do in a sentence or two; `unit` is that of what is held out."""
     kind, reasons, claimed = found.verdict.kind, found.verdict.reasons, claimed_by(found)
     if kind == "none":
-        return _none(found)
+        return _none(found, posed)
     if kind == "data-problem":
         return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
     gain = gain_of(found)
@@ -67,11 +67,11 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
     return Fact(Code.HEADLINE_NAMED, fields)
 
 
-def _none(found: Findings) -> Fact:
+def _none(found: Findings, posed: PosedProblem) -> Fact:
     """Nothing was found; it is told softly where the tests or the probability are near a cause."""
     p_value, probability = found.detection.p_value, found.verdict.probabilities["none"]
     is_sure = p_value >= _SURE_P and probability >= _SURE_NONE
-    fields = {"p_value": p_value, "probability": probability, "moved": moved(found)}
+    fields = {"p_value": p_value, "probability": probability, "moved": moved(found, posed)}
     return Fact(Code.HEADLINE_NONE if is_sure else Code.HEADLINE_NONE_OPEN, fields)
 
 
