@@ -7,15 +7,19 @@ from types import SimpleNamespace
 import pytest
 
 from report_page import Page
+from stickslip import Scenario
+from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.inference.ranking import set_members
-from stickslip.diagnosis.report.answers import Answers
+from stickslip.diagnosis.report.answers import Answers, answers
 from stickslip.diagnosis.report.cause_words import Told, size_in_words
 from stickslip.diagnosis.report.certainty import sure_of
+from stickslip.diagnosis.report.constants import moved
 from stickslip.diagnosis.report.drawings import drawing
+from stickslip.diagnosis.report.headline import headline
 from stickslip.diagnosis.report.messages import parameter_lines
 from stickslip.facts import Code, Fact
 from stickslip.facts.causes import CAUSES
-from toy_model import shared_result
+from toy_model import like_the_simulators, shared_result
 
 
 @pytest.mark.parametrize(
@@ -116,7 +120,7 @@ def test_each_of_several_drawings_has_the_name_of_its_cause_and_a_pair_has_two_o
         one = Fact(Code.WHAT_NOTHING, {})
         told = tuple(tuple(cause(*each) for each in causes) for causes in candidates)
         return [
-            (each.name, each.caption)
+            (each.name, "" if each.caption is None else each.caption.fields["name"])
             for each in Answers(one, told, None, (one,), (), (), (), ()).drawings
         ]
 
@@ -132,3 +136,117 @@ def test_what_is_left_above_the_noise_is_said():
     for found, expected in ((named.findings, 0), (replace(named.findings, gain=gain), 1)):
         codes = [each.code for each in sure_of(found, 6)]
         assert codes.count(Code.SURE_OF_REST) == expected
+
+
+def of_toy(result):
+    return result.posed, result.findings
+
+
+def with_verdict(found, **changed):
+    return replace(found, verdict=replace(found.verdict, **changed))
+
+
+@pytest.mark.parametrize(
+    ("probability", "said", "unsaid"),
+    [
+        (0.98, "^Probably one of these", "none of these"),
+        (0.8, "^Probably one of .* a probability of 20 % it is none of these", "Perhaps"),
+        (0.52, "^Perhaps one of .* a probability of 48 % it is none of these", "Probably"),
+    ],
+)
+def test_the_headline_of_a_set_agrees_with_its_probabilities(probability, said, unsaid):
+    posed, found = of_toy(shared_result(0, split=0.4))
+    causes = found.verdict.causes
+    shares = {each: probability / len(causes) for each in causes}
+    text = str(headline(with_verdict(found, probabilities=shares), posed, "V"))
+    assert re.search(said, text)
+    assert unsaid not in text
+
+
+@pytest.mark.parametrize(("code", "count"), [(Code.ALIKE, 1), (Code.NOT_SEPARATED, 0)])
+def test_probabilities_of_causes_that_are_alike_are_no_choice(code, count):
+    found = shared_result(0, split=0.4).findings
+    names = list(found.verdict.causes)
+    reason = Fact(code, {"causes": names, "limit": 0.9, "margin": 3.0})
+    said = sure_of(with_verdict(found, reasons=(reason,)), 6)
+    assert [each.code for each in said].count(Code.SURE_OF_ALIKE) == count
+
+
+@pytest.mark.parametrize(
+    ("p_value", "probability", "is_sure"),
+    [(0.4, 0.8, True), (0.07, 0.8, False), (0.4, 0.5, False)],
+)
+def test_that_nothing_is_wrong_is_told_softly_where_it_is_not_sure(p_value, probability, is_sure):
+    posed, found = of_toy(shared_result(3))
+    shares = {**found.verdict.probabilities, "none": probability}
+    found = with_verdict(found, probabilities=shares)
+    found = replace(found, detection=replace(found.detection, p_value=p_value))
+    code = headline(found, posed, "V").code
+    assert code is (Code.HEADLINE_NONE if is_sure else Code.HEADLINE_NONE_OPEN)
+
+
+def test_the_constants_that_have_moved_are_told_the_farthest_first():
+    posed, found = of_toy(shared_result(3))
+    x = found.null.x.copy()
+    x[:4] = (0.5, -2.5, 1.5, -0.9)
+    told = moved(replace(found, null=replace(found.null, x=x)), posed)
+    assert [(each["name"], each["before"], each["pull"]) for each in told] == [
+        ("k1", 0.0, -2.5),
+        ("k2", 0.0, 1.5),
+    ]
+    x[:4] = 0.9
+    assert moved(replace(found, null=replace(found.null, x=x)), posed) == []
+
+
+def test_a_constant_of_a_range_has_moved_from_the_value_of_the_scenario():
+    posed, found = of_toy(shared_result(3))
+    drag = Uncertain("drag.linear", Prior("log-uniform", 1e-6, 1e-4), "N s/m")
+    found = replace(found, problem=replace(found.problem, uncertain=(drag,)))
+    scenario = Scenario()
+    simulator = SimpleNamespace(scenario=scenario)
+    (told,) = moved(found, replace(posed, simulator=simulator))
+    assert (told["before"], told["pull"]) == (scenario.get("drag.linear"), None)
+    (told,) = moved(found, posed)
+    assert told["before"] is None
+
+
+@pytest.mark.parametrize(("p_value", "count"), [(0.002, 1), (0.4, 0)])
+def test_a_set_that_fails_on_held_out_data_is_asked_for_a_law_of_another_shape(p_value, count):
+    posed, found = of_toy(shared_result(0, split=0.4))
+    found = replace(found, gain=replace(found.gain, p_value=p_value))
+    for simulator, expected in ((None, 0), (lambda *_: None, count)):
+        said = answers(found, replace(posed, simulator=simulator), [], "V").do
+        assert [each.code for each in said].count(Code.DO_FREE_SHAPES) == expected
+
+
+@pytest.mark.parametrize(("interval", "count"), [((-0.5, 9.0), 1), ((0.5, 9.0), 0)])
+def test_a_sure_cause_whose_gain_is_not_sure_has_too_few_conditions_for_that(interval, count):
+    posed, found = of_toy(shared_result(3, wave=1.0))
+    found = replace(found, gain=replace(found.gain, interval=interval))
+    said = answers(found, posed, [], "V").better
+    assert [each.code for each in said].count(Code.BETTER_TOO_FEW) == count
+
+
+@pytest.mark.parametrize(
+    ("is_narrow", "said"),
+    [
+        (
+            False,
+            r": larger by \d\.\d+ \+- 0\.\d+ %\. With a probability of 95 % it is \S+ to \S+ %\.$",
+        ),
+        (
+            True,
+            r": larger by \d\.\d+ % \(best value\)\. With a probability of 95 % it is 6 to 6 %\.$",
+        ),
+    ],
+)
+def test_a_size_has_its_best_value_after_the_word_for_its_sign(is_narrow, said):
+    result = like_the_simulators("magnetization_scale", "fraction", "-", 0.03, 0.06)
+    posed, found = of_toy(result)
+    if is_narrow:
+        # One standard deviation reaches beyond such an interval, and is not told beside it.
+        name = found.profiles[0].name
+        narrow = SimpleNamespace(name=name, sd=1e-3, interval=lambda _: (0.06, 0.06))
+        found = replace(found, profiles=(narrow,))
+    (size,) = answers(found, posed, [], "V").size
+    assert re.search(said, str(size)), str(size)

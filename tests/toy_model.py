@@ -81,3 +81,18 @@ def result(seed, causes=None, shift=None, extra=None, noise=0.03, law=None, **op
     return diagnose_model(
         predict, None, values, UNCERTAIN, CAUSES, condition=index, seed=seed, **options
     )
+
+
+def like_the_simulators(name, parameter, unit, scale, size):
+    """A diagnosis whose one cause has the name of an effect of the simulator."""
+    angle = CauseParameter(f"effects.{name}.{parameter}", unit, -50 * scale, 50 * scale, scale)
+    x = np.linspace(0.2, 1.0, 24)
+
+    def model(_, p):
+        return p[:, :1] * x + p[:, 1:] / scale * np.cos(6.0 * x)
+
+    observed = model(None, np.array([[0.3, size]]))[0]
+    slope = Uncertain("slope", Prior("normal", 0.0, 1.0), suspect=False)
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(x))
+    causes = [Cause(name, (angle,), "a meaning")]
+    return diagnose_model(model, None, observed + noise, [slope], causes, sd=0.02)

@@ -181,12 +181,14 @@ class Code(str, Enum):
     HEADLINE_PERHAPS = "headline-perhaps"  #: One candidate, or one pair, that is not certain.
     HEADLINE_SET = "headline-set"  #: One of several, and the data cannot say which.
     HEADLINE_NONE = "headline-none"  #: Nothing is found.
+    HEADLINE_NONE_OPEN = "headline-none-open"  #: Nothing was found, and that is not sure.
     HEADLINE_UNEXPLAINED = "headline-unexplained"  #: Nothing that was tried explains the data.
     HEADLINE_NO_CAUSE = "headline-no-cause"  #: The same where no cause was given.
     HEADLINE_LAW = "headline-law"  #: Nor does a cause, but a law of another shape does.
     HEADLINE_REFUSED = "headline-refused"  #: The data allow no diagnosis.
     WHAT_CAUSE = "what-cause"  #: What a cause is.
     WHAT_NOTHING = "what-nothing"  #: The recalibrated model describes the data.
+    WHAT_MOVED = "what-moved"  #: Which constants recalibration has moved, and how far.
     WHAT_UNKNOWN = "what-unknown"  #: No cause that was tried.
     WHAT_DATA = "what-data"  #: The data and not the model.
     SIZE_OF_CAUSE = "size-of-cause"  #: A parameter with its error and its interval.
@@ -200,6 +202,7 @@ class Code(str, Enum):
     SIZE_OF_MISFIT = "size-of-misfit"  #: How far the recalibrated model is from the data.
     SIZE_UNKNOWN = "size-unknown"  #: Nothing was fitted.
     SURE_OF_CAUSE = "sure-of-cause"  #: The probability of what is claimed.
+    SURE_OF_ALIKE = "sure-of-alike"  #: The probabilities do not tell the causes of a set apart.
     SURE_OF_RUNNER_UP = "sure-of-runner-up"  #: How much less likely the next best is.
     SURE_OF_MISFIT = "sure-of-misfit"  #: How probable such a misfit is by noise.
     SURE_OF_NOTHING = "sure-of-nothing"  #: The same, and the probability of no cause.
@@ -213,10 +216,12 @@ class Code(str, Enum):
     DO_MEASURE_MORE = "do-measure-more"  #: No experiment is proposed.
     DO_CONFIRM = "do-confirm"  #: Use the recalibrated model.
     DO_LEADING = "do-leading"  #: Of a set, the extended model has the leading one.
+    DO_FREE_SHAPES = "do-free-shapes"  #: Ask for laws of another shape.
     DO_LOOK = "do-look"  #: Where to look for what is unexplained.
     DO_CORRECT = "do-correct"  #: Correct the table and diagnose it again.
     BETTER_FALLS = "better-falls"  #: Errors on held-out conditions surely fall.
     BETTER_NOT_SURE = "better-not-sure"  #: Their fall may be chance.
+    BETTER_TOO_FEW = "better-too-few"  #: The fit is sure, and the gain cannot be.
     BETTER_WORSE = "better-worse"  #: They grow.
     BETTER_IN_FIT = "better-in-fit"  #: Nothing was held out; errors of the fit alone.
     BETTER_CONSTANTS = "better-constants"  #: Only the constants are better.

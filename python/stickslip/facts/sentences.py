@@ -31,6 +31,10 @@ SENTENCES: Mapping[Code, str] = {
 LINES = 5
 """Lines of a file that a sentence names; of more only the number is given. Chosen: one line."""
 
+LIKELY, LITTLE = 0.75, 0.05
+"""Probability from which on one of a set acts "probably", and up to which what is left over is not
+told. Chosen."""
+
 _ORIGINS = {
     "repeats": "the scatter of repeated readings",
     "smoothness": "how smoothly the readings follow the field",
@@ -148,7 +152,7 @@ def _improvement(f: Fields) -> str:
     change = f"from {f['before']} to {f['after']}"
     return {
         "falls": f": {where} fall {change}",
-        "not sure": f"; {where} go {change}, which may be chance",
+        "not sure": f"; {where}, too few to prove a gain, go {change}",
         "grows": f"; but {where} grow {change}",
     }[f["change"]]
 
@@ -169,6 +173,50 @@ def _chances(f: Fields) -> str:
         return _percent(f["probabilities"][0])
     each = zip(f["probabilities"], f["names"], strict=True)
     return ", ".join(f"{_percent(share)} for {name}" for share, name in each)
+
+
+def _likely(f: Fields) -> str:
+    """How a set begins: that one of it acts is likely, or is not."""
+    return "Probably" if f["probability"] >= LIKELY else "Perhaps"
+
+
+def _or_none(f: Fields) -> str:
+    """The probability that none of a set acts, where it is more than a little."""
+    none = 1.0 - f["probability"]
+    return f"With a probability of {_percent(none)} it is none of these. " if none > LITTLE else ""
+
+
+def _moved_briefly(f: Fields) -> str:
+    """The constants that have moved, with their values."""
+    if not f["moved"]:
+        return ", which are all near what was stated"
+    each = [
+        f"{c['name']} {c['after']:.3g}"
+        + ("" if c["before"] is None else f" instead of {c['before']:.3g}")
+        + _unit_after(c)
+        for c in f["moved"]
+    ]
+    return f": {'; '.join(each)}"
+
+
+def _moved_in_full(f: Fields) -> str:
+    """The same, with how far that is beside what was stated."""
+    said = []
+    for c in f["moved"]:
+        start = "" if c["before"] is None else f"from {c['before']:.3g} to "
+        far = "within the range that was stated"
+        if c["pull"] is not None:
+            far = f"{abs(c['pull']):.1f} standard deviations of what was stated"
+        said.append(f"{c['name']} {start}{c['after']:.3g}{_unit_after(c)} ({far})")
+    moved = f"Its constants that moved most: {'; '.join(said)}"
+    if any(c["pull"] is not None for c in f["moved"]):
+        return moved
+    near = "No constant is more than 1 standard deviation from the value that was stated for it"
+    return f"{near}. Found in the data: {'; '.join(said)}" if said else near
+
+
+def _unit_after(constant: Fields) -> str:
+    return f" {constant['unit']}".rstrip()
 
 
 def _by_leading(f: Fields) -> str:
@@ -225,6 +273,10 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "odds": _odds,
     "counted": _counted,
     "by_leading": _by_leading,
+    "likely": _likely,
+    "or_none": _or_none,
+    "moved_briefly": _moved_briefly,
+    "moved_in_full": _moved_in_full,
     "predicted_velocities": _predicted_velocities,
     "meaning_of": lambda f: f": {f['meaning']}" if f["meaning"] else "",
     "go_on": lambda f: "Go on" if f["first"] else "Or go on",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.diagnosis.data.conditions import changes
+from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.next_step import next_step
@@ -20,6 +21,7 @@ from stickslip.diagnosis.report.cause_words import (
     plain_name,
 )
 from stickslip.diagnosis.report.certainty import gain_of, sure_of
+from stickslip.diagnosis.report.constants import moved
 from stickslip.diagnosis.report.drawings import DRAWN
 from stickslip.diagnosis.report.errors import Errors, errors_of, errors_of_gain
 from stickslip.diagnosis.report.headline import LISTED, claimed_by, headline, improvement
@@ -27,14 +29,17 @@ from stickslip.diagnosis.report.limits import limits_in_words
 from stickslip.diagnosis.report.parameters import short
 from stickslip.facts import Code, Fact
 
+_DECISIVE = 0.95
+"""Probability above which the fit to all data decides. Chosen."""
+
 
 @dataclass(frozen=True)
 class Drawn:
-    """A drawing: its name, the word for the sign of what was found, and its caption."""
+    """A drawing: its name, the word for the sign of what was found, and what stands beside it."""
 
     name: str
     way: str = ""
-    caption: str = ""
+    caption: Fact | None = None
 
 
 @dataclass(frozen=True)
@@ -71,9 +76,14 @@ class Answers:
         once = {each.name: each for causes in drawable[:LISTED] for each in causes}
         captions = len({each.name for causes in self.told for each in causes}) > 1
         return [
-            Drawn(each.drawing, each.way, _capital(each.title) if captions else "")
+            Drawn(each.drawing, each.way, _meaning(each) if captions else None)
             for each in once.values()
         ]
+
+    @property
+    def what_beside(self) -> list[Fact]:
+        """What is wrong, less what stands beside a drawing."""
+        return [each for each in self.what if each not in [of.caption for of in self.drawings]]
 
 
 def answers(
@@ -85,7 +95,7 @@ def answers(
         headline(found, posed, unit),
         claimed,
         None if found.free_shape is None else found.free_shape.term.law,
-        _what(found, claimed),
+        _what(found, posed, claimed),
         _size(found, claimed),
         sure_of(found, LISTED),
         _do(found, posed, claimed, experiments),
@@ -93,31 +103,29 @@ def answers(
     )
 
 
+def _meaning(cause: Told) -> Fact:
+    name = _capital(cause.title) if cause.listed else f"The cause {short(cause.name)}"
+    return Fact(Code.WHAT_CAUSE, {"name": name, "meaning": cause.meaning})
+
+
 def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _what(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
+def _what(
+    found: Findings, posed: PosedProblem, claimed: Sequence[Sequence[Told]]
+) -> tuple[Fact, ...]:
     if claimed:
         each_once = {each.name: each for causes in claimed[:LISTED] for each in causes}
-        return tuple(
-            Fact(
-                Code.WHAT_CAUSE,
-                {
-                    "name": _capital(each.title)
-                    if each.listed
-                    else f"The cause {short(each.name)}",
-                    "meaning": each.meaning,
-                },
-            )
-            for each in each_once.values()
-        )
+        return tuple(_meaning(each) for each in each_once.values())
     if found.free_shape is not None and found.open_set is not None:
         # The headline says that there is a law, and what was gained is an answer of its own.
         elsewhere = (Code.FREE_SHAPE, Code.FREE_SHAPE_GAIN)
         return tuple(each for each in found.open_set.facts() if each.code not in elsewhere)
-    codes = {"none": Code.WHAT_NOTHING, "unexplained": Code.WHAT_UNKNOWN}
-    return (Fact(codes.get(found.verdict.kind, Code.WHAT_DATA), {}),)
+    if found.verdict.kind == "none":
+        return (Fact(Code.WHAT_NOTHING, {}), Fact(Code.WHAT_MOVED, {"moved": moved(found, posed)}))
+    unknown = found.verdict.kind == "unexplained"
+    return (Fact(Code.WHAT_UNKNOWN if unknown else Code.WHAT_DATA, {}),)
 
 
 def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...]:
@@ -148,11 +156,18 @@ def _size_of(cause: Told, size: Size) -> Fact:
     """A parameter of a cause; its error only where that does not contradict its interval."""
     label = _label(cause, size)
     if size.error_fits:
-        fields = {"name": label, "size": size.text, "interval": size.interval}
-        return Fact(Code.SIZE_OF_CAUSE, fields)
-    both_signs = bool(size.way) and size.way in size.interval
-    way = f", {size.way}" if size.way and not both_signs else ""
-    return Fact(Code.SIZE_IN_INTERVAL, {"name": label, "interval": size.interval + way})
+        fields = {"name": label, "size": _with_way(size.amount, size.way)}
+        return Fact(Code.SIZE_OF_CAUSE, {**fields, "interval": size.interval})
+    fields = {"name": label, "size": _with_way(size.best, size.way), "interval": size.interval}
+    return Fact(Code.SIZE_IN_INTERVAL, fields)
+
+
+def _with_way(amount: str, way: str) -> str:
+    """An amount with the word for its sign, such as ``larger by 5 %`` or ``5 mT, along +x``."""
+    word, _, rest = way.partition(" ")
+    if word.endswith("er"):
+        return f"{word} by {amount} {rest}".rstrip()
+    return f"{amount}, {way}" if way else amount
 
 
 def _label(cause: Told, size: Size) -> str:
@@ -189,6 +204,10 @@ def _do(
         return (*said, keep, *values, *([] if next_step(found).code is Code.NAME_SAFE else steps))
     looks = [in_plain_words(found, each) for each in advice(found)]
     measure = [*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})]
+    gain = gain_of(found)
+    fails = gain is not None and gain.p_value < ALPHA
+    if fails and posed.simulator is not None and found.open_set is None:
+        measure.insert(0, Fact(Code.DO_FREE_SHAPES, {}))
     leading = _leading(found)
     kept = [] if leading is None else [Fact(Code.DO_LEADING, {**model, "name": leading})]
     return (*measure, *kept, *values)
@@ -230,7 +249,12 @@ def _better(found: Findings, posed: PosedProblem, unit: str) -> tuple[Fact, ...]
             "falls": Code.BETTER_FALLS, "not sure": Code.BETTER_NOT_SURE,
             "grows": Code.BETTER_WORSE,
         }[str(fields["change"])]  # fmt: skip
-        return (Fact(told_change, {**fields, **error.in_full, **leading}),)
+        better = Fact(told_change, {**fields, **error.in_full, **leading})
+        likely = sum(found.verdict.probabilities[each] for each in found.verdict.causes) > _DECISIVE
+        claims = found.verdict.kind in ("named", "pair") and likely
+        if told_change is Code.BETTER_NOT_SURE and claims:
+            return (better, Fact(Code.BETTER_TOO_FEW, fields))
+        return (better,)
     error = errors_of(found, posed, unit)
     if found.verdict.kind == "none":
         return (_constants(error),)

@@ -42,6 +42,8 @@ class Size:
     error_fits : bool
         Whether one standard deviation about the value stays within the interval. Beside a lopsided
         profile it may not, as the larger side of that counts for the error.
+    best : str
+        The value with its unit alone.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Size:
     way: str = ""
     magnitude: float = 0.0
     error_fits: bool = True
+    best: str = ""
 
     @property
     def text(self) -> str:
@@ -267,12 +270,14 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
         low, high = least, max(abs(low), abs(high))
         ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
     shown = abs(value) if words.up else value
+    alone = f"{shown * factor:.3g} {words.unit}".rstrip()
     if fits:
         amount = _with_unit(shown, entry, words)
     else:
-        alone = f"{shown * factor:.3g} {words.unit}".rstrip()
         amount = f"{alone} ({ends} with a probability of 95 %)"
-    return Size(short(name), amount, ends, way if told_apart else "", abs(value * factor), fits)
+    return Size(
+        short(name), amount, ends, way if told_apart else "", abs(value * factor), fits, alone
+    )
 
 
 def interval_of(found: Findings, name: str, entry: Entry) -> tuple[float, float]:

@@ -40,6 +40,8 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
         both = sum(verdict.probabilities[each] for each in verdict.causes)
         fields |= {"names": [verdict.fit.name], "probabilities": [min(both, 1.0)]}
     said = [Fact(Code.SURE_OF_CAUSE, fields)]
+    if verdict.kind == "ambiguous":
+        said.append(_why_open(in_plain_words(found, verdict.reasons[0])))
     facts = [runner_up(found), *verdict.reasons]
     second = next((each for each in facts if each and each.code is Code.RUNNER_UP), None)
     if second is not None:
@@ -47,9 +49,16 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
         if verdict.kind == "pair" and second.fields["name"] in verdict.causes:
             name += " alone"
         said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
-    if verdict.kind == "ambiguous":
-        said += [in_plain_words(found, each) for each in verdict.reasons[:1]]
     return (*said, misfit, *_rest(found))
+
+
+def _why_open(reason: Fact) -> Fact:
+    """Why nothing is named; the sentence before it has the names of the set, and its numbers."""
+    if reason.code is Code.ALIKE:
+        return Fact(Code.SURE_OF_ALIKE, {})
+    if reason.code is Code.NOT_SEPARATED:
+        return Fact(reason.code, {**reason.fields, "causes": ["them"]})
+    return reason
 
 
 def gain_of(found: Findings) -> Gain | None:

@@ -16,11 +16,16 @@ from stickslip.diagnosis.report.cause_words import (
     told,
 )
 from stickslip.diagnosis.report.certainty import gain_of
+from stickslip.diagnosis.report.constants import moved
 from stickslip.diagnosis.report.errors import errors_of_gain
 from stickslip.facts import Code, Fact
 
 LISTED = 6
 """Candidates that are named. Chosen: more are not read."""
+
+_SURE_P, _SURE_NONE = 0.1, 0.6
+"""p-value and probability of no cause from which on nothing is said to be wrong. Chosen: twice the
+level at which something is found, and somewhat more than before any data."""
 
 
 def claimed_by(found: Findings) -> tuple[tuple[Told, ...], ...]:
@@ -32,7 +37,7 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
     """The verdict and what to do in a sentence or two; `unit` is that of what is held out."""
     kind, reasons, claimed = found.verdict.kind, found.verdict.reasons, claimed_by(found)
     if kind == "none":
-        return Fact(Code.HEADLINE_NONE, {})
+        return _none(found, posed)
     if kind == "data-problem":
         return Fact(Code.HEADLINE_REFUSED, {"reason": reasons[0]})
     gain = gain_of(found)
@@ -62,6 +67,14 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
     return Fact(Code.HEADLINE_NAMED, fields)
 
 
+def _none(found: Findings, posed: PosedProblem) -> Fact:
+    """Nothing was found; it is told softly where the tests or the probability are near a cause."""
+    p_value, probability = found.detection.p_value, found.verdict.probabilities["none"]
+    is_sure = p_value >= _SURE_P and probability >= _SURE_NONE
+    fields = {"p_value": p_value, "probability": probability, "moved": moved(found, posed)}
+    return Fact(Code.HEADLINE_NONE if is_sure else Code.HEADLINE_NONE_OPEN, fields)
+
+
 def _set(found: Findings, claimed: Sequence[Sequence[Told]]) -> Fact:
     """Several candidates, or one and the names that were added to it."""
     names = [" with ".join(each.title for each in causes) for causes in claimed]
@@ -74,7 +87,10 @@ def _set(found: Findings, claimed: Sequence[Sequence[Told]]) -> Fact:
     things = "pairs of causes" if len(claimed[0]) > 1 else "causes"
     more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
     listed = [*names[:LISTED], *more]
-    return Fact(Code.HEADLINE_SET, {"count": len(names), "things": things, "names": listed})
+    # Of a pair, half the probability is counted for each.
+    probability = min(sum(found.verdict.probabilities[each] for each in found.verdict.causes), 1.0)
+    fields = {"count": len(names), "things": things, "names": listed, "probability": probability}
+    return Fact(Code.HEADLINE_SET, fields)
 
 
 def _lower(text: str) -> str:

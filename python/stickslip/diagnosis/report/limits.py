@@ -48,7 +48,7 @@ def limits_in_words(found: Findings) -> tuple[Fact, ...]:
     limits.sort(key=lambda each: each.relative)
     said = []
     if limits:
-        sharpest = [f"{each.name} {each.size}" for each in limits[:_LISTED]]
+        sharpest = [f"{each.name} below {each.size}" for each in limits[:_LISTED]]
         said.append(Fact(Code.SIZE_LIMITS, {"percent": 100.0 * BOUND, "limits": sharpest}))
     if len(limits) > _LISTED:
         widest = {"name": limits[-1].name, "size": limits[-1].size}
