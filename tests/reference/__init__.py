@@ -7,6 +7,9 @@ circuit are written anew. Only numpy and numba are needed.
 
     run = simulate_reference(dict(mode="IPP", frequency=100.0, base=0.5e-3, hold=1e-3, pulses=20))
     run.mean_velocity        # m/s
+
+A robot that turns has a reference of its own: a rigid body with eight corners, `walk.py: walk`,
+which knows no plane of motion, no edge and no heading but what comes out.
 """
 
 from .convergence import ConvergenceReport, converge_reference

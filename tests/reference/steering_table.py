@@ -1,0 +1,149 @@
+"""The table of walks that the model which steers is held against, with the error of each.
+
+    PYTHONPATH=tests python -m reference.steering_table
+
+writes `tests/data/steering_reference.json` (some minutes). Every walk is made twice: `whole`, with
+edges that land as wholes (see WHOLE_EDGES), as a model without roll has it, and `sharp`, with
+corners that land one by one. What the two differ by is what roll does. Each is made with three
+lengths of step, each half of the one before; the result is extrapolated to none, and its error is
+the largest difference of the three, as in `convergence.py`.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from .drive import complete_drive
+from .heading import TURNING_STEP, Heading, constant
+from .simulate import CONTACT_DEFAULTS, DRAG_DEFAULTS, ROBOT_DEFAULTS
+from .walk import HALVINGS, WHOLE_EDGES, walk
+
+FILE = Path(__file__).parent.parent / "data" / "steering_reference.json"
+SHORTEST = (4e-9, 2e-9, 1e-9)  # s; steps without events are 2^HALVINGS times as long
+
+PULSES = 20
+IPP = {
+    "mode": "IPP", "frequency": 100.0, "base": 0.5e-3, "hold": 1e-3, "peak": 2.5e-3,
+    "edge": "rise", "clamp": "down", "pulses": PULSES,
+}  # fmt: skip
+OPP = {**IPP, "mode": "OPP", "frequency": 60.0, "base": 0.3e-3, "hold": 2.5e-3}
+SLOW = {**IPP, "frequency": 30.0, "edge": "fall", "clamp": "up"}
+FAST_OPP = {**OPP, "frequency": 100.0, "base": 0.0, "clamp": "up"}
+
+# Numbers that are compared across walks: m/s, m/s, m, m, rad, rad, rad.
+RESULTS = ("along", "across", "shift_x", "shift_y", "lag_max", "lag_rms", "roll_max")
+
+
+def _turn(drive, degrees, begin, duration):
+    """A heading that turns to `degrees` from the given pulse, within some pulses."""
+    start = complete_drive(drive)["ramp"] + begin / drive["frequency"]
+    return Heading((start, start + duration / drive["frequency"]), (0.0, np.radians(degrees)))
+
+
+def rows():
+    """(name, arguments of `walk`) of every walk of the table; angles in degrees in the names."""
+
+    def row(name, drive, heading, **more):
+        heading = heading if isinstance(heading, Heading) else constant(np.radians(heading))
+        return name, {"drive": drive, "heading": heading, **more}
+
+    for angle in (0, 15, 30, 45, 60, 90, 135, 180, -30):
+        yield row(f"IPP {angle}", IPP, angle)
+    yield row("IPP -30, y coil behind", IPP, -30, coils="behind-y")
+    for angle in (0, 30, 45):
+        yield row(f"IPP {angle}, pairs", IPP, angle, coils="pairs")
+    for angle in (0, 20, 45, 90, 160):
+        yield row(f"OPP {angle}", OPP, angle)
+    for angle in (0, 20, 45):
+        yield row(f"OPP {angle}, pairs", OPP, angle, coils="pairs")
+    yield row("IPP 30, 30 Hz fall up", SLOW, 30)
+    yield row("OPP 30, 100 Hz up base 0", FAST_OPP, 30)
+    for x, y in ((10, 0), (0, 10), (5, -7)):
+        for name, drive, angle in (("IPP", IPP, 0), ("IPP", IPP, 30), ("OPP", OPP, 20)):
+            place = (x * 1e-3, y * 1e-3)
+            yield row(f"{name} {angle}, at ({x}, {y}) mm", drive, angle, place=place)
+    yield row("IPP 30, pairs, at (5, -7) mm", IPP, 30, coils="pairs", place=(5e-3, -7e-3))
+    for static in (0.1, 0.4, 0.8):
+        contact = {"static_friction": static, "kinetic_friction": round(0.725 * static, 4)}
+        for name, drive, angle in (("IPP", IPP, 30), ("OPP", OPP, 20)):
+            yield row(f"{name} {angle}, friction {static}", drive, angle, contact=contact)
+    yield row("IPP 30, adhesion 0", IPP, 30, contact={"adhesion": 0.0})
+    yield row("IPP 30, restitution 0.3", IPP, 30, contact={"restitution": 0.3})
+    yield row("IPP turn 0 to 30 in 0.5 pulses", IPP, _turn(IPP, 30, 5, 0.5))
+    yield row("IPP turn 0 to 30 in 3 pulses", IPP, _turn(IPP, 30, 5, 3))
+    yield row("IPP turn 0 to 30 in 3 pulses, pairs", IPP, _turn(IPP, 30, 5, 3), coils="pairs")
+    yield row("IPP turn 0 to 90 in 5 pulses", IPP, _turn(IPP, 90, 5, 5))
+    yield row("IPP turn 0 to 90 in 5 pulses, pairs", IPP, _turn(IPP, 90, 5, 5), coils="pairs")
+    yield row("OPP turn 0 to 30 in 3 pulses", OPP, _turn(OPP, 30, 5, 3))
+    yield row("OPP turn 0 to 90 in 5 pulses", OPP, _turn(OPP, 90, 5, 5))
+
+
+def numbers_of(found) -> list:
+    """The numbers of a `Walk` in the order of RESULTS."""
+    return [
+        found.along, found.across, *found.displacement, found.lag_max, found.lag_rms,
+        found.roll_max,
+    ]  # fmt: skip
+
+
+def result_of(arguments: dict) -> dict:
+    """Results of one walk with their errors, extrapolated to no step at all; see RESULTS."""
+    walks = [walk(**arguments, shortest=shortest) for shortest in SHORTEST]
+    ladder = np.array([numbers_of(found) for found in walks])
+    best, error = 2 * ladder[-1] - ladder[-2], np.ptp(ladder, axis=0)
+    return {
+        "values": dict(zip(RESULTS, best.tolist(), strict=True)),
+        "errors": dict(zip(RESULTS, error.tolist(), strict=True)),
+        "counts": walks[-1].counts,
+    }
+
+
+def entry_of(name: str, arguments: dict) -> dict:
+    """What the file tells about one walk: everything that `walk` needs, and what came out."""
+    heading = arguments["heading"]
+    given = {
+        "drive": complete_drive(arguments["drive"]),
+        "heading": {"times": list(heading.times), "angles": list(map(float, heading.angles))},
+        "coils": arguments.get("coils", "single"),
+        "place": list(arguments.get("place", (0.0, 0.0))),
+        "contact": {**CONTACT_DEFAULTS, **arguments.get("contact", {})},
+    }
+    whole = result_of({**arguments, "reach": WHOLE_EDGES})
+    # Twice the reach, at the first length of step: nothing, unless the roll is large.
+    twice = np.array(numbers_of(walk(**arguments, reach=2 * WHOLE_EDGES, shortest=SHORTEST[0])))
+    change = np.abs(twice - numbers_of(walk(**arguments, reach=WHOLE_EDGES, shortest=SHORTEST[0])))
+    whole["change_with_reach"] = dict(zip(RESULTS, change.tolist(), strict=True))
+    return {"name": name, **given, "whole": whole, "sharp": result_of(arguments)}
+
+
+def main():
+    """Make the table, and write it to the file or to the one that the command names."""
+    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
+    walks = []
+    for name, arguments in rows():
+        walks.append(entry_of(name, arguments))
+        for kind in ("whole", "sharp"):
+            values, errors = walks[-1][kind]["values"], walks[-1][kind]["errors"]
+            along, across = (
+                f"{values[key] * 1e3:9.5f} +- {errors[key] * 1e3:.5f} mm/s {key}"
+                for key in ("along", "across")
+            )
+            lag, roll = np.degrees([values["lag_max"], values["roll_max"]])
+            print(f"{name:38s} {kind} {along} {across} lag {lag:.3f} roll {roll:.3f}", flush=True)
+    table = {
+        "about": "eight corners, see tests/reference/steering_table.py; SI units and radians",
+        "robot": ROBOT_DEFAULTS,
+        "drag": DRAG_DEFAULTS,
+        "shortest_steps": SHORTEST,
+        "halvings": HALVINGS,
+        "turning_step": TURNING_STEP,
+        "whole_edges": WHOLE_EDGES,
+        "walks": walks,
+    }
+    file.write_text(json.dumps(table, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
