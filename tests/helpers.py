@@ -29,12 +29,12 @@ NO_FIELD = {"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0, "drive.ramp
 QUICK_COILS = {"coil.inductance": 1e-6}
 
 # Pressed so hard to the surface that no field of these tests moves it.
-HELD = {"contact.adhesion": 1e-3, "solver.planar": "force"}
+HELD = {"contact.adhesion": 1e-3}
 # All five coils, jumps, ramps, both signs; stretches short against the time constant.
 BUSY = Waveform.from_points(
     [0.0, 1e-3, 1e-3, 2e-3, 3e-3, 3e-3, 4e-3],
-    [[0, 0, 0, 0, 0], [30, 5, 0, -8, -20], [-10, 5, 0, 8, -20], [-10, -5, 4, 8, 30],
-     [20, 0, 4, 0, -30], [0, 0, 0, 0, 10], [25, -25, 0, 2, 10]],
+    [[0, 0, 0, 0, 0], [30, 5, 8, -8, -20], [-10, 5, -8, 8, -20], [-10, -5, 4, -4, 30],
+     [20, 0, 4, -4, -30], [0, 0, 0, 0, 10], [25, -25, -2, 2, 10]],
 )  # fmt: skip
 
 

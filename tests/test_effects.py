@@ -62,12 +62,14 @@ ARRAYS = ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction
 
 
 def test_every_extension_of_a_known_law_is_tested_here():
-    # Those of a free shape: test_effects_free_shapes.py; coils: test_own_coils.py.
+    # Those of a free shape: test_effects_free_shapes.py; coils: test_own_coils.py; what acts across
+    # the plane y = 0: cpp/tests/test_plane.cpp.
     listed = {f"{effect.name}.{key.name.rpartition('.')[2]}"
               for effect in stickslip.effects()
               if is_lawful(effect.name)
               for key in effect.parameters}  # fmt: skip
-    assert listed == set(PARAMETERS) | SHAPES
+    across = {"ambient_field.By", "surface_tilt.azimuth"}
+    assert listed == set(PARAMETERS) | SHAPES | across
 
 
 @pytest.mark.parametrize("name", PARAMETERS)

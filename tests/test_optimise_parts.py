@@ -35,9 +35,9 @@ def test_minimising_scores_the_greatest_values():
 
 def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not():
     goal = made_goal("mean_velocity", None, "worst", {"voltage_max": 26.0})
-    out_of_plane = Waveform.hold(0.3, {"yp": 20.0})
+    reversed_field = Waveform.hold(0.1, {"yp": 20.0}) + Waveform.hold(0.2, {"yp": -20.0})
     drives = [
-        {"drive.mode": "program", "drive.program": out_of_plane},
+        {"drive.mode": "program", "drive.program": reversed_field},
         {"drive.base": 9e-3},  # above the peak: no scenario
         {"drive.peak": 4e-3},
         {"drive.peak": 3e-3},

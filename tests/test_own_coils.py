@@ -49,7 +49,7 @@ def test_own_values_that_are_those_of_all_change_no_bit():
 def test_the_current_of_each_coil_follows_its_own_time_constant():
     # A step of 1 V in every coil: I = (1 - exp(-t R/L)) / R, Eq. (1).
     step = Waveform([([0.0, 0.05], np.ones((2, 5)), 1)])
-    changes = {**OWN, "solver.planar": "force", "record.rate": 1e3, "robot.magnetization": 1.0}
+    changes = {**OWN, "record.rate": 1e3, "robot.magnetization": 1.0}
     run = simulate(Scenario(drive=Drive(mode="program", program=step)).replace(changes))
     for coil, (ohm, henry) in enumerate([(10.0, 0.07)] * 4 + [(7.0, 0.03)]):
         expected = -np.expm1(-run.t * ohm / henry) / ohm

@@ -35,6 +35,8 @@ def every_key_changed():
             "drive.clamp": "up",
             "drive.edge": "fall",
             "drive.direction": "-x",
+            "drive.heading": 0.4,
+            "drive.coils": "pairs",
             "drive.base": -1e-4,
             "drive.edge_time": 1e-4,
             "drive.ramp_down": 0.013,
@@ -42,7 +44,6 @@ def every_key_changed():
             "contact.restitution": 0.25,
             "contact.tangential_restitution": 0.3,
             "solver.method": "arkode",
-            "solver.planar": "force",
             "solver.max_step": 1e-3,
             "solver.velocity_error": 1e-6,
             "record.rate": 1234.5,
@@ -261,7 +262,8 @@ def test_a_long_or_broken_value_stays_on_one_short_line():
 
 def test_effects_table_is_the_cores():
     table = {effect.name: effect for effect in stickslip.effects()}
-    (angle,) = table["surface_tilt"].parameters
+    angle, azimuth = table["surface_tilt"].parameters
+    assert azimuth.name == "effects.surface_tilt.azimuth"
     assert (angle.name, angle.unit) == ("effects.surface_tilt.angle", "rad")
     for effect in table.values():
         assert effect.meaning

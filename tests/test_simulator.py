@@ -265,7 +265,7 @@ def refusals():
     yield lambda: rollout(Scenario(), None, rows, 0.0), "duration"
     yield lambda: rollout(Scenario(), np.zeros((2, 3)), rows, STEP), "shape"
     yield lambda: rollout([Scenario()] * 2, None, np.zeros((3, 4, 5)), STEP), "number of runs"
-    yield lambda: rollout(Scenario(), None, rows, STEP, record=["y"]), "record"
+    yield lambda: rollout(Scenario(), None, rows, STEP, record=["w"]), "record"
     yield lambda: rollout(Scenario(), None, rows, STEP, out=np.zeros(3)), "out of shape"
     for until in ("x = 3", "y >= 2", "x >= nan", "x >= 3 m", 3):
         yield lambda until=until: simulate(Scenario(), until=until), "until"

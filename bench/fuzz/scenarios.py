@@ -288,8 +288,7 @@ def _any_value(draw: Draw, key: Key) -> float | int | str:
 
 def _allowed_together(keys: Keys) -> Keys:
     """The draws with what excludes each other brought into order."""
-    # All coils are drawn: how the planar model takes them is looked at, not whether it applies.
-    result = {**keys, "solver.planar": "force"}
+    result = dict(keys)
 
     def limit(key: str, most: float) -> None:
         if key in result:

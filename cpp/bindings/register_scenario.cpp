@@ -126,14 +126,14 @@ py::list blocks_of(const VoltageProgram& program) {
 /// The voltages as the coils get them, in the world's frame.
 VoltageProgram world_program(const Scenario& scenario) {
     const VoltageProgram program = make_program(scenario);
-    return scenario.drive.direction == Direction::plus_x ? program : turned(program);
+    return frame_sign(scenario) > 0.0 ? program : turned(program);
 }
 
 /// The largest that the drive asks of each coil of the world's frame, V.
 PerCoil asked_voltages(const Scenario& scenario) {
     const VoltageProgram program = asked_program(scenario);
-    return scenario.drive.direction == Direction::plus_x ? program.largest_voltage()
-                                                         : turned(program).largest_voltage();
+    return frame_sign(scenario) > 0.0 ? program.largest_voltage()
+                                      : turned(program).largest_voltage();
 }
 
 const std::vector<std::string> kEveryColumn(kColumnNames.begin(), kColumnNames.end());
@@ -219,7 +219,8 @@ void register_scenario(py::module_& module) {
         .def("free_curve", &free_curve_at, py::arg("effect"), py::arg("arguments"))
         .def_property_readonly(
             "in_plane_coil",
-            [](const Scenario& self) { return name(in_plane_coil(self.drive.direction)); })
+            [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); })
+        .def_property_readonly("turns", [](const Scenario& self) { return turns(self); })
         .def_property_readonly("duration", &duration)
         .def_property_readonly("window", [](const Scenario& self) {
             const Window window = measuring_window(self);

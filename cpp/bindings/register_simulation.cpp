@@ -63,6 +63,9 @@ py::dict summary_dict(const RunResult& run) {
     result["mean_velocity"] = s.mean_velocity;
     result["finished_pulses"] = s.finished_pulses;
     result["finished_velocity"] = s.finished_velocity;
+    result["mean_velocity_y"] = s.mean_velocity_y;
+    result["finished_velocity_y"] = s.finished_velocity_y;
+    result["turning_speed"] = s.turning_speed;
     result["theta_min"] = s.theta_min;
     result["theta_max"] = s.theta_max;
     result["slip_up"] = s.slip_up;
@@ -157,6 +160,7 @@ py::tuple sweep_columns(
     columns["status"] = column<std::int8_t>(
         points, [](const SweepPoint& p) { return p.refused ? -1 : static_cast<int>(p.status); });
     add("mean_velocity", &Summary::mean_velocity);
+    add("mean_velocity_y", &Summary::mean_velocity_y);
     add("theta_min", &Summary::theta_min);
     add("theta_max", &Summary::theta_max);
     add("slip_up", &Summary::slip_up);
@@ -207,12 +211,14 @@ void register_simulation(py::module_& module) {
     for (std::size_t k = 0; k < kEventKinds; ++k) {
         event_names.append(name(static_cast<EventKind>(k)));
     }
-    for (int k = 0; k <= static_cast<int>(Status::leaves_plane); ++k) {
+    for (int k = 0; k <= static_cast<int>(Status::turns_too_fast); ++k) {
         status_names.append(name(static_cast<Status>(k)));
     }
     module.attr("stop_quantities") = py::cast(kStopQuantities);
     module.attr("status_names") = py::tuple(status_names);
     module.attr("record_columns") = py::tuple(py::cast(kColumnNames));
+    module.attr("plane_columns") = py::tuple(
+        py::cast(std::vector<std::string>(kColumnNames.end() - kPlaneColumns, kColumnNames.end())));
     module.attr("contact_names") = py::tuple(contact_names);
     module.attr("event_names") = py::tuple(event_names);
 }

@@ -24,7 +24,7 @@ struct ArkodeStep {
         if (s == 1.0) return last;
         // The interpolant asks for rates of its own, which must not move the bases of the steps to
         // come: a recording would change the motion.
-        const Dynamics state = phase->state();
+        const auto state = phase->state();
         State y;
         session->interpolate(start + s * width, y.data());
         phase->restore(state);

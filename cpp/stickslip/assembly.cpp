@@ -66,13 +66,23 @@ void check_work(const Scenario& s, double duration) {
 
 // A sawtooth is given as the field of two coils at the centre.
 void check_drive_of_map(const Scenario& s) {
-    for (const Coil coil : {in_plane_coil(s.drive.direction), Coil::clamp}) {
+    for (const Coil coil : {in_plane_coil(drive_direction(s)), Coil::clamp}) {
         const double field = world_coil_set(s).centre_field_per_ampere(coil);
         if (field > 0.0) continue;
         throw std::invalid_argument(
             std::string("coil.map: coil ") + name(coil) + " has " + digits(field) +
             " T/A along its axis at x = y = z = 0, from which the drive counts: allowed is a field "
             "above 0");
+    }
+}
+
+void check_plane(const Scenario& s) {
+    if (!turns(s)) return;
+    for (const UserSetting& each : s.user_effects) {
+        if (each.absent()) continue;
+        throw std::invalid_argument("effects." + each.effect->name +
+                                    ": allowed is a robot that stays in the plane y = 0; an effect "
+                                    "of one's own has no force across it");
     }
 }
 
@@ -101,6 +111,7 @@ void check(const Scenario& s) {
                     "a kinetic friction that is not above the static one");
     }
     check_own_coils(s);
+    check_plane(s);
     if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
         refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
                     "contact.restitution", s.contact.restitution, "a sum of at most 1");
@@ -150,8 +161,58 @@ double duration(const Scenario& scenario) {
     return drive.ramp + pulsing_time(drive) + drive.ramp_down;
 }
 
-double frame_sign(const Scenario& scenario) {
-    return scenario.drive.direction == Direction::plus_x ? 1.0 : -1.0;
+SurfaceDirection drive_direction(const Scenario& s) {
+    const SurfaceDirection of_heading = surface_direction(s.drive.heading);
+    if (s.drive.direction == Direction::plus_x) return of_heading;
+    return {-of_heading.x, -of_heading.y};
+}
+
+double frame_sign(const Scenario& s) {
+    return !turns(s) && drive_direction(s).x < 0.0 ? -1.0 : 1.0;
+}
+
+Heading start_heading(const Scenario& s) {
+    const bool is_told = s.drive.mode == DriveMode::program || s.initial.heading != 0.0;
+    const SurfaceDirection start =
+        is_told ? surface_direction(s.initial.heading) : drive_direction(s);
+    return {start.x, start.y};
+}
+
+// The coils of y make no field across only together, as equal ones.
+bool turns(const PerCoil& voltages) {
+    constexpr double kRounding = 1e-9;  // of a state that was written in decimals
+    const double across = voltages[2] + voltages[3];
+    return std::abs(across) > kRounding * (std::abs(voltages[2]) + std::abs(voltages[3]));
+}
+
+Scenario in_whole_plane(const Scenario& scenario, const SimulationState& state) {
+    Scenario result = scenario;
+    result.initial = state;
+    result.whole_plane = true;
+    return result;
+}
+
+bool turns(const Scenario& s) {
+    const Effects& e = s.effects;
+    const SimulationState& start = s.initial;
+    const bool pushed =
+        e.ambient_field_by != 0.0 ||
+        (e.surface_tilt_angle != 0.0 && surface_direction(e.surface_tilt_azimuth).y != 0.0);
+    if (s.whole_plane || pushed || start.y != 0.0 || start.vy != 0.0) return true;
+    // A field that was measured has a part across everywhere; one that was measured in the plane of
+    // motion alone says nothing of it.
+    if (s.map && s.map->box().low.y() < s.map->box().high.y()) return true;
+    if (turns(start.current) || turns(start.field_lag)) return true;
+    const bool alike = e.own_coils[2] == e.own_coils[3];
+    if (!alike && e.mutual_inductance_coupling != 0.0) return true;
+    if (s.drive.mode != DriveMode::program) return drive_direction(s).y != 0.0;
+    for (const VoltageBlock& block : s.program.blocks()) {
+        for (const VoltagePoint& point : block.points) {
+            const bool driven = point.voltage[2] != 0.0 || point.voltage[3] != 0.0;
+            if (driven && (!alike || turns(point.voltage))) return true;
+        }
+    }
+    return false;
 }
 
 Model make_model(const Scenario& s) {
@@ -159,14 +220,17 @@ Model make_model(const Scenario& s) {
     const Effects& e = s.effects;
     Model model;
     model.shape = Rectangle(robot.length, robot.height);
+    model.width = robot.width;
     model.mass = robot.mass;
     model.inertia = robot.mass * (robot.length * robot.length + robot.height * robot.height) / 12.0;
     model.moment = robot.magnetization * robot.length * robot.width * robot.height *
                    (1.0 + e.magnetization_scale_fraction);
     model.misalignment = e.misalignment_angle;
     model.gradient_excess = e.gradient_scale_fraction;
-    const double tilt = frame_sign(s) * e.surface_tilt_angle;
-    model.gravity_x = s.gravity * std::sin(tilt);
+    // In the whole plane what acts along the surface has any direction, see `surface_weight`.
+    const double downhill = surface_direction(e.surface_tilt_azimuth).x;
+    const double tilt = frame_sign(s) * (downhill < 0.0 ? -1.0 : 1.0) * e.surface_tilt_angle;
+    model.gravity_x = turns(s) ? 0.0 : s.gravity * std::sin(tilt);
     model.gravity_z = -s.gravity * std::cos(tilt);
     model.translational_drag = s.drag.linear;
     model.angle_drag = e.angle_drag_strength;
@@ -250,7 +314,7 @@ PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
 
 VoltageProgram asked_program(const Scenario& s) {
     if (s.drive.mode == DriveMode::program) {
-        return s.drive.direction == Direction::plus_x ? s.program : turned(s.program);
+        return frame_sign(s) > 0.0 ? s.program : turned(s.program);
     }
     const PerCoilOf<CoilParameters> coils = robot_coils(s);
     const CoilSet windings = robot_coil_set(s);
@@ -261,7 +325,9 @@ VoltageProgram asked_program(const Scenario& s) {
     }
     Drive drive = s.drive;
     drive.edge_time += s.effects.edge_time_time;
-    return sawtooth_program(drive, volts_per_tesla);
+    // The frame of a robot that stays in one plane is its own.
+    const SurfaceDirection towards = turns(s) ? drive_direction(s) : SurfaceDirection{};
+    return sawtooth_program(drive, towards, volts_per_tesla);
 }
 
 VoltageProgram make_program(const Scenario& s) {
@@ -270,8 +336,10 @@ VoltageProgram make_program(const Scenario& s) {
     return limit > 0.0 ? clipped(program, limit) : program;
 }
 
-LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
-                            const CoilSet& coils) {
+namespace {
+
+// Of the coils that have current in a run.
+PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
     PerCoil gain = field_gain(scenario);
     const PerCoil current = initial_currents(scenario);
     // Coupled coils all have current.
@@ -280,15 +348,43 @@ LocalField make_local_field(const Scenario& scenario, const VoltageProgram& prog
                             scenario.effects.mutual_inductance_coupling != 0.0;
         if (!driven) gain[k] = 0.0;
     }
+    return gain;
+}
+
+}  // namespace
+
+// In the whole plane the field is that of the PlaneDynamics.
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils) {
+    const PerCoil gain = turns(scenario) ? PerCoil{} : driven_gain(scenario, program);
     return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
                       scenario.effects.ambient_field_bz);
+}
+
+PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& program,
+                                  const CoilSet& coils, const StepperOptions& options,
+                                  Dynamics& upright) {
+    const Effects& e = s.effects;
+    const SurfaceDirection downhill = surface_direction(e.surface_tilt_azimuth);
+    const double weight = s.robot.mass * s.gravity * std::sin(e.surface_tilt_angle);
+    // Slips that are slower change the motion by less than the steps' own error.
+    constexpr double kLeastSlip = 0.1;
+    PlaneDynamics plane(upright,
+                        SpatialField(coils, driven_gain(s, program),
+                                     {e.ambient_field_bx, e.ambient_field_by, e.ambient_field_bz}),
+                        {weight * downhill.x, weight * downhill.y},
+                        kLeastSlip * options.tolerance * options.scales.velocity);
+    plane.set_heading(start_heading(s));
+    return plane;
 }
 
 // Natural scales: the free swing about a corner in the strongest field, under weight and adhesion.
 StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
                                     const VoltageProgram& program, const CoilSet& coils,
                                     const std::atomic<bool>* stop) {
-    double field = std::hypot(scenario.effects.ambient_field_bx, scenario.effects.ambient_field_bz);
+    const Effects& e = scenario.effects;
+    double field =
+        std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
     const PerCoil current = initial_currents(scenario);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario);
     for (const Coil coil : kAllCoils) {
@@ -334,7 +430,7 @@ Window measuring_window(const Scenario& s) {
 }
 
 SteadyPulses make_steady_pulses(const Scenario& s, bool is_stopped) {
-    const bool whole = is_stopped || s.drive.mode == DriveMode::program ||
+    const bool whole = is_stopped || turns(s) || s.drive.mode == DriveMode::program ||
                        s.record.kind != RecordKind::none || has_shape_of_time(s.effects);
     return SteadyPulses(
         s.drive.ramp, 1.0 / s.drive.frequency, static_cast<std::size_t>(settling_pulses(s.drive)),

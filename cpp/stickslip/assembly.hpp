@@ -6,6 +6,7 @@
 #include "stickslip/local_field.hpp"
 #include "stickslip/measurement_chain.hpp"
 #include "stickslip/model.hpp"
+#include "stickslip/plane_dynamics.hpp"
 #include "stickslip/scenario.hpp"
 #include "stickslip/steady_pulses.hpp"
 #include "stickslip/stepping.hpp"
@@ -17,7 +18,24 @@ namespace stickslip {
 /// their range but make no sense together.
 void check(const Scenario& scenario);
 
-/// +1, or -1 for a robot that is turned to face -x: world x = frame sign times the robot's x.
+/// Where the drive sends the robot.
+SurfaceDirection drive_direction(const Scenario& scenario);
+
+/// Whether the robot moves in the whole plane of the surface, and not along x alone: something
+/// turns it, or pushes it across.
+bool turns(const Scenario& scenario);
+
+/// Whether held voltages turn a robot, or push it across.
+bool turns(const PerCoil& voltages);
+/// The scenario of a run that goes on from `state` in the whole plane.
+Scenario in_whole_plane(const Scenario& scenario, const SimulationState& state);
+
+/// Where the robot of a run in the whole plane faces at the start, as long as the field is too weak
+/// to say: where a pulsed drive sends it, or as its initial state says.
+Heading start_heading(const Scenario& scenario);
+
+/// +1, or -1 for a robot that is turned to face -x and stays in the plane y = 0: world x = frame
+/// sign times the robot's x.
 double frame_sign(const Scenario& scenario);
 
 /// Constants of motion in the robot's own frame.
@@ -47,6 +65,12 @@ VoltageProgram make_program(const Scenario& scenario);
 /// The field near the robot, of the coils that have current. `coils` have to outlive it.
 LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
                             const CoilSet& coils);
+
+/// What turns the robot and what is across, where it moves in the whole plane. `upright` and
+/// `coils` have to outlive it.
+PlaneDynamics make_plane_dynamics(const Scenario& scenario, const VoltageProgram& program,
+                                  const CoilSet& coils, const StepperOptions& options,
+                                  Dynamics& upright);
 
 /// How accurate the steps are to be, from the natural scales of the motion. `stop` may be nullptr.
 StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,

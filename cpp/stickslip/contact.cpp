@@ -127,6 +127,7 @@ void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velo
                                                 : pivot_inertia(model.inertia, model.mass, pose);
     body.omega += model.mass * pose.height * slip_velocity / inertia;
     body.vx = body.omega * pose.height;
+    body.vy = 0.0;
     body.vz = body.omega * pose.lever;
 }
 

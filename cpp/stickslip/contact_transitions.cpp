@@ -7,40 +7,82 @@ namespace stickslip {
 
 void ContactTransitions::begin(bool touches_down) {
     changes_.clear();
+    enter_heading(0.0);
     if (touches_down) {
         touch_down(0, 0.0);
     } else {
-        settle(state_.mode.touch, state_.slip_velocity, state_.mode.slip, 0.0);
+        settle(state_.mode.touch, slip(), state_.mode.slip, 0.0);
     }
+    leave_heading();
 }
 
 void ContactTransitions::handle(Event event, double tau) {
     changes_.clear();
+    enter_heading(tau);
     react(event, tau);
+    leave_heading();
+}
+
+void ContactTransitions::enter_heading(double tau) {
+    if (!plane_) return;
+    BodyState& body = state_.body;
+    plane_->field().rebase({body.x, body.y, body.z});
+    heading_ = plane_->headed(plane_->field().at(tau), body.x, body.y, body.z).heading;
+    const Slip velocity = heading_.seen(body.vx, body.vy);
+    body.vx = velocity.along;
+    body.vy = velocity.across;
+    const Slip slip = heading_.seen(state_.slip_velocity, state_.slip_y);
+    state_.slip_velocity = slip.along;
+    state_.slip_y = slip.across;
+    if (state_.mode.touch == Touch::face) {
+        // A heading that has turned has moved the end of the face about its middle.
+        state_.contact_x = body.x;
+        state_.contact_y = body.y;
+        const Face face = model().face(body.quadrant);
+        move_contact(face.half_base + face.shift - face.roll);
+    }
+}
+
+void ContactTransitions::leave_heading() {
+    if (!plane_) return;
+    BodyState& body = state_.body;
+    const Slip velocity = {body.vx, body.vy}, slip = this->slip();
+    body.vx = heading_.x(velocity);
+    body.vy = heading_.y(velocity);
+    body.heading = heading_.angle();
+    state_.slip_velocity = heading_.x(slip);
+    state_.slip_y = heading_.y(slip);
 }
 
 void ContactTransitions::react(Event event, double tau) {
     switch (event) {
         case Event::none:
             break;
-        case Event::lift_off:
-            settle(Touch::none, 0.0, 0, tau);
+        case Event::slip_slows:
+            state_.slips_slowly = true;
             break;
+        case Event::slip_quickens:
+            state_.slips_slowly = false;
+            break;
+        case Event::lift_off:
+            settle(Touch::none, {}, 0, tau);
+            break;
+        case Event::breaks_loose:
         case Event::breaks_forward:
-            settle(state_.mode.touch, 0.0, 1, tau);
+            settle(state_.mode.touch, {}, 1, tau);
             break;
         case Event::breaks_backward:
-            settle(state_.mode.touch, 0.0, -1, tau);
+            settle(state_.mode.touch, {}, -1, tau);
             break;
         case Event::slip_stops:
-            settle(state_.mode.touch, 0.0, 0, tau);
+            settle(state_.mode.touch, {}, 0, tau);
             break;
         case Event::ahead_lifts:
             pivot_on_rear_end();
-            settle(Touch::corner, state_.slip_velocity, 0, tau);
+            settle(Touch::corner, slip(), 0, tau);
             break;
         case Event::behind_lifts:
-            settle(Touch::corner, state_.slip_velocity, 0, tau);
+            settle(Touch::corner, slip(), 0, tau);
             break;
         case Event::behind_lands:
             if (state_.mode.touch == Touch::none)
@@ -63,7 +105,7 @@ void ContactTransitions::react(Event event, double tau) {
         case Event::sliding_jams:
             stop_slip_by_impulse(model(), pose(), state_.slip_velocity, state_.body);
             count(EventKind::painleve);
-            settle(Touch::corner, 0.0, 0, tau);
+            settle(Touch::corner, {}, 0, tau);
             break;
     }
 }
@@ -75,13 +117,14 @@ void ContactTransitions::land(int quadrant, Arrival arrival, double tau) {
     BodyState before = body;
     before.quadrant = quadrant;
     before.angle = 0.0;
-    if (quadrant != body.quadrant) state_.contact_x += 2.0 * model().shape.half_base(quadrant);
-    const double front = state_.contact_x;
+    if (quadrant != body.quadrant) move_contact(2.0 * model().shape.half_base(quadrant));
+    const double front_x = state_.contact_x, front_y = state_.contact_y;
     const ImpactResult impact =
         face_impact(model(), before, arrival, old_slips, dynamics_.start() + tau);
     body = impact.body;
-    if (body.quadrant != quadrant)
-        state_.contact_x = front - 2.0 * model().shape.half_base(quadrant);
+    state_.contact_x = front_x;
+    state_.contact_y = front_y;
+    if (body.quadrant != quadrant) move_contact(-2.0 * model().shape.half_base(quadrant));
     place_by_contact();
     const bool on_front = body.quadrant == quadrant;
     if (impact.touch == Touch::face) {
@@ -91,7 +134,7 @@ void ContactTransitions::land(int quadrant, Arrival arrival, double tau) {
     } else {
         count(EventKind::rebound);
     }
-    settle(impact.touch, impact.slip_velocity, 0, tau);
+    settle(impact.touch, {impact.slip_velocity, impact.slip_across}, 0, tau);
 }
 
 // The corner `offset` quadrants on from the pivot meets the surface out of flight.
@@ -123,9 +166,11 @@ void ContactTransitions::touch_down(int offset, double tau) {
     dynamics_.set_contact_age(-tau);
     dynamics_.set_quadrant(body.quadrant);
     const Pose there = pose();
-    state_.contact_x = body.x + (there.lever - there.roll);
+    state_.contact_x = body.x;
+    state_.contact_y = body.y;
+    move_contact(there.lever - there.roll);
     place_by_contact();
-    settle(impact.touch, impact.slip_velocity, 0, tau);
+    settle(impact.touch, {impact.slip_velocity, impact.slip_across}, 0, tau);
 }
 
 // Puts the centre of mass where the pivot corner on the surface has it.
@@ -133,29 +178,39 @@ void ContactTransitions::place_by_contact() {
     BodyState& body = state_.body;
     dynamics_.set_quadrant(body.quadrant);
     const Pose now = pose();
-    body.x = state_.contact_x - (now.lever - now.roll);
+    body.x = state_.contact_x - (now.lever - now.roll) * heading_.cosine;
+    body.y = state_.contact_y - (now.lever - now.roll) * heading_.sine;
     body.z = now.height;
 }
 
 // Takes the rear end of the face for the pivot.
 void ContactTransitions::pivot_on_rear_end() {
     BodyState& body = state_.body;
-    state_.contact_x -= 2.0 * model().shape.half_base(body.quadrant);
+    move_contact(-2.0 * model().shape.half_base(body.quadrant));
     body.quadrant -= 1;
     body.angle = kQuarterTurn;
 }
 
 // Finds the mode that the forces allow for what touches, and enters it.
-void ContactTransitions::settle(Touch touch, double slip_velocity, int onset, double tau) {
+void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double tau) {
     const ContactMode before = state_.mode;
-    const Resolution found =
-        resolve_contact(dynamics_, tau, state_.body, touch, slip_velocity, onset);
-    if (found.quadrant != state_.body.quadrant) pivot_on_rear_end();
-    state_.slip_velocity = slip_velocity;
-    state_.mode = found.mode;
-    if (state_.rests()) state_.body.vx = state_.body.vz = state_.body.omega = 0.0;
+    PlaneResolution found;
+    if (plane_) {
+        found = resolve_plane_contact(*plane_, tau, state_.body, touch, slip, onset != 0);
+        state_.slips_slowly = found.slip.size() <= plane_->slow_slip();
+    } else {
+        found.upright = resolve_contact(dynamics_, tau, state_.body, touch, slip.along, onset);
+        found.slip = slip;
+    }
+    if (found.upright.quadrant != state_.body.quadrant) pivot_on_rear_end();
+    state_.slip_velocity = found.slip.along;
+    state_.slip_y = found.slip.across;
+    state_.mode = found.upright.mode;
+    if (state_.rests()) {
+        state_.body.vx = state_.body.vy = state_.body.vz = state_.body.omega = 0.0;
+    }
     count_change(before);
-    if (found.impulse) react(Event::sliding_jams, tau);
+    if (found.upright.impulse) react(Event::sliding_jams, tau);
 }
 
 void ContactTransitions::count(EventKind kind) {

@@ -6,6 +6,7 @@
 
 #include "stickslip/hybrid_state.hpp"
 #include "stickslip/impact.hpp"
+#include "stickslip/plane_contact.hpp"
 #include "stickslip/recording.hpp"
 
 namespace stickslip {
@@ -16,6 +17,8 @@ class ContactTransitions {
 public:
     ContactTransitions(Dynamics& dynamics, HybridState& state)
         : dynamics_(dynamics), state_(state) {}
+    /// From now on of a robot that moves in the whole plane; it has to outlive this.
+    void set_plane(PlaneDynamics& plane) { plane_ = &plane; }
 
     /// From the state that is there, whose mode the forces may not allow. `touches_down`: with the
     /// impact of a corner on the surface that approaches it.
@@ -32,10 +35,19 @@ public:
     const std::array<std::int64_t, kEventKinds>& counts() const { return counts_; }
 
 private:
+    // Velocities along the heading and across while an event is handled; the world's after it.
+    void enter_heading(double tau);
+    void leave_heading();
     void react(Event event, double tau);
     void land(int quadrant, Arrival arrival, double tau);
     void touch_down(int corner_offset, double tau);
-    void settle(Touch touch, double slip_velocity, int onset, double tau);
+    // onset: which way an event has broken the contact loose, 0: none has.
+    void settle(Touch touch, const Slip& slip, int onset, double tau);
+    Slip slip() const { return {state_.slip_velocity, state_.slip_y}; }
+    void move_contact(double distance) {
+        state_.contact_x += distance * heading_.cosine;
+        state_.contact_y += distance * heading_.sine;
+    }
     void pivot_on_rear_end();
     void place_by_contact();
     void count(EventKind kind);
@@ -46,6 +58,8 @@ private:
 
     Dynamics& dynamics_;
     HybridState& state_;
+    PlaneDynamics* plane_ = nullptr;
+    Heading heading_;
     std::vector<EventKind> changes_;
     std::array<std::int64_t, kEventKinds> counts_ = {};
 };

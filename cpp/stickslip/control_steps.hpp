@@ -37,6 +37,15 @@ public:
         PerCoil held_voltage = {};
     };
     const Memory& memory() const { return memory_; }
+    /// The same in the world's frame.
+    Memory world_memory() const {
+        Memory result = memory_;
+        if (turned_) {
+            result.last = stickslip::turned(result.last);
+            result.held_voltage = stickslip::turned(result.held_voltage);
+        }
+        return result;
+    }
     /// Between two steps; what a failed one left is not played.
     void restore(const Memory& memory) {
         memory_ = memory;

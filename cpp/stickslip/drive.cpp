@@ -1,5 +1,7 @@
 #include "stickslip/drive.hpp"
 
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -7,12 +9,29 @@
 namespace stickslip {
 namespace {
 
-constexpr auto kInPlane = static_cast<std::size_t>(Coil::xp);
 constexpr auto kClampCoil = static_cast<std::size_t>(Coil::clamp);
 
 }  // namespace
 
-VoltageProgram sawtooth_program(const Drive& drive, const PerCoil& volts_per_tesla) {
+SurfaceDirection surface_direction(double angle) {
+    constexpr double kQuarter = 0.5 * std::numbers::pi;
+    const double quarters = std::round(angle / kQuarter);
+    const double rest = angle - quarters * kQuarter;
+    const double cosine = std::cos(rest), sine = std::sin(rest);
+    switch (static_cast<int>(std::fmod(quarters, 4.0)) & 3) {
+        case 0:
+            return {cosine, sine};
+        case 1:
+            return {-sine, cosine};
+        case 2:
+            return {-cosine, -sine};
+        default:
+            return {sine, -cosine};
+    }
+}
+
+VoltageProgram sawtooth_program(const Drive& drive, const SurfaceDirection& towards,
+                                const PerCoil& volts_per_tesla) {
     if (drive.mode == DriveMode::program) {
         throw std::invalid_argument("a voltage program has no sawtooth");
     }
@@ -21,7 +40,19 @@ VoltageProgram sawtooth_program(const Drive& drive, const PerCoil& volts_per_tes
     // `pulsing` is the field of the coil that plays the sawtooth, whichever it is.
     const auto voltages = [&](double pulsing, double holding) {
         PerCoil volts = {};
-        volts[kInPlane] = volts_per_tesla[kInPlane] * (in_plane_pulses ? pulsing : holding);
+        const double in_plane = in_plane_pulses ? pulsing : holding;
+        const auto add = [&](Coil plus, Coil minus, double part) {
+            if (part == 0.0) return;
+            const auto ahead = static_cast<std::size_t>(part > 0.0 ? plus : minus);
+            const auto behind = static_cast<std::size_t>(part > 0.0 ? minus : plus);
+            const double of_one = drive.coils == DriveCoils::pairs ? 0.5 * part : part;
+            volts[ahead] = volts_per_tesla[ahead] * (of_one * in_plane);
+            if (drive.coils == DriveCoils::pairs) {
+                volts[behind] = volts_per_tesla[behind] * (of_one * in_plane);
+            }
+        };
+        add(Coil::xp, Coil::xm, towards.x);
+        add(Coil::yp, Coil::ym, towards.y);
         volts[kClampCoil] =
             volts_per_tesla[kClampCoil] * sign * (in_plane_pulses ? holding : pulsing);
         return volts;
@@ -42,15 +73,16 @@ VoltageProgram sawtooth_program(const Drive& drive, const PerCoil& volts_per_tes
     }
     blocks.push_back(std::move(pulse));
     if (drive.ramp_down > 0.0) {
-        PerCoil down = bottom;
-        down[kInPlane] = 0.0;
+        PerCoil down = {};
+        down[kClampCoil] = bottom[kClampCoil];
         blocks.push_back({{{0.0, bottom}, {drive.ramp_down, down}}, 1});
     }
     return VoltageProgram(std::move(blocks));
 }
 
-Coil in_plane_coil(Direction direction) {
-    return direction == Direction::plus_x ? Coil::xp : Coil::xm;
+Coil in_plane_coil(const SurfaceDirection& towards) {
+    if (std::abs(towards.x) >= std::abs(towards.y)) return towards.x > 0.0 ? Coil::xp : Coil::xm;
+    return towards.y > 0.0 ? Coil::yp : Coil::ym;
 }
 
 VoltageProgram turned(const VoltageProgram& program) {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "stickslip/circuit.hpp"
-#include "stickslip/dynamics.hpp"
 #include "stickslip/summary.hpp"
 #include "stickslip/voltage_program.hpp"
 
@@ -19,22 +18,20 @@ namespace stickslip {
 /// what it moves within a stretch changes the field by 0.1 mT a mm.
 class DriveObserver {
 public:
-    explicit DriveObserver(const CoilSet& coils, const Circuit& circuit)
-        : coils_(&coils), resistance_(circuit.resistance()) {}
+    explicit DriveObserver(const Circuit& circuit) : resistance_(circuit.resistance()) {}
 
-    /// A stretch that has ended with the robot at `body`, in its own frame.
-    void stretch(const VoltageSegment& voltages, const CurrentSegment& segment,
-                 const Dynamics& dynamics, const BodyState& body, bool in_window) {
-        leaves_plane_ = false;
+    /// A stretch that has ended. field_at(tau): the field's size where the robot is now, T.
+    void stretch(const VoltageSegment& voltages, const CurrentSegment& segment, auto&& field_at,
+                 bool in_window) {
         for (std::size_t k = 0; k < kCoilCount; ++k) {
             voltage_max_ =
                 std::max({voltage_max_, std::abs(voltages.first[k]), std::abs(voltages.last[k])});
         }
-        look(segment.duration, segment, dynamics, body, in_window);
+        look(segment.duration, segment, field_at, in_window);
         for (std::size_t k = 0; k < kCoilCount; ++k) {
             const double turn = turning_point(segment, k);
             if (turn > 0.0 && turn < segment.duration) {
-                look(turn, segment, dynamics, body, in_window);
+                look(turn, segment, field_at, in_window);
             }
         }
         if (!in_window) return;
@@ -53,21 +50,7 @@ public:
         summary.voltage_max = voltage_max_;
     }
 
-    /// Whether a field across the plane is driven at all. gain: as of a LocalField.
-    bool drives_across(const PerCoil& gain) const {
-        return std::any_of(kAllCoils.begin(), kAllCoils.end(), [&](Coil coil) {
-            return gain[static_cast<std::size_t>(coil)] != 0.0 && has_field_across(*coils_, coil);
-        });
-    }
-    /// Whether the field of the last stretch would have turned the robot out of the plane.
-    bool leaves_plane() const { return leaves_plane_; }
-
 private:
-    // A robot's heading follows the horizontal field: within 5 % is within 3 degrees.
-    static constexpr double kMostAcross = 0.05;
-    // T; spin friction of an edge, 3e-12 N m, over the moment of Table II: less turns nothing.
-    static constexpr double kLeastAcross = 2e-6;
-
     // Where the current of a coil with one exponential turns, s from the start of the stretch.
     static double turning_point(const CurrentSegment& segment, std::size_t coil) {
         const double slope = segment.coil[1][coil], rate = segment.rate[0];
@@ -75,32 +58,19 @@ private:
         return ratio > 0.0 && std::isfinite(ratio) ? std::log(ratio) / rate : 0.0;
     }
 
-    void look(double tau, const CurrentSegment& segment, const Dynamics& dynamics,
-              const BodyState& body, bool in_window) {
-        const PerCoil currents = segment.currents(tau);
-        for (const double current : currents) {
+    void look(double tau, const CurrentSegment& segment, auto&& field_at, bool in_window) {
+        for (const double current : segment.currents(tau)) {
             current_max_ = std::max(current_max_, std::abs(current));
         }
-        const PlanarField planar = dynamics.field_at(tau)(body.x, body.z);
-        const LocalField& field = dynamics.field();
-        const double across =
-            field.factor(tau) *
-            field_across(*coils_, field.gain(), segment.field_currents(tau), body.x, body.z);
-        const double size =
-            std::sqrt(planar.bx * planar.bx + planar.bz * planar.bz + across * across);
+        const double size = field_at(tau);
         field_max_ = std::max(field_max_, size);
         if (in_window) field_min_ = std::min(field_min_, size);
-        leaves_plane_ =
-            leaves_plane_ || (std::abs(across) > kLeastAcross &&
-                              std::abs(across) > kMostAcross * std::hypot(planar.bx, across));
     }
 
-    const CoilSet* coils_;
     PerCoil resistance_;  // ohm
     double voltage_max_ = 0.0, current_max_ = 0.0, field_max_ = 0.0;
     double field_min_ = std::numeric_limits<double>::infinity();
     double energy_ = 0.0;  // J
-    bool leaves_plane_ = false;
 };
 
 }  // namespace stickslip

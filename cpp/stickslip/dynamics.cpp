@@ -49,12 +49,12 @@ void Dynamics::set_quadrant(int quadrant) {
     robot_.moment_sine = m.moment * (turn_.sine * c + turn_.cosine * s);
 }
 
-void Dynamics::extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
-                      const Pose& pose, double vx, double vz, double omega, Load& load) const {
+void Dynamics::extend(double tau, const PlanarField& field, double mx, double mz, const Pose& pose,
+                      double vx, double vz, double omega, Load& load) const {
     const Model& m = *model_;
     const double cosine = cosine_of_tilt(pose), sine = sine_of_tilt(pose);
     const double drag = forces_.add(field, mx, mz, cosine, vx, vz, load);
-    load.contact_adhesion = m.adhesion.of_contact(sine, cosine, age_ + expansion.tau);
+    load.contact_adhesion = m.adhesion.of_contact(sine, cosine, age_ + tau);
     if (!m.drag_shape.absent()) {
         shape_drag(sine, cosine, vx, vz, omega, m.translational_drag + drag, load);
     }
@@ -72,6 +72,16 @@ void Dynamics::shape_drag(double sine, double cosine, double vx, double vz, doub
     load.fz -= (force - 1.0) * drag * vz;
     const double turning = robot_.turning_drag + robot_.turning_drag_quadratic * std::abs(omega);
     load.torque -= (rate - 1.0) * turning * omega;
+}
+
+double Dynamics::drag_coefficient(const Pose& pose, double speed, double omega) const {
+    const double cosine = cosine_of_tilt(pose);
+    const double drag =
+        robot_.drag + forces_.angle_drag * cosine * cosine + forces_.quadratic_drag * speed;
+    const DragShape& shape = model_->drag_shape;
+    if (shape.absent()) return drag;
+    return drag * shape.angle.factor_at_angle(sine_of_tilt(pose), cosine) *
+           shape.speed.factor(speed) * shape.rate.factor(std::abs(omega));
 }
 
 double Dynamics::extended_static_limit(double slip, double x, const Pose& pose, double normal,

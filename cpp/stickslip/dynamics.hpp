@@ -7,13 +7,17 @@
 
 namespace stickslip {
 
-/// Position and velocity of the robot. The angle is theta = quadrant pi/2 + angle.
+/// Position and velocity of the robot. The angle is theta = quadrant pi/2 + angle. What is across
+/// the plane of motion stays zero in a run that has one plane (plane_dynamics.hpp).
 struct BodyState {
     double x = 0.0, z = 0.0;    ///< m, centre of mass
     double angle = 0.0;         ///< rad, within the quadrant
     double vx = 0.0, vz = 0.0;  ///< m/s
     double omega = 0.0;         ///< rad/s
     int quadrant = 0;
+    double y = 0.0;        ///< m
+    double vy = 0.0;       ///< m/s
+    double heading = 0.0;  ///< rad, from the x axis to the way that the robot faces
 
     double theta() const { return angle + quadrant * kQuarterTurn; }
 };
@@ -197,8 +201,13 @@ public:
     }
 
     /// Forces of everything but the reaction of touching corners.
-    [[gnu::always_inline]] inline Load load(const Expansion& field, double x, double z,
-                                            const Pose& pose, double vx, double vz,
+    [[gnu::always_inline]] Load load(const Expansion& field, double x, double z, const Pose& pose,
+                                     double vx, double vz, double omega) const {
+        return load(field(x, z), field.tau, x, z, pose, vx, vz, omega);
+    }
+    /// tau: s, in the stretch.
+    [[gnu::always_inline]] inline Load load(const PlanarField& field, double tau, double x,
+                                            double z, const Pose& pose, double vx, double vz,
                                             double omega) const;
 
     /// The same with the adhesion of corners that are near but do not touch, where it has a range.
@@ -206,15 +215,23 @@ public:
     [[gnu::always_inline]] Load load_near_surface(const Expansion& field, double x, double z,
                                                   const Pose& pose, double vx, double vz,
                                                   double omega, double gap) const {
-        Load result = load(field, x, z, pose, vx, vz, omega);
-        if (model_->adhesion.range > 0.0) add_ranged_adhesion(field.tau, pose, gap, result);
+        return load_near_surface(field(x, z), field.tau, x, z, pose, vx, vz, omega, gap);
+    }
+    [[gnu::always_inline]] Load load_near_surface(const PlanarField& field, double tau, double x,
+                                                  double z, const Pose& pose, double vx, double vz,
+                                                  double omega, double gap) const {
+        Load result = load(field, tau, x, z, pose, vx, vz, omega);
+        if (model_->adhesion.range > 0.0) add_ranged_adhesion(tau, pose, gap, result);
         return result;
     }
 
+    /// Drag force over the velocity, N s/m, of a body that moves at `speed` m/s.
+    double drag_coefficient(const Pose& pose, double speed, double omega) const;
+
 private:
     /// What named effects add; apart, so that a model without them pays one test.
-    void extend(const Expansion& expansion, const PlanarField& field, double mx, double mz,
-                const Pose& pose, double vx, double vz, double omega, Load& load) const;
+    void extend(double tau, const PlanarField& field, double mx, double mz, const Pose& pose,
+                double vx, double vz, double omega, Load& load) const;
     void shape_drag(double sine, double cosine, double vx, double vz, double omega, double drag,
                     Load& load) const;
     /// The same of a user's effects; throws WrenchNotFinite.
@@ -251,15 +268,14 @@ private:
     PlainDynamics<double> robot_;
 };
 
-inline Load Dynamics::load(const Expansion& expansion, double x, double z, const Pose& pose,
-                           double vx, double vz, double omega) const {
-    const PlanarField field = expansion(x, z);
+inline Load Dynamics::load(const PlanarField& field, double tau, double x, double z,
+                           const Pose& pose, double vx, double vz, double omega) const {
     const double mx = robot_.moment_x(pose), mz = robot_.moment_z(pose);
     Load load = robot_.load(field, mx, mz, vx, vz, omega);
     if (extended_) {
-        extend(expansion, field, mx, mz, pose, vx, vz, omega, load);
+        extend(tau, field, mx, mz, pose, vx, vz, omega, load);
         if (!model_->user_effects.empty()) {
-            add_user_effects(expansion.tau, field, x, z, pose, vx, vz, omega, load);
+            add_user_effects(tau, field, x, z, pose, vx, vz, omega, load);
         }
     }
     return load;

@@ -33,14 +33,14 @@ public:
     void rebase(const State& y) { rebase_to(*this, y); }
     Point<double> centre(const State& y, const Pose&) const { return {y[0], height()}; }
     State begin(const BodyState& body) const { return {body.x, body.vx}; }
-    BodyState body(const State& y) const {
+    BodyState body(double, const State& y) const {
         return {y[0], height(), 0.0, y[1], 0.0, 0.0, quadrant()};
     }
     Snapshot snapshot(double tau, const State& y) const {
         Load load;
         const FaceReaction reaction = solve(field_at(tau), y, load);
         const double end = contact_x(y) + face_.roll;
-        return {body(y), {reaction.normal(), reaction.friction}, end, y[1]};
+        return {body(tau, y), {reaction.normal(), reaction.friction}, end, y[1]};
     }
     State scale(const Scales& s) const { return {s.length, s.velocity}; }
     double speed(const State& y) const { return std::abs(y[1]); }
@@ -50,6 +50,7 @@ public:
         return y[0] + (face_.half_base + face_.shift - face_.roll);
     }
     double slip_velocity(const State& y) const { return y[1]; }
+    double slip_acceleration(const State&, const State& rates) const { return rates[1]; }
 
 private:
     double height() const { return face_.height; }

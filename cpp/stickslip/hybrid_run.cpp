@@ -22,11 +22,10 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       dynamics_(model_, make_local_field(scenario, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_,
                                     control ? &control->stop : nullptr)),
-      recorder_(scenario.record, chain_, sign_),
+      recorder_(scenario.record, chain_, sign_, turns(scenario)),
       observer_(pulse_period(scenario)),
       pulses_(make_steady_pulses(scenario, stop.has_value())),
-      drive_(coils_, circuit_),
-      stays_planar_(scenario.solver.planar == Planar::refuse),
+      drive_(circuit_),
       control_(control),
       stop_(stop),
       max_check_interval_(max_check_interval(model_, options_)),
@@ -37,6 +36,10 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       demand_(scenario, model_, options_.swing_rate, program_.duration()) {
     result_.most_steps = scenario.solver.max_steps;
     result_.map = scenario.map;
+    if (turns(scenario)) {
+        plane_ = make_plane_dynamics(scenario, program_, coils_, options_, dynamics_);
+        transitions_.set_plane(*plane_);
+    }
     const Start start = initial_state(scenario, model_);
     state_ = start.state;
     touches_down_ = start.touches_down;
@@ -84,29 +87,61 @@ bool HybridRun::next_segment() {
 
 void HybridRun::end_stretch() {
     stretch_is_open_ = false;
-    // A run that is stepped has no summary: what counts is whether it leaves the plane.
-    if (source_.is_stepped() && !drive_.drives_across(dynamics_.field().gain())) return;
-    drive_.stretch(voltages_, segment_, dynamics_, state_.body, observer_.is_open());
-    if (stays_planar_ && drive_.leaves_plane()) result_.status = Status::leaves_plane;
+    if (plane_) follow_heading();
+    // A run that is stepped has no summary.
+    if (!source_.is_stepped()) observe_stretch(segment_);
+}
+
+void HybridRun::follow_heading() {
+    const BodyState& body = state_.body;
+    plane_->follow(tau_, {body.x, body.y, body.z});
+    if (plane_->has_lost_heading()) result_.status = Status::heading_lost;
+    if (plane_->largest_lag() > PlaneDynamics::kMostTurning) {
+        result_.status = Status::turns_too_fast;
+    }
+}
+
+void HybridRun::observe_stretch(const CurrentSegment& played) {
+    const auto size = [this](double tau) {
+        const std::array<double, 3> b = field(tau, state_.body);
+        return std::sqrt(b[0] * b[0] + b[2] * b[2] + b[1] * b[1]);
+    };
+    drive_.stretch(voltages_, played, size, observer_.is_open());
+}
+
+std::array<double, 3> HybridRun::field(double tau, const BodyState& body) const {
+    if (plane_) {
+        const SpatialFieldValue b = plane_->field().at(tau)(body.x, body.y, body.z);
+        return {b.bx, b.by, b.bz};
+    }
+    const PlanarField b = dynamics_.field_at(tau)(body.x, body.z);
+    return {b.bx, 0.0, b.bz};
 }
 
 // Coils that the scenario's drive does not use, and a step does.
 void HybridRun::drive_further_coils() {
-    PerCoil gain = dynamics_.field().gain();
+    PerCoil gain = plane_ ? plane_->field().gain() : dynamics_.field().gain();
+    const PerCoil before = gain;
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         if (voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0) gain[k] = field_gain_[k];
     }
-    if (gain != dynamics_.field().gain()) dynamics_.field().set_gain(gain);
+    if (gain == before) return;
+    if (plane_) {
+        plane_->field().set_gain(gain);
+    } else {
+        dynamics_.field().set_gain(gain);
+    }
 }
 
 // Boundaries of stretches carry rounding; the window's ends, and a stop's time, are some of them.
 void HybridRun::watch_window(double time) {
     const double slack = 1e-9 * program_.duration();
     if (!measured_ && time >= window_.start - slack) {
-        observer_.open(time, state_.body.x);
+        observer_.open(time, state_.body);
         measured_ = true;
+        if (plane_) turned_before_ = plane_->turned();
     }
-    if (observer_.is_open()) observer_.pass(time, state_.body.x);
+    if (observer_.is_open()) observer_.pass(time, state_.body);
     pulses_.pass(time, state_.body.x);
     if (const auto displacement = pulses_.displacement()) {
         close_window(time);
@@ -123,8 +158,13 @@ void HybridRun::watch_window(double time) {
 }
 
 void HybridRun::close_window(double time) {
-    observer_.close(time, state_.body.x, sign_, result_.summary);
-    drive_.close(time - observer_.start(), result_.summary);
+    observer_.close(time, state_.body, sign_, result_.summary);
+    const double span = time - observer_.start();
+    drive_.close(span, result_.summary);
+    if (plane_) {
+        result_.summary.turning_speed =
+            (plane_->turned() - turned_before_) * model_.shape.radius() / span;
+    }
 }
 
 std::vector<double> HybridRun::marks() const {
@@ -157,13 +197,23 @@ SimulationState HybridRun::state() const {
 }
 
 LoopMemory HybridRun::loop_memory() const {
-    return {circuit_.memory(),        dynamics_.memory(), {},    memory_, state_, watch_,
-            source_.steps().memory(), segment_.duration,  begun_};
+    return {circuit_.memory(),
+            dynamics_.memory(),
+            {},
+            memory_,
+            state_,
+            watch_,
+            source_.steps().memory(),
+            segment_.duration,
+            begun_,
+            plane_.has_value(),
+            plane_ ? plane_->memory() : PlaneDynamics::Memory{}};
 }
 
 void HybridRun::restore(const LoopMemory& memory) {
     circuit_.restore(memory.circuit);
     dynamics_.restore(memory.dynamics);
+    if (plane_) plane_->restore(memory.plane);
     memory_ = memory.phase;
     state_ = memory.state;
     watch_ = memory.watch;
@@ -181,6 +231,10 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
     tau_ = 0.0;
     dynamics_.set_start(segment_.start);
     dynamics_.field().set_segment(segment_);
+    if (plane_) {
+        plane_->begin_stretch();
+        plane_->field().set_segment(segment_);
+    }
     fastest_decay_ =
         *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
 }
@@ -192,23 +246,19 @@ void HybridRun::finish() {
         if (stretch_is_open_ && tau_ > 0.0) {
             CurrentSegment played = segment_;
             played.duration = tau_;
-            drive_.stretch(voltages_, played, dynamics_, state_.body, observer_.is_open());
+            observe_stretch(played);
         }
         if (observer_.is_open()) close_window(absolute(tau_));
         return;
     }
     // The grid's last sample may lie beyond the end by rounding.
     sample_until(program_.duration() * (1.0 + 1e-12), absolute(0.0),
-                 [&](double) { return snapshot(dynamics_, state_, segment_.duration); });
+                 [&](double) { return snapshot(segment_.duration); });
     if (observer_.is_open()) close_window(program_.duration());
 }
 
 void HybridRun::record(double t, double tau, const Snapshot& snapshot) {
-    const LocalField& field = dynamics_.field();
-    const double across = field_across(coils_, field.gain(), segment_.field_currents(tau),
-                                       snapshot.body.x, snapshot.body.z);
-    recorder_.add(t, snapshot, state_.mode, field.at(tau)(snapshot.body.x, snapshot.body.z),
-                  field.factor(tau) * across, segment_.currents(tau));
+    recorder_.add(t, snapshot, state_.mode, field(tau, snapshot.body), segment_.currents(tau));
 }
 
 void HybridRun::handle(Event event, double tau) {
@@ -230,19 +280,31 @@ void HybridRun::after_event(double tau) {
     if (!recorder_.at_event(absolute(tau))) return;
     // One sample for each change at this instant, with the state after all of them.
     for (const EventKind kind : transitions_.changes()) {
-        record(absolute(tau), tau, snapshot(dynamics_, state_, tau));
+        record(absolute(tau), tau, snapshot(tau));
         recorder_.add_event(kind);
     }
 }
 
 void HybridRun::run_rest() {
-    const FaceRest rest(dynamics_, state_.body);
-    if (dynamics_.field().outside()) {
+    if (plane_) {
+        dynamics_.set_quadrant(state_.body.quadrant);
+        const PlaneFaceRest rest(*plane_, state_.body);
+        run_rest(rest, plane_->field().outside());
+        if (result_.status == Status::ok) state_.body.heading = rest.body(tau_).heading;
+    } else {
+        const FaceRest rest(dynamics_, state_.body);
+        run_rest(rest, dynamics_.field().outside());
+    }
+}
+
+template <class Rest>
+void HybridRun::run_rest(const Rest& rest, bool outside) {
+    if (outside) {
         result_.status = Status::left_workspace;
         return;
     }
-    const FaceRest::End end = rest.advance(memory_, tau_, segment_.duration, fastest_decay_,
-                                           max_check_interval_, options_.stop);
+    const RestEnd end = end_of_rest(rest, memory_, tau_, segment_.duration, fastest_decay_,
+                                    max_check_interval_, options_.stop);
     observer_.rest(state_.body.theta());
     sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });
     pass_to(end.tau);

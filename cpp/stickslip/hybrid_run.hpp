@@ -36,6 +36,8 @@ struct LoopMemory {
     ControlSteps::Memory steps;
     double stretch = 0.0;  ///< s, duration of the last one
     bool begun = false;
+    bool in_whole_plane = false;
+    PlaneDynamics::Memory plane;
 };
 
 /// A run apart from its integrator: the stretches of voltage, rests, events, and what is recorded
@@ -50,6 +52,8 @@ public:
         source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
     }
     ControlSteps& steps() { return source_.steps(); }
+    const ControlSteps& steps() const { return source_.steps(); }
+    bool in_whole_plane() const { return plane_.has_value(); }
     Status status() const { return result_.status; }
     /// At the end of the last stretch.
     SimulationState state() const;
@@ -63,7 +67,13 @@ public:
     /// Plays up to the next phase that has to be integrated; false if the run is over.
     bool next_phase();
     /// Calls `use` with that phase.
-    void with_phase(auto&& use) { stickslip::with_phase(dynamics_, state_, use); }
+    void with_phase(auto&& use) {
+        if (plane_) {
+            with_plane_phase(*plane_, state_, use);
+        } else {
+            stickslip::with_phase(dynamics_, state_, use);
+        }
+    }
     /// What is called for each step of a phase, see Tsit5::advance.
     template <class Phase>
     auto observer(Phase& phase);
@@ -71,7 +81,7 @@ public:
     /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
     /// steps.
     bool fits_packs() const {
-        return model_.is_smooth() &&
+        return !plane_ && model_.is_smooth() &&
                circuit_.exponentials() <= EffectNumbers<double>::kMostExponentials &&
                !recorder_.on_grid() && !stop_;
     }
@@ -104,6 +114,14 @@ private:
     bool next_segment();
     void drive_further_coils();
     void end_stretch();
+    void follow_heading();
+    void observe_stretch(const CurrentSegment& played);
+    /// At the robot's place, `tau` seconds into the stretch, T.
+    std::array<double, 3> field(double tau, const BodyState& body) const;
+    Snapshot snapshot(double tau) const {
+        return plane_ ? stickslip::snapshot(*plane_, state_, tau)
+                      : stickslip::snapshot(dynamics_, state_, tau);
+    }
     void watch_window(double time);
     void close_window(double time);
     std::vector<double> marks() const;
@@ -111,6 +129,8 @@ private:
     void begin_segment(const VoltageSegment& voltages);
     void finish();
     void run_rest();
+    template <class Rest>
+    void run_rest(const Rest& rest, bool outside);
     bool goes_on() const {
         return result_.status == Status::ok && !result_.stopped && !extrapolated_;
     }
@@ -137,11 +157,11 @@ private:
     Circuit circuit_;
     Dynamics dynamics_;
     const StepperOptions options_;
+    std::optional<PlaneDynamics> plane_;  // of a robot that moves in the whole plane
     Recorder recorder_;
     SummaryObserver observer_;
     SteadyPulses pulses_;
     DriveObserver drive_;
-    const bool stays_planar_;
     RunControl* control_;
     const std::optional<StopCondition> stop_;
     const double max_check_interval_;  // s, at rest
@@ -155,6 +175,7 @@ private:
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
     bool extrapolated_ = false;              // whether the rest of the window was
     bool touches_down_ = false;              // as the run begins
+    double turned_before_ = 0.0;             // rad, of the heading before the measuring window
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;
@@ -197,8 +218,8 @@ double HybridRun::find_stop(auto& phase, const auto& step, double s) const {
     if (stop_->quantity == StopCondition::Quantity::time) return kGoesOn;
     const EventHit hit = find_fall([&](double part) {
         const double at = part * s;
-        return distance(absolute(step.start + at * step.width),
-                        phase.body(at == 0.0 ? step.first : step.dense(at)));
+        const double tau = step.start + at * step.width;
+        return distance(absolute(tau), phase.body(tau, at == 0.0 ? step.first : step.dense(at)));
     });
     return hit ? hit.s * s : kGoesOn;
 }
@@ -210,14 +231,18 @@ void HybridRun::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t
     if (end.event == Event::none) ++effort_.stretches;
     pass_to(end.tau);
     result_.status = end.status;
-    state_.body = phase.body(end.y);
+    state_.body = phase.body(end.tau, end.y);
     if constexpr (Phase::kSlips) {
         state_.contact_x = phase.contact_x(end.y);
         state_.slip_velocity = phase.slip_velocity(end.y);
+        if constexpr (Phase::kTurns) {
+            state_.contact_y = phase.contact_y(end.y);
+            state_.slip_y = phase.slip_y(end.y);
+        }
     }
     // Near the point where sliding loses its solution the reaction grows faster than any step can
     // follow: the limit is the impulse that stops the slip.
-    if constexpr (std::is_same_v<Phase, CornerSlipPhase>) {
+    if constexpr (requires { phase.nearly_jams(end.tau, end.y); }) {
         if (end.status == Status::step_underflow && phase.nearly_jams(end.tau, end.y)) {
             result_.status = Status::ok;
             handle(Event::sliding_jams, end.tau);

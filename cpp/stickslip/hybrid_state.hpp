@@ -2,6 +2,7 @@
 
 #include "stickslip/face_slide.hpp"
 #include "stickslip/phases.hpp"
+#include "stickslip/plane_phases.hpp"
 #include "stickslip/rest.hpp"
 
 namespace stickslip {
@@ -12,6 +13,10 @@ struct HybridState {
     ContactMode mode;
     double contact_x = 0.0;      ///< m, pivot corner; kept, not derived, so that a stuck one stays
     double slip_velocity = 0.0;  ///< m/s
+    // Of a robot that moves in the whole plane: what is above is along x, this along y.
+    double contact_y = 0.0;  ///< m
+    double slip_y = 0.0;     ///< m/s
+    bool slips_slowly = false;
 
     bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
 };
@@ -30,6 +35,23 @@ void with_phase(Dynamics& dynamics, const HybridState& state, auto&& use) {
     }
 }
 
+/// The same of one that moves in the whole plane.
+void with_plane_phase(PlaneDynamics& plane, const HybridState& state, auto&& use) {
+    if (state.mode.touch == Touch::none) {
+        use(PlaneFlight(plane));
+    } else if (state.mode.touch == Touch::face) {
+        use(PlaneFaceSlide(plane, state.slip_velocity, state.slip_y));
+    } else if (state.mode.slip == 0) {
+        use(PlaneCornerStick(plane, state.contact_x, state.contact_y));
+    } else if (!state.slips_slowly) {
+        use(PlaneCornerFastSlip(plane, state.contact_x, state.contact_y, state.slip_velocity,
+                                state.slip_y));
+    } else {
+        use(PlaneCornerSlowSlip(plane, state.contact_x, state.contact_y, state.slip_velocity,
+                                state.slip_y));
+    }
+}
+
 /// What a recording sees at `tau`. The dynamics are a copy: looking must not move the bases of the
 /// steps to come.
 inline Snapshot snapshot(Dynamics dynamics, const HybridState& state, double tau) {
@@ -37,6 +59,19 @@ inline Snapshot snapshot(Dynamics dynamics, const HybridState& state, double tau
     if (state.rests()) return FaceRest(dynamics, state.body).snapshot(tau);
     Snapshot result;
     with_phase(dynamics, state, [&](auto phase) {
+        const auto y = phase.begin(state.body);
+        phase.rebase(y);
+        result = phase.snapshot(tau, y);
+    });
+    return result;
+}
+inline Snapshot snapshot(const PlaneDynamics& now, const HybridState& state, double tau) {
+    Dynamics upright = now.upright();
+    PlaneDynamics plane(now, upright);
+    upright.set_quadrant(state.body.quadrant);
+    if (state.rests()) return PlaneFaceRest(plane, state.body).snapshot(tau);
+    Snapshot result;
+    with_plane_phase(plane, state, [&](auto phase) {
         const auto y = phase.begin(state.body);
         phase.rebase(y);
         result = phase.snapshot(tau, y);

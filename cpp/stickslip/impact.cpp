@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace stickslip {
 namespace {
@@ -17,11 +18,21 @@ struct ImpactContact {
     bool arriving = false;  // it meets the surface newly, and approaches it
 
     double friction(int slip) const { return slip > 0 ? forward : backward; }
+    // Of a slip whose unit vector has the part `along` in the plane of motion: what depends on the
+    // way is linear in it (`FrictionLaw`).
+    double friction_along(double along) const {
+        return 0.5 * (forward + backward) + 0.5 * along * (forward - backward);
+    }
 };
 
 struct Impulse {
     std::array<double, 2> normal = {};
     double tangential = 0.0;
+    double across = 0.0;
+};
+
+struct Tangent {
+    double along = 0.0, across = 0.0;  // m/s
 };
 
 // One or two corners at one height that share their tangential velocity.
@@ -69,12 +80,15 @@ public:
     void hold(const std::array<bool, 2>& acting, bool slides) {
         const bool sticks = !slides && (acting[0] || acting[1]);
         for (ImpactContact& contact : contacts_) contact.backward = contact.forward = 0.0;
-        accept(impulse(acting, sticks ? 0 : 1), acting, sticks);
+        Impulse holding = impulse(acting, sticks ? 0.0 : 1.0);
+        if (sticks) holding.across = -model_.mass * before_.vy;
+        accept(holding, acting, sticks);
     }
 
     bool closed(std::size_t i) const { return acting_[i] && !(rebound(i) > 0.0); }
     const BodyState& after() const { return after_; }
-    double slip_velocity() const { return slip_velocity_; }
+    double slip_velocity() const { return slip_.along; }
+    double slip_across() const { return slip_.across; }
 
 private:
     // Tries the sets of acting corners, all first, then those that arrive; the complementarity
@@ -94,8 +108,9 @@ private:
     double rebound(std::size_t i) const { return part_ * contacts_[i].restitution; }
 
     double kinetic_energy(const BodyState& body) const {
+        const double across = 0.5 * model_.mass * body.vy * body.vy;
         return 0.5 * model_.mass * (body.vx * body.vx + body.vz * body.vz) +
-               0.5 * model_.inertia * body.omega * body.omega;
+               0.5 * model_.inertia * body.omega * body.omega + across;
     }
     bool gains_energy() const {
         // Of an impulse from a system whose condition is about 100.
@@ -114,6 +129,7 @@ private:
         body.vx += impulse.tangential / model_.mass;
         body.vz += normal / model_.mass;
         body.omega += turning / model_.inertia;
+        body.vy += impulse.across / model_.mass;
         return body;
     }
 
@@ -122,17 +138,19 @@ private:
     }
 
     // Tangential velocity after the impact where friction suffices: none, unless all rebound.
-    double tangential_target(const std::array<bool, 2>& acting) const {
-        if (model_.tangential_restitution == 0.0) return 0.0;
+    Tangent tangential_target(const std::array<bool, 2>& acting) const {
+        if (model_.tangential_restitution == 0.0) return {};
         for (std::size_t i = 0; i < count_; ++i) {
-            if (acting[i] && contacts_[i].restitution == 0.0) return 0.0;
+            if (acting[i] && contacts_[i].restitution == 0.0) return {};
         }
-        return -part_ * model_.tangential_restitution * tangential_velocity(before_);
+        const double part = -part_ * model_.tangential_restitution;
+        return {part * tangential_velocity(before_), part * before_.vy};
     }
 
     // Unknowns: both normal impulses and the tangential one. slip 0: the tangential velocity ends
-    // at its target; +-1: friction is at its limit.
-    Impulse impulse(const std::array<bool, 2>& acting, int slip) const {
+    // at its target; else friction is at its limit, and `slip` is the part of its way that lies in
+    // the plane of motion, +-1 for one that lies there altogether.
+    Impulse impulse(const std::array<bool, 2>& acting, double slip) const {
         const double per_mass = 1.0 / model_.mass, per_inertia = 1.0 / model_.inertia;
         Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
         Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -146,23 +164,32 @@ private:
             }
             a(i, 2) = lever * height_ * per_inertia;
             b(i) = -(1.0 + rebound(u)) * contacts_[u].approach;
-            if (slip == 0) {
+            if (slip == 0.0) {
                 a(2, i) = lever * height_ * per_inertia;
             } else {
-                a(2, i) = slip * contacts_[u].friction(slip);
+                a(2, i) = slip * coefficient(contacts_[u], slip);
             }
         }
-        if (slip == 0) {
+        if (slip == 0.0) {
             a(2, 2) = per_mass + height_ * height_ * per_inertia;
             // In this order: without a target the bits are those of stopping, signed zeros too.
-            b(2) = -(tangential_velocity(before_) - tangential_target(acting));
+            b(2) = -(tangential_velocity(before_) - tangential_target(acting).along);
         }
         const Eigen::Vector3d p = a.partialPivLu().solve(b);
         return {{p(0), p(1)}, p(2)};
     }
 
+    static double coefficient(const ImpactContact& contact, double slip) {
+        if (slip == 1.0 || slip == -1.0) return contact.friction(slip > 0.0 ? 1 : -1);
+        return contact.friction_along(slip);
+    }
+
     bool try_set(const std::array<bool, 2>& acting) {
-        const Impulse stick = impulse(acting, 0);
+        return before_.vy == 0.0 ? try_set_in_plane(acting) : try_set_across(acting);
+    }
+
+    bool try_set_in_plane(const std::array<bool, 2>& acting) {
+        const Impulse stick = impulse(acting, 0.0);
         const int slip = stick.tangential > 0.0 ? -1 : 1;
         double limit = 0.0;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -173,10 +200,73 @@ private:
             return true;
         }
         const Impulse sliding = impulse(acting, slip);
-        const double beyond = tangential_velocity(apply(sliding)) - tangential_target(acting);
+        const double beyond = tangential_velocity(apply(sliding)) - tangential_target(acting).along;
         if (admissible(sliding, acting) && slip * beyond >= 0.0) {
             accept(sliding, acting, false);
             return true;
+        }
+        return false;
+    }
+
+    // Friction of the limit against a slip `angle` rad to the left of the plane of motion.
+    Impulse sliding_impulse(const std::array<bool, 2>& acting, double angle) const {
+        const double along = std::cos(angle);
+        Impulse result = impulse(acting, along);
+        for (std::size_t i = 0; i < count_; ++i) {
+            const double limit = coefficient(contacts_[i], along) * result.normal[i];
+            if (acting[i]) result.across -= std::sin(angle) * limit;
+        }
+        return result;
+    }
+
+    // How far the slip that remains after an impulse is from its target, along and across `angle`.
+    Tangent beyond_target(const std::array<bool, 2>& acting, const Impulse& impulse,
+                          double angle) const {
+        const BodyState body = apply(impulse);
+        const Tangent target = tangential_target(acting);
+        const double along = tangential_velocity(body) - target.along;
+        const double across = body.vy - target.across;
+        const double cosine = std::cos(angle), sine = std::sin(angle);
+        return {cosine * along + sine * across, cosine * across - sine * along};
+    }
+
+    // The same with friction as a vector.
+    bool try_set_across(const std::array<bool, 2>& acting) {
+        Impulse stick = impulse(acting, 0.0);
+        stick.across = model_.mass * (tangential_target(acting).across - before_.vy);
+        const double size = std::hypot(stick.tangential, stick.across);
+        const double way = size > 0.0 ? -stick.tangential / size : 1.0;
+        double limit = 0.0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (acting[i]) limit += coefficient(contacts_[i], way) * stick.normal[i];
+        }
+        if (admissible(stick, acting) && size <= limit) {
+            accept(stick, acting, true);
+            return true;
+        }
+        // The way in which the slip that remains is that against which friction acted. The body
+        // turns more easily than it moves across, so it is not quite that of the sticking impulse.
+        const auto turned = [&](double angle) {
+            return beyond_target(acting, sliding_impulse(acting, angle), angle).across;
+        };
+        const double first = std::atan2(-stick.across, -stick.tangential);
+        constexpr int kLooks = 32;
+        constexpr double kLook = 2.0 * std::numbers::pi / kLooks;
+        for (int n = 0; n < kLooks; ++n) {
+            const double side = (n % 2 == 0 ? 1.0 : -1.0) * ((n + 1) / 2) * kLook;
+            double low = first + side - 0.5 * kLook, high = first + side + 0.5 * kLook;
+            if (turned(low) * turned(high) > 0.0) continue;
+            const bool rises = turned(high) > turned(low);
+            for (int halving = 0; halving < 52; ++halving) {
+                const double middle = 0.5 * (low + high);
+                ((turned(middle) > 0.0) == rises ? high : low) = middle;
+            }
+            const double angle = 0.5 * (low + high);
+            const Impulse sliding = sliding_impulse(acting, angle);
+            if (admissible(sliding, acting) && beyond_target(acting, sliding, angle).along >= 0.0) {
+                accept(sliding, acting, false);
+                return true;
+            }
         }
         return false;
     }
@@ -195,7 +285,8 @@ private:
     void accept(const Impulse& impulse, const std::array<bool, 2>& acting, bool sticks) {
         after_ = apply(impulse);
         acting_ = acting;
-        slip_velocity_ = sticks ? tangential_target(acting) : tangential_velocity(after_);
+        slip_ =
+            sticks ? tangential_target(acting) : Tangent{tangential_velocity(after_), after_.vy};
     }
 
     const Model& model_;
@@ -207,23 +298,24 @@ private:
     double part_ = 1.0;  // of both restitutions
     std::array<bool, 2> acting_ = {};
     BodyState after_;
-    double slip_velocity_ = 0.0;
+    Tangent slip_;
 };
 
 // All velocity of a face but a slip is gone.
-ImpactResult laid_down(const BodyState& before, double slip_velocity) {
-    ImpactResult result{before, Touch::face, slip_velocity};
+ImpactResult laid_down(const BodyState& before, double slip_velocity, double slip_across) {
+    ImpactResult result{before, Touch::face, slip_velocity, slip_across};
     result.body.vx = slip_velocity;
+    result.body.vy = slip_across;
     result.body.vz = 0.0;
     result.body.omega = 0.0;
     return result;
 }
 
 // A face whose ends `ahead` and `behind` touch after the impact, or leave.
-ImpactResult touching(const Model& model, const BodyState& after, double slip_velocity, bool ahead,
-                      bool behind) {
-    if (ahead && behind) return laid_down(after, slip_velocity);
-    ImpactResult result{after, Touch::none, slip_velocity};
+ImpactResult touching(const Model& model, const BodyState& after, double slip_velocity,
+                      double slip_across, bool ahead, bool behind) {
+    if (ahead && behind) return laid_down(after, slip_velocity, slip_across);
+    ImpactResult result{after, Touch::none, slip_velocity, slip_across};
     if (!ahead && !behind) return result;
     const Face face = model.face(after.quadrant);
     result.touch = Touch::corner;
@@ -234,6 +326,7 @@ ImpactResult touching(const Model& model, const BodyState& after, double slip_ve
     const double lever = ahead ? face.half_base : -face.half_base;
     result.body.vz = result.body.omega * (lever + face.shift);
     result.body.vx = result.body.omega * face.height + result.slip_velocity;
+    result.body.vy = result.slip_across;
     return result;
 }
 
@@ -243,15 +336,17 @@ ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState
                            double time) {
     ImpactProblem problem(model, pose.height, before.x + pose.lever, time, before);
     problem.add(pose.lever, true, false);
-    ImpactResult result{before, Touch::none, 0.0};
+    ImpactResult result{before, Touch::none};
     if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;
     // With one corner that approaches the problem always has a solution; one that does not has
     // arrived by rounding.
     if (!problem.solve()) problem.hold({true, false}, true);
     result.body = problem.after();
     result.slip_velocity = problem.slip_velocity();
+    result.slip_across = problem.slip_across();
     if (problem.closed(0)) {
         result.touch = Touch::corner;
+        result.body.vy = result.slip_across;
         result.body.vz = result.body.omega * pose.lever;
         result.body.vx = result.body.omega * pose.height + result.slip_velocity;
     }
@@ -273,10 +368,10 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {
         problem.hold({ahead_leaves <= kCaptureSpeed, behind_leaves <= kCaptureSpeed}, slides);
     } else if (!problem.solve()) {
-        return laid_down(before, 0.0);
+        return laid_down(before, 0.0, 0.0);
     }
-    return touching(model, problem.after(), problem.slip_velocity(), problem.closed(0),
-                    problem.closed(1));
+    return touching(model, problem.after(), problem.slip_velocity(), problem.slip_across(),
+                    problem.closed(0), problem.closed(1));
 }
 
 }  // namespace stickslip

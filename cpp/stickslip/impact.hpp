@@ -19,6 +19,7 @@ struct ImpactResult {
     BodyState body;
     Touch touch = Touch::none;
     double slip_velocity = 0.0;  ///< m/s, exactly zero where the contact sticks
+    double slip_across = 0.0;    ///< m/s, the same across the plane of motion
 };
 
 /// Impact of the quadrant's lowest corner out of flight: Newton restitution with impulsive Coulomb
@@ -26,7 +27,8 @@ struct ImpactResult {
 /// restitution says so. Where that would raise the kinetic energy, both restitutions are reduced to
 /// the largest part for which it does not. time: s, since the run began, which a friction that ages
 /// asks for. An impact has no slip velocity and an infinite normal force, so that of the free
-/// shapes of friction `speed` does not act and `load` has its last knot.
+/// shapes of friction `speed` does not act and `load` has its last knot. With a velocity across the
+/// plane of motion (`before.vy`) friction is a vector against the slip after the impact.
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
                            double time = 0.0);
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -26,7 +27,9 @@ public:
           word_(find_choice("initial.contact")->get(scenario)),
           model_(model),
           shape_(model.shape),
-          sign_(model.frame_sign) {}
+          sign_(model.frame_sign),
+          turns_(turns(scenario)),
+          heading_(turns_ ? start_heading(scenario) : Heading{}) {}
 
     Start start() {
         place();
@@ -60,8 +63,19 @@ public:
                 set_slip(ContactWord::face_slip_forward, ContactWord::face_slip_backward);
                 break;
         }
+        // So far the velocities were along the heading and across.
+        const Slip velocity = {body.vx, body.vy};
+        const Slip slip = {start_.state.slip_velocity, start_.state.slip_y};
+        if (turns_) {
+            body.vx = heading_.x(velocity);
+            body.vy = heading_.y(velocity);
+            body.heading = heading_.angle();
+            start_.state.slip_velocity = heading_.x(slip);
+            start_.state.slip_y = heading_.y(slip);
+        }
         const Pose placed = pose();
-        start_.state.contact_x = body.x + (placed.lever - placed.roll);
+        start_.state.contact_x = body.x + (placed.lever - placed.roll) * heading_.cosine;
+        start_.state.contact_y = body.y + (placed.lever - placed.roll) * heading_.sine;
         return start_;
     }
 
@@ -82,6 +96,12 @@ private:
         }
         body.x = sign_ * given_.x;
         body.vx = sign_ * given_.vx;
+        if (turns_) {
+            const Slip velocity = heading_.seen(given_.vx, given_.vy);
+            body.y = given_.y;
+            body.vx = velocity.along;
+            body.vy = velocity.across;
+        }
         body.vz = given_.vz;
         body.omega = given_.omega;
     }
@@ -137,9 +157,11 @@ private:
         const BodyState& body = start_.state.body;
         const double slip_velocity = corner_velocity_x(pose(), body.vx, body.omega);
         const double along_world = sign_ * slip_velocity;
-        const bool moves = std::abs(slip_velocity) > slack();
+        const bool moves = std::abs(slip_velocity) > slack() || std::abs(body.vy) > slack();
         const int wanted = given_.contact == forward ? 1 : given_.contact == backward ? -1 : 0;
-        if (moves && wanted * along_world <= 0.0) {
+        // A slip across is neither.
+        const bool fits = turns_ ? wanted != 0 : wanted * along_world > 0.0;
+        if (moves && !fits) {
             refuse("initial.contact", word_,
                    (wanted == 0 ? "a state whose contact does not move, and it moves at "
                                 : "a state whose contact moves that way, and it moves at ") +
@@ -147,6 +169,7 @@ private:
         }
         start_.state.mode.slip = wanted * static_cast<int>(sign_);
         start_.state.slip_velocity = moves ? slip_velocity : 0.0;
+        start_.state.slip_y = moves ? body.vy : 0.0;
     }
 
     void from_motion(double gap) {
@@ -171,8 +194,9 @@ private:
             on_corner(rear_stays);
         }
         const double slip_velocity = corner_velocity_x(pose(), body.vx, body.omega);
-        if (std::abs(slip_velocity) > slack()) {
+        if (std::abs(slip_velocity) > slack() || std::abs(body.vy) > slack()) {
             state.slip_velocity = slip_velocity;
+            state.slip_y = body.vy;
             state.mode.slip = slip_velocity > 0.0 ? 1 : -1;
         }
     }
@@ -198,7 +222,7 @@ private:
         return model_.pose(body.quadrant, body.angle);
     }
     double slack() const {
-        return kSlack * (std::abs(given_.vx) + std::abs(given_.vz) +
+        return kSlack * (std::abs(given_.vx) + std::abs(given_.vy) + std::abs(given_.vz) +
                          std::abs(given_.omega) * shape_.radius()) +
                kLeastVelocity;
     }
@@ -218,6 +242,8 @@ private:
     const Model& model_;
     const Rectangle& shape_;
     const double sign_;
+    const bool turns_;
+    const Heading heading_;
     Start start_;
 };
 
@@ -234,6 +260,9 @@ SimulationState world_state(const HybridState& state, double contact_age, double
     result.z = body.z;
     result.theta = body.theta();
     result.vx = frame_sign * body.vx;
+    result.y = body.y;
+    result.vy = body.vy;
+    result.heading = frame_sign < 0.0 ? std::numbers::pi : body.heading;
     result.vz = body.vz;
     result.omega = body.omega;
     result.contact = static_cast<ContactWord>(1 + contact_code(state.mode, frame_sign));

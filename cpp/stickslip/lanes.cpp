@@ -100,7 +100,7 @@ private:
             lane.loop.with_phase([&](auto phase) {
                 using Phase = decltype(phase);
                 Lane::Loop& loop = lane.loop;
-                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase>;
+                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> || Phase::kTurns;
                 if (kNever || is_few()) {
                     loop.play(phase);
                 } else if constexpr (!kNever) {

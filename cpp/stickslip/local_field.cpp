@@ -34,6 +34,8 @@ double least(const CoilSet& coils, auto of) {
     return result;
 }
 
+}  // namespace
+
 double reach_of(const CoilSet& coils) {
     if (coils.map() != nullptr) {
         const Box& box = coils.map()->box();
@@ -44,32 +46,11 @@ double reach_of(const CoilSet& coils) {
                                         }));
 }
 
-Workspace workspace_of(const CoilSet& coils) {
-    if (coils.map() != nullptr) {
-        const auto& [low, high] = coils.map()->box();
-        return {low.x(), high.x(), low.z(), high.z()};
-    }
+Box workspace_of(const CoilSet& coils) {
+    if (coils.map() != nullptr) return coils.map()->box();
     const double far =
         kWorkspace * least(coils, [](const CoilGeometry& each) { return each.distance; });
-    return {-far, far, -far, far};
-}
-
-}  // namespace
-
-bool has_field_across(const CoilSet& coils, Coil coil) {
-    return coils.map() != nullptr || coil == Coil::yp || coil == Coil::ym;
-}
-
-double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
-                    double z) {
-    double result = 0.0;
-    for (const Coil coil : kAllCoils) {
-        const auto k = static_cast<std::size_t>(coil);
-        const double current = gain[k] * currents[k];
-        if (current == 0.0 || !has_field_across(coils, coil)) continue;
-        result += current * coils.unit_field(coil, Eigen::Vector3d(x, 0.0, z)).field.y();
-    }
-    return result;
+    return {Eigen::Vector3d::Constant(-far), Eigen::Vector3d::Constant(far)};
 }
 
 LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient_x,
@@ -87,7 +68,9 @@ LocalField::LocalField(const CoilSet& coils, const PerCoil& gain, double ambient
 void LocalField::set_workspace() {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     const bool driven = std::any_of(gain_.begin(), gain_.end(), [](double g) { return g != 0.0; });
-    workspace_ = driven ? workspace_of(*coils_) : Workspace{-kFar, kFar, -kFar, kFar};
+    const Box box = driven ? workspace_of(*coils_)
+                           : Box{Eigen::Vector3d::Constant(-kFar), Eigen::Vector3d::Constant(kFar)};
+    workspace_ = {box.low.x(), box.high.x(), box.low.z(), box.high.z()};
 }
 
 void LocalField::set_gain(const PerCoil& gain) {

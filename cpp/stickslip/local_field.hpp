@@ -98,14 +98,10 @@ struct WorkspaceOf {
 };
 using Workspace = WorkspaceOf<double>;
 
-/// Whether a coil has a field across the plane of motion: square coils but yp and ym have none
-/// there, those of a map may have one.
-bool has_field_across(const CoilSet& coils, Coil coil);
-
-/// B_y on the plane of motion (T) at currents of the coils that make the field (A). gain: as of a
-/// LocalField.
-double field_across(const CoilSet& coils, const PerCoil& gain, const PerCoil& currents, double x,
-                    double z);
+/// How far from its centre an expansion of the field of these coils holds, m, and where the model
+/// of the set-up does.
+double reach_of(const CoilSet& coils);
+Box workspace_of(const CoilSet& coils);
 
 /// The field of the driven coils near the robot and over one stretch of voltage.
 ///

@@ -38,6 +38,7 @@ struct Face {
 struct Model {
     Rectangle shape{0.0, 0.0};
     ContactPlace place;
+    double width = 0.0;         ///< m, across the plane of motion
     double mass = 0.0;          ///< kg
     double inertia = 0.0;       ///< kg m^2 about the centre of mass
     double moment = 0.0;        ///< A m^2

@@ -61,10 +61,11 @@ struct MotionTrace {
         const Real s = angle.turning_point(before, after);
         see(select(turns, angle.at(s), phase.angle(last)));
         if constexpr (Phase::kSlips) {
-            const QuinticHermite<Real> x(phase.contact_x(first), phase.slip_velocity(first) * width,
-                                         phase.slip_velocity(first_rates) * width * width,
-                                         phase.contact_x(last), phase.slip_velocity(last) * width,
-                                         phase.slip_velocity(last_rates) * width * width);
+            const QuinticHermite<Real> x(
+                phase.contact_x(first), phase.slip_velocity(first) * width,
+                phase.slip_acceleration(first, first_rates) * width * width, phase.contact_x(last),
+                phase.slip_velocity(last) * width,
+                phase.slip_acceleration(last, last_rates) * width * width);
             const Real turning_x = x.at(s);
             const Real slipped = turning_x - contact_x;
             const auto rises = before > 0.0;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "stickslip/assembly.hpp"
 #include "stickslip/number_text.hpp"
 
 namespace stickslip {
@@ -147,7 +148,7 @@ PerCoilOf<CoilParameters> world_coils(const Scenario& scenario) {
 
 PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario) {
     PerCoilOf<CoilParameters> coils = world_coils(scenario);
-    if (scenario.drive.direction == Direction::minus_x) {
+    if (frame_sign(scenario) < 0.0) {
         std::swap(coils[0], coils[1]);
         std::swap(coils[2], coils[3]);
     }

@@ -30,6 +30,9 @@ std::vector<Parameter> make_parameters() {
          .meaning = "field of the holding coil, same meaning", STICKSLIP_MEMBER(drive.hold)},
         {.key = "drive.edge_time", .unit = "s", .low = 0, .high = kAny,
          .meaning = "duration of the sudden edge", STICKSLIP_MEMBER(drive.edge_time)},
+        {.key = "drive.heading", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "where the robot is driven, from drive.direction to the left",
+         STICKSLIP_MEMBER(drive.heading)},
         {.key = "drive.ramp", .unit = "s", .low = 0, .high = 1e4,
          .meaning = "rise of both coils from zero before the first pulse",
          STICKSLIP_MEMBER(drive.ramp)},
@@ -138,6 +141,13 @@ std::vector<Parameter> make_parameters() {
                     "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[4])},
         {.key = "initial.contact_age", .unit = "s", .low = 0, .high = 1e9,
          .meaning = "time since the last touch-down at the start", STICKSLIP_MEMBER(initial.contact_age)},
+        {.key = "initial.y", .unit = "m", .low = -100, .high = 100,
+         .meaning = "position across the x axis at the start", STICKSLIP_MEMBER(initial.y)},
+        {.key = "initial.vy", .unit = "m/s", .low = -1000, .high = 1000,
+         .meaning = "velocity across the x axis at the start", STICKSLIP_MEMBER(initial.vy)},
+        {.key = "initial.heading", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "way that the robot faces at the start, where the field is too weak to say",
+         STICKSLIP_MEMBER(initial.heading)},
         {.key = "effects.coil_heating.coefficient", .unit = "1/W", .low = 0, .high = 1000,
          .meaning = "growth of a coil's resistance by its mean power",
          STICKSLIP_MEMBER(effects.coil_heating_coefficient)},
@@ -176,6 +186,9 @@ std::vector<Parameter> make_parameters() {
          STICKSLIP_MEMBER(effects.ambient_field_bx)},
         {.key = "effects.ambient_field.Bz", .unit = "T", .low = -0.1, .high = 0.1,
          .meaning = "uniform field along +z", STICKSLIP_MEMBER(effects.ambient_field_bz)},
+        {.key = "effects.ambient_field.By", .unit = "T", .low = -0.1, .high = 0.1,
+         .meaning = "uniform field along +y of the world",
+         STICKSLIP_MEMBER(effects.ambient_field_by)},
         {.key = "effects.stribeck_friction.velocity", .unit = "m/s", .low = 0, .high = 100,
          .meaning = "v_s in: mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^2) while slipping",
          STICKSLIP_MEMBER(effects.stribeck_friction_velocity)},
@@ -206,8 +219,12 @@ std::vector<Parameter> make_parameters() {
          .meaning = "drag torque by angular rate",
          STICKSLIP_MEMBER(effects.rotational_drag_coefficient)},
         {.key = "effects.surface_tilt.angle", .unit = "rad", .low = -1.5, .high = 1.5,
-         .meaning = "tilt of the surface about y; positive: downhill towards +x of the world",
+         .meaning = "tilt of the surface; positive: downhill towards +x of the world, or towards "
+                    "the azimuth",
          STICKSLIP_MEMBER(effects.surface_tilt_angle)},
+        {.key = "effects.surface_tilt.azimuth", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "from +x of the world to the way that is downhill",
+         STICKSLIP_MEMBER(effects.surface_tilt_azimuth)},
         {.key = "effects.friction_patches.amplitude", .unit = "-", .low = -1, .high = 1,
          .meaning = "a in: friction times (1 + a sin(2 pi x / period)), x in the world of the "
                     "touching corner, or of the middle of a face",
@@ -251,6 +268,9 @@ std::vector<Choice> make_choices() {
         {.key = "drive.direction", .allowed = {"+x", "-x"},
          .meaning = "where the robot faces and is driven",
          STICKSLIP_CHOICE("drive.direction", drive.direction)},
+        {.key = "drive.coils", .allowed = {"single", "pairs"},
+         .meaning = "which coils of an axis make its part of the field in the surface: the one "
+                    "ahead, or both alike", STICKSLIP_CHOICE("drive.coils", drive.coils)},
         {.key = "initial.contact",
          .allowed = {"from_motion", "flight", "corner_stick", "corner_slip_forward",
                      "corner_slip_backward", "face_stick", "face_slip_forward",
@@ -260,10 +280,6 @@ std::vector<Choice> make_choices() {
          STICKSLIP_CHOICE("initial.contact", initial.contact)},
         {.key = "solver.method", .allowed = {"tsit5", "arkode"}, .meaning = "integrator",
          STICKSLIP_CHOICE("solver.method", solver.method)},
-        {.key = "solver.planar", .allowed = {"refuse", "force"},
-         .meaning = "what to do where B_y exceeds 5 % of the horizontal field, which turns a robot "
-                    "out of the plane of motion: end the run, or keep it in the plane by force",
-         STICKSLIP_CHOICE("solver.planar", solver.planar)},
     };
 }
 

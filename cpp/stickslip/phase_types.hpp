@@ -20,6 +20,10 @@ enum class Event {
     sliding_jams,      ///< sliding loses its solution (Painleve)
     pivot_touches,     ///< in flight, the lowest corner reaches the surface
     opposite_touches,  ///< in flight, the corner opposite to it does
+    // In the whole plane:
+    breaks_loose,   ///< friction holds no more, whichever way
+    slip_slows,     ///< a slip becomes so slow that it is integrated in another way
+    slip_quickens,  ///< the reverse
 };
 
 /// Sizes that make the tolerances relative: a length, and velocities of the free swing.
@@ -35,6 +39,11 @@ struct Snapshot {
     Reaction reaction;
     double contact_x = std::numeric_limits<double>::quiet_NaN();      ///< m, of the pivot corner
     double slip_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, of the pivot corner
+    // Of a run in the whole plane: y of the pivot, friction to the left of the heading, and slip
+    // to the left, beside which the two above are along the heading.
+    double contact_y = std::numeric_limits<double>::quiet_NaN();    ///< m
+    double friction_across = 0.0;                                   ///< N
+    double slip_across = std::numeric_limits<double>::quiet_NaN();  ///< m/s
 };
 
 }  // namespace stickslip

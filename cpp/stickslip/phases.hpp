@@ -13,6 +13,8 @@
 /// cannot penetrate. A phase offers
 ///   kDim, kEvents      number of coordinates and of event functions
 ///   kSlips, kFlies     whether a contact slips, whether nothing touches
+///   kTurns, kStiff     whether it is of a robot that moves in the whole plane (plane_phases.hpp),
+///                      and whether its equations are stiff (rosenbrock.hpp)
 ///   kEvent             what each event function is; it fires when its function falls through zero
 ///   field_at(tau)      the field's expansion, apart from the state
 ///   rates(field, y, dydt, g)   rates and event functions
@@ -22,7 +24,7 @@
 ///   centre(y, pose)    the centre of mass
 ///   angle, omega, contact_x(y)   what the summary watches
 ///   event_rounding()   see PhaseBase
-///   begin(body), body(y)     to coordinates and back
+///   begin(body), body(tau, y)  to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
 /// The formulas, rates and what they use, are written for any D: Dynamics, or the dynamics of a
 /// pack of robots (lane_kernel.hpp), whose numbers D::Real are packs. The rest is of one robot.
@@ -38,6 +40,8 @@ template <class D>
 class PhaseBase {
 public:
     using Real = typename D::Real;
+    static constexpr bool kTurns = false;
+    static constexpr bool kStiff = false;
 
     explicit PhaseBase(D& dynamics) : dynamics_(&dynamics) {}
 
@@ -119,7 +123,7 @@ public:
         return {contact_x_ - (pose.lever - pose.roll), pose.height};
     }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
-    BodyState body(const State& y) const {
+    BodyState body(double, const State& y) const {
         const Pose pose = dynamics_->pose(y[0]);
         return {contact_x_ - (pose.lever - pose.roll),
                 pose.height,
@@ -131,7 +135,8 @@ public:
     }
     Snapshot snapshot(double tau, const State& y) const {
         const Pose pose = dynamics_->pose(y[0]);
-        return {body(y), solve(Base::field_at(tau), y, pose).reaction, contact_x_ + pose.roll, 0.0};
+        return {body(tau, y), solve(Base::field_at(tau), y, pose).reaction, contact_x_ + pose.roll,
+                0.0};
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
@@ -197,7 +202,7 @@ public:
     State begin(const BodyState& body) const {
         return {contact_x_, body.angle, slip_velocity_, body.omega};
     }
-    BodyState body(const State& y) const {
+    BodyState body(double, const State& y) const {
         const Pose pose = dynamics_->pose(y[1]);
         return {y[0] - (pose.lever - pose.roll),
                 pose.height,
@@ -210,7 +215,7 @@ public:
     Snapshot snapshot(double tau, const State& y) const {
         const CornerSlipOf<Real> motion = solve(Base::field_at(tau), y);
         const Reaction reaction = {motion.normal, -motion.coefficient * motion.normal};
-        return {body(y), reaction, y[0] + dynamics_->pose(y[1]).roll, y[2]};
+        return {body(tau, y), reaction, y[0] + dynamics_->pose(y[1]).roll, y[2]};
     }
     State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[2]) + magnitude(y[3]) * robot().radius; }
@@ -218,6 +223,7 @@ public:
     Real omega(const State& y) const { return y[3]; }
     Real contact_x(const State& y) const { return y[0]; }
     Real slip_velocity(const State& y) const { return y[2]; }
+    Real slip_acceleration(const State&, const State& rates) const { return rates[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(double tau, const State& y) const {
         return solve(Base::field_at(tau), y).effective_inertia < kNearlyJammed * model().inertia;
@@ -243,6 +249,11 @@ private:
     Real contact_x_, slip_velocity_, slip_;
 };
 using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
+
+/// A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that has
+/// just left has none. The gap is the difference of two heights of the body's size, of which one
+/// comes from a pose that has been turned on some times since its last sine and cosine.
+inline constexpr double kFlightRounding = 64.0 * std::numeric_limits<double>::epsilon();
 
 /// Nothing touches: y = (x, z, angle, vx, vz, omega).
 template <class D>
@@ -288,12 +299,12 @@ public:
     State begin(const BodyState& body) const {
         return {body.x, body.z, body.angle, body.vx, body.vz, body.omega};
     }
-    BodyState body(const State& y) const {
+    BodyState body(double, const State& y) const {
         return {y[0], y[1], y[2], y[3], y[4], y[5], quadrant()};
     }
-    Snapshot snapshot(double, const State& y) const {
+    Snapshot snapshot(double tau, const State& y) const {
         Snapshot result;
-        result.body = body(y);
+        result.body = body(tau, y);
         return result;
     }
     State scale(const Scales& s) const {
@@ -303,18 +314,13 @@ public:
     Real angle(const State& y) const { return y[2]; }
     Real omega(const State& y) const { return y[5]; }
     Real contact_x(const State& y) const { return y[0]; }
-    double event_rounding() const { return 2.0 * kRounding * robot().radius; }
+    double event_rounding() const { return 2.0 * kFlightRounding * robot().radius; }
 
 private:
-    // A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that
-    // has just left has none. The gap is the difference of two heights of the body's size, of which
-    // one comes from a pose that has been turned on some times since its last sine and cosine.
-    static constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
-
     [[gnu::always_inline]] Values gaps(Real gap, const PoseOf<Real>& pose) const {
         const Real behind = 2.0 * robot().half_base * pose.sine;
         const Real ahead = 2.0 * robot().half_rise * pose.cosine;
-        const Real below = gap + kRounding * robot().radius;
+        const Real below = gap + kFlightRounding * robot().radius;
         return {below, below + behind, below + ahead, below + behind + ahead};
     }
 };

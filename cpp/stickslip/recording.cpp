@@ -17,8 +17,10 @@ std::int8_t contact_code(const ContactMode& mode, double frame_sign) {
     return static_cast<std::int8_t>((mode.touch == Touch::corner ? 1 : 4) + slip);
 }
 
-Recorder::Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign)
-    : settings_(settings), chain_(chain), sign_(frame_sign) {
+Recorder::Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign,
+                   bool turns)
+    : settings_(settings), chain_(chain), sign_(frame_sign), turns_(turns) {
+    for (std::size_t k = kEventColumn + 1; k < kColumns && !turns; ++k) settings_.dropped.set(k);
     if (!on_grid()) return;
     // The product is rounded: the first sample is not before `from`, and none is left out.
     count_ = static_cast<std::int64_t>(std::floor(settings.from * settings.rate));
@@ -39,8 +41,8 @@ Recording Recorder::take() {
     return std::move(recording_);
 }
 
-void Recorder::add(double t, const Snapshot& s, const ContactMode& mode, const PlanarField& field,
-                   double across, const PerCoil& current) {
+void Recorder::add(double t, const Snapshot& s, const ContactMode& mode,
+                   const std::array<double, 3>& field, const PerCoil& current) {
     // Not as it fills: the event of the last sample comes after it.
     if (settings_.sink && recording_.t.size() == kChunk) hand_over();
     Recording& r = recording_;
@@ -59,11 +61,21 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode, const P
     put(r.friction_force, sign_ * s.reaction.friction);
     put(r.contact_x, sign_ * s.contact_x);
     put(r.slip_velocity, sign_ * s.slip_velocity);
-    put(r.bx, sign_ * field.bx);
-    put(r.by, sign_ * across);
-    put(r.bz, field.bz);
+    put(r.bx, sign_ * field[0]);
+    put(r.by, sign_ * field[1]);
+    put(r.bz, field[2]);
     put(r.current, sign_ > 0.0 ? current : turned(current));
-    put(r.contact, contact_code(mode, sign_));
+    ContactMode shown = mode;
+    // A slip in the plane is forward or backward by its part along the heading.
+    if (turns_ && mode.slip != 0) shown.slip = s.slip_velocity < 0.0 ? -1 : 1;
+    put(r.contact, contact_code(shown, sign_));
+    ++index;  // the event comes after the sample
+    put(r.y, s.body.y);
+    put(r.vy, s.body.vy);
+    put(r.heading, s.body.heading);
+    put(r.friction_across, s.friction_across);
+    put(r.contact_y, s.contact_y);
+    put(r.slip_across, s.slip_across);
     ++count_;
 }
 

@@ -51,7 +51,15 @@ inline constexpr std::array<const char*, kColumns> kColumnNames = {"t",
                                                                    "bz",
                                                                    "current",
                                                                    "contact",
-                                                                   "event"};
+                                                                   "event",
+                                                                   "y",
+                                                                   "vy",
+                                                                   "heading",
+                                                                   "friction_across",
+                                                                   "contact_y",
+                                                                   "slip_across"};
+/// The last ones, of runs in the whole plane alone.
+inline constexpr std::size_t kPlaneColumns = 6, kEventColumn = kColumns - kPlaneColumns - 1;
 
 /// Recorded columns, in the world's frame and SI units, one entry a sample. theta, omega: nose-down
 /// positive in the robot's own frame. A column that is not kept is empty.
@@ -63,13 +71,16 @@ struct Recording {
     std::vector<std::array<double, kCoilCount>> current;  ///< A
     std::vector<std::int8_t> contact;
     std::vector<std::int8_t> event;  ///< EventKind; "events" only
+    // In the whole plane, where friction and slip above are along the heading, these to its left.
+    std::vector<double> y, vy, heading, friction_across, contact_y, slip_across;
 
     /// Calls `use(index, column)` for each column, in the order of `kColumnNames`.
     void for_each_column(auto&& use) {
         std::size_t index = 0;
         const auto each = [&](auto&... columns) { (use(index++, columns), ...); };
         each(t, x, z, theta, vx, vz, omega, normal_force, friction_force, contact_x, slip_velocity,
-             bx, by, bz, current, contact, event);
+             bx, by, bz, current, contact, event, y, vy, heading, friction_across, contact_y,
+             slip_across);
     }
 };
 
@@ -79,7 +90,9 @@ public:
     /// Samples that a sink gets at a time: 11 MB, and enough for a chunk to compress well.
     static constexpr std::size_t kChunk = 65536;
 
-    Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign);
+    /// turns: whether the run is one in the whole plane.
+    Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign,
+             bool turns);
 
     /// Whether an event at `t`, s, is recorded.
     bool at_event(double t) const {
@@ -91,12 +104,12 @@ public:
         return on_grid() ? static_cast<double>(count_) / settings_.rate
                          : std::numeric_limits<double>::infinity();
     }
-    /// across: B_y, T.
-    void add(double t, const Snapshot& snapshot, const ContactMode& mode, const PlanarField& field,
-             double across, const PerCoil& current);
+    /// field: T.
+    void add(double t, const Snapshot& snapshot, const ContactMode& mode,
+             const std::array<double, 3>& field, const PerCoil& current);
     /// Of the sample that was added last.
     void add_event(EventKind kind) {
-        if (!settings_.dropped[kColumns - 1]) {
+        if (!settings_.dropped[kEventColumn]) {
             recording_.event.push_back(static_cast<std::int8_t>(kind));
         }
     }
@@ -109,6 +122,7 @@ private:
     RecordSettings settings_;
     MeasurementChain chain_;
     double sign_;
+    bool turns_;
     std::int64_t count_ = 0;  // of the grid's samples, those before `from` among them
     Recording recording_;
 };

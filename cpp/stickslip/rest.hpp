@@ -44,44 +44,6 @@ public:
         return {body_, {reaction.normal(), reaction.friction}, end, 0.0};
     }
 
-    struct End {
-        Event event = Event::none;
-        double tau = 0.0;
-    };
-
-    /// The first event in [tau, tau_end]. `fastest`: the largest decay rate of the currents, 1/s.
-    /// `longest`: the longest time between two looks, s. Ends early, without event, where `stop` is
-    /// set.
-    End advance(PhaseMemory& memory, double tau, double tau_end, double fastest,
-                double longest = std::numeric_limits<double>::infinity(),
-                const std::atomic<bool>* stop = nullptr) const {
-        Values start = values(tau);
-        if (memory.fresh) memory.begin(start, 0.0);
-        while (tau < tau_end) {
-            if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
-            // The exponentials of a stretch die out from its start, so the search may widen with
-            // it.
-            const double usual = std::min(std::max(0.125 / fastest, 0.125 * tau), longest);
-            const double width = std::min(memory.stalled ? kShortestStep : usual, tau_end - tau);
-            const auto value = [&](std::size_t i, double s) { return values(tau + s * width)[i]; };
-            using Finder = EventFinder<kEvents>;
-            EventSamples<kEvents> samples;
-            samples.start = start;
-            samples.early = values(tau + Finder::kEarly * width);
-            samples.late = values(tau + Finder::kLate * width);
-            samples.end = values(tau + width);
-            for (std::size_t i = 0; i < kEvents; ++i) {
-                samples.lowest[i] = std::min({samples.start[i], samples.early[i], samples.late[i]});
-            }
-            const EventHit hit = Finder::find(samples, memory.armed, memory.stalled, value);
-            memory.stalled = false;
-            if (hit) return {kEvent[static_cast<std::size_t>(hit.index)], tau + hit.s * width};
-            tau = tau + width >= tau_end ? tau_end : tau + width;
-            start = samples.end;
-        }
-        return {Event::none, tau_end};
-    }
-
 private:
     FaceReaction solve(double tau) const {
         const Load load = dynamics_->load(dynamics_->field_at(tau), body_.x, body_.z,
@@ -92,6 +54,45 @@ private:
     Dynamics* dynamics_;
     BodyState body_;
 };
+
+/// How a rest ended: by an event, or at the end of what was looked at.
+struct RestEnd {
+    Event event = Event::none;
+    double tau = 0.0;
+};
+
+/// The first event in [tau, tau_end] of a body that lies still. `fastest`: the largest decay rate
+/// of the currents, 1/s. `longest`: the longest time between two looks, s. Ends early, without
+/// event, where `stop` is set.
+template <class Rest>
+RestEnd end_of_rest(const Rest& rest, PhaseMemory& memory, double tau, double tau_end,
+                    double fastest, double longest = std::numeric_limits<double>::infinity(),
+                    const std::atomic<bool>* stop = nullptr) {
+    using Finder = EventFinder<Rest::kEvents>;
+    typename Rest::Values start = rest.values(tau);
+    if (memory.fresh) memory.begin(start, 0.0);
+    while (tau < tau_end) {
+        if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
+        // The exponentials of a stretch die out from its start, so the search may widen with it.
+        const double usual = std::min(std::max(0.125 / fastest, 0.125 * tau), longest);
+        const double width = std::min(memory.stalled ? kShortestStep : usual, tau_end - tau);
+        const auto value = [&](std::size_t i, double s) { return rest.values(tau + s * width)[i]; };
+        EventSamples<Rest::kEvents> samples;
+        samples.start = start;
+        samples.early = rest.values(tau + Finder::kEarly * width);
+        samples.late = rest.values(tau + Finder::kLate * width);
+        samples.end = rest.values(tau + width);
+        for (std::size_t i = 0; i < Rest::kEvents; ++i) {
+            samples.lowest[i] = std::min({samples.start[i], samples.early[i], samples.late[i]});
+        }
+        const EventHit hit = Finder::find(samples, memory.armed, memory.stalled, value);
+        memory.stalled = false;
+        if (hit) return {Rest::kEvent[static_cast<std::size_t>(hit.index)], tau + hit.s * width};
+        tau = tau + width >= tau_end ? tau_end : tau + width;
+        start = samples.end;
+    }
+    return {Event::none, tau_end};
+}
 
 /// Longest time (s) between two looks at a body that rests. A free shape changes with time over
 /// the distance of its knots. A user's force may too, and nothing is known of how fast: it is

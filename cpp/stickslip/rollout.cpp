@@ -59,7 +59,13 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
     const bool with_currents =
         std::any_of(output.columns.begin(), output.columns.end(), is_current);
     const auto begin = [&](std::size_t index) -> Lane* {
-        const Scenario own = without_record(scenario(index));
+        Scenario own = without_record(scenario(index));
+        const double* voltages = rows.voltages + index * rows.run_stride;
+        for (std::size_t k = 0; k < rows.steps; ++k, voltages += kCoilCount) {
+            PerCoil row;
+            std::copy_n(voltages, row.size(), row.begin());
+            own.whole_plane = own.whole_plane || turns(row);
+        }
         require_tsit5(own);
         check(own);
         auto lane = std::make_unique<Lane>(index, own, control);
@@ -84,7 +90,7 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
     return result;
 }
 
-SimulatorBatch::SimulatorBatch(const std::vector<Scenario>& scenarios) {
+SimulatorBatch::SimulatorBatch(const std::vector<Scenario>& scenarios) : scenarios_(scenarios) {
     lanes_.reserve(scenarios.size());
     for (std::size_t run = 0; run < scenarios.size(); ++run) {
         lanes_.push_back(make_lane(run, scenarios[run]));
@@ -105,14 +111,27 @@ std::unique_ptr<Lane> SimulatorBatch::make_lane(std::size_t run, const Scenario&
 
 void SimulatorBatch::reset(std::size_t run, const Scenario& scenario) {
     lanes_[run] = make_lane(run, scenario);
+    scenarios_[run] = scenario;
+}
+
+// A run that a step turns goes on in the whole plane.
+void SimulatorBatch::enter_plane(std::size_t run) {
+    const Lane::Loop& before = lanes_[run]->loop;
+    const ControlSteps::Memory steps = before.steps().world_memory();
+    lanes_[run] = make_lane(run, in_whole_plane(scenarios_[run], before.state()));
+    lanes_[run]->loop.steps().restore(steps);
 }
 
 void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads) {
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
+        if (lanes_[run]->loop.status() != Status::ok) continue;
+        const double* row = voltages + run * kCoilCount;
+        PerCoil asked;
+        std::copy_n(row, asked.size(), asked.begin());
+        if (!lanes_[run]->loop.in_whole_plane() && turns(asked)) enter_plane(run);
         Lane::Loop& loop = lanes_[run]->loop;
-        if (loop.status() != Status::ok) continue;
         loop.reset_counts();
-        loop.steps().give(voltages + run * kCoilCount, 1, duration, linear);
+        loop.steps().give(row, 1, duration, linear);
     }
     play_all(
         lanes_.size(), threads, control_, [&](std::size_t run) { return lanes_[run].get(); },

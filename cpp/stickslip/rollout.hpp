@@ -53,7 +53,9 @@ public:
 
 private:
     std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);
+    void enter_plane(std::size_t run);
 
+    std::vector<Scenario> scenarios_;
     RunControl control_;
     std::vector<std::unique_ptr<Lane>> lanes_;
 };

@@ -28,6 +28,8 @@ struct OwnCoil {
     double side = 0.0;        ///< m
     double distance = 0.0;    ///< m
     double turns = 0.0;
+
+    friend bool operator==(const OwnCoil&, const OwnCoil&) = default;
 };
 
 /// Table II.
@@ -71,6 +73,7 @@ struct Effects {
     double magnetization_scale_fraction = 0.0;
     double ambient_field_bx = 0.0;  ///< T
     double ambient_field_bz = 0.0;  ///< T
+    double ambient_field_by = 0.0;  ///< T
     // contact
     double stribeck_friction_velocity = 0.0;    ///< m/s
     double viscous_friction_coefficient = 0.0;  ///< s/m
@@ -84,7 +87,8 @@ struct Effects {
     double quadratic_drag_coefficient = 0.0;   ///< N s^2/m^2
     double rotational_drag_coefficient = 0.0;  ///< N m s
     // surface
-    double surface_tilt_angle = 0.0;  ///< rad
+    double surface_tilt_angle = 0.0;    ///< rad
+    double surface_tilt_azimuth = 0.0;  ///< rad, has no effect at angle zero
     double friction_patches_amplitude = 0.0;
     double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
     // measurement
@@ -111,12 +115,8 @@ struct Effects {
 
 enum class Method { tsit5, arkode };
 
-/// What to do where the field would turn the robot out of the plane of motion.
-enum class Planar { refuse, force };
-
 struct SolverSettings {
     Method method = Method::tsit5;
-    Planar planar = Planar::refuse;
     double rtol = 1e-8;
     double max_step = 0.0;  ///< s, zero: no limit
     std::int64_t max_steps = 1'000'000'000;
@@ -126,7 +126,7 @@ struct SolverSettings {
 enum class RecordKind { none, events, uniform };
 
 /// Number of the columns of a `Recording`.
-inline constexpr std::size_t kColumns = 17;
+inline constexpr std::size_t kColumns = 23;
 
 struct Recording;
 
@@ -153,6 +153,9 @@ struct Scenario {
     Effects effects;
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
     SimulationState initial;
+    /// Whether the robot moves in the whole plane though nothing above asks for it: voltages of a
+    /// run that is stepped do.
+    bool whole_plane = false;
     SolverSettings solver;
     RecordSettings record;
 };

@@ -31,8 +31,10 @@ const char* name(Status status) {
             return "no_arkode";
         case Status::too_many_steps:
             return "too_many_steps";
-        case Status::leaves_plane:
-            return "leaves_plane";
+        case Status::heading_lost:
+            return "heading_lost";
+        case Status::turns_too_fast:
+            return "turns_too_fast";
     }
     return "unknown";
 }
@@ -105,12 +107,14 @@ std::string message(const RunResult& result) {
             text << "the robot reached the coils; give fewer pulses or less field, or look at "
                     "effects.surface_tilt and friction";
             break;
-        case Status::leaves_plane:
-            text << "B_y was more than 5 % of the horizontal field, which turns a robot out of the "
-                    "plane of this model; "
-                 << (result.map ? "hold a field along x (drive.base), or set"
-                                : "leave yp and ym without voltage, or set")
-                 << " solver.planar = \"force\" to keep it in the plane";
+        case Status::heading_lost:
+            text << "the horizontal field had been too weak to hold the robot's heading and came "
+                    "back from another side, so that nobody knows where the robot faces; turn the "
+                    "field without letting it fade, or keep it on one side (drive.base above 0)";
+            break;
+        case Status::turns_too_fast:
+            text << "the horizontal field turned faster than the robot can follow; turn it more "
+                    "slowly, or make it stronger";
             break;
         case Status::interrupted:
             text << "the run was stopped";

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <type_traits>
 
@@ -20,7 +21,7 @@ static_assert(std::is_trivially_copyable_v<LoopMemory>);
 /// What stands before the memory in the bytes of a snapshot.
 struct Header {
     char magic[8] = {'s', 't', 'k', 's', 'l', 'i', 'p', '\0'};
-    std::uint32_t version = 1;  // goes up with every change of LoopMemory
+    std::uint32_t version = 2;  // goes up with every change of LoopMemory
     std::uint32_t size = sizeof(LoopMemory);
     std::uint64_t scenario = 0;
 };
@@ -116,22 +117,36 @@ struct Simulator::Runner {
 
 template <class Integrator>
 struct Simulator::RunnerOf : Simulator::Runner {
-    explicit RunnerOf(const Scenario& scenario) : loop(scenario, nullptr) {
-        loop.play_steps([] {});
+    explicit RunnerOf(const Scenario& given) : scenario(given) { begin(given); }
+
+    void begin(const Scenario& from) {
+        loop.emplace(from, nullptr);
+        loop->play_steps([] {});
     }
     void step(const PerCoil& voltages, double duration, bool linear) override {
-        loop.reset_counts();
-        loop.steps().give(voltages.data(), 1, duration, linear);
-        loop.go();
-        if (loop.status() != Status::ok) failure = stickslip::message(loop.take_result());
+        if (!loop->in_whole_plane() && turns(voltages)) {
+            const ControlSteps::Memory steps = loop->steps().world_memory();
+            begin(in_whole_plane(scenario, loop->state()));
+            loop->steps().restore(steps);
+        }
+        loop->reset_counts();
+        loop->steps().give(voltages.data(), 1, duration, linear);
+        loop->go();
+        if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
     }
-    double time() override { return loop.steps().time(); }
-    SimulationState state() const override { return loop.state(); }
-    Status status() const override { return loop.status(); }
-    LoopMemory memory() const override { return loop.loop_memory(); }
-    void restore(const LoopMemory& memory) override { loop.restore(memory); }
+    double time() override { return loop->steps().time(); }
+    SimulationState state() const override { return loop->state(); }
+    Status status() const override { return loop->status(); }
+    LoopMemory memory() const override { return loop->loop_memory(); }
+    void restore(const LoopMemory& memory) override {
+        if (memory.in_whole_plane != loop->in_whole_plane()) {
+            begin(memory.in_whole_plane ? in_whole_plane(scenario, {}) : scenario);
+        }
+        loop->restore(memory);
+    }
 
-    HybridLoop<Integrator> loop;
+    Scenario scenario;
+    std::optional<HybridLoop<Integrator>> loop;
 };
 
 Simulator::Simulator(const Scenario& scenario) : fingerprint_(fingerprint(scenario)) {

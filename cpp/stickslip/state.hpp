@@ -31,12 +31,15 @@ struct SimulationState {
     PerCoil field_lag = {};     ///< A, current of the field less `current` (`eddy_lag`)
     ContactWord contact = ContactWord::from_motion;
     double contact_age = 0.0;  ///< s, since the last touch-down
+    double y = 0.0;            ///< m
+    double vy = 0.0;           ///< m/s
+    double heading = 0.0;      ///< rad, from the x axis to the way that the robot faces
 
     friend bool operator==(const SimulationState&, const SimulationState&) = default;
 };
 
 /// The columns of states in an array, in their order.
-inline constexpr std::array<const char*, 18> kStateColumns = {"x",
+inline constexpr std::array<const char*, 21> kStateColumns = {"x",
                                                               "z",
                                                               "theta",
                                                               "vx",
@@ -53,7 +56,10 @@ inline constexpr std::array<const char*, 18> kStateColumns = {"x",
                                                               "field_lag_ym",
                                                               "field_lag_clamp",
                                                               "contact",
-                                                              "contact_age"};
+                                                              "contact_age",
+                                                              "y",
+                                                              "vy",
+                                                              "heading"};
 /// Whether a column is of the coils.
 inline bool is_current(std::size_t column) {
     return column >= 6 && column < 16;
@@ -78,7 +84,10 @@ inline StateRow row_of(const SimulationState& s) {
             s.field_lag[3],
             s.field_lag[4],
             static_cast<double>(s.contact),
-            s.contact_age};
+            s.contact_age,
+            s.y,
+            s.vy,
+            s.heading};
 }
 
 inline SimulationState state_of(const double* row) {
@@ -90,6 +99,9 @@ inline SimulationState state_of(const double* row) {
     }
     s.contact = static_cast<ContactWord>(static_cast<int>(row[16]));
     s.contact_age = row[17];
+    s.y = row[18];
+    s.vy = row[19];
+    s.heading = row[20];
     return s;
 }
 

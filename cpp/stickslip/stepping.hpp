@@ -21,7 +21,8 @@ enum class Status {
     interrupted,      ///< stopped from outside
     no_arkode,        ///< the method `arkode` is not in this build
     too_many_steps,   ///< more than solver.max_steps
-    leaves_plane,     ///< B_y would turn the robot out of the plane
+    heading_lost,     ///< the horizontal field came back from another side
+    turns_too_fast,   ///< the horizontal field turned faster than the robot follows
 };
 
 struct StepperOptions {
@@ -47,6 +48,7 @@ struct StepCounts {
 struct IntegratorMemory {
     double width = 0.0;  ///< s
     double log_error = 0.0;
+    double stiff_width = 0.0;  ///< s, of stiff phases
 };
 
 /// What an observer of steps answers while the run goes on: a fraction of the step at which it is

@@ -21,6 +21,12 @@ struct Summary {
     /// mean velocity over these, m/s. None for a free program.
     std::int64_t finished_pulses = 0;
     double finished_velocity = kNone;
+    // Of a run in the whole plane, where what is above is along x: along y, m/s.
+    double mean_velocity_y = 0.0;
+    double finished_velocity_y = 0.0;
+    /// How fast the heading's turning to and fro swings an edge about the centre of mass, over the
+    /// window, m/s. The model leaves that out of the slip.
+    double turning_speed = 0.0;
     double theta_min = kNone;  ///< rad
     double theta_max = kNone;  ///< rad
     double slip_up = kNone;  ///< m/s, slip of the contact while theta rises, over the window's span
@@ -42,13 +48,14 @@ public:
     /// period: s, from pulse to pulse; zero without pulses.
     explicit SummaryObserver(double period) : period_(period) {}
 
-    void open(double t, double x) {
+    void open(double t, const BodyState& body) {
         open_ = true;
         start_ = t;
-        start_x_ = x;
+        start_x_ = body.x;
+        start_y_ = body.y;
     }
     /// Where a stretch of voltage ends within the window; a pulse ends with a stretch.
-    void pass(double t, double x) {
+    void pass(double t, const BodyState& body) {
         if (!(period_ > 0.0)) return;
         // Ends of stretches carry rounding.
         const auto pulses =
@@ -56,14 +63,16 @@ public:
         if (pulses <= pulses_) return;
         pulses_ = pulses;
         pulses_end_ = t;
-        pulses_x_ = x;
+        pulses_x_ = body.x;
+        pulses_y_ = body.y;
     }
-    void close(double t, double x, double frame_sign, Summary& summary) {
-        pass(t, x);
+    void close(double t, const BodyState& body, double frame_sign, Summary& summary) {
+        pass(t, body);
         open_ = false;
         const double span = t - start_;
         if (!(span > 0.0)) return;
-        summary.mean_velocity = frame_sign * (x - start_x_) / span;
+        summary.mean_velocity = frame_sign * (body.x - start_x_) / span;
+        summary.mean_velocity_y = (body.y - start_y_) / span;
         summary.theta_min = lowest_;
         summary.theta_max = highest_;
         summary.slip_up = frame_sign * rising_ / span;
@@ -76,6 +85,7 @@ public:
         if (pulses_ == 0) return;
         summary.finished_pulses = pulses_;
         summary.finished_velocity = frame_sign * (pulses_x_ - start_x_) / (pulses_end_ - start_);
+        summary.finished_velocity_y = (pulses_y_ - start_y_) / (pulses_end_ - start_);
     }
     bool is_open() const { return open_; }
     double start() const { return start_; }  ///< s
@@ -113,8 +123,8 @@ private:
     double period_;
     bool open_ = false;
     std::int64_t pulses_ = 0;
-    double pulses_end_ = 0.0, pulses_x_ = 0.0;
-    double start_ = 0.0, start_x_ = 0.0;
+    double pulses_end_ = 0.0, pulses_x_ = 0.0, pulses_y_ = 0.0;
+    double start_ = 0.0, start_x_ = 0.0, start_y_ = 0.0;
     double lowest_ = std::numeric_limits<double>::infinity();
     double highest_ = -std::numeric_limits<double>::infinity();
     double rising_ = 0.0, falling_ = 0.0, flat_ = 0.0, airborne_ = 0.0;

@@ -20,7 +20,7 @@ public:
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
 
-    IntegratorMemory memory() const { return {width_, log_error_}; }
+    IntegratorMemory memory() const { return {width_, log_error_, 0.0}; }
     void restore(const IntegratorMemory& memory) {
         width_ = memory.width;
         log_error_ = memory.log_error;
@@ -95,6 +95,9 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
         width_ = first_width_;
         log_error_ = WidthControl<double>::kLeastLogError;
         memory.begin(progress.samples.start, phase.event_rounding());
+        if constexpr (Phase::kTurns && Phase::kSlips) {
+            width_ = std::min(width_, phase.turning_time(y));
+        }
         // Each of two modes sends the body to the other without time going on: the mode is kept for
         // the shortest step that is far above the resolution of time.
         if (memory.stalled) width_ = std::min(width_, kShortestStep);

@@ -103,7 +103,7 @@ template <class Phase, class Samples>
     const Real h = step.width;
     // The field at the stages' times does not wait for the stages: it is had at once, and the
     // processor overlaps it with the chain of dependent stages.
-    std::array<ExpansionOf<Real>, 5> field;
+    std::array<decltype(phase.field_at(h)), 5> field;
     for (std::size_t s = 0; s < 5; ++s) field[s] = phase.field_at(step.start + Table::c[s + 1] * h);
 
     const auto stage_end = [&](auto row) __attribute__((always_inline)) {

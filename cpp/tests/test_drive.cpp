@@ -59,7 +59,7 @@ TEST_CASE("drive: every breakpoint of in-plane pulsing") {
     for (const Edge edge : {Edge::rise, Edge::fall}) {
         drive.edge = edge;
         const double peak_time = edge == Edge::rise ? 2e-3 : 23e-3;
-        const VoltageProgram program = sawtooth_program(drive, kEachVoltsPerTesla);
+        const VoltageProgram program = sawtooth_program(drive, {}, kEachVoltsPerTesla);
         REQUIRE(program.blocks().size() == 3);
         CHECK(program.blocks()[0].repeats == 1);
         CHECK(program.blocks()[1].repeats == 7);
@@ -79,7 +79,7 @@ TEST_CASE("drive: every breakpoint of out-of-plane pulsing") {
     for (const Edge edge : {Edge::rise, Edge::fall}) {
         drive.edge = edge;
         const double peak_time = edge == Edge::rise ? 2e-3 : 23e-3;
-        const VoltageProgram program = sawtooth_program(drive, kEachVoltsPerTesla);
+        const VoltageProgram program = sawtooth_program(drive, {}, kEachVoltsPerTesla);
         REQUIRE(program.blocks().size() == 3);
         check_block(program.blocks()[0], {{0.0, 0.0, 0.0}, {0.05, 1e-3, 0.5e-3}});
         check_block(program.blocks()[1],
@@ -94,8 +94,8 @@ TEST_CASE("drive: the clamp's polarity is the sign of the clamp coil and of noth
         down.mode = up.mode = mode;
         down.clamp = Clamp::down;
         up.clamp = Clamp::up;
-        const VoltageProgram a = sawtooth_program(down, kEachVoltsPerTesla);
-        const VoltageProgram b = sawtooth_program(up, kEachVoltsPerTesla);
+        const VoltageProgram a = sawtooth_program(down, {}, kEachVoltsPerTesla);
+        const VoltageProgram b = sawtooth_program(up, {}, kEachVoltsPerTesla);
         for (std::size_t i = 0; i < a.blocks().size(); ++i) {
             for (std::size_t j = 0; j < a.blocks()[i].points.size(); ++j) {
                 PerCoil mirrored = a.blocks()[i].points[j].voltage;
@@ -112,7 +112,7 @@ TEST_CASE("drive: without edge time the edge is a jump") {
     drive.edge_time = 0.0;
     for (const Edge edge : {Edge::rise, Edge::fall}) {
         drive.edge = edge;
-        const VoltageBlock pulse = sawtooth_program(drive, kEachVoltsPerTesla).blocks()[1];
+        const VoltageBlock pulse = sawtooth_program(drive, {}, kEachVoltsPerTesla).blocks()[1];
         const std::size_t jump = edge == Edge::rise ? 0 : 1;
         CHECK(pulse.points[jump].time == pulse.points[jump + 1].time);
         CHECK(std::abs(pulse.points[jump].voltage[0] - pulse.points[jump + 1].voltage[0]) ==
@@ -125,7 +125,7 @@ TEST_CASE("drive: no ramps, no blocks for them, and any number of pulses is one 
     drive.ramp = 0.0;
     drive.ramp_down = 0.0;
     drive.pulses = 1'000'000'000'000;
-    const VoltageProgram program = sawtooth_program(drive, kEachVoltsPerTesla);
+    const VoltageProgram program = sawtooth_program(drive, {}, kEachVoltsPerTesla);
     REQUIRE(program.blocks().size() == 1);
     CHECK(program.blocks()[0].points.size() == 3);
     CHECK(program.blocks()[0].repeats == 1'000'000'000'000);
@@ -134,7 +134,7 @@ TEST_CASE("drive: no ramps, no blocks for them, and any number of pulses is one 
 TEST_CASE("drive: a free program has no sawtooth") {
     Drive drive = example();
     drive.mode = DriveMode::program;
-    CHECK_THROWS_AS(sawtooth_program(drive, kEachVoltsPerTesla), std::invalid_argument);
+    CHECK_THROWS_AS(sawtooth_program(drive, {}, kEachVoltsPerTesla), std::invalid_argument);
 }
 
 TEST_CASE("turned: the field of the turned robot's coils is the turned field") {
@@ -185,11 +185,12 @@ TEST_CASE("the voltages that a drive asks for are not those that an amplifier gi
 
 TEST_CASE("the coil that drives a robot along the surface has its voltage in the world's frame") {
     for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {
-        const VoltageProgram own = sawtooth_program(example(), kEachVoltsPerTesla);
+        const VoltageProgram own = sawtooth_program(example(), {}, kEachVoltsPerTesla);
         const VoltageProgram world = direction == Direction::plus_x ? own : turned(own);
         for (const Coil coil : {Coil::xp, Coil::xm, Coil::yp, Coil::ym}) {
             const double volts = world.largest_voltage()[static_cast<std::size_t>(coil)];
-            CHECK((volts > 0.0) == (coil == in_plane_coil(direction)));
+            const SurfaceDirection towards{direction == Direction::plus_x ? 1.0 : -1.0, 0.0};
+            CHECK((volts > 0.0) == (coil == in_plane_coil(towards)));
         }
     }
 }

@@ -254,7 +254,7 @@ TEST_CASE("tsit5: a slide that begins without solution jams at once") {
     const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};
     phase.rebase(start);
     CHECK(phase.nearly_jams(0.0, start));
-    BodyState body = phase.body(start);
+    BodyState body = phase.body(0.0, start);
     const Resolution found = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.05, 0);
     CHECK(found.impulse);
     const Pose pose = model.shape.pose(0, std::cos(0.7), std::sin(0.7));

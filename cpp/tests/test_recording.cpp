@@ -16,7 +16,7 @@ namespace {
 void add(Recorder& recorder, double t, double x) {
     Snapshot snapshot;
     snapshot.body.x = x;
-    recorder.add(t, snapshot, ContactMode{}, PlanarField{}, 0.0, PerCoil{});
+    recorder.add(t, snapshot, ContactMode{}, {}, PerCoil{});
 }
 
 // The chunks that a recorder of `samples` events hands over, each x a number of its own.
@@ -25,7 +25,7 @@ std::vector<Recording> chunks_of(std::int64_t samples) {
     RecordSettings settings;
     settings.kind = RecordKind::events;
     settings.sink = [&](Recording&& chunk) { chunks.push_back(std::move(chunk)); };
-    Recorder recorder(settings, MeasurementChain{}, 1.0);
+    Recorder recorder(settings, MeasurementChain{}, 1.0, false);
     for (std::int64_t k = 0; k < samples; ++k) {
         add(recorder, static_cast<double>(k), static_cast<double>(k));
         recorder.add_event(static_cast<EventKind>(k % 7));
@@ -65,7 +65,7 @@ TEST_CASE("recording: the grid begins with its first sample that is not before `
             settings.kind = RecordKind::uniform;
             settings.rate = rate;
             settings.from = from;
-            const double first = Recorder(settings, MeasurementChain{}, 1.0).next_time();
+            const double first = Recorder(settings, MeasurementChain{}, 1.0, false).next_time();
             const double number = std::round(first * rate);
             CHECK(first == number / rate);
             CHECK(first >= from);

@@ -50,7 +50,7 @@ double bisect(Function&& positive, double low, double high) {
 }
 
 struct Found {
-    FaceRest::End end;
+    RestEnd end;
     FaceRest::Values values;  // at the end
 };
 
@@ -60,8 +60,9 @@ Found end_of_rest(const Model& model, const CurrentSegment& segment) {
     Dynamics dynamics(model, field);
     const FaceRest rest(dynamics, flat());
     PhaseMemory memory;
-    const FaceRest::End end = rest.advance(
-        memory, 0.0, segment.duration, *std::max_element(segment.rate.begin(), segment.rate.end()));
+    const RestEnd end =
+        stickslip::end_of_rest(rest, memory, 0.0, segment.duration,
+                               *std::max_element(segment.rate.begin(), segment.rate.end()));
     return {end, rest.values(end.tau)};
 }
 

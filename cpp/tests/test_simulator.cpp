@@ -130,13 +130,13 @@ TEST_CASE("simulator: a restored snapshot goes on with the same bits, in another
 TEST_CASE("simulator: a restored snapshot goes on with the same bits after a step that failed") {
     Scenario scenario;
     scenario.effects.sample_hold_period = 1e-4;  // so that the failed step leaves stretches
-    const PerCoil allowed = {20.0, 0.0, 0.01, 0.0, -10.0}, refused = {20.0, 0.0, 20.0, 0.0, -10.0};
+    const PerCoil allowed = {20.0, 0.0, 0.01, 0.0, -10.0}, refused = {-20.0, 0.0, 0.01, 0.0, -10.0};
     Simulator whole(scenario), failing(scenario);
     whole.step(allowed, 5e-3, false);
     failing.step(allowed, 5e-3, false);
     const SimulatorSnapshot before = failing.snapshot();
-    failing.step(refused, 5e-3, false);
-    REQUIRE(failing.status() == Status::leaves_plane);
+    failing.step(refused, 50e-3, false);
+    REQUIRE(failing.status() == Status::heading_lost);
     failing.restore(before);
     for (int step = 0; step < 3; ++step) {
         whole.step(allowed, 5e-3, false);

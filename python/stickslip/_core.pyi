@@ -16,6 +16,7 @@ status_names: tuple[str, ...]
 state_columns: tuple[str, ...]
 stop_quantities: tuple[str, ...]
 record_columns: tuple[str, ...]
+plane_columns: tuple[str, ...]
 
 class _Parameter(TypedDict):
     key: str
@@ -207,6 +208,8 @@ class Scenario:
     def free_curve(self, effect: str, arguments: NDArray[float64]) -> NDArray[float64]: ...
     @property
     def in_plane_coil(self) -> str: ...
+    @property
+    def turns(self) -> bool: ...
     @property
     def duration(self) -> float: ...
     @property

@@ -295,6 +295,15 @@ class Scenario:
         """
         return self._kept_core().window
 
+    @property
+    def turns(self) -> bool:
+        """Whether the robot moves in the whole plane, and not along x alone.
+
+        So it is with a heading, voltages of yp and ym that do not cancel, a measured map of the
+        field, or a start, a field or a slope across x.
+        """
+        return self._kept_core().turns
+
     def to_core(self) -> _core.Scenario:
         """The same scenario as the compiled core takes it; the caller's own."""
         return _core.Scenario(self._kept_core())

@@ -99,6 +99,12 @@ class Drive(Section):
         the -x coil drives, with the opposite sign. The voltages of a program stay as they are
         given, coil by coil in the world's frame: only the robot is turned, so that
         ``program.turned()`` moves it as `program` moves one that faces +x.
+    heading : float
+        Where the robot is driven, rad from `direction` to the left. The field turns it there: with
+        a heading that is no multiple of pi the robot moves in the whole plane.
+    coils : {"single", "pairs"}
+        Which coils of an axis make its part of the field along the surface: the one that lies
+        ahead, which pulls the robot too, or both alike, whose gradients cancel at the centre.
     ramp : float
         Rise of both coils from zero before the first pulse, s.
     pulses : int
@@ -118,6 +124,8 @@ class Drive(Section):
     edge: Literal["rise", "fall"] = "rise"
     edge_time: float = 0.0
     direction: Literal["+x", "-x"] = "+x"
+    heading: float = 0.0
+    coils: Literal["single", "pairs"] = "single"
     ramp: float = 0.05
     pulses: int = 100
     ramp_down: float = 0.0
@@ -263,10 +271,6 @@ class Solver(Section):
     max_steps : int
         Most steps of a run. One that needs more ends with the status "too_many_steps", whose
         message names the key that makes the steps short.
-    planar : {"refuse", "force"}
-        What to do where B_y exceeds 5 % of the horizontal field, which would turn a real robot out
-        of the plane of motion: end the run with the status "leaves_plane", or keep the robot in the
-        plane by force.
     velocity_error : float
         Error of the mean velocity, m/s, up to which pulses are extrapolated instead of simulated,
         once the displacements of those before them go on steadily; 0: every pulse is simulated.
@@ -277,7 +281,6 @@ class Solver(Section):
     rtol: float = 1e-8
     max_step: float = 0.0
     max_steps: int = 1_000_000_000
-    planar: Literal["refuse", "force"] = "refuse"
     velocity_error: float = 0.0
 
 

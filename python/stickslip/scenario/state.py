@@ -21,7 +21,7 @@ STATE_COLUMNS: tuple[str, ...] = _core.state_columns
 CONTACT_WORDS = ("from_motion", *_core.contact_names)
 """What `State.contact` may be."""
 
-_MAGIC, _VERSION = b"stickslip state ", 1
+_MAGIC, _VERSION = b"stickslip state ", 2
 _LAYOUT = struct.Struct(f"<16sI{len(STATE_COLUMNS)}d")
 
 
@@ -52,6 +52,12 @@ class State(Section, key="initial"):
         fly.
     contact_age : float
         Time since the last touch-down, s, of which `effects.adhesion_ageing` depends.
+    y, vy : float
+        Centre of mass across the x axis, m, and its velocity, m/s; zero where the robot stays in
+        the plane y = 0.
+    heading : float
+        Where the robot faces, rad from +x to the left. At the start it counts only as long as the
+        field is too weak to turn the robot.
 
     Raises
     ------
@@ -95,6 +101,9 @@ class State(Section, key="initial"):
         "face_slip_backward",
     ] = "from_motion"
     contact_age: float = 0.0
+    y: float = 0.0
+    vy: float = 0.0
+    heading: float = 0.0
 
     @property
     def row(self) -> list[float]:

@@ -33,8 +33,17 @@ COLUMNS = {
     "current": Column("A", "current of each coil"),
     "contact": Column("1", "mode of the contact"),
     "event": Column("1", "event of the contact"),
+    "y": Column("m", "position of the centre of mass across the x axis"),
+    "vy": Column("m/s", "velocity of the centre of mass across the x axis"),
+    "heading": Column("rad", "where the robot faces, from +x to the left"),
+    "friction_across": Column("N", "friction force of the surface, to the left of the heading"),
+    "contact_y": Column("m", "position of the contact point across, nothing in flight"),
+    "slip_across": Column("m/s", "velocity of the contact point to the left of the heading"),
 }
 """The recorded quantities by name; each is an attribute of a `Run`."""
+
+PLANE_COLUMNS: tuple[str, ...] = _core.plane_columns
+"""Those of a run in the whole plane alone, where friction and slip are along the heading."""
 
 
 WORDS = {"contact": _core.contact_names, "event": _core.event_names}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from stickslip import _core
 from stickslip._util.atomic_files import NotWritten
 from stickslip.scenario.keys import recorded_fields
+from stickslip.simulation.columns import PLANE_COLUMNS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,8 +49,10 @@ def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     record = scenario.record
     if record.rate == "none":
         return ()
-    names = recorded_fields(str(record.fields))
-    return names if record.rate == "events" else tuple(name for name in names if name != "event")
+    left_out = set() if record.rate == "events" else {"event"}
+    if not scenario.turns:
+        left_out |= {*PLANE_COLUMNS}
+    return tuple(name for name in recorded_fields(str(record.fields)) if name not in left_out)
 
 
 def kept(scenario: Scenario, recording: _core._Recording) -> dict[str, NDArray[Any]]:

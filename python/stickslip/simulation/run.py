@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -90,6 +91,12 @@ class Run:
         Position (m) and velocity (m/s) of the contact point, P_x in Eq. (13); NaN in flight.
     bx, by, bz : numpy.ndarray, shape (n,)
         Field at the centre of mass, T, Eqs. (2)-(7).
+    y, vy, heading : numpy.ndarray, shape (n,)
+        Position (m) and velocity (m/s) across the x axis, and where the robot faces (rad from +x to
+        the left); of runs in the whole plane alone (`Scenario.turns`), as are the next.
+    friction_across, contact_y, slip_across : numpy.ndarray, shape (n,)
+        Beside `friction_force` and `slip_velocity`, which are along the heading there, those to its
+        left (N, m/s); y of the contact point (m).
     current : numpy.ndarray, shape (n, 5)
         Currents of the coils xp, xm, yp, ym, clamp, A, Eq. (1).
     contact : numpy.ndarray of int8, shape (n,)
@@ -132,6 +139,12 @@ class Run:
     bx: Array
     by: Array
     bz: Array
+    y: Array
+    vy: Array
+    heading: Array
+    friction_across: Array
+    contact_y: Array
+    slip_across: Array
     current: Array
     contact: NDArray[np.int8]
     event: NDArray[np.int8]
@@ -199,9 +212,29 @@ class Run:
 
     @property
     def mean_velocity(self) -> float:
-        """dx/dt over the measuring window, m/s (section VII of the paper); NaN if not measured."""
+        """dx/dt over the measuring window, m/s (section VII of the paper); NaN if not measured.
+
+        Of a robot that is driven another way than along x see `velocity`.
+        """
         velocity: float = self._summary["mean_velocity"]
         return velocity
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Mean velocity over the measuring window as seen from the drive, m/s.
+
+        Returns
+        -------
+        along, across : float
+            Along the heading of the drive (``+x`` of a program) and to its left; NaN if not
+            measured.
+        """
+        drive = self.scenario.drive
+        heading = 0.0 if drive.mode == "program" else drive.heading
+        sign = -1.0 if drive.mode != "program" and drive.direction == "-x" else 1.0
+        cosine, sine = sign * math.cos(heading), sign * math.sin(heading)
+        x, y = self._summary["mean_velocity"], self._summary["mean_velocity_y"]
+        return cosine * x + sine * y, cosine * y - sine * x
 
     @property
     def notes(self) -> list[str]:
@@ -228,7 +261,8 @@ class Run:
         dict
             `status`, `message` and `notes` (list of str, see `Run.notes`); the measuring window
             from `window_start` to `window_end` (s; where the run was ended by its condition, if
-            that was earlier), and over it `mean_velocity` (m/s), `theta_min`,
+            that was earlier), and over it `mean_velocity` (m/s; across x `mean_velocity_y`, 0
+            in the plane y = 0), `theta_min`,
             `theta_max` (rad), the mean slip speeds `slip_up`, `slip_down`, `slip_flat` (m/s,
             distance that the contact slipped along +x while theta rose, fell, or the body lay on a
             face, over the window's duration), `airborne_fraction`, `field_min` (T, least field at
@@ -236,7 +270,8 @@ class Run:
             largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil),
             `events` (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
             integrator). What was never measured is NaN. A run that ends before the window does has
-            no mean velocity, but `finished_velocity` (m/s), that over the `finished_pulses` (a
+            no mean velocity, but `finished_velocity` (m/s, and `finished_velocity_y`), that over
+            the `finished_pulses` (a
             count) of the window's pulses that were finished; in other runs these are all of them.
         """
         core: dict[str, Any] = {**self._summary}

@@ -28,6 +28,7 @@ EVENTS = tuple(name for name in _core.event_names if name != PAINLEVE)
 
 NUMBERS = {
     "mean_velocity": Column("m/s", "mean velocity along the surface, measuring window"),
+    "mean_velocity_y": Column("m/s", "the same across the x axis"),
     "theta_min": Column("rad", "smallest tilt angle, measuring window"),
     "theta_max": Column("rad", "largest tilt angle, measuring window"),
     "slip_up": Column("m/s", "slip of the contact while the tilt angle rises, over the window"),

@@ -47,6 +47,8 @@ _SHAPES = {"adhesion_ageing.time": 0.01, "friction_patches.period": 5e-4}
 # A controller that is this fast, s, cannot be told from one without steps, but takes long to
 # simulate.
 _NEGLIGIBLE = {"sample_hold.period": 1e-4}
+# What pushes or turns a robot out of the plane y = 0, in which the data of a diagnosis are.
+_ACROSS = {"effects.ambient_field.By", "effects.surface_tilt.azimuth"}
 # Shares of the largest voltage, for the amplifier's limit: the scale of its prior, and the lowest
 # value that is searched. Chosen as rough orders too.
 _CLIP_SCALE, _CLIP_LOWEST = 0.15, 0.3
@@ -72,7 +74,11 @@ def library(scenario: Scenario, uncertain: dict[str, Prior], volts: float) -> tu
     """
     stated = {key.split(".")[1] for key in uncertain if key.startswith("effects.")}
     return tuple(
-        Cause(each.name, tuple(_parameter(key, volts) for key in each.parameters), each.meaning)
+        Cause(
+            each.name,
+            tuple(_parameter(key, volts) for key in each.parameters if key.name not in _ACROSS),
+            each.meaning,
+        )
         for each in effects()
         if each.parameters
         and each.name not in {*scenario.effects, *stated}

@@ -1,0 +1,286 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "stickslip/assembly.hpp"
+#include "stickslip/impact.hpp"
+#include "stickslip/rollout.hpp"
+#include "stickslip/simulation.hpp"
+#include "stickslip/simulator.hpp"
+#include "support.hpp"
+
+using namespace stickslip;
+using stickslip::test::paper_model;
+using stickslip::test::Random;
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+Scenario walking(double heading = 0.0) {
+    Scenario scenario;
+    scenario.drive.base = 0.5e-3;
+    scenario.drive.pulses = 8;
+    scenario.drive.heading = heading;
+    scenario.whole_plane = true;
+    return scenario;
+}
+
+// A robot on its face without field or drag, that is left alone for a time (s).
+Scenario alone(double duration) {
+    Scenario scenario;
+    scenario.whole_plane = true;
+    scenario.drive.mode = DriveMode::program;
+    const PerCoil off = {};
+    scenario.program = VoltageProgram({{{{0.0, off}, {duration, off}}, 1}});
+    scenario.drag = {0.0, 0.0};
+    scenario.robot.magnetization = 0.0;
+    return scenario;
+}
+
+Slip along_and_across(const Summary& summary, double heading) {
+    return Heading::of_angle(heading).seen(summary.mean_velocity, summary.mean_velocity_y);
+}
+
+// m/s^2, of a face that slides.
+double braking(const Scenario& s) {
+    return s.contact.kinetic_friction * (s.gravity + s.contact.adhesion / s.robot.mass);
+}
+
+}  // namespace
+
+// The two are different programs from the field's expansion to the integrator of slow slips.
+TEST_CASE("plane: a robot that nothing pushes across goes as in its one plane") {
+    for (const DriveMode mode : {DriveMode::ipp, DriveMode::opp}) {
+        for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {
+            Scenario scenario = walking();
+            scenario.drive.mode = mode;
+            scenario.drive.hold = mode == DriveMode::ipp ? 1e-3 : 2.5e-3;
+            scenario.drive.direction = direction;
+            const RunResult turning = simulate(scenario);
+            scenario.whole_plane = false;
+            const RunResult planar = simulate(scenario);
+            CHECK(turning.status == Status::ok);
+            CHECK(turning.summary.mean_velocity ==
+                  doctest::Approx(planar.summary.mean_velocity).epsilon(1e-6));
+            CHECK(turning.summary.theta_max ==
+                  doctest::Approx(planar.summary.theta_max).epsilon(1e-6));
+            CHECK(std::abs(turning.summary.mean_velocity_y) < 1e-12);
+            CHECK(turning.summary.airborne_fraction ==
+                  doctest::Approx(planar.summary.airborne_fraction).epsilon(1e-5));
+        }
+    }
+}
+
+TEST_CASE("plane: turning everything by a quarter turn, and a mirror, change the axes alone") {
+    const double heading = 25.0 * kDegree;
+    const Slip first = along_and_across(simulate(walking(heading)).summary, heading);
+    CHECK(std::abs(first.across) > 0.01 * first.along);
+    for (int quarter = 1; quarter < 4; ++quarter) {
+        const double turned = heading + quarter * 0.5 * std::numbers::pi;
+        const Slip other = along_and_across(simulate(walking(turned)).summary, turned);
+        CHECK(other.along == doctest::Approx(first.along).epsilon(1e-6));
+        CHECK(other.across == doctest::Approx(first.across).epsilon(1e-5));
+    }
+    const Slip mirrored = along_and_across(simulate(walking(-heading)).summary, -heading);
+    CHECK(mirrored.along == doctest::Approx(first.along).epsilon(1e-6));
+    CHECK(mirrored.across == doctest::Approx(-first.across).epsilon(1e-5));
+}
+
+TEST_CASE("plane: a pair of coils at the centre pushes nothing across") {
+    Scenario scenario = walking(30.0 * kDegree);
+    scenario.drive.coils = DriveCoils::pairs;
+    const Slip pairs = along_and_across(simulate(scenario).summary, scenario.drive.heading);
+    scenario.drive.heading = 0.0;
+    const Slip straight = along_and_across(simulate(scenario).summary, 0.0);
+    CHECK(std::abs(pairs.across) < 1e-3 * pairs.along);
+    CHECK(pairs.along == doctest::Approx(straight.along).epsilon(3e-3));
+}
+
+TEST_CASE("plane: velocities converge with the tolerance") {
+    Scenario scenario = walking(40.0 * kDegree);
+    std::array<Slip, 3> found;
+    const std::array<double, 3> rtol = {1e-5, 1e-7, 1e-9};
+    for (std::size_t k = 0; k < 3; ++k) {
+        scenario.solver.rtol = rtol[k];
+        found[k] = along_and_across(simulate(scenario).summary, scenario.drive.heading);
+    }
+    CHECK(std::abs(found[0].along - found[2].along) < 1e-2 * found[2].along);
+    CHECK(std::abs(found[1].along - found[2].along) < 1e-5 * found[2].along);
+    CHECK(std::abs(found[1].across - found[2].across) < 1e-4 * std::abs(found[2].along));
+}
+
+// Without anything else friction brakes at mu (g + adhesion / m), and the way is straight.
+TEST_CASE("plane: a face that is left alone slides straight and as far as friction lets it") {
+    for (const double way : {0.0, 50.0 * kDegree, 100.0 * kDegree, -170.0 * kDegree}) {
+        Scenario scenario = alone(0.05);
+        const double speed = 0.02;
+        scenario.initial.vx = speed * std::cos(way);
+        scenario.initial.vy = speed * std::sin(way);
+        const RunResult run = simulate(scenario);
+        REQUIRE(run.status == Status::ok);
+        const double distance = speed * speed / (2.0 * braking(scenario));
+        CHECK(run.final_state.x == doctest::Approx(distance * std::cos(way)).epsilon(1e-6));
+        CHECK(run.final_state.y == doctest::Approx(distance * std::sin(way)).epsilon(1e-6));
+        CHECK(run.final_state.vx == 0.0);
+        CHECK(run.final_state.contact == ContactWord::face_stick);
+    }
+}
+
+TEST_CASE("plane: on a slope a face holds within the cone of friction, and slides straight down") {
+    for (const double azimuth : {20.0 * kDegree, 90.0 * kDegree, -130.0 * kDegree}) {
+        Scenario scenario = alone(0.02);
+        scenario.contact.adhesion = 0.0;
+        scenario.effects.surface_tilt_azimuth = azimuth;
+        scenario.effects.surface_tilt_angle = std::atan(scenario.contact.static_friction) - 1e-4;
+        CHECK(simulate(scenario).final_state.x == 0.0);
+        scenario.effects.surface_tilt_angle += 2e-4;
+        const RunResult run = simulate(scenario);
+        const double tilt = scenario.effects.surface_tilt_angle, g = scenario.gravity;
+        const double acceleration =
+            g * (std::sin(tilt) - scenario.contact.kinetic_friction * std::cos(tilt));
+        const double distance = 0.5 * acceleration * 0.02 * 0.02;
+        CHECK(run.final_state.x == doctest::Approx(distance * std::cos(azimuth)).epsilon(1e-5));
+        CHECK(run.final_state.y == doctest::Approx(distance * std::sin(azimuth)).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("plane: with a mode of friction that differs to the front and to the rear") {
+    // Across, friction is that without the difference.
+    Scenario scenario = alone(0.05);
+    scenario.effects.friction_anisotropy_fraction = 0.3;
+    scenario.initial.vy = 0.02;
+    const double distance = 0.02 * 0.02 / (2.0 * braking(scenario));
+    CHECK(simulate(scenario).final_state.y == doctest::Approx(distance).epsilon(1e-6));
+    scenario.initial.vy = 0.0;
+    scenario.initial.vx = 0.02;
+    CHECK(simulate(scenario).final_state.x == doctest::Approx(distance / 1.3).epsilon(1e-6));
+}
+
+// Complementarity of an impact: Coulomb's cone, friction against the slip that remains, no corner
+// into the surface, and no energy gained.
+TEST_CASE("plane: an impact with a velocity across keeps the laws of impacts") {
+    Random random(9);
+    int slides = 0, sticks = 0;
+    for (int n = 0; n < 2000; ++n) {
+        Model model = paper_model();
+        model.restitution = random.coin() ? random.between(0.0, 0.9) : 0.0;
+        BodyState before;
+        before.angle = random.between(0.05, 1.5);
+        before.vx = random.between(-0.05, 0.05);
+        before.vy = random.between(-0.05, 0.05);
+        before.vz = random.between(-0.1, 0.02);
+        before.omega = random.between(-200.0, 200.0);
+        const Pose pose = model.shape.pose(0, std::cos(before.angle), std::sin(before.angle));
+        before.z = pose.height;
+        if (!(corner_velocity_z(pose, before.vz, before.omega) < -1e-4)) continue;
+        const ImpactResult impact = corner_impact(model, pose, before);
+        const BodyState& after = impact.body;
+        const double normal = model.mass * (after.vz - before.vz);
+        const Slip friction = {model.mass * (after.vx - before.vx),
+                               model.mass * (after.vy - before.vy)};
+        const Slip slip = {corner_velocity_x(pose, after.vx, after.omega), after.vy};
+        const double limit = model.friction.kinetic_coefficient * normal;
+        CHECK(normal >= 0.0);
+        CHECK(friction.size() <= limit * (1.0 + 1e-9));
+        if (slip.size() > 1e-9) {
+            ++slides;
+            CHECK(friction.along ==
+                  doctest::Approx(-limit * slip.along / slip.size()).epsilon(1e-6).scale(limit));
+            CHECK(friction.across ==
+                  doctest::Approx(-limit * slip.across / slip.size()).epsilon(1e-6).scale(limit));
+        } else {
+            ++sticks;
+        }
+        const auto energy = [&](const BodyState& b) {
+            return model.mass * (b.vx * b.vx + b.vy * b.vy + b.vz * b.vz) +
+                   model.inertia * b.omega * b.omega;
+        };
+        CHECK(energy(after) <= energy(before) * (1.0 + 1e-9));
+    }
+    CHECK(slides > 300);
+    CHECK(sticks > 30);
+}
+
+TEST_CASE("plane: a field that comes back from another side loses the heading") {
+    Scenario scenario = walking(10.0 * kDegree);
+    scenario.drive.base = -1e-3;
+    CHECK(simulate(scenario).status == Status::heading_lost);
+    // One that only fades does not.
+    scenario.drive.base = 0.0;
+    CHECK(simulate(scenario).status != Status::heading_lost);
+}
+
+TEST_CASE("plane: a run that is stepped goes over to the plane where a step turns it") {
+    const Scenario scenario;
+    constexpr double kStep = 5e-3;
+    const auto voltages = [](int step) {
+        const double angle = step < 4 ? 0.0 : 0.1 * (step - 3);
+        return PerCoil{20.0 * std::cos(angle), 0.0, 20.0 * std::sin(angle), 0.0,
+                       step % 2 == 0 ? -10.0 : -3.0};
+    };
+    Simulator one(scenario);
+    SimulatorBatch batch({scenario, scenario});
+    std::vector<std::string> snapshots;
+    std::vector<SimulationState> states;
+    for (int step = 0; step < 12; ++step) {
+        const PerCoil row = voltages(step);
+        snapshots.push_back(one.snapshot().to_bytes());
+        one.step(row, kStep, false);
+        REQUIRE(one.status() == Status::ok);
+        states.push_back(one.state());
+        std::array<double, 2 * kCoilCount> rows = {};
+        std::copy(row.begin(), row.end(), rows.begin() + kCoilCount);
+        batch.step(rows.data(), kStep, false, 1);
+        const StateRow expected = row_of(states.back()), found = batch.state(1);
+        for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == expected[k]);
+    }
+    CHECK(states.back().heading == doctest::Approx(0.8).epsilon(0.2));
+    CHECK(std::abs(states.back().y) > 1e-6);
+    // From a snapshot of either kind the same bits follow.
+    for (const std::size_t from : {2U, 7U}) {
+        Simulator again(scenario);
+        again.restore(SimulatorSnapshot::from_bytes(snapshots[from]));
+        for (std::size_t step = from; step < states.size(); ++step) {
+            again.step(voltages(static_cast<int>(step)), kStep, false);
+            const StateRow expected = row_of(states[step]), found = row_of(again.state());
+            for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == expected[k]);
+        }
+    }
+}
+
+TEST_CASE("plane: a state that a run has left begins another run that goes on as it would") {
+    Scenario scenario = walking(35.0 * kDegree);
+    scenario.whole_plane = false;
+    scenario.drive.pulses = 4;
+    const VoltageProgram whole = make_program(scenario);
+    Scenario first = scenario;
+    first.drive.mode = DriveMode::program;
+    first.program = whole;
+    const double middle = 0.0733;
+    const RunResult half =
+        simulate(first, nullptr, StopCondition{StopCondition::Quantity::time, true, middle});
+    REQUIRE(half.stopped);
+    CHECK(half.final_state.heading == doctest::Approx(35.0 * kDegree).epsilon(1e-2));
+    const RunResult full = simulate(first);
+    // The rest of the program, held from the middle of its first stretch on.
+    SegmentStream stream(whole, 0.0, {middle});
+    VoltageBlock rest;
+    VoltageSegment segment;
+    while (stream.next(segment)) {
+        if (segment.end <= middle + 1e-12) continue;
+        rest.points.push_back({segment.start - middle, segment.first});
+        rest.points.push_back({segment.end - middle, segment.last});
+    }
+    rest.points.front().time = 0.0;
+    Scenario second = first;
+    second.program = VoltageProgram({rest});
+    second.initial = half.final_state;
+    const RunResult end = simulate(second);
+    CHECK(end.final_state.x == doctest::Approx(full.final_state.x).epsilon(1e-6));
+    CHECK(end.final_state.y == doctest::Approx(full.final_state.y).epsilon(1e-6));
+    CHECK(end.final_state.theta == doctest::Approx(full.final_state.theta).epsilon(1e-5));
+}
