@@ -82,7 +82,7 @@ CASES = {
         ["optimise", "s.toml", "--limit", "field"],
         [f"{name}=" for name in NUMBERS if name.startswith("field")],
     ),
-    "figure": (["optimise", "s.toml", "--maximise", "mean"], ["mean_velocity"]),
+    "figure": (["optimise", "s.toml", "--maximise", "power"], ["power_mean"]),
     "coil": (["optimise", "s.toml", "--coils", "clamp,x"], ["clamp,xm", "clamp,xp"]),
     "effect": (["effects", "s"], [each.name for each in effects() if each.name.startswith("s")]),
     "section": (["keys", "rob"], ["robot", *keys_with("robot.")]),
