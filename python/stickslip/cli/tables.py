@@ -31,7 +31,7 @@ _WORDS = {
 
 _MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
 
-_VELOCITY = "mean_velocity"
+_VELOCITY, _VELOCITY_ACROSS = "mean_velocity", "mean_velocity_y"
 
 # Headings.
 _COLUMNS = {
@@ -62,6 +62,8 @@ def summary_table(summary: dict[str, Any]) -> str:
     rows = [("status", summary["status"], "")]
     for name, (unit, _) in NUMBERS.items():
         value = summary[name] + 0.0  # no negative zero
+        if name == _VELOCITY_ACROSS and value == 0.0:
+            continue  # the robot stays in one plane
         factor, other = _shown_in(name)
         words = _WORDS.get(name, "")
         handier = f"{value * factor:.5g} {other}{words}" if other != unit else words

@@ -57,7 +57,7 @@ def effects() -> tuple[Effect, ...]:
     --------
     >>> tilt = next(effect for effect in effects() if effect.name == "surface_tilt")
     >>> [key.name for key in tilt.parameters]
-    ['effects.surface_tilt.angle']
+    ['effects.surface_tilt.angle', 'effects.surface_tilt.azimuth']
     """
     return tuple(
         Effect(

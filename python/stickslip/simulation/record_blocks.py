@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from stickslip import _core
 from stickslip._util.atomic_files import NotWritten
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import recorded_fields
 from stickslip.simulation.columns import PLANE_COLUMNS
 
@@ -44,13 +45,20 @@ class RecordNotWritten(NotWritten):
         self.run = run
 
 
+def _turns(scenario: Scenario) -> bool:
+    try:
+        return scenario.turns
+    except ScenarioError:
+        return False  # with an effect of one's own, gone since, the robot stays in one plane
+
+
 def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     """The quantities that a run of a scenario keeps; none without a record."""
     record = scenario.record
     if record.rate == "none":
         return ()
     left_out = set() if record.rate == "events" else {"event"}
-    if not scenario.turns:
+    if not _turns(scenario):
         left_out |= {*PLANE_COLUMNS}
     return tuple(name for name in recorded_fields(str(record.fields)) if name not in left_out)
 
