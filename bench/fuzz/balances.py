@@ -29,8 +29,11 @@ _SLOW = 1e-3
 
 
 def violations(record: Record) -> list[str]:
-    """What in a record no force can have done; empty for a sound one, and for a coarse one."""
-    if not record.fine:
+    """What in a record no force can have done; empty for a sound one, and for a coarse one.
+
+    The balances are those of one plane, so that a robot that leaves it is not looked at.
+    """
+    if not record.fine or record.scenario.turns:
         return []
     load = magnetic_load(record)
     return [line for line in (*_momenta(record, load), *_energies(record, load)) if line]
@@ -38,7 +41,7 @@ def violations(record: Record) -> list[str]:
 
 def gained(record: Record) -> list[str]:
     """Energy that no field has given, across an event; the last part of `violations`."""
-    if not record.fine:
+    if not record.fine or record.scenario.turns:
         return []
     if record.scenario.contact.adhesion_range == 0.0:
         record = at_events(record)

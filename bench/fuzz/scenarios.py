@@ -289,7 +289,7 @@ def _any_value(draw: Draw, key: Key) -> float | int | str:
 
 def _allowed_together(keys: Keys) -> Keys:
     """The draws with what excludes each other brought into order."""
-    # The balances that are checked are those of one plane; the draws that leave it are few.
+    # The balances that are checked are those of one plane.
     result = {**keys, "drive.heading": 0.0, "initial.y": 0.0, "initial.vy": 0.0}
     result |= {"effects.ambient_field.By": 0.0, "effects.surface_tilt.azimuth": 0.0}
 
