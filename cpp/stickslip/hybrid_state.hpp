@@ -2,7 +2,9 @@
 
 #include "stickslip/face_slide.hpp"
 #include "stickslip/phases.hpp"
-#include "stickslip/plane_phases.hpp"
+#include "stickslip/plane_corner.hpp"
+#include "stickslip/plane_face.hpp"
+#include "stickslip/plane_flight.hpp"
 #include "stickslip/rest.hpp"
 
 namespace stickslip {

@@ -13,7 +13,7 @@
 /// cannot penetrate. A phase offers
 ///   kDim, kEvents      number of coordinates and of event functions
 ///   kSlips, kFlies     whether a contact slips, whether nothing touches
-///   kTurns, kStiff     whether it is of a robot that moves in the whole plane (plane_phases.hpp),
+///   kTurns, kStiff     whether it is of a robot that moves in the whole plane (plane_phase.hpp),
 ///                      and whether its equations are stiff (rosenbrock.hpp)
 ///   kEvent             what each event function is; it fires when its function falls through zero
 ///   field_at(tau)      the field's expansion, apart from the state
@@ -255,6 +255,17 @@ using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
 /// comes from a pose that has been turned on some times since its last sine and cosine.
 inline constexpr double kFlightRounding = 64.0 * std::numeric_limits<double>::epsilon();
 
+/// Gaps (m) of the pivot, the corners behind and ahead of it, and the one opposite, where that of
+/// the pivot is `gap`; each with room for rounding.
+template <class Real>
+[[gnu::always_inline]] inline std::array<Real, 4> corner_gaps(const PlainDynamics<Real>& robot,
+                                                              Real gap, const PoseOf<Real>& pose) {
+    const Real behind = 2.0 * robot.half_base * pose.sine;
+    const Real ahead = 2.0 * robot.half_rise * pose.cosine;
+    const Real below = gap + kFlightRounding * robot.radius;
+    return {below, below + behind, below + ahead, below + behind + ahead};
+}
+
 /// Nothing touches: y = (x, z, angle, vx, vz, omega).
 template <class D>
 class FlightPhaseOf : public PhaseBase<D> {
@@ -318,10 +329,7 @@ public:
 
 private:
     [[gnu::always_inline]] Values gaps(Real gap, const PoseOf<Real>& pose) const {
-        const Real behind = 2.0 * robot().half_base * pose.sine;
-        const Real ahead = 2.0 * robot().half_rise * pose.cosine;
-        const Real below = gap + kFlightRounding * robot().radius;
-        return {below, below + behind, below + ahead, below + behind + ahead};
+        return corner_gaps(robot(), gap, pose);
     }
 };
 using FlightPhase = FlightPhaseOf<Dynamics>;
