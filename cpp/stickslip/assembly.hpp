@@ -6,6 +6,7 @@
 #include "stickslip/local_field.hpp"
 #include "stickslip/measurement_chain.hpp"
 #include "stickslip/model.hpp"
+#include "stickslip/plane_assembly.hpp"
 #include "stickslip/plane_dynamics.hpp"
 #include "stickslip/scenario.hpp"
 #include "stickslip/steady_pulses.hpp"
@@ -17,22 +18,6 @@ namespace stickslip {
 /// Throws std::invalid_argument, naming key, value and what is allowed, for values that are each in
 /// their range but make no sense together.
 void check(const Scenario& scenario);
-
-/// Where the drive sends the robot.
-SurfaceDirection drive_direction(const Scenario& scenario);
-
-/// Whether the robot moves in the whole plane of the surface, and not along x alone: something
-/// turns it, or pushes it across.
-bool turns(const Scenario& scenario);
-
-/// Whether held voltages turn a robot, or push it across.
-bool turns(const PerCoil& voltages);
-/// The scenario of a run that goes on from `state` in the whole plane.
-Scenario in_whole_plane(const Scenario& scenario, const SimulationState& state);
-
-/// Where the robot of a run in the whole plane faces at the start, as long as the field is too weak
-/// to say: where a pulsed drive sends it, or as its initial state says.
-Heading start_heading(const Scenario& scenario);
 
 /// +1, or -1 for a robot that is turned to face -x and stays in the plane y = 0: world x = frame
 /// sign times the robot's x.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace stickslip {
 namespace {
@@ -80,7 +81,7 @@ public:
     void hold(const std::array<bool, 2>& acting, bool slides) {
         const bool sticks = !slides && (acting[0] || acting[1]);
         for (ImpactContact& contact : contacts_) contact.backward = contact.forward = 0.0;
-        Impulse holding = impulse(acting, sticks ? 0.0 : 1.0);
+        Impulse holding = impulse(acting, sticks ? std::nullopt : std::optional(1.0));
         if (sticks) holding.across = -model_.mass * before_.vy;
         accept(holding, acting, sticks);
     }
@@ -147,10 +148,10 @@ private:
         return {part * tangential_velocity(before_), part * before_.vy};
     }
 
-    // Unknowns: both normal impulses and the tangential one. slip 0: the tangential velocity ends
-    // at its target; else friction is at its limit, and `slip` is the part of its way that lies in
-    // the plane of motion, +-1 for one that lies there altogether.
-    Impulse impulse(const std::array<bool, 2>& acting, double slip) const {
+    // Unknowns: both normal impulses and the tangential one. Without a slip the tangential velocity
+    // ends at its target; else friction is at its limit, and `slip` is the part of its way that
+    // lies in the plane of motion, +-1 for one that lies there altogether.
+    Impulse impulse(const std::array<bool, 2>& acting, std::optional<double> slip) const {
         const double per_mass = 1.0 / model_.mass, per_inertia = 1.0 / model_.inertia;
         Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
         Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -164,13 +165,13 @@ private:
             }
             a(i, 2) = lever * height_ * per_inertia;
             b(i) = -(1.0 + rebound(u)) * contacts_[u].approach;
-            if (slip == 0.0) {
+            if (!slip) {
                 a(2, i) = lever * height_ * per_inertia;
             } else {
-                a(2, i) = slip * coefficient(contacts_[u], slip);
+                a(2, i) = *slip * coefficient(contacts_[u], *slip);
             }
         }
-        if (slip == 0.0) {
+        if (!slip) {
             a(2, 2) = per_mass + height_ * height_ * per_inertia;
             // In this order: without a target the bits are those of stopping, signed zeros too.
             b(2) = -(tangential_velocity(before_) - tangential_target(acting).along);
@@ -189,7 +190,7 @@ private:
     }
 
     bool try_set_in_plane(const std::array<bool, 2>& acting) {
-        const Impulse stick = impulse(acting, 0.0);
+        const Impulse stick = impulse(acting, std::nullopt);
         const int slip = stick.tangential > 0.0 ? -1 : 1;
         double limit = 0.0;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -232,7 +233,7 @@ private:
 
     // The same with friction as a vector.
     bool try_set_across(const std::array<bool, 2>& acting) {
-        Impulse stick = impulse(acting, 0.0);
+        Impulse stick = impulse(acting, std::nullopt);
         stick.across = model_.mass * (tangential_target(acting).across - before_.vy);
         const double size = std::hypot(stick.tangential, stick.across);
         const double way = size > 0.0 ? -stick.tangential / size : 1.0;

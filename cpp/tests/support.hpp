@@ -40,6 +40,13 @@ private:
     std::mt19937_64 generator_;
 };
 
+/// Of all coils, A.
+inline PerCoil random_currents(Random& random) {
+    PerCoil currents;
+    for (double& current : currents) current = random.between(-7.0, 7.0);
+    return currents;
+}
+
 /// Currents (A) that do not change.
 inline CurrentSegment steady(const PerCoil& currents, double duration = 1.0) {
     CurrentSegment segment;

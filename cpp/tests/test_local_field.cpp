@@ -12,15 +12,10 @@ using stickslip::test::all_driven;
 using stickslip::test::kRounding;
 using stickslip::test::paper_coils;
 using stickslip::test::Random;
+using stickslip::test::random_currents;
 using stickslip::test::steady;
 
 namespace {
-
-PerCoil random_currents(Random& random) {
-    PerCoil currents;
-    for (double& current : currents) current = random.between(-7.0, 7.0);
-    return currents;
-}
 
 // The full sum of Eqs. (4)-(6), and what it would come to if nothing cancelled.
 struct FullSum {

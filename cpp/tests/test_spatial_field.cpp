@@ -9,15 +9,10 @@ using namespace stickslip;
 using stickslip::test::all_driven;
 using stickslip::test::paper_coils;
 using stickslip::test::Random;
+using stickslip::test::random_currents;
 using stickslip::test::steady;
 
 namespace {
-
-PerCoil random_currents(Random& random) {
-    PerCoil currents;
-    for (double& current : currents) current = random.between(-7.0, 7.0);
-    return currents;
-}
 
 SpatialField field_of(const PerCoil& currents, const std::array<double, 3>& ambient = {}) {
     SpatialField field(paper_coils(), all_driven(), ambient);
