@@ -9,6 +9,7 @@
 
 #include "register.hpp"
 #include "stickslip/coil_set.hpp"
+#include "stickslip/drive.hpp"
 #include "stickslip/field_map.hpp"
 #include "stickslip/probe.hpp"
 
@@ -117,6 +118,12 @@ Array fields_of_harmonics(const Eigen::Vector3d& low, const Eigen::Vector3d& hig
     return result;
 }
 
+/// One component of the unit vectors of angles.
+template <double SurfaceDirection::*kPart>
+double direction_part(double angle) {
+    return surface_direction(angle).*kPart;
+}
+
 }  // namespace
 
 void register_field(py::module_& module) {
@@ -161,6 +168,13 @@ void register_field(py::module_& module) {
         .def("shares", &shares, py::arg("points"), py::arg("currents"));
     module.def("probe_readings", &readings, py::arg("base"), py::arg("keys"), py::arg("values"),
                py::arg("points"), py::arg("currents"));
+    module.def(
+        "surface_directions",
+        [](const Array& angles) {
+            return py::make_tuple(py::vectorize(&direction_part<&SurfaceDirection::x>)(angles),
+                                  py::vectorize(&direction_part<&SurfaceDirection::y>)(angles));
+        },
+        py::arg("angles"));
     py::list coil_names;
     for (const Coil coil : kAllCoils) coil_names.append(name(coil));
     module.attr("coil_names") = py::tuple(coil_names);

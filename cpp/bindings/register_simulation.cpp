@@ -21,7 +21,8 @@ namespace stickslip::bindings {
 namespace {
 
 // The words stand in the order of the enumerators.
-constexpr std::array<const char*, 5> kStopQuantities = {"time", "x", "z", "theta", "turns"};
+constexpr std::array<const char*, 7> kStopQuantities = {"time",  "x",     "y",      "z",
+                                                        "theta", "turns", "heading"};
 
 StopCondition::Quantity quantity_named(const std::string& word) {
     const auto found = std::find(kStopQuantities.begin(), kStopQuantities.end(), word);

@@ -135,7 +135,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
     step.phase = &phase;
     step.last = y;
     PhaseEnd<Phase> end{
-        Status::ok, Event::none, tau, y, {phase.angle(y), phase.angle(y), phase.contact_x(y)}};
+        Status::ok, Event::none, tau, y, {phase.angle(y), phase.angle(y), slip_place(phase, y)}};
     while (tau < tau_end) {
         if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
             end.status = Status::interrupted;

@@ -314,7 +314,7 @@ PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& progr
                                      {e.ambient_field_bx, e.ambient_field_by, e.ambient_field_bz}),
                         {weight * downhill.x, weight * downhill.y},
                         kLeastSlip * options.tolerance * options.scales.velocity);
-    plane.set_heading(start_heading(s));
+    plane.watch().set_state({.heading = start_heading(s)});
     return plane;
 }
 
@@ -325,7 +325,8 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const Effects& e = scenario.effects;
     double field =
         std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
-    const PerCoil current = initial_currents(scenario);
+    const PerCoil first = scenario.first_current.value_or(scenario.initial.current);
+    const PerCoil current = frame_sign(scenario) > 0.0 ? first : turned(first);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario);
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);

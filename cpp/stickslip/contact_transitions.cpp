@@ -60,9 +60,12 @@ void ContactTransitions::react(Event event, double tau) {
             break;
         case Event::slip_slows:
             state_.slips_slowly = true;
+            state_.slowed_along = state_.slip_velocity;
             break;
         case Event::slip_quickens:
             state_.slips_slowly = false;
+            // A slip along a vector need not stop to go on the other way: it passes zero closely.
+            if (state_.slowed_along * state_.slip_velocity < 0.0) count(EventKind::reversal);
             break;
         case Event::lift_off:
             settle(Touch::none, {}, 0, tau);
@@ -160,7 +163,7 @@ void ContactTransitions::touch_down(int offset, double tau) {
         impact = face_impact(model(), body, Arrival::both, false, dynamics_.start() + tau);
     } else {
         dynamics_.set_quadrant(body.quadrant);
-        impact = corner_impact(model(), pose(), body, dynamics_.start() + tau);
+        impact = corner_impact(model(), pose(), body, dynamics_.start() + tau, heading_.cosine);
     }
     body = impact.body;
     dynamics_.set_contact_age(-tau);
@@ -198,6 +201,12 @@ void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double
     if (plane_) {
         found = resolve_plane_contact(*plane_, tau, state_.body, touch, slip, onset != 0);
         state_.slips_slowly = found.slip.size() <= plane_->slow_slip();
+        const bool goes_on = before.slip != 0 && found.upright.mode.slip != 0;
+        if (goes_on && touch != Touch::none && slip.size() == 0.0 &&
+            state_.slowed_along * found.slip.along < 0.0) {
+            count(EventKind::reversal);
+        }
+        state_.slowed_along = found.slip.along;
     } else {
         found.upright = resolve_contact(dynamics_, tau, state_.body, touch, slip.along, onset);
         found.slip = slip;

@@ -22,9 +22,9 @@ SurfaceDirection surface_direction(double angle) {
         case 0:
             return {cosine, sine};
         case 1:
-            return {-sine, cosine};
+            return {0.0 - sine, cosine};  // never -0
         case 2:
-            return {-cosine, -sine};
+            return {-cosine, 0.0 - sine};
         default:
             return {sine, -cosine};
     }

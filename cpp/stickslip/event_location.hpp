@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 
 #include "stickslip/pack.hpp"
@@ -302,6 +303,27 @@ private:
         return false;
     }
 };
+
+/// Where a function that does not have one sign at `low` and `high` is zero, to 1e-12.
+double find_root(double low, double high, auto&& value) {
+    using Finder = EventFinder<1>;
+    const double at_low = value(low), at_high = value(high), sign = at_low > 0.0 ? 1.0 : -1.0;
+    return Finder::locate(0, {low, high, sign * at_low, sign * at_high},
+                          [&](std::size_t, double x) { return sign * value(x); })
+        .value_or(low);
+}
+
+/// Asks `found(low, high)` of arcs between two angles, rad, from the one about `first` on to both
+/// sides until all directions were asked for or it answers true; whether it did.
+bool search_around(double first, auto&& found) {
+    constexpr int kArcs = 32;
+    constexpr double kArc = 2.0 * std::numbers::pi / kArcs;
+    for (int n = 0; n < kArcs; ++n) {
+        const double side = (n % 2 == 0 ? 1.0 : -1.0) * ((n + 1) / 2) * kArc;
+        if (found(first + side - 0.5 * kArc, first + side + 0.5 * kArc)) return true;
+    }
+    return false;
+}
 
 /// Where in a step one function falls through zero, from a start above it. `value(s)` is had on the
 /// dense output.

@@ -48,6 +48,8 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
 
 bool HybridRun::next_phase() {
     while (goes_on()) {
+        if (plane_ && stretch_is_open_) watch_heading();
+        if (!goes_on()) break;
         if (tau_ >= segment_.duration) {
             if (!next_segment()) break;
         } else if (state_.rests()) {
@@ -68,7 +70,6 @@ bool HybridRun::next_segment() {
         return false;
     }
     if (stretch_is_open_) end_stretch();
-    if (result_.status != Status::ok) return false;
     if (!source_.next(voltages_)) return false;
     if (++segment_count_ > options_.most_steps) {
         effort_.stretches = segment_count_;
@@ -87,18 +88,23 @@ bool HybridRun::next_segment() {
 
 void HybridRun::end_stretch() {
     stretch_is_open_ = false;
-    if (plane_) follow_heading();
+    if (planar_watch_) {
+        HorizontalField field = dynamics_.field().horizontal(state_.body.x, state_.body.z);
+        field.segment = &segment_;
+        planar_watch_->watch(field);
+    }
     // A run that is stepped has no summary.
     if (!source_.is_stepped()) observe_stretch(segment_);
 }
 
-void HybridRun::follow_heading() {
-    const BodyState& body = state_.body;
-    plane_->follow(tau_, {body.x, body.y, body.z});
-    if (plane_->has_lost_heading()) result_.status = Status::heading_lost;
-    if (plane_->largest_lag() > PlaneDynamics::kMostTurning) {
-        result_.status = Status::turns_too_fast;
-    }
+// Ends the run where its heading ends to be known.
+void HybridRun::watch_heading() {
+    constexpr double kRounding = 1e-9;  // s; the end is not known better
+    if (plane_->has_moved()) plane_->watch_at(tau_, place(state_.body));
+    const HeadingEnd& end = plane_->watch().end();
+    if (tau_ < end.tau - kRounding) return;
+    result_.status = end.status;
+    result_.heading_end = end;
 }
 
 void HybridRun::observe_stretch(const CurrentSegment& played) {
@@ -139,7 +145,7 @@ void HybridRun::watch_window(double time) {
     if (!measured_ && time >= window_.start - slack) {
         observer_.open(time, state_.body);
         measured_ = true;
-        if (plane_) turned_before_ = plane_->turned();
+        if (plane_) turned_before_ = plane_->watch().state().turned;
     }
     if (observer_.is_open()) observer_.pass(time, state_.body);
     pulses_.pass(time, state_.body.x);
@@ -161,10 +167,9 @@ void HybridRun::close_window(double time) {
     observer_.close(time, state_.body, sign_, result_.summary);
     const double span = time - observer_.start();
     drive_.close(span, result_.summary);
-    if (plane_) {
-        result_.summary.turning_speed =
-            (plane_->turned() - turned_before_) * model_.shape.radius() / span;
-    }
+    if (!(span > 0.0)) return;
+    const double turned = plane_ ? plane_->watch().state().turned - turned_before_ : 0.0;
+    result_.summary.turning_speed = turned * model_.shape.radius() / span;
 }
 
 std::vector<double> HybridRun::marks() const {
@@ -196,6 +201,22 @@ SimulationState HybridRun::state() const {
     return result;
 }
 
+PlaneHandover HybridRun::hand_over() const {
+    PlaneHandover result = {state(), source_.steps().world_memory(), planar_watch_->state()};
+    HeadingWatch::State& heading = result.heading;
+    heading.lost = heading.lost || heading.heading.cosine < 0.0;
+    heading.heading.cosine *= sign_;
+    return result;
+}
+
+void HybridRun::take_over(const PlaneHandover& handover) {
+    source_.restore(handover.steps);
+    plane_->watch().set_state(handover.heading);
+    if (!handover.heading.lost) return;
+    result_.status = Status::heading_lost;
+    result_.summary.simulated_time = source_.steps().time();
+}
+
 LoopMemory HybridRun::loop_memory() const {
     return {circuit_.memory(),
             dynamics_.memory(),
@@ -207,13 +228,20 @@ LoopMemory HybridRun::loop_memory() const {
             segment_.duration,
             begun_,
             plane_.has_value(),
-            plane_ ? plane_->memory() : PlaneDynamics::Memory{}};
+            plane_ ? plane_->field().memory() : SpatialField::Memory{},
+            plane_          ? plane_->watch().state()
+            : planar_watch_ ? planar_watch_->state()
+                            : HeadingWatch::State{}};
 }
 
 void HybridRun::restore(const LoopMemory& memory) {
     circuit_.restore(memory.circuit);
     dynamics_.restore(memory.dynamics);
-    if (plane_) plane_->restore(memory.plane);
+    if (plane_) {
+        plane_->field().restore(memory.plane_field);
+        plane_->watch().set_state(memory.heading);
+    }
+    if (planar_watch_) planar_watch_->set_state(memory.heading);
     memory_ = memory.phase;
     state_ = memory.state;
     watch_ = memory.watch;
@@ -231,10 +259,7 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
     tau_ = 0.0;
     dynamics_.set_start(segment_.start);
     dynamics_.field().set_segment(segment_);
-    if (plane_) {
-        plane_->begin_stretch();
-        plane_->field().set_segment(segment_);
-    }
+    if (plane_) plane_->begin_stretch(segment_, place(state_.body));
     fastest_decay_ =
         *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
 }
@@ -247,6 +272,7 @@ void HybridRun::finish() {
             CurrentSegment played = segment_;
             played.duration = tau_;
             observe_stretch(played);
+            if (plane_) plane_->watch().cut(tau_);
         }
         if (observer_.is_open()) close_window(absolute(tau_));
         return;
@@ -267,7 +293,8 @@ void HybridRun::handle(Event event, double tau) {
     transitions_.handle(event, tau);
     after_event(tau);
     const BodyState& body = state_.body;
-    if (!std::isfinite(body.x + body.z + body.angle + body.vx + body.vz + body.omega)) {
+    if (!std::isfinite(body.x + body.y + body.z + body.angle + body.vx + body.vy + body.vz +
+                       body.omega)) {
         result_.status = Status::not_finite;
     }
 }
@@ -303,14 +330,17 @@ void HybridRun::run_rest(const Rest& rest, bool outside) {
         result_.status = Status::left_workspace;
         return;
     }
-    const RestEnd end = end_of_rest(rest, memory_, tau_, segment_.duration, fastest_decay_,
-                                    max_check_interval_, options_.stop);
+    RestEnd end = end_of_rest(rest, memory_, tau_, tau_end(), fastest_decay_, max_check_interval_,
+                              options_.stop);
+    const double stop = find_stop(rest, end.tau);
+    result_.stopped = stop <= end.tau;
+    if (result_.stopped) end = {Event::none, stop};
     observer_.rest(state_.body.theta());
     sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });
     pass_to(end.tau);
     if (end.event != Event::none) {
         handle(end.event, end.tau);
-    } else if (end.tau < segment_.duration) {
+    } else if (end.tau < tau_end() && !result_.stopped) {
         result_.status = Status::interrupted;
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -37,7 +38,15 @@ struct LoopMemory {
     double stretch = 0.0;  ///< s, duration of the last one
     bool begun = false;
     bool in_whole_plane = false;
-    PlaneDynamics::Memory plane;
+    SpatialField::Memory plane_field;
+    HeadingWatch::State heading;
+};
+
+/// What a run that is stepped in one plane hands over to one that goes on in the whole plane.
+struct PlaneHandover {
+    SimulationState state;
+    ControlSteps::Memory steps;   ///< world's frame
+    HeadingWatch::State heading;  ///< the same
 };
 
 /// A run apart from its integrator: the stretches of voltage, rests, events, and what is recorded
@@ -50,16 +59,22 @@ public:
     /// how strong the fields are. `on_step` is called at the end of each step.
     void play_steps(std::function<void()> on_step) {
         source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
+        if (!plane_) planar_watch_.emplace(model_);
     }
     ControlSteps& steps() { return source_.steps(); }
     const ControlSteps& steps() const { return source_.steps(); }
     bool in_whole_plane() const { return plane_.has_value(); }
+    /// Between two steps of a run in one plane; and what one in the whole plane makes of it, which
+    /// has begun at its state. The heading is lost where the field was reversed, or weak and came
+    /// back reversed: in its one plane the robot has then gone over its back.
+    PlaneHandover hand_over() const;
+    void take_over(const PlaneHandover& handover);
     Status status() const { return result_.status; }
     /// At the end of the last stretch.
     SimulationState state() const;
     /// The same without currents.
     SimulationState motion() const {
-        return world_state(state_, dynamics_.contact_age() + tau_, sign_);
+        return world_state(state_, dynamics_.contact_age() + tau_, sign_, in_whole_plane());
     }
 
     // For lanes, which integrate the phases of several runs together.
@@ -69,7 +84,10 @@ public:
     /// Calls `use` with that phase.
     void with_phase(auto&& use) {
         if (plane_) {
-            with_plane_phase(*plane_, state_, use);
+            with_plane_phase(*plane_, state_, [&](auto phase) {
+                phase.set_front(state_.body.heading);
+                use(phase);
+            });
         } else {
             stickslip::with_phase(dynamics_, state_, use);
         }
@@ -92,7 +110,10 @@ public:
     const BodyState& body() const { return state_.body; }
     int slip() const { return state_.mode.slip; }
     double tau() const { return tau_; }
-    double tau_end() const { return segment_.duration; }
+    /// s, up to where the stretch is played.
+    double tau_end() const {
+        return plane_ ? std::min(segment_.duration, plane_->watch().end().tau) : segment_.duration;
+    }
 
 protected:
     HybridRun(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop);
@@ -114,7 +135,7 @@ private:
     bool next_segment();
     void drive_further_coils();
     void end_stretch();
-    void follow_heading();
+    void watch_heading();
     void observe_stretch(const CurrentSegment& played);
     /// At the robot's place, `tau` seconds into the stretch, T.
     std::array<double, 3> field(double tau, const BodyState& body) const;
@@ -138,12 +159,14 @@ private:
     void after_event(double tau);
     void pass_to(double tau);
     double distance(double t, const BodyState& body) const {
-        return stop_->distance(t, sign_ * body.x, body.z, body.theta());
+        return stop_->distance(t, sign_, body);
     }
     double find_stop(auto& phase, const auto& step, double s) const;
+    double find_stop(const auto& rest, double tau) const;
     double absolute(double tau) const { return segment_.start + tau; }
     void sample_until(double limit, double from, auto&& snapshot_at);
     void record(double t, double tau, const Snapshot& snapshot);
+    static Place place(const BodyState& body) { return {body.x, body.y, body.z}; }
 
     const double sign_;
     const Window window_;
@@ -157,7 +180,8 @@ private:
     Circuit circuit_;
     Dynamics dynamics_;
     const StepperOptions options_;
-    std::optional<PlaneDynamics> plane_;  // of a robot that moves in the whole plane
+    std::optional<PlaneDynamics> plane_;        // of a robot that moves in the whole plane
+    std::optional<HeadingWatch> planar_watch_;  // of one that a later step may turn
     Recorder recorder_;
     SummaryObserver observer_;
     SteadyPulses pulses_;
@@ -198,9 +222,17 @@ void HybridRun::sample_until(double limit, double from, auto&& snapshot_at) {
 template <class Phase>
 auto HybridRun::observer(Phase& phase) {
     return [this, &phase](const auto& step, double s) {
-        const double stop = stop_ ? find_stop(phase, step, s) : kGoesOn;
-        if (stop <= s) {
-            s = stop;
+        double stop = kGoesOn;
+        if constexpr (Phase::kTurns) {
+            if (plane_->has_moved()) {
+                plane_->watch_at(step.start, place(phase.body(step.start, step.first)));
+            }
+            const double end = (plane_->watch().end().tau - step.start) / step.width;
+            if (end < s) s = stop = std::max(end, 0.0);
+        }
+        const double met = stop_ ? find_stop(phase, step, s) : kGoesOn;
+        if (met <= s) {
+            s = stop = met;
             result_.stopped = true;
         }
         const double limit = absolute(step.start + s * step.width);
@@ -222,6 +254,18 @@ double HybridRun::find_stop(auto& phase, const auto& step, double s) const {
         return distance(absolute(tau), phase.body(tau, at == 0.0 ? step.first : step.dense(at)));
     });
     return hit ? hit.s * s : kGoesOn;
+}
+
+/// The time, up to `tau` s, at which it is met at rest, or infinity. All that changes there is the
+/// time, which ends a stretch, and the heading.
+double HybridRun::find_stop(const auto& rest, double tau) const {
+    if constexpr (requires { rest.body(tau); }) {
+        if (stop_ && stop_->quantity == StopCondition::Quantity::heading) {
+            return fall_in_rest(tau_, tau, fastest_decay_,
+                                [&](double at) { return distance(absolute(at), rest.body(at)); });
+        }
+    }
+    return std::numeric_limits<double>::infinity();
 }
 
 template <class Phase>

@@ -19,6 +19,7 @@ struct HybridState {
     double contact_y = 0.0;  ///< m
     double slip_y = 0.0;     ///< m/s
     bool slips_slowly = false;
+    double slowed_along = 0.0;  ///< m/s, along the heading, as a slip became slow
 
     bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
 };

@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
+
+#include "stickslip/event_location.hpp"
 
 namespace stickslip {
 namespace {
@@ -251,25 +252,15 @@ private:
             return beyond_target(acting, sliding_impulse(acting, angle), angle).across;
         };
         const double first = std::atan2(-stick.across, -stick.tangential);
-        constexpr int kLooks = 32;
-        constexpr double kLook = 2.0 * std::numbers::pi / kLooks;
-        for (int n = 0; n < kLooks; ++n) {
-            const double side = (n % 2 == 0 ? 1.0 : -1.0) * ((n + 1) / 2) * kLook;
-            double low = first + side - 0.5 * kLook, high = first + side + 0.5 * kLook;
-            if (turned(low) * turned(high) > 0.0) continue;
-            const bool rises = turned(high) > turned(low);
-            for (int halving = 0; halving < 52; ++halving) {
-                const double middle = 0.5 * (low + high);
-                ((turned(middle) > 0.0) == rises ? high : low) = middle;
-            }
-            const double angle = 0.5 * (low + high);
+        return search_around(first, [&](double low, double high) {
+            if (turned(low) * turned(high) > 0.0) return false;
+            const double angle = find_root(low, high, turned);
             const Impulse sliding = sliding_impulse(acting, angle);
-            if (admissible(sliding, acting) && beyond_target(acting, sliding, angle).along >= 0.0) {
-                accept(sliding, acting, false);
-                return true;
-            }
-        }
-        return false;
+            const bool goes_on = beyond_target(acting, sliding, angle).along >= 0.0;
+            if (!goes_on || !admissible(sliding, acting)) return false;
+            accept(sliding, acting, false);
+            return true;
+        });
     }
 
     bool admissible(const Impulse& impulse, const std::array<bool, 2>& acting) const {
@@ -334,8 +325,8 @@ ImpactResult touching(const Model& model, const BodyState& after, double slip_ve
 }  // namespace
 
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
-                           double time) {
-    ImpactProblem problem(model, pose.height, before.x + pose.lever, time, before);
+                           double time, double cosine) {
+    ImpactProblem problem(model, pose.height, before.x + pose.lever * cosine, time, before);
     problem.add(pose.lever, true, false);
     ImpactResult result{before, Touch::none};
     if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;

@@ -28,9 +28,11 @@ struct ImpactResult {
 /// the largest part for which it does not. time: s, since the run began, which a friction that ages
 /// asks for. An impact has no slip velocity and an infinite normal force, so that of the free
 /// shapes of friction `speed` does not act and `load` has its last knot. With a velocity across the
-/// plane of motion (`before.vy`) friction is a vector against the slip after the impact.
+/// plane of motion (`before.vy`) friction is a vector against the slip after the impact. cosine: of
+/// the angle from the x axis of `before` to the plane of motion, which a friction that differs from
+/// place to place asks for.
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
-                           double time = 0.0);
+                           double time = 0.0, double cosine = 1.0);
 
 /// Impact of a face at angle 0 of `before.quadrant`, both corners solved together as one
 /// complementarity problem: the arriving corner has the kinetic coefficient and the restitution

@@ -1,6 +1,7 @@
 #include "stickslip/initial_state.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -167,7 +168,8 @@ private:
                                 : "a state whose contact moves that way, and it moves at ") +
                        digits(along_world) + " m/s");
         }
-        start_.state.mode.slip = wanted * static_cast<int>(sign_);
+        // In the whole plane a slip has a vector, and its mode no sign.
+        start_.state.mode.slip = turns_ ? std::abs(wanted) : wanted * static_cast<int>(sign_);
         start_.state.slip_velocity = moves ? slip_velocity : 0.0;
         start_.state.slip_y = moves ? body.vy : 0.0;
     }
@@ -197,7 +199,7 @@ private:
         if (std::abs(slip_velocity) > slack() || std::abs(body.vy) > slack()) {
             state.slip_velocity = slip_velocity;
             state.slip_y = body.vy;
-            state.mode.slip = slip_velocity > 0.0 ? 1 : -1;
+            state.mode.slip = turns_ || slip_velocity > 0.0 ? 1 : -1;
         }
     }
 
@@ -253,8 +255,14 @@ Start initial_state(const Scenario& scenario, const Model& model) {
     return Starter(scenario, model).start();
 }
 
-SimulationState world_state(const HybridState& state, double contact_age, double frame_sign) {
+SimulationState world_state(const HybridState& state, double contact_age, double frame_sign,
+                            bool in_whole_plane) {
     const BodyState& body = state.body;
+    ContactMode mode = state.mode;
+    if (in_whole_plane) {
+        const Heading heading = Heading::of_angle(body.heading);
+        mode = seen_along(mode, heading.seen(state.slip_velocity, state.slip_y).along);
+    }
     SimulationState result;
     result.x = frame_sign * body.x;
     result.z = body.z;
@@ -265,7 +273,7 @@ SimulationState world_state(const HybridState& state, double contact_age, double
     result.heading = frame_sign < 0.0 ? std::numbers::pi : body.heading;
     result.vz = body.vz;
     result.omega = body.omega;
-    result.contact = static_cast<ContactWord>(1 + contact_code(state.mode, frame_sign));
+    result.contact = static_cast<ContactWord>(1 + contact_code(mode, frame_sign));
     result.contact_age = state.mode.touch == Touch::none ? 0.0 : contact_age;
     return result;
 }

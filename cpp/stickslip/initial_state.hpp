@@ -18,6 +18,7 @@ struct Start {
 Start initial_state(const Scenario& scenario, const Model& model);
 
 /// A state of the loop as others see it, without its currents.
-SimulationState world_state(const HybridState& state, double contact_age, double frame_sign);
+SimulationState world_state(const HybridState& state, double contact_age, double frame_sign,
+                            bool in_whole_plane);
 
 }  // namespace stickslip

@@ -113,6 +113,19 @@ void LocalField::rebase(double x, double z) {
     }
 }
 
+HorizontalField LocalField::horizontal(double x, double z) const {
+    HorizontalField result;
+    result.shape = shape_;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+        const Terms& terms = b < 3 ? stretch_.basis[b] : further_[b - 3].basis;
+        const Expansion part = {terms, stretch_.centre_x, stretch_.centre_z, 0.0};
+        result.basis[b] = {part(x, z).bx, 0.0};
+    }
+    result.basis[0][0] -= ambient_x_;
+    result.ambient = {ambient_x_, 0.0};
+    return result;
+}
+
 void LocalField::multiply(double tau, Expansion& expansion) const {
     const double scale = factor(tau);
     for (double& term : expansion.terms) term *= scale;

@@ -8,6 +8,7 @@
 #include "stickslip/coil_set.hpp"
 #include "stickslip/elementary.hpp"
 #include "stickslip/field_shape.hpp"
+#include "stickslip/horizontal_field.hpp"
 #include "stickslip/pack.hpp"
 
 namespace stickslip {
@@ -168,6 +169,9 @@ public:
         if (shape_) multiply(tau, result);
         return result;
     }
+
+    /// The horizontal field at a place in the course of the stretch, but for its segment.
+    HorizontalField horizontal(double x, double z) const;
 
     /// The stretch as the formulas see it, where no shape multiplies it: its first exponential.
     const FieldStretch<double>& stretch() const { return stretch_; }

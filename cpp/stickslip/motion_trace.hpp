@@ -39,11 +39,30 @@ private:
     Real c0_, c1_, c2_, c3_, c4_, c5_;
 };
 
+/// Of a contact's slip what the summary counts: along x or, of a robot that turns, along its front
+/// as the phase began.
+template <class Phase>
+[[gnu::always_inline]] inline auto slip_place(const Phase& phase, const auto& y) {
+    if constexpr (Phase::kTurns) {
+        return phase.place_along(y);
+    } else {
+        return phase.contact_x(y);
+    }
+}
+template <class Phase>
+[[gnu::always_inline]] inline auto slip_speed(const Phase& phase, const auto& y) {
+    if constexpr (Phase::kTurns) {
+        return phase.slip_along(y);
+    } else {
+        return phase.slip_velocity(y);
+    }
+}
+
 /// What the summary wants of the motion in a phase: numbers alone, as in Tsit5Progress.
 template <class Real>
 struct MotionTrace {
     Real lowest, highest;          ///< rad, angles within the quadrant
-    Real contact_x;                ///< m, at the last turning point, or at the start
+    Real slip_x;                   ///< m, `slip_place` at the last turning point, or at the start
     Real rising = 0, falling = 0;  ///< m, slip up to there while the angle rose and fell
 
     /// A step of `width` s between two states with their rates.
@@ -62,16 +81,16 @@ struct MotionTrace {
         see(select(turns, angle.at(s), phase.angle(last)));
         if constexpr (Phase::kSlips) {
             const QuinticHermite<Real> x(
-                phase.contact_x(first), phase.slip_velocity(first) * width,
-                phase.slip_acceleration(first, first_rates) * width * width, phase.contact_x(last),
-                phase.slip_velocity(last) * width,
+                slip_place(phase, first), slip_speed(phase, first) * width,
+                phase.slip_acceleration(first, first_rates) * width * width,
+                slip_place(phase, last), slip_speed(phase, last) * width,
                 phase.slip_acceleration(last, last_rates) * width * width);
             const Real turning_x = x.at(s);
-            const Real slipped = turning_x - contact_x;
+            const Real slipped = turning_x - slip_x;
             const auto rises = before > 0.0;
             rising = select(turns & rises, rising + slipped, rising);
             falling = select(turns & !rises, falling + slipped, falling);
-            contact_x = select(turns, turning_x, contact_x);
+            slip_x = select(turns, turning_x, slip_x);
         }
     }
 

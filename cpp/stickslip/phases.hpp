@@ -20,6 +20,7 @@
 ///   rates(field, y, dydt, g)   rates and event functions
 ///   event(i, tau, y)   one event function; y is a State, or has its coordinates one by one
 ///   speed(y)           bound on the speed of the centre of mass
+///   longest_step(y, rates)     of a slip in the whole plane, s
 ///   rebase(y)          the base of the next step (see Dynamics)
 ///   centre(y, pose)    the centre of mass
 ///   angle, omega, contact_x(y)   what the summary watches

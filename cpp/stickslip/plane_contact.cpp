@@ -1,7 +1,8 @@
 #include "stickslip/plane_contact.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "stickslip/event_location.hpp"
 
 namespace stickslip {
 namespace {
@@ -95,21 +96,13 @@ private:
     // of the force: it is looked for, from the force's on.
     PlaneResolution breaking_loose(int quadrant, const PlaneLoad& load, double force) {
         const auto turning = [&](double angle) { return acceleration(load, angle).across; };
-        constexpr int kLooks = 32;
-        constexpr double kLook = 2.0 * std::numbers::pi / kLooks;
         double way = force;
         // Slip goes to a way in which the acceleration does not turn it and to which others turn.
-        for (int n = 0; n < kLooks; ++n) {
-            const double side = (n % 2 == 0 ? 1.0 : -1.0) * ((n + 1) / 2) * kLook;
-            double low = force + side - 0.5 * kLook, high = force + side + 0.5 * kLook;
-            if (!(turning(low) >= 0.0 && turning(high) <= 0.0)) continue;
-            for (int halving = 0; halving < 52; ++halving) {
-                const double middle = 0.5 * (low + high);
-                (turning(middle) >= 0.0 ? low : high) = middle;
-            }
-            way = 0.5 * (low + high);
-            if (acceleration(load, way).along >= 0.0) break;
-        }
+        search_around(force, [&](double low, double high) {
+            if (!(turning(low) >= 0.0 && turning(high) <= 0.0)) return false;
+            way = find_root(low, high, turning);
+            return acceleration(load, way).along >= 0.0;
+        });
         const CornerSlip motion = slipping(load, std::cos(way), 0.0);
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{{Touch::none, 0}, quadrant}, {}};

@@ -57,7 +57,7 @@ public:
     double speed(const State& y) const { return std::abs(y[1]) * robot().radius; }
     double angle(const State& y) const { return y[0]; }
     double omega(const State& y) const { return y[1]; }
-    double contact_x(const State&) const { return contact_x_; }
+    double place_along(const State&) const { return along_front(contact_x_, contact_y_); }
 
 private:
     struct Motion {
@@ -98,6 +98,7 @@ public:
     double omega(const State& y) const { return y[5]; }
     double contact_x(const State& y) const { return y[0]; }
     double contact_y(const State& y) const { return y[1]; }
+    double place_along(const State& y) const { return along_front(y[0], y[1]); }
 
 protected:
     PlaneCornerSlip(PlaneDynamics& plane, double contact_x, double contact_y, double slip_x,
@@ -207,11 +208,16 @@ public:
         return {s.length, s.length, 1.0, s.velocity, s.velocity, s.rate};
     }
     double speed(const State& y) const { return size(y) + std::abs(y[5]) * robot().radius; }
-    double turning_time(const State& y) const { return braking_time(size(y)); }
+    double longest_step(const State& y, const State& rates) const {
+        const double speed = size(y);
+        return slip_time(speed, (y[3] * rates[3] + y[4] * rates[4]) / speed, kMostOfExplicit);
+    }
     double slip_velocity(const State& y) const { return y[3]; }
     double slip_y(const State& y) const { return y[4]; }
-    /// Along x.
-    double slip_acceleration(const State&, const State& rates) const { return rates[3]; }
+    double slip_along(const State& y) const { return along_front(y[3], y[4]); }
+    double slip_acceleration(const State&, const State& rates) const {
+        return along_front(rates[3], rates[4]);
+    }
     bool nearly_jams(double tau, const State& y) const {
         const double speed = size(y);
         const Motion motion = solve(field_at(tau), y, way(y, speed), speed);
@@ -286,11 +292,15 @@ public:
         return {s.length, s.length, 1.0, s.velocity, 1.0, s.rate};
     }
     double speed(const State& y) const { return std::abs(y[3]) + std::abs(y[5]) * robot().radius; }
-    double turning_time(const State& y) const { return braking_time(y[3]); }
+    double longest_step(const State& y, const State& rates) const {
+        return slip_time(y[3], rates[3], kMostOfStiff);
+    }
     double slip_velocity(const State& y) const { return y[3] * std::cos(y[4]); }
     double slip_y(const State& y) const { return y[3] * std::sin(y[4]); }
+    double slip_along(const State& y) const { return along_front(slip_velocity(y), slip_y(y)); }
     double slip_acceleration(const State& y, const State& rates) const {
-        return rates[3] * std::cos(y[4]) - y[3] * std::sin(y[4]) * rates[4];
+        const double cosine = std::cos(y[4]), sine = std::sin(y[4]), turning = y[3] * rates[4];
+        return along_front(rates[3] * cosine - turning * sine, rates[3] * sine + turning * cosine);
     }
     bool nearly_jams(double tau, const State& y) const {
         const Motion motion = solve(field_at(tau), y, Heading::of_angle(y[4]), y[3]);

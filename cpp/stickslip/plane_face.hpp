@@ -60,17 +60,21 @@ public:
     }
     State nudge(const Scales& s) const { return {s.length, s.length, s.velocity, 1.0}; }
     double speed(const State& y) const { return std::abs(y[2]); }
-    double turning_time(const State& y) const { return braking_time(y[2]); }
+    double longest_step(const State& y, const State& rates) const {
+        return slip_time(y[2], rates[2], kMostOfStiff);
+    }
     double angle(const State&) const { return 0.0; }
     double omega(const State&) const { return 0.0; }
     /// Of the middle of the face, not of its end, which a heading that turns moves.
     double contact_x(const State& y) const { return y[0]; }
     double contact_y(const State& y) const { return y[1]; }
+    double place_along(const State& y) const { return along_front(y[0], y[1]); }
     double slip_velocity(const State& y) const { return y[2] * std::cos(y[3]); }
     double slip_y(const State& y) const { return y[2] * std::sin(y[3]); }
-    /// Along x.
+    double slip_along(const State& y) const { return along_front(slip_velocity(y), slip_y(y)); }
     double slip_acceleration(const State& y, const State& rates) const {
-        return rates[2] * std::cos(y[3]) - y[2] * std::sin(y[3]) * rates[3];
+        const double cosine = std::cos(y[3]), sine = std::sin(y[3]), turning = y[2] * rates[3];
+        return along_front(rates[2] * cosine - turning * sine, rates[2] * sine + turning * cosine);
     }
 
 private:

@@ -68,7 +68,7 @@ public:
     double speed(const State& y) const { return std::hypot(y[4], y[5]) + std::abs(y[6]); }
     double angle(const State& y) const { return y[3]; }
     double omega(const State& y) const { return y[7]; }
-    double contact_x(const State& y) const { return y[0]; }
+    double place_along(const State& y) const { return along_front(y[0], y[1]); }
     double event_rounding() const { return 2.0 * kFlightRounding * robot().radius; }
 
 private:

@@ -17,6 +17,11 @@ std::int8_t contact_code(const ContactMode& mode, double frame_sign) {
     return static_cast<std::int8_t>((mode.touch == Touch::corner ? 1 : 4) + slip);
 }
 
+ContactMode seen_along(ContactMode mode, double along) {
+    if (mode.slip != 0) mode.slip = along < 0.0 ? -1 : 1;
+    return mode;
+}
+
 Recorder::Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign,
                    bool turns)
     : settings_(settings), chain_(chain), sign_(frame_sign), turns_(turns) {
@@ -65,10 +70,7 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode,
     put(r.by, sign_ * field[1]);
     put(r.bz, field[2]);
     put(r.current, sign_ > 0.0 ? current : turned(current));
-    ContactMode shown = mode;
-    // A slip in the plane is forward or backward by its part along the heading.
-    if (turns_ && mode.slip != 0) shown.slip = s.slip_velocity < 0.0 ? -1 : 1;
-    put(r.contact, contact_code(shown, sign_));
+    put(r.contact, contact_code(turns_ ? seen_along(mode, s.slip_velocity) : mode, sign_));
     ++index;  // the event comes after the sample
     put(r.y, s.body.y);
     put(r.vy, s.body.vy);

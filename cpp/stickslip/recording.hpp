@@ -33,6 +33,9 @@ inline constexpr std::array<const char*, 7> kContactNames = {
     "flight",     "corner_stick",      "corner_slip_forward", "corner_slip_backward",
     "face_stick", "face_slip_forward", "face_slip_backward"};
 std::int8_t contact_code(const ContactMode& mode, double frame_sign);
+/// The mode of a robot in the whole plane as it is shown: a slip is forward or backward by its part
+/// `along` the heading, m/s.
+ContactMode seen_along(ContactMode mode, double along);
 
 /// Names of the columns of a `Recording`, in their order.
 inline constexpr std::array<const char*, kColumns> kColumnNames = {"t",

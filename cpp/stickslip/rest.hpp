@@ -61,9 +61,27 @@ struct RestEnd {
     double tau = 0.0;
 };
 
-/// The first event in [tau, tau_end] of a body that lies still. `fastest`: the largest decay rate
-/// of the currents, 1/s. `longest`: the longest time between two looks, s. Ends early, without
-/// event, where `stop` is set.
+/// Time (s) that may pass between two looks at a body that lies still. The exponentials of a
+/// stretch die out from its start, so it may grow with `tau`. `fastest`: the largest decay rate of
+/// the currents, 1/s.
+inline double rest_look(double tau, double fastest) {
+    return std::max(0.125 / fastest, 0.125 * tau);
+}
+
+/// Where in [tau, tau_end] a function of a rest first falls through zero, or infinity.
+double fall_in_rest(double tau, double tau_end, double fastest, auto&& value) {
+    while (tau < tau_end) {
+        const double width = std::min(rest_look(tau, fastest), tau_end - tau);
+        if (const EventHit hit = find_fall([&](double s) { return value(tau + s * width); })) {
+            return tau + hit.s * width;
+        }
+        tau = tau + width >= tau_end ? tau_end : tau + width;
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+/// The first event in [tau, tau_end] of a body that lies still. `fastest`: as above. `longest`: the
+/// longest time between two looks, s. Ends early, without event, where `stop` is set.
 template <class Rest>
 RestEnd end_of_rest(const Rest& rest, PhaseMemory& memory, double tau, double tau_end,
                     double fastest, double longest = std::numeric_limits<double>::infinity(),
@@ -73,8 +91,7 @@ RestEnd end_of_rest(const Rest& rest, PhaseMemory& memory, double tau, double ta
     if (memory.fresh) memory.begin(start, 0.0);
     while (tau < tau_end) {
         if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
-        // The exponentials of a stretch die out from its start, so the search may widen with it.
-        const double usual = std::min(std::max(0.125 / fastest, 0.125 * tau), longest);
+        const double usual = std::min(rest_look(tau, fastest), longest);
         const double width = std::min(memory.stalled ? kShortestStep : usual, tau_end - tau);
         const auto value = [&](std::size_t i, double s) { return rest.values(tau + s * width)[i]; };
         EventSamples<Rest::kEvents> samples;

@@ -46,6 +46,35 @@ void require_tsit5(const Scenario& scenario) {
     }
 }
 
+/// The number of steps of a run that are played in one plane: up to the first that turns its robot.
+std::size_t planar_steps(const Scenario& scenario, const ControlRows& rows, std::size_t run) {
+    if (turns(scenario)) return 0;
+    const double* row = rows.voltages + run * rows.run_stride;
+    for (std::size_t k = 0; k < rows.steps; ++k, row += kCoilCount) {
+        PerCoil voltages;
+        std::copy_n(row, voltages.size(), voltages.begin());
+        if (turns(scenario, voltages)) return k;
+    }
+    return rows.steps;
+}
+
+void give(Lane& lane, const ControlRows& rows, std::size_t first, std::size_t last) {
+    lane.loop.steps().give(rows.voltages + lane.index * rows.run_stride + first * kCoilCount,
+                           last - first, rows.duration, rows.linear);
+}
+
+/// The states of a run from its step `first` on go to `output`.
+void write_states(Lane& lane, const ControlRows& rows, std::size_t first,
+                  const StateOutput& output) {
+    const bool with_currents =
+        std::any_of(output.columns.begin(), output.columns.end(), is_current);
+    double* to = output.values + (lane.index * rows.steps + first) * output.columns.size();
+    lane.loop.play_steps([&output, &lane, with_currents, to]() mutable {
+        const StateRow state = row_of(with_currents ? lane.loop.state() : lane.loop.motion());
+        for (const std::size_t column : output.columns) *to++ = state[column];
+    });
+}
+
 }  // namespace
 
 std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std::size_t)>& scenario,
@@ -55,34 +84,42 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
     if (count == 0) return result;
     std::mutex mutex;
     std::map<const Lane*, std::unique_ptr<Lane>> lanes;
-    const std::size_t columns = output.columns.size();
-    const bool with_currents =
-        std::any_of(output.columns.begin(), output.columns.end(), is_current);
+    const auto make_lane = [&](std::size_t index, const Scenario& own, std::size_t first) {
+        auto lane = std::make_unique<Lane>(index, own, control);
+        write_states(*lane, rows, first, output);
+        return lane;
+    };
+    std::vector<std::size_t> planar(count);
+    const auto last_step = [&](const Lane& lane) {
+        return lane.loop.in_whole_plane() ? rows.steps : planar[lane.index];
+    };
     const auto begin = [&](std::size_t index) -> Lane* {
-        Scenario own = without_record(scenario(index));
-        const double* voltages = rows.voltages + index * rows.run_stride;
-        for (std::size_t k = 0; k < rows.steps; ++k, voltages += kCoilCount) {
-            PerCoil row;
-            std::copy_n(voltages, row.size(), row.begin());
-            own.whole_plane = own.whole_plane || turns(row);
-        }
+        const Scenario own = without_record(scenario(index));
         require_tsit5(own);
         check(own);
-        auto lane = std::make_unique<Lane>(index, own, control);
+        planar[index] = planar_steps(own, rows, index);
+        if (planar[index] < rows.steps) check(in_whole_plane(own, own.initial));
+        auto lane = make_lane(index, own, 0);
+        give(*lane, rows, 0, last_step(*lane));
         Lane* const key = lane.get();
-        double* to = output.values + index * rows.steps * columns;
-        key->loop.play_steps([&output, with_currents, key, to]() mutable {
-            const StateRow state = row_of(with_currents ? key->loop.state() : key->loop.motion());
-            for (const std::size_t column : output.columns) *to++ = state[column];
-        });
-        key->loop.steps().give(rows.voltages + index * rows.run_stride, rows.steps, rows.duration,
-                               rows.linear);
         const std::lock_guard lock(mutex);
         lanes.emplace(key, std::move(lane));
         return key;
     };
+    // A run that a step turns goes on in the whole plane, as that of a simulator does.
+    const auto go_on = [&](const Lane& before, std::size_t first) {
+        const PlaneHandover handover = before.loop.hand_over();
+        const Scenario own = without_record(scenario(before.index));
+        const auto lane = make_lane(before.index, in_whole_plane(own, handover.state), first);
+        lane->loop.take_over(handover);
+        give(*lane, rows, first, rows.steps);
+        lane->loop.go();
+        return lane->loop.status();
+    };
     const auto done = [&](Lane& lane) {
-        result[lane.index] = lane.loop.status();
+        const std::size_t played = last_step(lane);
+        const bool is_whole = lane.loop.status() != Status::ok || played == rows.steps;
+        result[lane.index] = is_whole ? lane.loop.status() : go_on(lane, played);
         const std::lock_guard lock(mutex);
         lanes.erase(&lane);
     };
@@ -116,10 +153,9 @@ void SimulatorBatch::reset(std::size_t run, const Scenario& scenario) {
 
 // A run that a step turns goes on in the whole plane.
 void SimulatorBatch::enter_plane(std::size_t run) {
-    const Lane::Loop& before = lanes_[run]->loop;
-    const ControlSteps::Memory steps = before.steps().world_memory();
-    lanes_[run] = make_lane(run, in_whole_plane(scenarios_[run], before.state()));
-    lanes_[run]->loop.steps().restore(steps);
+    const PlaneHandover handover = lanes_[run]->loop.hand_over();
+    lanes_[run] = make_lane(run, in_whole_plane(scenarios_[run], handover.state));
+    lanes_[run]->loop.take_over(handover);
 }
 
 void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads) {
@@ -128,7 +164,7 @@ void SimulatorBatch::step(const double* voltages, double duration, bool linear, 
         const double* row = voltages + run * kCoilCount;
         PerCoil asked;
         std::copy_n(row, asked.size(), asked.begin());
-        if (!lanes_[run]->loop.in_whole_plane() && turns(asked)) enter_plane(run);
+        if (!lanes_[run]->loop.in_whole_plane() && turns(scenarios_[run], asked)) enter_plane(run);
         Lane::Loop& loop = lanes_[run]->loop;
         loop.reset_counts();
         loop.steps().give(row, 1, duration, linear);

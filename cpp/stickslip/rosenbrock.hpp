@@ -92,8 +92,9 @@ double Rosenbrock::attempt(const Phase& phase, RosenbrockStep<Phase>& step,
     constexpr double kNudge = 1e-8, kNudgeOfTime = 1e-3;
 
     using State = typename Phase::State;
+    // The first coordinates are the place: over the nanometres of a step the rates do not see it.
+    constexpr int kPlace = 2, kRest = kDim - kPlace;
     using Vector = Eigen::Matrix<double, kDim, 1>;
-    using Matrix = Eigen::Matrix<double, kDim, kDim>;
     using Map = Eigen::Map<const Vector>;
     const double h = step.width;
     typename Phase::Values unused;
@@ -103,24 +104,22 @@ double Rosenbrock::attempt(const Phase& phase, RosenbrockStep<Phase>& step,
         return result;
     };
     const auto here = phase.field_at(step.start);
-    Matrix system;
-    for (int j = 0; j < kDim; ++j) {
+    Eigen::Matrix<double, kDim, kRest> derivatives;
+    for (int j = 0; j < kRest; ++j) {
         State nudged = step.first;
-        const auto k = static_cast<std::size_t>(j);
+        const auto k = static_cast<std::size_t>(kPlace + j);
         nudged[k] += kNudge * phase.nudge(options_.scales)[k];
         const double width = nudged[k] - step.first[k];
         const State changed = rates_at(here, nudged);
-        for (int i = 0; i < kDim; ++i) {
-            const auto r = static_cast<std::size_t>(i);
-            system(i, j) = -(changed[r] - rates[r]) / width;
-        }
-        system(j, j) += 1.0 / (h * kGamma);
+        derivatives.col(j) = (Map(changed.data()) - Map(rates.data())) / width;
     }
+    Eigen::Matrix<double, kRest, kRest> system = -derivatives.template bottomRows<kRest>();
+    system.diagonal().array() += 1.0 / (h * kGamma);
     const double later = kNudgeOfTime * h;
     const State changed = rates_at(phase.field_at(step.start + later), step.first);
     const Vector by_time = (Map(changed.data()) - Map(rates.data())) / later;
-    const Eigen::PartialPivLU<Matrix> solver(system);
-    counts_.evaluations += kDim + 1 + 5;
+    const Eigen::PartialPivLU<Eigen::Matrix<double, kRest, kRest>> solver(system);
+    counts_.evaluations += kRest + 1 + 5;
 
     std::array<Vector, 6> k;
     State y = step.first;
@@ -135,7 +134,10 @@ double Rosenbrock::attempt(const Phase& phase, RosenbrockStep<Phase>& step,
         }
         const State at = i == 0 ? rates : rates_at(phase.field_at(step.start + kAlpha[i] * h), y);
         right += Map(at.data());
-        k[i] = solver.solve(right);
+        k[i].template tail<kRest>() = solver.solve(right.template tail<kRest>());
+        k[i].template head<kPlace>() =
+            (h * kGamma) * (right.template head<kPlace>() +
+                            derivatives.template topRows<kPlace>() * k[i].template tail<kRest>());
     }
     double sum = 0.0;
     for (std::size_t r = 0; r < y.size(); ++r) {
@@ -165,14 +167,14 @@ PhaseEnd<Phase> Rosenbrock::advance(Phase& phase, PhaseMemory& memory, double ta
     phase.rates(phase.field_at(tau), y, rates, samples.start);
     ++counts_.evaluations;
     if (memory.fresh) {
-        width_ = std::min(first_width_, phase.turning_time(y));
+        width_ = first_width_;
         memory.begin(samples.start, phase.event_rounding());
         if (memory.stalled) width_ = std::min(width_, kShortestStep);
     } else {
         width_ = std::min(width_, 2.0 * first_width_);
     }
     PhaseEnd<Phase> end{
-        Status::ok, Event::none, tau, y, {phase.angle(y), phase.angle(y), phase.contact_x(y)}};
+        Status::ok, Event::none, tau, y, {phase.angle(y), phase.angle(y), slip_place(phase, y)}};
     const auto leave = [&](Status status) {
         end.status = status;
         return end;
@@ -188,6 +190,7 @@ PhaseEnd<Phase> Rosenbrock::advance(Phase& phase, PhaseMemory& memory, double ta
         step.start = tau;
         step.first = end.y;
         double width = std::min(width_, std::max(phase.min_time_constant(), tau));
+        width = std::min(width, phase.longest_step(end.y, rates));
         if (options_.max_step > 0.0) width = std::min(width, options_.max_step);
         const double speed = phase.speed(step.first);
         if (width * speed > 0.5 * phase.reach()) width = 0.5 * phase.reach() / speed;

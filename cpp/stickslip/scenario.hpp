@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "stickslip/coil_set.hpp"
@@ -156,6 +157,9 @@ struct Scenario {
     /// Whether the robot moves in the whole plane though nothing above asks for it: voltages of a
     /// run that is stepped do.
     bool whole_plane = false;
+    /// Initial currents (A) of the run that goes on in this one, which keeps its tolerance;
+    /// no value: none comes before.
+    std::optional<PerCoil> first_current;
     SolverSettings solver;
     RecordSettings record;
 };

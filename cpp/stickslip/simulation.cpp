@@ -113,8 +113,9 @@ std::string message(const RunResult& result) {
                     "field without letting it fade, or keep it on one side (drive.base above 0)";
             break;
         case Status::turns_too_fast:
-            text << "the horizontal field turned faster than the robot can follow; turn it more "
-                    "slowly, or make it stronger";
+            text << "the horizontal field turned at " << result.heading_end.rate
+                 << " rad/s, faster than the robot can follow in a field of that size, "
+                 << result.heading_end.limit << " rad/s; turn it more slowly, or make it stronger";
             break;
         case Status::interrupted:
             text << "the run was stopped";

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "stickslip/heading_watch.hpp"
 #include "stickslip/recording.hpp"
 #include "stickslip/scenario.hpp"
 #include "stickslip/stepping.hpp"
@@ -26,6 +27,7 @@ struct RunResult {
     std::string effect;           ///< of the user, that gave what is not finite and ended the run
     Stiffness stiffness;          ///< what made steps short, for the message
     StepBound bound;              ///< the same, whatever moved
+    HeadingEnd heading_end;       ///< what ended the heading, for the message
     std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
     std::shared_ptr<const FieldMap> map;  ///< of the scenario, for the message
 };

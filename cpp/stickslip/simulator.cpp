@@ -21,7 +21,7 @@ static_assert(std::is_trivially_copyable_v<LoopMemory>);
 /// What stands before the memory in the bytes of a snapshot.
 struct Header {
     char magic[8] = {'s', 't', 'k', 's', 'l', 'i', 'p', '\0'};
-    std::uint32_t version = 2;  // goes up with every change of LoopMemory
+    std::uint32_t version = 3;  // goes up with every change of LoopMemory
     std::uint32_t size = sizeof(LoopMemory);
     std::uint64_t scenario = 0;
 };
@@ -69,6 +69,7 @@ std::uint64_t fingerprint(const Scenario& scenario) {
             for (const double voltage : point.voltage) hash.add(voltage);
         }
     }
+    hash.add(turns(without_start(scenario)) ? 1.0 : 0.0);  // a map may say so
     return hash.value();
 }
 
@@ -124,10 +125,12 @@ struct Simulator::RunnerOf : Simulator::Runner {
         loop->play_steps([] {});
     }
     void step(const PerCoil& voltages, double duration, bool linear) override {
-        if (!loop->in_whole_plane() && turns(voltages)) {
-            const ControlSteps::Memory steps = loop->steps().world_memory();
-            begin(in_whole_plane(scenario, loop->state()));
-            loop->steps().restore(steps);
+        if (!loop->in_whole_plane() && turns(scenario, voltages)) {
+            const PlaneHandover handover = loop->hand_over();
+            const Scenario next = in_whole_plane(scenario, handover.state);
+            check(next);  // before the loop that is there is given up
+            begin(next);
+            loop->take_over(handover);
         }
         loop->reset_counts();
         loop->steps().give(voltages.data(), 1, duration, linear);
@@ -140,7 +143,8 @@ struct Simulator::RunnerOf : Simulator::Runner {
     LoopMemory memory() const override { return loop->loop_memory(); }
     void restore(const LoopMemory& memory) override {
         if (memory.in_whole_plane != loop->in_whole_plane()) {
-            begin(memory.in_whole_plane ? in_whole_plane(scenario, {}) : scenario);
+            // One plane may be left by the initial state alone, which a snapshot replaces.
+            begin(memory.in_whole_plane ? in_whole_plane(scenario, {}) : without_start(scenario));
         }
         loop->restore(memory);
     }

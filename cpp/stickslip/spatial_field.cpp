@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "stickslip/elementary.hpp"
-#include "stickslip/pack.hpp"
 
 namespace stickslip {
 namespace {
@@ -92,6 +91,18 @@ SpatialExpansion SpatialField::at(double tau) const {
     return result;
 }
 
+HorizontalField SpatialField::horizontal(const Place& place) const {
+    HorizontalField result;
+    result.shape = shape_;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+        const SpatialFieldValue part =
+            SpatialExpansion{basis_[b], centre_, 0.0, 0.0}(place.x, place.y, place.z);
+        result.basis[b] = {part.bx, part.by};
+    }
+    result.ambient = {ambient_[0], ambient_[1]};
+    return result;
+}
+
 void SpatialField::expand(const Place& place) {
     const double d = reach_ / 1.5;
     const double per_d = 1.0 / (2.0 * d), per_dd = 1.0 / (d * d);
@@ -117,24 +128,24 @@ void SpatialField::expand(const Place& place) {
                     unit.field.z(),
                     here.xx,
                     here.xy,
-                    here.xz,
                     here.yy,
+                    here.xz,
                     here.yz,
                     slope(east.xx, west.xx),
                     slope(east.xy, west.xy),
-                    slope(up.xx, down.xx),
                     slope(north.xy, south.xy),
-                    slope(up.xy, down.xy),
                     slope(north.yy, south.yy),
+                    slope(up.xx, down.xx),
+                    slope(up.xy, down.xy),
                     slope(up.yy, down.yy),
                     bend(east.xx, here.xx, west.xx),
                     bend(east.xy, here.xy, west.xy),
-                    bend(east.xz, here.xz, west.xz),
                     0.5 * (bend(east.yy, here.yy, west.yy) + bend(north.xx, here.xx, south.xx)),
-                    bend(east.yz, here.yz, west.yz),
                     bend(north.xy, here.xy, south.xy),
-                    bend(north.xz, here.xz, south.xz),
                     bend(north.yy, here.yy, south.yy),
+                    bend(east.xz, here.xz, west.xz),
+                    bend(east.yz, here.yz, west.yz),
+                    bend(north.xz, here.xz, south.xz),
                     bend(north.yz, here.yz, south.yz)};
     }
     centre_ = place;

@@ -5,7 +5,9 @@
 #include "stickslip/circuit.hpp"
 #include "stickslip/coil_set.hpp"
 #include "stickslip/field_shape.hpp"
+#include "stickslip/horizontal_field.hpp"
 #include "stickslip/local_field.hpp"
+#include "stickslip/pack.hpp"
 
 namespace stickslip {
 
@@ -24,9 +26,9 @@ struct SpatialFieldValue {
 
 /// The field at one time as a polynomial about a centre.
 struct SpatialExpansion {
-    // Derivatives of the potential; those that are left out follow from Laplace's equation:
-    // x y z | xx xy xz yy yz | xxx xxy xxz xyy xyz yyy yyz | xxxx xxxy xxxz xxyy xxyz xyyy xyyz
-    // yyyy yyyz
+    // Derivatives of the potential, of each order those without z first, then those with one; the
+    // others follow from Laplace's equation: x y | z | xx xy yy | xz yz | xxx xxy xyy yyy | xxz xyz
+    // yyz | xxxx xxxy xxyy xyyy yyyy | xxxz xxyz xyyz yyyz
     static constexpr std::size_t kTerms = 24;
     using Terms = std::array<double, kTerms>;
 
@@ -43,58 +45,49 @@ namespace expansion {
 /// Where derivatives of one order begin in the terms.
 inline constexpr std::size_t kSecond = 3, kThird = 8, kFourth = 15;
 
-/// Contractions of a derivative of the potential with a displacement. `t` has its independent terms
-/// in the order of `SpatialExpansion`; what is left out is minus the sum of two others.
-
-[[gnu::always_inline]] inline std::array<double, 7> contract_fourth(const double* t,
-                                                                    const Place& d) {
-    const double xxxx = t[0], xxxy = t[1], xxxz = t[2], xxyy = t[3], xxyz = t[4], xyyy = t[5],
-                 xyyz = t[6], yyyy = t[7], yyyz = t[8];
-    const double xxzz = -(xxxx + xxyy), xyzz = -(xxxy + xyyy), yyzz = -(xxyy + yyyy);
-    return {(xxxx * d.x + xxxy * d.y) + xxxz * d.z, (xxxy * d.x + xxyy * d.y) + xxyz * d.z,
-            (xxxz * d.x + xxyz * d.y) + xxzz * d.z, (xxyy * d.x + xyyy * d.y) + xyyz * d.z,
-            (xxyz * d.x + xyyz * d.y) + xyzz * d.z, (xyyy * d.x + yyyy * d.y) + yyyz * d.z,
-            (xyyz * d.x + yyyz * d.y) + yyzz * d.z};
-}
-
-[[gnu::always_inline]] inline std::array<double, 5> contract_third(const double* t,
-                                                                   const Place& d) {
-    const double xxx = t[0], xxy = t[1], xxz = t[2], xyy = t[3], xyz = t[4], yyy = t[5], yyz = t[6];
-    const double xzz = -(xxx + xyy), yzz = -(xxy + yyy);
-    return {(xxx * d.x + xxy * d.y) + xxz * d.z, (xxy * d.x + xyy * d.y) + xyz * d.z,
-            (xxz * d.x + xyz * d.y) + xzz * d.z, (xyy * d.x + yyy * d.y) + yyz * d.z,
-            (xyz * d.x + yyz * d.y) + yzz * d.z};
-}
-
-[[gnu::always_inline]] inline std::array<double, 3> contract_second(const double* t,
-                                                                    const Place& d) {
-    const double xx = t[0], xy = t[1], xz = t[2], yy = t[3], yz = t[4];
-    return {(xx * d.x + xy * d.y) + xz * d.z, (xy * d.x + yy * d.y) + yz * d.z,
-            (xz * d.x + yz * d.y) - (xx + yy) * d.z};
+/// The derivative of order N of the potential contracted with a displacement: one of order N - 1,
+/// in the order of the terms.
+template <std::size_t N, class Real>
+[[gnu::always_inline]] inline std::array<Real, 2 * N - 1> contract(const Real* t,
+                                                                   const std::array<Real, 3>& d) {
+    constexpr std::size_t kWithZ = N + 1;
+    std::array<Real, 2 * N - 1> result;
+    for (std::size_t i = 0; i < N; ++i) {
+        result[i] = (t[i] * d[0] + t[i + 1] * d[1]) + t[kWithZ + i] * d[2];
+    }
+    for (std::size_t i = 0; i + 1 < N; ++i) {
+        const Real with_zz = t[i] + t[i + 2];  // its negative
+        result[N + i] = (t[kWithZ + i] * d[0] + t[kWithZ + i + 1] * d[1]) - with_zz * d[2];
+    }
+    return result;
 }
 
 }  // namespace expansion
 
 inline SpatialFieldValue SpatialExpansion::operator()(double x, double y, double z) const {
-    const Place d = {x - centre.x, y - centre.y, z - centre.z};
     using namespace expansion;
-    const std::array<double, 7> fourth = contract_fourth(&terms[kFourth], d);
+    using Pair = Pack<2>;  // of what the gradient needs, and of what the field does
+    const std::array<double, 3> d = {x - centre.x, y - centre.y, z - centre.z};
+    const std::array<Pair, 3> dd = {Pair(d[0]), Pair(d[1]), Pair(d[2])};
     // Of the gradient and of the field the series are G + (T + Q d / 2) d and
     // B + (G + (T + Q d / 3) d / 2) d.
-    std::array<double, 7> for_gradient, for_field;
-    for (std::size_t i = 0; i < 7; ++i) {
-        for_gradient[i] = terms[kThird + i] + 0.5 * fourth[i];
-        for_field[i] = terms[kThird + i] + (1.0 / 3.0) * fourth[i];
+    const Pair per_third(Pair::Vector{1.0 / 2.0, 1.0 / 3.0});
+    const Pair per_second(Pair::Vector{1.0, 1.0 / 2.0});
+    const std::array<double, 7> of_fourth = contract<4>(&terms[kFourth], d);
+    std::array<Pair, 7> third;
+    for (std::size_t i = 0; i < third.size(); ++i) {
+        third[i] = Pair(terms[kThird + i]) + per_third * Pair(of_fourth[i]);
     }
-    std::array<double, 5> gradient = contract_third(for_gradient.data(), d);
-    std::array<double, 5> mean = contract_third(for_field.data(), d);
-    for (std::size_t i = 0; i < 5; ++i) {
-        gradient[i] += terms[kSecond + i];
-        mean[i] = terms[kSecond + i] + 0.5 * mean[i];
+    const std::array<Pair, 5> of_third = contract<3>(third.data(), dd);
+    std::array<double, 5> gradient, mean;
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        const Pair second = Pair(terms[kSecond + i]) + per_second * of_third[i];
+        gradient[i] = second.v[0];
+        mean[i] = second.v[1];
     }
-    const std::array<double, 3> field = contract_second(mean.data(), d);
+    const std::array<double, 3> field = contract<2>(mean.data(), d);
     return {terms[0] + field[0], terms[1] + field[1], terms[2] + field[2], gradient[0],
-            gradient[1],         gradient[2],         gradient[3],         gradient[4]};
+            gradient[1],         gradient[3],         gradient[2],         gradient[4]};
 }
 
 /// The field of the driven coils near a robot that moves in the whole plane, over one stretch of
@@ -120,6 +113,7 @@ public:
 
     /// Moves the centre to the robot where it has left half the reach.
     void rebase(const Place& place);
+    const Place& centre() const { return centre_; }
     double reach() const { return reach_; }  ///< m, as of a LocalField
     /// Half the time constant of the fastest exponential of the stretch, s.
     double min_time_constant() const { return min_time_constant_; }
@@ -128,6 +122,8 @@ public:
 
     /// The expansion at `tau` seconds into the stretch.
     SpatialExpansion at(double tau) const;
+    /// The horizontal field at a place in the course of the stretch, but for its segment.
+    HorizontalField horizontal(const Place& place) const;
 
     /// What goes on from stretch to stretch; the next `set_segment` completes a restored one.
     struct Memory {

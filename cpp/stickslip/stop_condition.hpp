@@ -2,38 +2,43 @@
 
 #include <cstdint>
 
-#include "stickslip/rectangle.hpp"
+#include "stickslip/dynamics.hpp"
 
 namespace stickslip {
 
-/// Ends a run where a quantity comes to a value: time (s), x or z (m, centre of mass, world's
-/// frame), theta (rad) or turns (theta over 2 pi).
+/// Ends a run where a quantity comes to a value: time (s), x, y or z (m, centre of mass, world's
+/// frame), theta (rad), turns (theta over 2 pi) or heading (rad, from -pi to pi). A run in one
+/// plane has y and heading zero throughout.
 struct StopCondition {
-    enum class Quantity : std::int8_t { time, x, z, theta, turns };
+    enum class Quantity : std::int8_t { time, x, y, z, theta, turns, heading };
 
     Quantity quantity = Quantity::time;
     bool from_below = true;  ///< whether it is met at or above `value`, else at or below
     double value = 0.0;
 
-    /// What is left to go; met at zero or below.
-    double distance(double time, double x, double z, double theta) const {
-        const double reached = at(time, x, z, theta);
+    /// What is left to go; met at zero or below. sign: of the body's x in the world.
+    double distance(double time, double sign, const BodyState& body) const {
+        const double reached = at(time, sign, body);
         return from_below ? value - reached : reached - value;
     }
 
 private:
-    double at(double time, double x, double z, double theta) const {
+    double at(double time, double sign, const BodyState& body) const {
         switch (quantity) {
             case Quantity::time:
                 return time;
             case Quantity::x:
-                return x;
+                return sign * body.x;
+            case Quantity::y:
+                return body.y;
             case Quantity::z:
-                return z;
+                return body.z;
             case Quantity::theta:
-                return theta;
+                return body.theta();
             case Quantity::turns:
-                return theta / (4.0 * kQuarterTurn);
+                return body.theta() / (4.0 * kQuarterTurn);
+            case Quantity::heading:
+                return body.heading;
         }
         return 0.0;
     }

@@ -22,14 +22,15 @@ struct Summary {
     std::int64_t finished_pulses = 0;
     double finished_velocity = kNone;
     // Of a run in the whole plane, where what is above is along x: along y, m/s.
-    double mean_velocity_y = 0.0;
-    double finished_velocity_y = 0.0;
+    double mean_velocity_y = kNone;
+    double finished_velocity_y = kNone;
     /// How fast the heading's turning to and fro swings an edge about the centre of mass, over the
     /// window, m/s. The model leaves that out of the slip.
-    double turning_speed = 0.0;
+    double turning_speed = kNone;
     double theta_min = kNone;  ///< rad
     double theta_max = kNone;  ///< rad
-    double slip_up = kNone;  ///< m/s, slip of the contact while theta rises, over the window's span
+    // Slip of the contact along x or, of a run in the whole plane, along the robot's front.
+    double slip_up = kNone;    ///< m/s, while theta rises, over the window's span
     double slip_down = kNone;  ///< m/s, the same while theta falls
     double slip_flat = kNone;  ///< m/s, the same of a face
     double airborne_fraction = kNone;
@@ -105,7 +106,7 @@ public:
         if constexpr (Phase::kSlips) {
             rising_ += end.trace.rising;
             falling_ += end.trace.falling;
-            add_slip(phase.omega(end.y), phase.contact_x(end.y) - end.trace.contact_x);
+            add_slip(phase.omega(end.y), slip_place(phase, end.y) - end.trace.slip_x);
         }
         if constexpr (Phase::kFlies) airborne_ += duration;
     }

@@ -95,9 +95,6 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
         width_ = first_width_;
         log_error_ = WidthControl<double>::kLeastLogError;
         memory.begin(progress.samples.start, phase.event_rounding());
-        if constexpr (Phase::kTurns && Phase::kSlips) {
-            width_ = std::min(width_, phase.turning_time(y));
-        }
         // Each of two modes sends the body to the other without time going on: the mode is kept for
         // the shortest step that is far above the resolution of time.
         if (memory.stalled) width_ = std::min(width_, kShortestStep);
@@ -105,7 +102,7 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
         // The same phase over a kink of the voltage, which excites the swing anew.
         width_ = std::min(width_, 2.0 * first_width_);
     }
-    progress.trace = {phase.angle(y), phase.angle(y), phase.contact_x(y)};
+    progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
     progress.control = {width_, log_error_, 0.0};
     progress.tau = tau;
     progress.tau_end = tau_end;

@@ -209,6 +209,9 @@ struct Tsit5Progress {
         const Real speed = phase.speed(step.first);
         const auto far = width * speed > half_reach;
         if (any(far)) width = select(far, half_reach / speed, width);
+        if constexpr (Phase::kTurns && Phase::kSlips) {
+            width = std::min(width, phase.longest_step(step.first, step.slope[0]));
+        }
         const auto to_end = tau + 1.0001 * width >= tau_end;
         step.start = tau;
         step.width = select(to_end, tau_end - tau, width);

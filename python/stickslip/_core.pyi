@@ -154,6 +154,9 @@ def probe_readings(
 def corner_balances(
     scenario: Scenario, points: NDArray[float64], motions: NDArray[float64]
 ) -> _Balances: ...
+def surface_directions(
+    angles: NDArray[float64],
+) -> tuple[NDArray[float64], NDArray[float64]]: ...
 
 most_map_degree: int
 
