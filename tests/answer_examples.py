@@ -4,7 +4,7 @@ from stickslip.facts import Code, Fact
 
 FELL = {"count": 8, "thing": "condition", "before": "13 %", "after": "1.4 %", "change": "falls"}
 CHANGE = {"before": "13 % (2 mm/s)", "after": "1.4 % (0.2 mm/s)", "count": 1, "thing": "reading"}
-FOUND = {"finding": "The wave is high.", "remedy": "Level it", "causes": 1}
+FOUND = {"finding": "The wave is high.", "remedy": "Level it", "causes": 1, "readings": False}
 SEVERAL = {**CHANGE, "leading": "a wave"}
 PREDICTED = [{"name": "a wave", "velocity": -6.3e-4}, {"name": "a bend", "velocity": 2e-3}]
 
@@ -25,6 +25,10 @@ ANSWERS = {
     Code.HEADLINE_SET: (
         {"count": 2, "things": "causes", "names": ["a wave", "a bend"], "probability": 0.52},
         r"^Perhaps one of these 2 causes .* wave; a bend\. With .* 48 % it is none .*\. Measure",
+    ),
+    Code.HEADLINE_NEAREST: (
+        {"count": 2, "things": "causes", "names": ["a wave", "a bend"], "other": 0.94},
+        r"^Something .* 94 % it is nothing .*\. Of the causes .* 2 come nearest: a wave",
     ),
     Code.HEADLINE_NONE: (
         {"moved": [KNOWN, RANGE]},
@@ -51,6 +55,9 @@ ANSWERS = {
     Code.SIZE_OF_CAUSE: (
         {"name": "A wave", "size": "5 +- 1 mm", "interval": "3 to 7 mm"}, "A wave: 5 .* is 3 to 7"
     ),
+    Code.SIZE_NOT_CERTAIN: (
+        {"name": "A wave", "size": "4 mm"}, r"A wave: 4 mm \(best value\)\. .* not known, as fits"
+    ),
     Code.SIZE_IN_INTERVAL: (
         {"name": "A wave", "size": "4 mm", "interval": "3 to 7 mm"},
         r"A wave: 4 mm \(best value\)\. .* 3 to 7 mm",
@@ -63,13 +70,14 @@ ANSWERS = {
         {"percent": 95.0, "limits": ["a wave below 5 mm"]}, "best, .* 95 % .*: a wave below"
     ),
     Code.SIZE_HIDDEN: ({"name": "a bend", "size": "27 %"}, "a bend of up to 27 %"),
-    Code.SIZE_UNLIMITED: ({"count": 3, "causes": 28}, "3 of the 28 causes .* nothing"),
+    Code.SIZE_UNLIMITED: ({"count": 3, "causes": 28}, "^3 of the 28 causes cannot be limited"),
     Code.SIZE_OF_MISFIT: ({"ratio": 3.4}, r"3\.4 times"),
     Code.SIZE_UNKNOWN: ({}, "no model"),
     Code.SURE_OF_CAUSE: (
         {"names": ["a wave", "a bend"], "probabilities": [0.75, 0.9999], "count": 28},
         r"75 % for a wave, more than 99\.9 % for a bend, among 28 causes",
     ),
+    Code.SURE_OF_CLOSE: ({"odds_needed": 20.09}, "odds of 20 to 1 are needed"),
     Code.SURE_OF_ALIKE: ({}, "less surprising beforehand"),
     Code.SURE_OF_RUNNER_UP: ({"name": "a bend", "lead": 3.0}, "a bend, is 20 times less"),
     Code.SURE_OF_MISFIT: ({"p_value": 1e-20}, "less than 1e-12"),
@@ -85,6 +93,7 @@ ANSWERS = {
     Code.SURE_OF_REFUSAL: ({}, "checks of the data"),
     Code.DO_REMEDY: ({"remedy": "Level it"}, "Level it"),
     Code.DO_KEEP: ({"model": "extended.toml", "first": False}, r"Or go on with extended\.toml"),
+    Code.DO_KEEP_ROBOT: ({"model": "extended.toml"}, "extended.toml, .* readings is not in it"),
     Code.DO_VALUES: ({}, r"report\.json, under .parameters."),
     Code.DO_EXPERIMENT: (
         {"settings": "mode OPP", "predicted": PREDICTED, "why": Fact(Code.NO_SAFE_NAME, {})},

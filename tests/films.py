@@ -78,14 +78,19 @@ def write_table(path, columns):
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_films(folder, changes, rate, seed, exposure=3e-4, ways=("+x", "-x")):
-    """A measurement of the true robot with `changes`, each way with a camera of its own."""
+def write_films(folder, changes, rate, seed, exposure=3e-4, ways=("+x", "-x"), marker=0.0):
+    """A measurement of the true robot with `changes`, each way with a camera of its own.
+
+    What is tracked lies `marker` ahead of the centre of mass, m.
+    """
     (folder / "nominal.toml").write_text(NOMINAL)
     random = np.random.default_rng([seed, 1])
     text = HEAD
     for number, way in enumerate(ways):
         draw = random.standard_normal(3)
-        camera = Camera(exposure, 2e-4 * draw[0], 0.01 * draw[1], 1.0 + 0.005 * draw[2])
+        own = 2e-4 * draw[0], 0.01 * draw[1], 1.0 + 0.005 * draw[2]
+        facing = -1.0 if way == "-x" else 1.0
+        camera = Camera(exposure, *own, marker_along=marker, facing=facing)
         drive = {"drive.direction": way}
         columns = film({**TRUE, **drive, **changes}, camera, rate, [seed, 2, number])
         write_table(folder / f"run{number}.csv", columns)

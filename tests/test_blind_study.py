@@ -26,7 +26,16 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 from blind import __main__ as command
 from blind.generator import make
 from blind.kinds import KINDS
-from blind.questions import hook_right, instrument_said, physical_claimed, second_said
+from blind.questions import (
+    band_holds,
+    form_right,
+    halved,
+    hook_right,
+    instrument_said,
+    physical_claimed,
+    right_shape,
+    second_said,
+)
 from blind.report import misses, report, table
 from blind.scoring import by_cause, calibration, interval, judged, read
 from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
@@ -229,8 +238,8 @@ def test_a_law_is_judged_by_where_it_acts():
     unexplained = _row("law", [], None, "unexplained", **law)
     for effect, accepted in (("free_friction_speed", True), ("free_drag_speed", True),
                              ("free_friction_speed", False)):  # fmt: skip
-        shapes = {"accepted": accepted, "hooks": [{"effect": effect}]}
-        unexplained["said"]["open_set"] = shapes
+        shape = {"accepted": accepted, "effect": effect, "formula": None, "gain": None}
+        unexplained["said"]["open_set"] = shape
         assert hook_right(unexplained) is (accepted and effect == "free_friction_speed")
     rows = [_row("law", [], "surface_tilt", **law), _row("law", [], "free_friction_speed", **law)]
     rows[1]["answer"]["seed"] = 8
@@ -239,6 +248,28 @@ def test_a_law_is_judged_by_where_it_acts():
     (cause,) = by_cause(rows)
     assert (cause["cause"], cause["in_set"], cause["wrong"]) == ("friction_speed", 1, 1)
     assert "| law | 7 | friction_speed | 30.0 | named surface_tilt |" in misses(rows)
+
+
+def test_a_curve_is_judged_by_its_band_and_its_form():
+    words = {"target": "sliding", "argument": "slip_speed", "form": "hump"}
+    law = {**words, "amplitude": 0.3, "scale": 0.01, "exponent": 0.5}
+    constants = {"contact.kinetic_friction": 0.1}
+    row = _row("law", [], None, "unexplained", hook="friction_speed", effects={"law": law},
+               constants=constants)  # fmt: skip
+    # mu (1 + 0.3 exp(-2 ln(u / 0.01)^2)), by hand at u of 0, 0.01 and 0.02 m/s.
+    true = np.array([0.1, 0.13, 0.1 * (1.0 + 0.3 * np.exp(-2.0 * np.log(2.0) ** 2))])
+    for holds, right in ((3, True), (2, False)):
+        high = true + np.where(np.arange(3) < holds, 0.001, -0.0005)
+        curve = {"argument": [0.0, 0.01, 0.02], "low": true - 0.001, "high": high}
+        shape = {"accepted": True, "effect": "free_friction_speed", "curve": curve}
+        row["said"]["open_set"] = {**shape, "gain": {"mae_before": 3.0, "mae_after": 1.0}}
+        row["said"]["open_set"]["formula"] = "a (u / b) exp(1 - |u| / b)" if right else "a u"
+        assert band_holds(row) is right
+        assert form_right(row) is right
+        assert right_shape(row)
+        assert halved(row)
+    row["said"]["open_set"]["accepted"] = False
+    assert not any(question(row) for question in (band_holds, form_right, right_shape, halved))
 
 
 def test_a_distortion_is_judged_by_what_is_blamed_for_it():

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import fields
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,10 +10,12 @@ import pytest
 
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
+from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
+from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
 from stickslip.diagnosis.inference.free_term_search import explore_terms
 from stickslip.diagnosis.inference.open_set import Curve
-from stickslip.diagnosis.inference.verdict import reasons_against
+from stickslip.diagnosis.inference.verdict import Verdict, reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
 from stickslip.diagnosis.model.problem import Problem
 from stickslip.diagnosis.observables import Combined
@@ -154,12 +157,13 @@ def test_tables_of_all_kinds_are_compared_with_the_law():
     table = SimpleNamespace(
         observed=observed,
         nuisance=(),
+        suspects=(),
         comparison=lambda names, before, after, held: asked.update(
             {name: (before[k], after[k]) for k, name in enumerate(names)}
         ),
     )
     names = ["slope", *hook.knots]
-    bent = Combined(None, names, names, [table], {hook.span_key: 0.01})
+    bent = Combined(None, names, names, [table], fixed={hook.span_key: 0.01})
     posed = PosedProblem(
         Combined(None, names[:1], names[:1], [table]), [], None, np.zeros(0), (), bent
     )
@@ -220,7 +224,9 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
         },
     )
     found = diagnose(data)
+    # A wrong zero of the velocities makes up for most of it, with a friction far from its prior.
     assert found.verdict.kind == "unexplained"
+    assert [each.code for each in found.verdict.reasons] == [Code.LAW_BESIDE_CAUSES]
     shapes = found.open_set
     assert shapes.accepted
     assert shapes.first.term.effect == hook.effect
@@ -269,3 +275,47 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     for words in ("times 1 + f(u)", "where u is the slip speed in m/s", "say something of f(u)"):
         assert words in first_screen
     assert "friction over slip speed" in page
+
+
+def doubted(kind, causes, evidence, law, accepted=True):
+    """Findings with the fit of some causes, and one law, by their evidence above no cause."""
+    fit = SimpleNamespace(
+        candidate=SimpleNamespace(causes=[SimpleNamespace(name=each) for each in causes]),
+        priced_evidence=evidence,
+        name=" + ".join(causes),
+    )
+    chance = {**dict.fromkeys(causes, 0.9 / len(causes)), "unknown": 0.1}
+    said = Verdict(kind, tuple(causes), fit, (Fact(Code.PAIR_NEEDED, {"name": fit.name}),), chance)
+    empty = {each.name: None for each in fields(Findings)}
+    term = SimpleNamespace(law="drag", argument="speed")
+    shapes = SimpleNamespace(accepted=accepted, first=SimpleNamespace(term=term, lead=law))
+    null = SimpleNamespace(log_evidence=0.0)
+    return Findings(**{**empty, "verdict": said, "open_set": shapes, "null": null, "gain": 1})
+
+
+@pytest.mark.parametrize(
+    ("kind", "causes", "law", "said"),
+    [
+        # A pair of log-evidence 10 beside laws: far behind, within the margin of 3, ahead.
+        ("pair", "ab", 6.9, "pair"),
+        ("pair", "ab", 7.1, "ambiguous"),
+        ("pair", "ab", 10.1, "unexplained"),
+        ("ambiguous", "ab", 10.1, "unexplained"),
+        # One cause is simpler than a law, so that the law has to lead by the margin.
+        ("ambiguous", "a", 12.9, "ambiguous"),
+        ("ambiguous", "a", 13.1, "unexplained"),
+        ("named", "a", 99.0, "named"),
+    ],
+)
+def test_one_law_that_explains_as_much_is_put_before_doubtful_causes(kind, causes, law, said):
+    before = doubted(kind, list(causes), 10.0, law)
+    after = judged_beside_laws(before)
+    assert after.verdict.kind == said
+    assert sum(after.verdict.probabilities.values()) == pytest.approx(1.0)
+    if said == "unexplained":
+        assert (after.verdict.causes, after.verdict.fit, after.gain) == ((), None, None)
+        assert after.verdict.probabilities["unknown"] == pytest.approx(1.0)
+    if said == kind:
+        assert after is before
+    refused = doubted(kind, list(causes), 10.0, 99.0, accepted=False)
+    assert judged_beside_laws(refused) is refused

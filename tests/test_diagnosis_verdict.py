@@ -145,21 +145,26 @@ def test_a_verdict_that_changes_on_the_training_subset_is_ambiguous():
     fits = tuple(fitted(given, causes) for causes in ([WAVE], [BEND], [WAVE, BEND]))
     ranking = Ranking(fitted(given), fits[:2], fits[2:])
     said = Verdict("named", ("wave",), fits[0], ("why",), {})
-    assert checked_on_training_subset(said, ranking, "wave") is said
+    assert checked_on_training_subset(given, said, ranking, "wave") is said
     # With one cause more it is still there.
-    more = checked_on_training_subset(said, ranking, "wave + bend")
+    more = checked_on_training_subset(given, said, ranking, "wave + bend")
     assert (more.kind, len(more.reasons)) == ("named", 2)
-    other = checked_on_training_subset(said, ranking, "bend")
-    assert (other.kind, other.causes, other.fit) == ("ambiguous", ("wave", "bend"), fits[0])
+    other = checked_on_training_subset(given, said, ranking, "bend")
+    assert (other.kind, other.causes, other.fit) == ("ambiguous", ("wave",), fits[0])
     assert other.reasons == (Fact(Code.TRAINING_SUBSET, {"name": "bend"}),)
+    # It joins the set if it explains the data, which here it does where nothing is hidden.
+    plain = problem(X, (WAVE, BEND))
+    alike = Ranking(fitted(plain), tuple(fitted(plain, [each]) for each in (WAVE, BEND)), ())
+    joined = checked_on_training_subset(plain, said, alike, "bend")
+    assert (joined.kind, joined.causes) == ("ambiguous", ("wave", "bend"))
     # A pair is no member of a set of single causes.
     candidate = replace(fits[2].candidate, causes=(BEND, replace(BEND, name="third")))
     outside = replace(ranking, pairs=(replace(fits[2], candidate=candidate),))
-    third = checked_on_training_subset(said, outside, "bend + third")
+    third = checked_on_training_subset(given, said, outside, "bend + third")
     assert (third.kind, third.causes) == ("ambiguous", ("wave",))
     # Nor is a claimed pair turned by one of its own.
     both = Verdict("pair", ("bend", "wave"), fits[2], ("why",), {})
-    assert checked_on_training_subset(both, ranking, "wave").kind == "pair"
+    assert checked_on_training_subset(given, both, ranking, "wave").kind == "pair"
 
 
 # The bend, and not the pair that has the wave and the bend: it says the same of the wave.

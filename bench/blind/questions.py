@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from blind.catalogue import CAUSES, HOOK_OF, INSTRUMENT_NAMES, entry
+import numpy as np
+
+from blind.catalogue import CAUSES, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry
+from blind.hidden_laws import FORMULAS, law_change
 from blind.kinds import KINDS
 
 Row = dict[str, Any]
@@ -122,7 +125,8 @@ def gained(row: Row) -> bool:
 
 
 def halved(row: Row) -> bool:
-    gain = row["said"]["gain"]
+    shape = accepted_shape(row)
+    gain = row["said"]["gain"] if shape is None else shape["gain"]
     return gain is not None and bool(gain["mae_after"] <= 0.5 * gain["mae_before"])
 
 
@@ -145,15 +149,50 @@ def second_said(row: Row) -> bool:
     return named(row) and any(code in _LEFT_OVER for code in row.get("reasons", ()))
 
 
+def accepted_shape(row: Row) -> dict[str, Any] | None:
+    """The law of another shape that is said in place of a cause."""
+    shape = row["said"].get("open_set")
+    return shape if shape is not None and shape["accepted"] and not causes_said(row) else None
+
+
 def hook_right(row: Row) -> bool:
     """All that is said acts where the truth acts.
 
     Where no cause is claimed, what is said is the law of another shape that was accepted.
     """
-    said, shapes = causes_said(row), row["said"].get("open_set")
-    if not said and shapes is not None and shapes["accepted"]:
-        said = {shapes["hooks"][0]["effect"]}
+    shape = accepted_shape(row)
+    said = causes_said(row) if shape is None else {shape["effect"]}
     return {HOOK_OF.get(name) for name in said} == {row["answer"]["hook"]}
+
+
+def right_shape(row: Row) -> bool:
+    """A law of another shape is said, at the right place."""
+    return accepted_shape(row) is not None and hook_right(row)
+
+
+def form_right(row: Row) -> bool:
+    """Its formula is the truth's form, or bends as it does."""
+    shape = accepted_shape(row)
+    fixed = LAWS[row["answer"]["hook"]].fixed
+    return shape is not None and shape["formula"] in FORMULAS[str(fixed["form"])]
+
+
+_CONSTANT = {
+    "friction": "contact.kinetic_friction", "sliding": "contact.kinetic_friction",
+    "adhesion": "contact.adhesion", "drag": "drag.linear", "fluid": "drag.linear",
+}  # fmt: skip
+
+
+def band_holds(row: Row) -> bool:
+    """Its band holds the truth at four fifths of its points."""
+    shape = accepted_shape(row)
+    if shape is None:
+        return False
+    law = row["answer"]["effects"]["law"]
+    constant = row["answer"]["constants"].get(_CONSTANT.get(law["target"], ""), 1.0)
+    true = constant * (1.0 + law_change(law, np.array(shape["curve"]["argument"])))
+    low, high = (np.array(shape["curve"][end]) for end in ("low", "high"))
+    return float(np.mean((low <= true) & (true <= high))) >= 0.8
 
 
 def false_term(row: Row) -> bool:

@@ -14,6 +14,7 @@ from blind.questions import (
     Row,
     alarm,
     any_row,
+    band_holds,
     claimed,
     comparable,
     consistent,
@@ -23,6 +24,7 @@ from blind.questions import (
     first_in_rank,
     followed,
     followed_right,
+    form_right,
     found,
     gained,
     halved,
@@ -33,6 +35,7 @@ from blind.questions import (
     pair_claimed,
     parameters_within,
     physical_claimed,
+    right_shape,
     rightly_named,
     second_said,
     strong_enough,
@@ -119,6 +122,8 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
     "law": (
         ("hook right", hook_right, any_row, 0.70, False),
         ("false terms", false_term, any_row, 0.05, True),
+        ("its formula has the right form", form_right, right_shape, 0.50, False),
+        ("the band holds the truth on 80 % of its range", band_holds, right_shape, _OPEN, False),
         ("held-out error at least halved", halved, any_row, 0.80, False),
         ("unexplained", unexplained, any_row, _OPEN, False),
     ),
@@ -144,8 +149,18 @@ def slim(row: Row) -> Row:
 
 def _slim(said: dict[str, Any]) -> dict[str, Any]:
     keys = ("verdict", "cause", "p_value", "parameters", "gain")
+    shape = said.get("open_set")
+    if shape is not None:
+        curve = {name: shape["curve"][name][::5] for name in ("argument", "low", "high")}
+        formula = shape["formula"]
+        shape = {
+            "accepted": shape["accepted"], "gain": shape["gain"], "curve": curve,
+            "effect": shape["hooks"][0]["effect"],
+            "formula": None if formula is None else formula["text"],
+        }  # fmt: skip
     likely = sorted(said["probabilities"].items(), key=lambda item: -item[1])[:5]
-    return {**{key: said[key] for key in keys}, "probabilities": dict(likely)}
+    kept = {key: said[key] for key in keys}
+    return {**kept, "probabilities": dict(likely), "open_set": shape}
 
 
 def counted(rows: Sequence[Row]) -> list[Row]:

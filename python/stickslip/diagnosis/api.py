@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.processor_count import worker_count
+from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws, looks_for_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import search_terms
 from stickslip.diagnosis.inference.model_comparison import Progress
@@ -52,7 +53,7 @@ def diagnose(
         Simulations at a time; as many as there are processors, if not given.
     free_shapes : bool
         Whether curves of a free shape are fitted at the laws of the model too, see
-        `Diagnosis.open_set`. Where the verdict is unexplained they are in any case.
+        `Diagnosis.open_set`. Where no single cause explains the data they are in any case.
     progress : callable, optional
         ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
 
@@ -112,9 +113,9 @@ def diagnose_model(
     options : Options, optional
         What is known of the trials beside their values, and how to look.
     free_terms : sequence of FreeTerm
-        Places where a law may have another shape than the model says. Where the verdict is
-        unexplained a curve is fitted at each: see `Diagnosis.open_set`. In the search for causes
-        the curves are zero.
+        Places where a law may have another shape than the model says. Where no single cause
+        explains the data a curve is fitted at each: see `Diagnosis.open_set`. In the search for
+        causes the curves are zero.
     **changes
         Any attribute of `Options`, such as ``condition=index`` or ``sd=errors``, in its place.
 
@@ -153,7 +154,7 @@ def diagnose_model(
     names = found.problem.names
     # What the rows of such a model stand for is not known here.
     posed = PosedProblem(Combined(flat, names, names, ()), [], None, np.zeros(0), ())
-    if free_terms and found.verdict.kind == "unexplained":
+    if free_terms and looks_for_laws(found):
         found, posed = _with_terms(found, posed, predict, chosen, free_terms)
     return Diagnosis(found, posed, None)
 
@@ -177,4 +178,4 @@ def _with_terms(
     names += [knot for each in terms for knot in each.knots]
     say(1.0, "done")
     extended = replace(posed, bent=Combined(bent, names, names, ()))
-    return replace(found, open_set=shapes), extended
+    return judged_beside_laws(replace(found, open_set=shapes)), extended

@@ -20,6 +20,7 @@ from stickslip.diagnosis.data.plausibility import (
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
 from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
+from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws, looks_for_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import search_terms
 from stickslip.diagnosis.inference.model_comparison import Progress
@@ -37,6 +38,7 @@ from stickslip.diagnosis.model.simulator import (
 from stickslip.diagnosis.observables import Combined, find_observables
 from stickslip.diagnosis.observables.combined import pooled_observables
 from stickslip.diagnosis.observables.observable import Observable
+from stickslip.diagnosis.observables.reading_errors import of_velocities
 from stickslip.diagnosis.options import Options
 from stickslip.diagnosis.pipeline import run_steps
 from stickslip.diagnosis.posed_problem import PosedProblem
@@ -78,7 +80,7 @@ def diagnose_measurement(
     """Run the steps of a diagnosis on the problem that a measurement poses, in SI units.
 
     Its conditions are drive settings by dotted key, each with the tolerance of its simulation. Laws
-    of a free shape are looked at where nothing explains the data, or with `free_shapes`.
+    of a free shape are looked at where no single cause explains the data, or with `free_shapes`.
 
     Raises
     ------
@@ -87,6 +89,7 @@ def diagnose_measurement(
     """
     scenario, keys = measurement.scenario, known_keys()
     refuse_uncertain_geometry(scenario.coil, measurement.uncertain)
+    _refuse_turns(measurement)
     observables = find_observables(measurement, threads)
     shared = [Uncertain(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()]
     nuisance = [each for observable in observables for each in observable.nuisance]
@@ -94,7 +97,6 @@ def diagnose_measurement(
     amplitudes = [parameter.name for cause in causes for parameter in cause.parameters]
     # Columns that are scenario keys, and all columns.
     columns = [*(each.name for each in shared), *amplitudes]
-    names = [*(each.name for each in (*shared, *nuisance)), *amplitudes]
     simulator = Simulator(scenario, columns, threads)
     walks, lost = _walks(measurement, simulator, shared, causes)
     observed, options = _data(measurement, walks, observables)
@@ -111,7 +113,12 @@ def diagnose_measurement(
         conditions = [{**each, "solver.rtol": float(r)} for each, r in pairs]
         believed = [float(scenario.get(name)) for name in columns]
         given = simulator(conditions, np.array([believed]))[0]
-    model = Combined(simulator, names, columns, observables)
+    of_walks = of_velocities(walks.trials.mean) if walks.conditions else ()
+    suspects = _suspects([*(table.suspects for table in observables), of_walks])
+    readings = [parameter.name for each in suspects.values() for parameter in each.parameters]
+    names = [*(each.name for each in (*shared, *nuisance)), *amplitudes, *readings]
+    causes = (*causes, *suspects.values())
+    model = Combined(simulator, names, columns, observables, of_walks)
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return model([_low_fidelity(scenario, each) for each in conditions], values)
@@ -120,11 +127,11 @@ def diagnose_measurement(
     found = run_steps(model, conditions, observed, [*shared, *nuisance], causes, options)
     bent = model
     wanted = free_shapes and found.verdict.kind not in ("none", "data-problem")
-    if wanted or found.verdict.kind == "unexplained":
+    if wanted or looks_for_laws(found):
         say = progress or (lambda fraction, stage: None)
         say(0.9, "laws of a free shape")
         shapes, bent = _open_set(found, options, model, simulator, conditions)
-        found = replace(found, open_set=shapes)
+        found = judged_beside_laws(replace(found, open_set=shapes))
         say(1.0, "done")
     # The steps know nothing of drives and tables.
     of_conditions = [start_up_included(walks.conditions), standing_still(*walks.seen)]
@@ -133,6 +140,16 @@ def diagnose_measurement(
     left_out = (*(fact for each in observables for fact in each.left_out), *lost)
     posed = PosedProblem(model, walks.conditions, simulator, given, left_out, bent)
     return replace(found, notes=notes), posed
+
+
+def _suspects(of_tables: Sequence[Sequence[Cause]]) -> dict[str, Cause]:
+    """What may be wrong with the readings, by name.
+
+    Of tables of one kind that of the widest readings: a limit may lie anywhere below them.
+    """
+    every = [each for suspects in of_tables for each in suspects]
+    every.sort(key=lambda each: each.parameters[0].high)
+    return {each.name: each for each in every}
 
 
 def _open_set(
@@ -166,7 +183,7 @@ def _open_set(
     # Observables have scenarios of their own, so that the spans are columns as the knots are.
     reach = {key: value for each in terms for key, value in each.fixed.items()}
     free = Simulator(simulator.scenario, [*own, *knots, *reach], simulator.threads)
-    bent = Combined(free, [*names, *knots], [*own, *knots], model.observables, reach)
+    bent = Combined(free, [*names, *knots], [*own, *knots], model.observables, fixed=reach)
 
     def low_fidelity(conditions: Conditions, values: Array) -> Array:
         return bent([_low_fidelity(free.scenario, each) for each in conditions], values)
@@ -241,16 +258,31 @@ def _low_fidelity(scenario: Scenario, condition: Mapping[str, Value]) -> dict[st
     }
 
 
-def _top_voltage(measurement: Measurement) -> float:
-    """Largest voltage that any drive asks for, V; that of the scenario if there is no drive."""
+def _driven(measurement: Measurement) -> list[Scenario]:
+    """The scenario of each drive that was measured; the stated one if there is none."""
     stated = measurement.scenario
     drives = [
         stated.replace({"drive.program": None, **each})
         for data in measurement.velocity
         for each in data.conditions
     ]
-    drives += [run.scenario for run in measurement.tracking]
-    return max(volts for each in drives or [stated] for volts in peak_voltages(each).values())
+    return [*drives, *(run.scenario for run in measurement.tracking)] or [stated]
+
+
+def _refuse_turns(measurement: Measurement) -> None:
+    """Refuse drives that turn the robot: velocities and films are compared along x."""
+    for each in _driven(measurement):
+        if each.turns and each.coil.map is None:
+            raise ScenarioError(
+                f"{measurement.path}: with drive.heading = {each.drive.heading:g} or what else "
+                "pushes it across the robot leaves its plane; allowed in a diagnosis are robots "
+                "that walk along x"
+            )
+
+
+def _top_voltage(measurement: Measurement) -> float:
+    """Largest voltage that any drive asks for, V."""
+    return max(volts for each in _driven(measurement) for volts in peak_voltages(each).values())
 
 
 def _smooth_settings(conditions: Conditions) -> Settings | None:

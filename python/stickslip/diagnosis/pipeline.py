@@ -308,7 +308,8 @@ def measure_improvement(state: State) -> None:
         base.problem, base.covariance, held_out, base.null, fit, others, options.seed
     )
     if state.gain is not None:
-        state.verdict = checked_on_training_subset(state.verdict, state.ranking, state.gain.choice)
+        fits, choice = state.ranking, state.gain.choice
+        state.verdict = checked_on_training_subset(base.problem, state.verdict, fits, choice)
 
 
 def note_roughness(state: State) -> None:

@@ -98,8 +98,8 @@ class Diagnosis(ShownBySummary):
     def open_set(self) -> OpenSet | None:
         """Curves of a free shape at the laws of the model: which law, its curve, a formula.
 
-        For the verdict unexplained, or if they were asked for; of a model of one's own where it has
-        `free_terms`. If one is accepted and no cause is claimed, the extended model has it.
+        Where no single cause explains the data, or if asked for; of a model of one's own where it
+        has `free_terms`. If one is accepted and no cause is claimed, the extended model has it.
         """
         return self.findings.open_set
 

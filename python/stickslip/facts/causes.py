@@ -88,6 +88,11 @@ CAUSES: Mapping[str, CauseWords] = {
 }
 """By the name of the effect."""
 
+READINGS: Mapping[str, CauseWords] = {
+    name: _cause(entry) for name, entry in _TABLES["readings"].items()
+}
+"""Of what may be wrong with the readings of a measurement, by its name."""
+
 CONSTANTS: Mapping[str, ConstantWords] = {
     name: ConstantWords(**entry) for name, entry in _TABLES["constants"].items()
 }

@@ -103,6 +103,7 @@ class Code(str, Enum):
     SMOOTH_REST = "smooth-rest"  #: The candidate leaves too much that is smooth.
     NO_EXPLANATION = "no-explanation"  #: No cause and no pair brings the misfit down to the noise.
     LESS_LIKELY = "less-likely"  #: What explains the data is less likely than what does not.
+    LAW_BESIDE_CAUSES = "law-beside-causes"  #: One law of another shape explains as much.
     #: No single cause is adequate, and a pair leads by too little.
     PAIR_LEADS_TOO_LITTLE = "pair-leads-too-little"
     ERRORS_CONTRADICTED = "errors-contradicted"  #: A residual is too large for the error model.
@@ -180,6 +181,7 @@ class Code(str, Enum):
     HEADLINE_PAIR = "headline-pair"  #: Two causes act together.
     HEADLINE_PERHAPS = "headline-perhaps"  #: One candidate, or one pair, that is not certain.
     HEADLINE_SET = "headline-set"  #: One of several, and the data cannot say which.
+    HEADLINE_NEAREST = "headline-nearest"  #: The same where something unknown is more likely.
     HEADLINE_NONE = "headline-none"  #: Nothing is found.
     HEADLINE_NONE_OPEN = "headline-none-open"  #: Nothing was found, and that is not sure.
     HEADLINE_UNEXPLAINED = "headline-unexplained"  #: Nothing that was tried explains the data.
@@ -192,6 +194,7 @@ class Code(str, Enum):
     WHAT_UNKNOWN = "what-unknown"  #: No cause that was tried.
     WHAT_DATA = "what-data"  #: The data and not the model.
     SIZE_OF_CAUSE = "size-of-cause"  #: A parameter with its error and its interval.
+    SIZE_NOT_CERTAIN = "size-not-certain"  #: The same of a fit that did not converge.
     #: The same where the error alone would contradict the interval.
     SIZE_IN_INTERVAL = "size-in-interval"
     SIZE_OF_LAW = "size-of-law"  #: How far a law of another shape is from that of the model.
@@ -202,6 +205,7 @@ class Code(str, Enum):
     SIZE_OF_MISFIT = "size-of-misfit"  #: How far the recalibrated model is from the data.
     SIZE_UNKNOWN = "size-unknown"  #: Nothing was fitted.
     SURE_OF_CAUSE = "sure-of-cause"  #: The probability of what is claimed.
+    SURE_OF_CLOSE = "sure-of-close"  #: The probabilities are too near each other.
     SURE_OF_ALIKE = "sure-of-alike"  #: The probabilities do not tell the causes of a set apart.
     SURE_OF_RUNNER_UP = "sure-of-runner-up"  #: How much less likely the next best is.
     SURE_OF_MISFIT = "sure-of-misfit"  #: How probable such a misfit is by noise.
@@ -210,6 +214,7 @@ class Code(str, Enum):
     SURE_OF_REST = "sure-of-rest"  #: The extended model's errors are more than noise explains.
     SURE_OF_REFUSAL = "sure-of-refusal"  #: A refusal says nothing of causes.
     DO_REMEDY = "do-remedy"  #: What to do about one cause.
+    DO_KEEP_ROBOT = "do-keep-robot"  #: The same where the readings alone are wrong.
     DO_KEEP = "do-keep"  #: Go on with the extended model.
     DO_VALUES = "do-values"  #: Where the values are of the extended model of one's own.
     DO_EXPERIMENT = "do-experiment"  #: What to measure next.

@@ -164,6 +164,8 @@ def _counted(f: Fields) -> str:
 def _remedy_or_keep(f: Fields) -> str:
     """What to do about what was found."""
     keep = f"keep {'it' if f['causes'] == 1 else 'both'} in the model"
+    if f["readings"]:
+        return str(f["remedy"])  # the robot is as the model says, without them
     return f"{f['remedy']}, or {keep}" if f["remedy"] else keep.capitalize()
 
 
@@ -267,6 +269,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "in_unit": lambda f: "" if f["unit"] == "-" else f" {f['unit']}",
     "remedy_or_keep": _remedy_or_keep,
     "chances": _chances,
+    "share_of_other": lambda f: _percent(f["other"]),
     "percents_before": lambda f: _percent(f["before"]),
     "percents": lambda f: _percent(f["probability"]),
     "chance": lambda f: f"{f['p_value']:.2g}" if f["p_value"] > 1e-12 else "less than 1e-12",

@@ -132,13 +132,16 @@ def quick_fits(
     candidates: Sequence[Candidate],
     begins: Sequence[Sequence[Start]],
     first: int = 0,
+    patient: bool = False,
 ) -> list[Fit]:
     """A few steps at every stage of a global search, from the `first` one on.
 
     Searches of one candidate that have met go on as one, so there may be fewer ends than starts.
+    With `patient`, none is given up for being far behind the best.
     """
     fits: list[Fit] = []
-    for stage, limit in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
+    for stage, far in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
+        limit = np.inf if patient else far
         fits = fit_candidates(
             problem.with_inflated_errors(*stage), candidates, begins, _QUICK, limit, exact=False
         )
@@ -283,14 +286,17 @@ def refine(
     quick: Sequence[Fit],
     others: Mapping[str, Sequence[Start]],
     random_restarts: int = 0,
-    survivors: int = _SURVIVORS,
+    within: float = _WITHIN,
 ) -> tuple[Fit, ...]:
-    """Refit the survivors with care and from further starts; the rest keep their quick fits."""
+    """Refit the survivors with care and from further starts; the rest keep their quick fits.
+
+    The survivors are the best few that are not farther than `within` behind in log-evidence.
+    """
     if not quick:
         return ()
     order = ranked(quick)
     chosen = [
-        fit for fit in order[:survivors] if fit.log_evidence > order[0].log_evidence - _WITHIN
+        fit for fit in order[:_SURVIVORS] if fit.log_evidence > order[0].log_evidence - within
     ]
     begins = [[Start.of(fit), *others.get(fit.name, ()), _nearby(problem, fit)] for fit in chosen]
     candidates = [fit.candidate for fit in chosen]

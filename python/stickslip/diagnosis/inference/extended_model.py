@@ -33,17 +33,16 @@ def extended_scenario(found: Findings, scenario: Scenario) -> Scenario:
     Uncertain in it is what was fitted, with the covariance by the curvature at the fit, if fits
     from several starts agree.
 
-    From data that allow no diagnosis nothing is learnt, so the scenario stays as it is. What only a
-    channel has, such as a camera's offset, is no part of a scenario.
+    From data that allow no diagnosis nothing is learnt, so the scenario stays as it is. What only
+    readings have, such as a camera's offset or a wrong zero of the velocities, is no part of it.
 
     Raises
     ------
     ScenarioError
         If the fitted values are none that a scenario can have together.
     """
-    nuisances = {each.name for each in found.problem.uncertain} - set(known_keys())
-    values = extended_values(found)
-    changes = {name: value for name, value in values.items() if name not in nuisances}
+    keys = known_keys()
+    changes = {name: value for name, value in extended_values(found).items() if name in keys}
     try:
         return scenario.replace(changes).with_uncertain(_posterior(found, list(changes)))
     except ScenarioError as error:

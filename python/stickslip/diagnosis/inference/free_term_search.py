@@ -43,9 +43,12 @@ from stickslip.facts import Fact
 
 # Points at which a curve is drawn, and half the width of its band in standard deviations.
 _POINTS, _HALF_BAND = 61, float(normal_law.ppf(0.5 + 0.5 * BAND))
-# Starts of each term beside the null, of those with one knot moved. Chosen: with fewer a curve that
-# changes its sign is missed, each costs the stages of a quick fit.
-_STARTS = 3
+# Starts of each term beside the null, of the shapes. Chosen: with fewer a curve that changes its
+# sign is missed, each costs the stages of a quick fit.
+_STARTS = 5
+# How far slopes and bows go at the ends, in coordinates of the knots. Chosen: what would not
+# surprise, and what would.
+_SIZES = (1.0, 2.0)
 
 
 def search_terms(
@@ -149,20 +152,20 @@ def explore_terms(
 
 
 def _fits(problem: Problem, null: Fit) -> tuple[Fit, ...]:
-    """The best fit of each term, from the null and from changes of one knot alone.
+    """The best fit of each term, from the null and from other shapes of the curve.
 
-    The constants of the null make up for the law as far as they can, so that a change also begins
+    The constants of the null make up for the law as far as they can, so that a shape also begins
     at the middle of their priors.
     """
     candidates, begins = [], []
     for cause in problem.causes:
         points = []
+        columns = problem.columns([cause])
         for constants in (null.x, np.zeros(problem.size)):
-            for column in problem.columns([cause]):
-                for sign in (1.0, -1.0):
-                    x = constants.copy()
-                    x[column] = sign
-                    points.append(Start(x))
+            for shape in _shapes(len(columns)):
+                x = constants.copy()
+                x[columns] = shape
+                points.append(Start(x))
         candidates.append(make_candidate(problem, [cause]))
         begins.append(points)
     ordered = starts_by_misfit(problem, candidates, begins)
@@ -171,13 +174,27 @@ def _fits(problem: Problem, null: Fit) -> tuple[Fit, ...]:
         for candidate, points in zip(candidates, ordered, strict=True)
         for start in (Start(null.x), *points[:_STARTS])
     ]
-    quick = quick_fits(problem, [each for each, _ in plan], [[start] for _, start in plan], 1)
+    # Five knots are slow to find, and a term that is far behind after a few steps may lead.
+    planned, begin = [each for each, _ in plan], [[start] for _, start in plan]
+    quick = quick_fits(problem, planned, begin, first=1, patient=True)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
     for fit in sorted(quick, key=lambda fit: fit.chi2):
         if best.setdefault(fit.name, fit) is not fit:
             others.setdefault(fit.name, []).append(Start.of(fit))
-    return refine(problem, list(best.values()), others, survivors=len(best))
+    return refine(problem, list(best.values()), others, 1, within=np.inf)
+
+
+def _shapes(knots: int) -> Array:
+    """Coordinates of the knots to begin with, shape (shapes, knots): one moved, slopes and bows.
+
+    Slopes and bows leave the mean as it is, which the constant of the law has found already.
+    """
+    along = np.linspace(-1.0, 1.0, knots)
+    bow = along**2 - np.mean(along**2)
+    several = [size * each for each in (along, bow / np.max(np.abs(bow))) for size in _SIZES]
+    one_way = np.vstack([np.eye(knots), *several])
+    return np.vstack([one_way, -one_way])
 
 
 def _curve(problem: Problem, term: Term, fit: Fit) -> tuple[Curve, Formula | None]:

@@ -206,11 +206,13 @@ def _decided(
     return Verdict("named", (best.name,), best, (second, *look), chance)
 
 
-def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) -> Verdict:
+def checked_on_training_subset(
+    problem: Problem, verdict: Verdict, ranking: Ranking, choice: str
+) -> Verdict:
     """The verdict beside the candidate that ranks first on the training subset of the conditions.
 
     A cause that changes on the training subset is not named. One cause fewer or more is no change:
-    it takes many conditions to tell.
+    it takes many conditions to tell. The other candidate joins the set if it explains all the data.
     """
     fit = verdict.fit
     if fit is None or choice == fit.name:
@@ -222,7 +224,8 @@ def checked_on_training_subset(verdict: Verdict, ranking: Ranking, choice: str) 
     if verdict.kind not in ("named", "pair") or own <= theirs or theirs <= own:
         return replace(verdict, reasons=(*verdict.reasons, said))
     # Single causes and pairs make no set together.
-    also = sorted(theirs - own) if len(own) == len(theirs) else []
+    joins = len(own) == len(theirs) and adequacy(problem, other) >= ADEQUATE
+    also = sorted(theirs - own) if joins else []
     return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
 
 

@@ -48,7 +48,8 @@ class Term(OneLine):
     places : ndarray, shape (knots,)
         Argument at each knot.
     design : callable
-        ``design(argument)`` is what each knot adds to f, shape (*argument.shape, knots).
+        ``design(argument)`` is what each knot adds to f, of the shape of `argument` and one
+        more axis, the knots.
     constant : str, optional
         Parameter of the model that the law is times 1 + f, if it is one.
     stated : float
@@ -244,8 +245,8 @@ class FreeTerm:
 class Curves(Mapping[str, Callable[[ArrayLike], Array]]):
     """The curves of some free terms, by their names, one for each vector of parameters.
 
-    ``curves["friction over speed"](u)`` is `FreeTerm.at` the argument `u` for the vectors of a call
-    of `predict`; where all knots are zero, it is zero.
+    ``curves["friction over speed"](u)`` is ``FreeTerm.at`` the argument `u` for the vectors of a
+    call of `predict`; where all knots are zero, it is zero.
 
     Parameters
     ----------

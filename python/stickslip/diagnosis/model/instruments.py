@@ -111,7 +111,7 @@ def scale(
     def read(reading: Array, _: Array, values: Array) -> Array:
         return _changed(reading, rows, _some(reading, rows) * (1.0 + values[:, :1]))
 
-    return Instrument(name, (parameter,), "readings are too large by a factor", read=read)
+    return Instrument(name, (parameter,), "readings have a wrong scale", read=read)
 
 
 def offset(

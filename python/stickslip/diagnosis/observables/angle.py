@@ -11,6 +11,7 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.plausibility import refuse_larger
 from stickslip.diagnosis.observables.observable import TableObservable
+from stickslip.diagnosis.observables.reading_errors import of_angles
 from stickslip.diagnosis.observables.reading_noise import (
     curvature,
     merge,
@@ -65,9 +66,10 @@ class AngleObservable(TableObservable):
         estimate = noise_of_curve(self.fields, theta[:, 0])
         noise = reading_noise(merged, "smoothness", *estimate, READING, "rad")
         self._set_readings(title, theta, merged.count[order], noise, [*beyond, *singles])
+        self.suspects = of_angles(self.observed)
         self.settings = {"Bx": self.fields[:, 0], "Bz": self.fields[:, 1]}
 
-    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+    def physics(self, names: Sequence[str], parameters: Array) -> Array:
         """Angles as they are read, rad, shape (vectors, m); NaN where values make no scenario."""
         return _core.static_tilts(self._base, list(names), parameters, self.fields)
 

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.model.problem import AuxiliaryData, Predict
+from stickslip.diagnosis.model.problem import AuxiliaryData, Cause, Predict, Uncertain
 from stickslip.diagnosis.observables.observable import Observable
+from stickslip.diagnosis.observables.reading_errors import read_by
 
 
 class Combined:
@@ -25,6 +26,8 @@ class Combined:
     shared : sequence of str
         Columns that are scenario keys.
     observables : sequence of Observable
+    suspects : sequence of Cause, optional
+        What may be wrong with the velocities.
     fixed : dict, optional
         Further scenario keys, with a value that all vectors of parameters have.
     """
@@ -35,9 +38,10 @@ class Combined:
         names: Sequence[str],
         shared: Sequence[str],
         observables: Sequence[Observable],
+        suspects: Sequence[Cause] = (),
         fixed: Mapping[str, float] | None = None,
     ) -> None:
-        self._simulator = simulator
+        self._simulator, self._suspects = simulator, tuple(suspects)
         self.observables = tuple(observables)
         self._fixed = np.array(list((fixed or {}).values()))
         self._names = (*names, *(fixed or {}))
@@ -48,7 +52,10 @@ class Combined:
 
         For a user's own model these are all rows, at whatever conditions it takes.
         """
-        return self._simulator(conditions, self._completed(parameters)[:, self._shared])
+        names, values = self._columns(self._suspects, (), self._completed(parameters))
+        return read_by(
+            self._suspects, names, values, lambda _, true: self._simulator(conditions, true)
+        )
 
     def __call__(self, conditions: Sequence[Any], parameters: Array) -> Array:
         """All rows, shape (vectors, m)."""
@@ -59,9 +66,17 @@ class Combined:
 
     def arguments(self, observable: Observable, parameters: Array) -> tuple[list[str], Array]:
         """Names and values, shape (..., names), of one observable, from values of all columns."""
-        own = {each.name for each in observable.nuisance}
-        columns = [k for k, name in enumerate(self._names) if k in self._shared or name in own]
-        return [self._names[k] for k in columns], self._completed(parameters)[..., columns]
+        own = (observable.suspects, observable.nuisance)
+        return self._columns(*own, self._completed(parameters))
+
+    def _columns(
+        self, suspects: Sequence[Cause], nuisance: Sequence[Uncertain], values: Array
+    ) -> tuple[list[str], Array]:
+        """Those of scenario keys, in the simulator's order, and what a table has of its own."""
+        own = {parameter.name for each in suspects for parameter in each.parameters}
+        own |= {each.name for each in nuisance}
+        columns = [*self._shared, *(k for k, name in enumerate(self._names) if name in own)]
+        return [self._names[k] for k in columns], values[..., columns]
 
     def _completed(self, parameters: Array) -> Array:
         """With the fixed values, shape (..., all names)."""

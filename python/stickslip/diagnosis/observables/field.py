@@ -12,6 +12,7 @@ from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch, refuse_larger
 from stickslip.diagnosis.observables.observable import TableObservable
+from stickslip.diagnosis.observables.reading_errors import of_fields
 from stickslip.diagnosis.observables.reading_noise import FEWEST, merge, reading_noise
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
@@ -79,9 +80,10 @@ class FieldObservable(TableObservable):
         sd = math.sqrt(float(np.sum(left**2)) / dof) if dof else math.nan
         noise = reading_noise(merged, "free-fit", sd, dof, _smallest_error(self.fields), "T")
         self._set_readings(title, self.fields, merged.count, noise, left_out)
+        self.suspects = of_fields(self.fields)
         self.settings = {"currents": self.currents, "place": self.points}
 
-    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+    def physics(self, names: Sequence[str], parameters: Array) -> Array:
         """Bx, By, Bz of each row one after another, T, shape (vectors, 3 m).
 
         NaN for a geometry that puts a wire on a probe.
@@ -107,13 +109,16 @@ def _refuse_outside(box: tuple[Array, Array] | None, places: Array, title: str) 
 
 
 def _free_fit(shares: Array, fields: Array) -> tuple[Array, int]:
-    """Residual of a free gain of each driven coil and a free uniform field, shape (n, 3), T.
+    """Residual of free gains of the driven coils, a uniform field and a turn, shape (n, 3), T.
 
-    And its degrees of freedom. `shares`, shape (n, 5, 3), are the fields of each coil, T.
+    And its degrees of freedom. `shares`, shape (n, 5, 3), are the fields of each coil, T. A probe
+    that is turned a little reads the field and a share of it across: that is no noise.
     """
     driven = np.any(shares != 0.0, axis=(0, 2))
     gains = np.moveaxis(shares[:, driven], 1, 2).reshape(-1, int(driven.sum()))
-    design = np.hstack([gains, np.tile(np.eye(3), (len(fields), 1))])
+    made = shares.sum(axis=1)
+    turns = np.stack([np.cross(axis, made) for axis in np.eye(3)], axis=-1).reshape(-1, 3)
+    design = np.hstack([gains, np.tile(np.eye(3), (len(fields), 1)), turns])
     solution, _, rank, _ = np.linalg.lstsq(design, fields.reshape(-1), rcond=None)
     return fields - (design @ solution).reshape(-1, 3), fields.size - int(rank)
 

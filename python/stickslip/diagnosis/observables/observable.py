@@ -12,7 +12,8 @@ import numpy as np
 from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
 from stickslip._util.root_mean_square import root_mean_square
-from stickslip.diagnosis.model.problem import Uncertain
+from stickslip.diagnosis.model.problem import Cause, Uncertain
+from stickslip.diagnosis.observables.reading_errors import read_by
 from stickslip.facts import Fact
 
 if TYPE_CHECKING:
@@ -74,6 +75,8 @@ class Observable(ABC):
     nuisance : tuple of Uncertain
         Parameters that only this table has, such as a camera's angle offset. Each begins with
         `name` and a dot.
+    suspects : tuple of Cause
+        What may be wrong with its readings; tables of one kind share parameters.
     notes : tuple of Fact
         What a reader has to know of the noise.
     left_out : tuple of Fact
@@ -85,6 +88,7 @@ class Observable(ABC):
     covariance: Array
     group: Indices
     nuisance: tuple[Uncertain, ...] = ()
+    suspects: tuple[Cause, ...] = ()
     notes: tuple[Fact, ...]
     left_out: tuple[Fact, ...]
 
@@ -92,7 +96,7 @@ class Observable(ABC):
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Observables, shape (vectors, k), for values of shape (vectors, names); NaN where none.
 
-        `names` are dotted scenario keys and `nuisance`.
+        `names` are dotted scenario keys, `nuisance` and parameters of `suspects`.
         """
 
     @abstractmethod
@@ -109,6 +113,14 @@ class TableObservable(Observable):
     """A table of readings with independent errors, and their `settings`."""
 
     settings: Mapping[str, Array]
+
+    def predict(self, names: Sequence[str], parameters: Array) -> Array:
+        """What is read, with all that may be wrong with it; see `Observable`."""
+        return read_by(self.suspects, names, parameters, self.physics)
+
+    @abstractmethod
+    def physics(self, names: Sequence[str], parameters: Array) -> Array:
+        """What a perfect instrument reads; otherwise as `predict`."""
 
     def _set_readings(
         self,

@@ -12,6 +12,7 @@ from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.next_step import next_step
+from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.diagnosis.report.cause_words import (
     Size,
@@ -133,8 +134,9 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
         return (Fact(Code.SIZE_UNKNOWN, {}),)
     if claimed:
         return tuple(
-            _size_of(each, size)
-            for causes in claimed[:LISTED] for each in causes for size in each.sizes
+            _size_of(each, size, fit.converged)
+            for fit, causes in zip(set_members(found), claimed[:LISTED], strict=False)
+            for each in causes for size in each.sizes
         )  # fmt: skip
     limits = limits_in_words(found) if found.verdict.kind == "none" else ()
     if limits:
@@ -152,9 +154,14 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
     return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise}))
 
 
-def _size_of(cause: Told, size: Size) -> Fact:
-    """A parameter of a cause; its error only where that does not contradict its interval."""
+def _size_of(cause: Told, size: Size, converged: bool) -> Fact:
+    """A parameter of a cause; its error only where that does not contradict its interval.
+
+    The curvature at the end of a fit that did not converge says nothing of other ends.
+    """
     label = _label(cause, size)
+    if not converged:
+        return Fact(Code.SIZE_NOT_CERTAIN, {"name": label, "size": _with_way(size.best, size.way)})
     if size.error_fits:
         fields = {"name": label, "size": _with_way(size.amount, size.way)}
         return Fact(Code.SIZE_OF_CAUSE, {**fields, "interval": size.interval})
@@ -201,6 +208,8 @@ def _do(
         remedies = [each.remedy for each in claimed[0] if each.remedy]
         said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]
         keep = Fact(Code.DO_KEEP, {**model, "first": not said})
+        if posed.simulator is not None and all(each.reading for each in claimed[0]):
+            keep = Fact(Code.DO_KEEP_ROBOT, model)
         return (*said, keep, *values, *([] if next_step(found).code is Code.NAME_SAFE else steps))
     looks = [in_plain_words(found, each) for each in advice(found)]
     measure = [*steps, *looks] or [Fact(Code.DO_MEASURE_MORE, {})]

@@ -11,7 +11,7 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.model.problem import Cause
 from stickslip.diagnosis.report.parameters import describe, short, with_profiles
 from stickslip.facts import Fact
-from stickslip.facts.causes import CAUSES, CONSTANTS, CauseWords, SizeWords
+from stickslip.facts.causes import CAUSES, CONSTANTS, READINGS, CauseWords, SizeWords
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.named_effects import PREFIX
 
@@ -84,6 +84,8 @@ class Told:
         What the cause is, of an effect; else empty.
     listed : bool
         Whether causes.toml has words of it.
+    reading : bool
+        Whether it is wrong with the readings alone, so that the extended scenario is without it.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Told:
     sizes: tuple[Size, ...]
     meaning: str = ""
     listed: bool = True
+    reading: bool = False
 
     @property
     def way(self) -> str:
@@ -130,14 +133,27 @@ def plain_name(name: str, meanings: Mapping[str, str]) -> str:
     """
     if name == "none":
         return "no cause at all"
-    if name in CAUSES:
-        return CAUSES[name].name
+    if name in CAUSES or name in READINGS:
+        return {**CAUSES, **READINGS}[name].name
     if name in CONSTANTS:
         return f"another {CONSTANTS[name].name} than stated"
     if " + " in name:
         return " together with ".join(plain_name(each, meanings) for each in name.split(" + "))
     meaning = meanings.get(name, "")
     return f"{name} ({meaning})" if meaning else name
+
+
+def words_of(cause: Cause) -> CauseWords | None:
+    """Words of an effect of the simulator, or of what may be wrong with readings; else None.
+
+    A model of one's own may have a cause of the same name with other parameters.
+    """
+    for known, prefix in ((CAUSES, PREFIX), (READINGS, "")):
+        words = known.get(cause.name)
+        if words is not None:
+            own = {f"{prefix}{cause.name}.{end}" for end in words.sizes}
+            return words if {each.name for each in cause.parameters} <= own else None
+    return None
 
 
 def meanings_of(found: Findings) -> dict[str, str]:
@@ -195,10 +211,9 @@ def _constant(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> To
 
 def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told:
     """An effect of the simulator, of a user, or of a model of one's own."""
-    words = CAUSES.get(cause.name)
+    words = words_of(cause)
     names = [each.name for each in cause.parameters if each.name in entries]
-    # A model of one's own may have a cause of the same name with other parameters.
-    if words is None or any(not name.startswith(PREFIX) for name in names):
+    if words is None:
         sizes = tuple(
             size_in_words(found, name, entries[name], _as_it_is(str(entries[name]["unit"])))
             for name in names
@@ -209,7 +224,10 @@ def _effect(found: Findings, cause: Cause, entries: Mapping[str, Entry]) -> Told
         size_in_words(found, name, entries[name], words.sizes[end]) for end, name in ends.items()
     )
     finding = _sentence(words, ends, entries, sizes)
-    return Told(cause.name, words.name, finding, words.remedy, words.drawing, sizes, cause.meaning)
+    said = cause.name, words.name, finding, words.remedy, words.drawing, sizes
+    # The name of what is wrong with readings says all.
+    reading = cause.name in READINGS
+    return Told(*said, "" if reading else cause.meaning, reading=reading)
 
 
 def _sentence(

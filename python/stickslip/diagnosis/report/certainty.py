@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import ALPHA
@@ -9,8 +11,12 @@ from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.open_set import BAND
 from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.ranking import runner_up
+from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.report.cause_words import in_plain_words, meanings_of, plain_name
 from stickslip.facts import Code, Fact
+
+_REASONS = 2
+"""Reasons of a set that are told beside its probabilities. Chosen: the others are folded."""
 
 
 def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
@@ -41,7 +47,7 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
         fields |= {"names": [verdict.fit.name], "probabilities": [min(both, 1.0)]}
     said = [Fact(Code.SURE_OF_CAUSE, fields)]
     if verdict.kind == "ambiguous":
-        said.append(_why_open(in_plain_words(found, verdict.reasons[0])))
+        said += [_why_open(in_plain_words(found, each)) for each in verdict.reasons[:_REASONS]]
     facts = [runner_up(found), *verdict.reasons]
     second = next((each for each in facts if each and each.code is Code.RUNNER_UP), None)
     if second is not None:
@@ -57,7 +63,7 @@ def _why_open(reason: Fact) -> Fact:
     if reason.code is Code.ALIKE:
         return Fact(Code.SURE_OF_ALIKE, {})
     if reason.code is Code.NOT_SEPARATED:
-        return Fact(reason.code, {**reason.fields, "causes": ["them"]})
+        return Fact(Code.SURE_OF_CLOSE, {"odds_needed": math.exp(MARGIN)})
     return reason
 
 

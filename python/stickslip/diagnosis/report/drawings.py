@@ -125,6 +125,26 @@ def _camera(degrees: float) -> str:
 
 
 _CAMERA, _CAMERA_BACK = _camera(-9), _camera(9)
+_AXES = '<path class="ground" d="M24 12 V94 H146"/>'
+_READ_OFF = (
+    _AXES
+    + '<path class="thin" d="M24 94 L112 24"/><path class="cause" d="M24 76 L112 6"/>'
+    + _note(112, 106, "true")
+    + _note(2, 10, "read")
+)
+_READ_LIMIT = (
+    _AXES
+    + '<path class="thin" d="M24 94 L128 14"/><path class="cause" d="M24 94 L84 48 H138"/>'
+    + _note(112, 106, "true")
+    + _note(2, 10, "read")
+)
+_PROBE = (
+    '<path class="ground" d="M60 90 V24 M60 90 H136"/>'
+    '<g transform="rotate(-14 60 90)"><path class="cause" d="M60 90 V24 M60 90 H136"/>'
+    '<rect class="body" x="48" y="78" width="24" height="24"/></g>'
+    + _note(140, 94, "x")
+    + _note(56, 18, "z")
+)
 _WEIGHT = _GROUND + _PLAIN + _arrow(72, 40, 0, 44) + _note(60, 34, "m g")
 _FIELD = (
     _GROUND
@@ -148,6 +168,9 @@ _DRAWINGS = {
     "scale": (_SCALE, "A scale beside the robot in the camera's picture"),
     "clock": (_CLOCK, "The camera and its clock"),
     "camera": (_CAMERA, "The camera's picture, turned against the surface"),
+    "reading": (_READ_OFF, "What is read over what is true"),
+    "limit": (_READ_LIMIT, "What is read over what is true, up to a limit"),
+    "probe": (_PROBE, "A probe whose axes are turned against those of the coils"),
     "weight": (_WEIGHT, "The robot's weight"),
 }
 

@@ -144,7 +144,7 @@ def _direction_section(one: FilmComparison, other: FilmComparison) -> ReportSect
         if each.view is not None and each.view.slipping is not None
     ]
     if len(means) == 2:
-        signs = [-1.0 if each.scenario.drive.direction == "-x" else 1.0 for each in (one, other)]
+        signs = [each.scenario.drive.facing for each in (one, other)]
         forces = {
             "world": 0.5 * sum(sign * each.value for sign, each in zip(signs, means, strict=True)),
             "robot": 0.5 * sum(each.value for each in means),

@@ -27,6 +27,9 @@ _SURE_P, _SURE_NONE = 0.1, 0.6
 """p-value and probability of no cause from which on nothing is said to be wrong. Chosen: twice the
 level at which something is found, and somewhat more than before any data."""
 
+_LIKELIER = 0.5
+"""Probability of a set below which it is likelier that nothing of it acts."""
+
 
 def claimed_by(found: Findings) -> tuple[tuple[Told, ...], ...]:
     """The causes of each candidate that is claimed, or that is in the set."""
@@ -61,7 +64,8 @@ def headline(found: Findings, posed: PosedProblem, unit: str) -> Fact:
         return _set(found, claimed)
     remedies = [each.remedy for each in claimed[0] if each.remedy]
     remedy = " and ".join([*remedies[:1], *(_lower(each) for each in remedies[1:])])
-    fields = {"finding": finding, "remedy": remedy, "causes": len(claimed[0]), **gained}
+    causes = {"causes": len(claimed[0]), "readings": all(each.reading for each in claimed[0])}
+    fields = {"finding": finding, "remedy": remedy, **causes, **gained}
     if kind == "pair":
         return Fact(Code.HEADLINE_PAIR, fields)
     return Fact(Code.HEADLINE_NAMED, fields)
@@ -89,8 +93,10 @@ def _set(found: Findings, claimed: Sequence[Sequence[Told]]) -> Fact:
     listed = [*names[:LISTED], *more]
     # Of a pair, half the probability is counted for each.
     probability = min(sum(found.verdict.probabilities[each] for each in found.verdict.causes), 1.0)
-    fields = {"count": len(names), "things": things, "names": listed, "probability": probability}
-    return Fact(Code.HEADLINE_SET, fields)
+    fields = {"count": len(names), "things": things, "names": listed}
+    if probability < _LIKELIER:
+        return Fact(Code.HEADLINE_NEAREST, {**fields, "other": 1.0 - probability})
+    return Fact(Code.HEADLINE_SET, {**fields, "probability": probability})
 
 
 def _lower(text: str) -> str:

@@ -8,10 +8,10 @@ from stickslip.diagnosis.inference.evidence import unseen_causes
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.upper_bounds import BOUND
 from stickslip.diagnosis.model.problem import Cause, CauseParameter
-from stickslip.diagnosis.report.cause_words import meanings_of, plain_name
+from stickslip.diagnosis.report.cause_words import meanings_of, plain_name, words_of
 from stickslip.diagnosis.report.parameters import short
 from stickslip.facts import Code, Fact
-from stickslip.facts.causes import CAUSES, SizeWords
+from stickslip.facts.causes import SizeWords
 
 _LISTED = 4
 """Limits that the first screen names. Chosen: the sharpest ones; a table has all."""
@@ -65,7 +65,7 @@ def _range(parameter: CauseParameter) -> float:
 
 
 def _limit(found: Findings, cause: Cause, parameter: CauseParameter) -> _Limit:
-    known = CAUSES.get(cause.name) if parameter.name.startswith("effects.") else None
+    known = words_of(cause)
     unit = "" if parameter.unit == "-" else parameter.unit
     words = SizeWords(unit) if known is None else known.sizes[parameter.name.split(".")[-1]]
     bound = found.bounds[parameter.name]

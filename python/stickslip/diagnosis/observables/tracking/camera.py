@@ -44,7 +44,9 @@ class Camera:
 
     A frame shows the mean over the `exposure`, s, with its time in the middle, and is taken by
     `trigger`, s, later than its time says. theta is read as ``angle_scale * theta + angle_offset``,
-    1 and rad; `current_scale` is that of the readings of both currents.
+    1 and rad, up to `angle_limit` on either side, if there is one; `current_scale` is that of the
+    readings of both currents. The tracked point lies `marker_along` the body towards its front, and
+    `marker_across` it upwards, m, from the centre of mass; the front is ahead at a `facing` of 1.
     """
 
     exposure: float = 0.0
@@ -52,6 +54,10 @@ class Camera:
     angle_offset: float = 0.0
     angle_scale: float = 1.0
     current_scale: float = 1.0
+    angle_limit: float = 0.0
+    marker_along: float = 0.0
+    marker_across: float = 0.0
+    facing: float = 1.0
 
     def frames(
         self, motion: Recording, times: Array, names: Sequence[str] = ("x", "theta")
@@ -71,9 +77,22 @@ class Camera:
             else sharp.linear(motion[name]) * self.current_scale
             for name in names
         }
+        if self.marker_along != 0.0 or self.marker_across != 0.0:
+            theta = exposed.cubic(motion["theta"], motion["omega"])
+            for name, shift in zip(("x", "z"), self.marker(theta), strict=True):
+                if name in result:
+                    result[name] = result[name] + shift @ weights
         if "theta" in result:
             result["theta"] = self.angle_scale * result["theta"] + self.angle_offset
+            if self.angle_limit > 0.0:
+                result["theta"] = np.clip(result["theta"], -self.angle_limit, self.angle_limit)
         return result
+
+    def marker(self, theta: Array) -> tuple[Array, Array]:
+        """Where the tracked point lies from the centre of mass at a tilt, in x and in z, m."""
+        along, across = self.marker_along, self.marker_across
+        ahead = along * np.cos(theta) + across * np.sin(theta)
+        return self.facing * ahead, across * np.cos(theta) - along * np.sin(theta)
 
 
 def recording_rate(scenario: Scenario) -> float:

@@ -14,9 +14,13 @@ from scipy.stats import chi2 as chi2_law
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.plausibility import magnitude_mismatch
-from stickslip.diagnosis.model.problem import Uncertain
 from stickslip.diagnosis.observables.observable import Observable
 from stickslip.diagnosis.observables.tracking.camera import Camera, record, recording_rate
+from stickslip.diagnosis.observables.tracking.camera_errors import (
+    camera_at,
+    camera_nuisance,
+    camera_suspects,
+)
 from stickslip.diagnosis.observables.tracking.folding import (
     Fold,
     FrameErrors,
@@ -32,7 +36,6 @@ from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, 
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.tracking import FEWEST, TrackingRun
-from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
 _KINDS: dict[str, tuple[Kind, str]] = {
@@ -49,14 +52,6 @@ _CURRENTS = ("current_x", "current_clamp")
 _UNLIKELY = 1e-3
 """p-value below which the stated noise is not believed. Chosen: of ten films that state it rightly
 one in 100 is rejected by chance."""
-
-_ANGLE_OFFSET = math.radians(1.0)
-_ANGLE_SCALE = _CURRENT_SCALE = 0.01
-"""One standard deviation of a camera's angles, rad and 1, and of a current's scale. Chosen: what a
-camera that was set up by eye and an ammeter of class 1 have."""
-
-_TRIGGER = 3e-4
-"""The same of the time at which frames begin, s. Chosen: a third of a frame of 1 kHz."""
 
 _LEAST_RISE = 0.01
 """Rise of the robot over its height that z has to show. Chosen: a micrometre for the robot of
@@ -127,7 +122,7 @@ class FilmObservable(Observable):
         self.run, self.threads = run, threads
         self.name = f"tracking.{number}"
         self.rate = recording_rate(run.scenario)
-        self.nuisance = _nuisance(self.name, run)
+        self.nuisance = camera_nuisance(self.name, run)
         said: list[Fact] = []
         unused: list[Fact] = []
         nominal = self._nominal_frames()
@@ -136,6 +131,9 @@ class FilmObservable(Observable):
             for name in _KINDS
             if name in run.columns
             if (quantity := _quantity(run, name, nominal, said, unused)) is not None
+        )
+        self.suspects = camera_suspects(
+            next(each.values for each in self.quantities if each.name == "theta")
         )
         self.observed = np.concatenate([each.observed for each in self.quantities])
         self.covariance = np.asarray(
@@ -146,18 +144,14 @@ class FilmObservable(Observable):
         self.left_out = tuple(each.of(table=run.file) for each in unused)
 
     def camera(self, names: Sequence[str], values: Array) -> Camera:
-        """The run's camera with the nuisances among `names`, from values of shape (names,)."""
-        own = {each.name for each in self.nuisance}
-        at = {
-            name.removeprefix(f"{self.name}."): float(value)
-            for name, value in zip(names, values, strict=True)
-            if name in own
-        }
-        return Camera(self.run.exposure, **at)
+        """The run's camera, from values of shape (names,) of what is uncertain or suspect of it."""
+        return camera_at(self.run, self.name, dict(zip(names, values.tolist(), strict=True)))
 
     def keys(self, names: Sequence[str]) -> list[int]:
         """Indices of the scenario keys among `names`."""
-        return [k for k, name in enumerate(names) if not name.startswith(f"{self.name}.")]
+        own = {each.name for each in self.nuisance}
+        own |= {parameter.name for each in self.suspects for parameter in each.parameters}
+        return [k for k, name in enumerate(names) if name not in own]
 
     def predict(self, names: Sequence[str], parameters: Array) -> Array:
         """Observables, shape (vectors, k); NaN where the simulation fails."""
@@ -214,24 +208,6 @@ class FilmObservable(Observable):
             return None
         wanted = [name for name in _KINDS if name in self.run.columns or name in _CURRENTS]
         return Camera(self.run.exposure).frames(motion, self.run.columns["t"], wanted)
-
-
-def _nuisance(name: str, run: TrackingRun) -> tuple[Uncertain, ...]:
-    """What is uncertain of the camera and the ammeter."""
-    # A frame's time may mark the middle of the exposure or its beginning, so a long exposure makes
-    # the trigger less certain.
-    trigger = math.hypot(_TRIGGER, 0.25 * run.exposure)
-    priors = [
-        ("angle_offset", 0.0, _ANGLE_OFFSET, "rad"),
-        ("angle_scale", 1.0, _ANGLE_SCALE, "-"),
-        ("trigger", 0.0, trigger, "s"),
-    ]
-    if any(current in run.columns for current in _CURRENTS):
-        priors.append(("current_scale", 1.0, _CURRENT_SCALE, "-"))
-    return tuple(
-        Uncertain(f"{name}.{parameter}", Prior("normal", mean, sd), unit, False)
-        for parameter, mean, sd, unit in priors
-    )
 
 
 def _quantity(

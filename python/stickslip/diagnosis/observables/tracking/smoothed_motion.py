@@ -58,7 +58,7 @@ class Folds:
         times = run.columns["t"][both]
         self.count = len(times)
         self.sd = {"theta": theta.sd / camera.angle_scale, "x": x.sd}
-        self.sign = -1.0 if run.scenario.drive.direction == "-x" else 1.0
+        self.sign = run.scenario.drive.facing
         frames = camera.frames(motion, times)
         raw = {"theta": run.columns["theta"][both], "x": run.columns["x"][both]}
         self.measured, self.simulated = self._true(raw, camera), self._true(frames, camera)
@@ -70,10 +70,8 @@ class Folds:
         self.trigger = camera.trigger / self.period
 
     def _true(self, frames: Mapping[str, Array], camera: Camera) -> dict[str, Array]:
-        return {
-            "theta": (frames["theta"] - camera.angle_offset) / camera.angle_scale,
-            "x": self.sign * frames["x"],
-        }
+        theta = (frames["theta"] - camera.angle_offset) / camera.angle_scale
+        return {"theta": theta, "x": self.sign * (frames["x"] - camera.marker(theta)[0])}
 
     def _series(self, phase: Array, orders: int, derivative: int = 0) -> Array:
         """Columns 1, cos and sin of the phase, or their derivatives by time."""
