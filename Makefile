@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-stepping bench-controllers bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel sizes clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel sizes clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -106,6 +106,9 @@ BEFORE ?= f99d6ef
 bench-promises: install ## promises about time: import, Ctrl-C, long runs, sweeps; fails if one is broken
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/promises.py
 
+bench-plane: install ## speed of runs in the whole plane beside those in one; fails below what is asked
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/plane.py
+
 bench-before: install ## speed beside an earlier commit, which is built into build/before (BEFORE=<commit>)
 	@$(RUN) bench/before.py --before $(BEFORE)
 
@@ -114,6 +117,9 @@ bench-stepping: install ## restores without a changed bit, cost of steps and rol
 
 bench-controllers: install ## a coarse and a fine controller, judged on fresh draws of 256 robots
 	@OPENBLAS_NUM_THREADS=1 $(RUN) bench/controllers.py
+
+bench-steering: install ## a figure of eight, followed through a camera by 100 robots that differ
+	@OPENBLAS_NUM_THREADS=1 $(RUN) bench/steering_follow.py
 
 COST_DATA ?= bench/results/diagnosis-data
 

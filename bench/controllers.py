@@ -41,7 +41,7 @@ def drawn(count: int, seed: int) -> list[Scenario]:
 
 
 def play(robots: Sequence[Scenario], states: Array | None, xp: Array) -> Array:
-    """States after each step, (n, steps, 18), under voltages of xp, (n, steps)."""
+    """States after each step, (n, steps, 21), under voltages of xp, (n, steps)."""
     volts = np.zeros((len(robots), xp.shape[-1], 5))
     volts[:, :, 0], volts[:, :, 4] = xp, CLAMP
     found = rollout(robots, states, volts, STEP, hold="linear", record=STATE_COLUMNS)
@@ -49,7 +49,7 @@ def play(robots: Sequence[Scenario], states: Array | None, xp: Array) -> Array:
 
 
 def standing(robots: Sequence[Scenario]) -> Array:
-    """States of robots that have stood up, (n, 18)."""
+    """States of robots that have stood up, (n, 21)."""
     return play(robots, None, np.full(150, REST))[:, -1]
 
 

@@ -64,7 +64,7 @@ def _make_pictures(app: Sphinx) -> None:
         if "_pictures/" not in page.read_text(encoding="utf-8"):
             continue
         with play(page) as folder:
-            for picture in folder.glob("*.png"):
+            for picture in [*folder.glob("*.png"), *folder.glob("*.gif")]:
                 place = target / page.relative_to(HERE).with_suffix("")
                 place.mkdir(parents=True, exist_ok=True)
                 shutil.copy(picture, place / picture.name)

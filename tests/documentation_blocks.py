@@ -2,7 +2,8 @@
 
 What a block is called says what is done with it:
 
-python   run; the blocks of a page share one namespace and one folder
+python   run; the blocks of a page share one namespace and one folder. A file of Python that a page
+         includes whole (literalinclude without a start and an end) is one of them
 console  lines with "$ stickslip" are run; the lines below each are what it prints
 text     right after a python block: what that prints; "..." stands for anything
 toml     written to the file that its first line names (# name.toml), else to scenario.toml
@@ -29,6 +30,7 @@ from pathlib import Path
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
 
 _FENCE = re.compile(r"^( *)(`{3,})(.*)$")
+_INCLUDED = re.compile(r"\{literalinclude\} (\S+\.py)$")
 _FILE_NAME = re.compile(r"# ([\w.-]+\.(?:toml|csv))$")
 _COMMAND = (sys.executable, "-m", "stickslip")
 _SHOWN = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
@@ -55,7 +57,7 @@ def pages(folder: Path) -> list[Path]:
 
 
 def blocks(page: Path) -> list[Block]:
-    """The code blocks of a page; directives, ```{name}, are none."""
+    """The code blocks of a page; other directives than included files, ```{name}, are none."""
     found = []
     lines = iter(enumerate(page.read_text(encoding="utf-8").splitlines(), start=1))
     for number, line in lines:
@@ -68,7 +70,11 @@ def blocks(page: Path) -> list[Block]:
             if inner.strip() == ticks:
                 break
             text.append(inner.removeprefix(indent))
-        if language and not language.startswith("{"):
+        included = _INCLUDED.match(language)
+        if included and not any("start-" in option for option in text):
+            source = page.parent / included.group(1)
+            found.append(Block(page, number, "python", source.read_text(encoding="utf-8")))
+        elif language and not language.startswith("{"):
             found.append(Block(page, number, language, "\n".join(text) + "\n"))
     return found
 

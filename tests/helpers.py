@@ -198,3 +198,11 @@ def check_energy_balance(of, power, quiet, rate):
         assert abs(content[last] - content[first] - work) <= 2e-5 * size
         checked += 1
     assert checked >= 5
+
+
+def program_of(volts) -> Waveform:
+    """The five voltages of the reference (`reference.heading.FiveVoltages`) as a program."""
+    ends = np.append(volts.start[1:-1], volts.end)
+    last = volts.level[:-1] + volts.slope[:-1] * (ends - volts.start[:-1])[:, None]
+    times = np.stack([volts.start[:-1], ends], axis=1).ravel()
+    return Waveform.from_points(times, np.stack([volts.level[:-1], last], axis=1).reshape(-1, 5))

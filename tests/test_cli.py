@@ -261,3 +261,24 @@ def test_the_command_starts_quickly(arguments):
 def test_the_default_scenario_runs_from_its_own_file(tmp_path):
     Scenario().to_toml(tmp_path / "s.toml")
     assert stickslip("run", tmp_path / "s.toml").returncode == 0
+
+
+def test_the_summary_of_a_heading_has_the_velocity_along_it_and_where_the_robot_ends(scenario):
+    run = simulate(load(scenario).replace({"drive.heading": 1.5}))
+    done = stickslip("run", scenario, "--set", "drive.heading=1.5")
+    lines = {line[:19].rstrip(): line[19:] for line in done.stdout.splitlines()}
+    along, across = run.velocity
+    assert lines["velocity_along"].startswith(f"{along:.6g} m/s ")
+    assert "along the heading" in lines["velocity_along"]
+    assert lines["velocity_across"].startswith(f"{across:.6g} m/s ")
+    assert lines["mean_velocity"].endswith("along x")
+    assert lines["final y"].startswith(f"{run.final_state.y:.6g} m ")
+    assert lines["final heading"].startswith(f"{run.final_state.heading:.6g} rad ")
+    assert "turning_speed" in lines
+
+
+def test_a_condition_that_was_never_met_is_told(scenario):
+    done = stickslip("run", scenario, "--until", "x >= 1")
+    assert "note               the condition x >= 1 was not met" in done.stdout
+    found = json.loads(stickslip("run", scenario, "--until", "x >= 1", "--json").stdout)
+    assert found["notes"][0].startswith("the condition x >= 1 was not met")

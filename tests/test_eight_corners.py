@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from helpers import program_of
 from reference import coil_gradient, eight_corners, voltages_of
 from reference.cone import solve_cone
 from reference.corner_contact import new_memory
@@ -14,7 +15,7 @@ from reference.heading import FiveVoltages, Heading, coil_shares, constant, head
 from reference.simulate import CONTACT_DEFAULTS
 from reference.steering_table import FAST_OPP, FILE, IPP, OPP, SLOW, rows
 from reference.walk import WHOLE_EDGES, block_of, run_corners, walk
-from stickslip import Drive, Scenario, Waveform, simulate
+from stickslip import Drive, Scenario, simulate
 
 GRAVITY = 9.81  # m/s^2
 SHORT = {**IPP, "pulses": 5}
@@ -179,11 +180,7 @@ def test_walk_straight_ahead_is_that_of_the_core():
 def _core_speed(drive, coils, contact):
     """Mean velocity of the planar core under the five voltages of heading 0, m/s."""
     volts = heading_voltages(drive, constant(0.0), coils)
-    ends = np.append(volts.start[1:-1], volts.end)
-    last = volts.level[:-1] + volts.slope[:-1] * (ends - volts.start[:-1])[:, None]
-    times = np.stack([volts.start[:-1], ends], axis=1).ravel()
-    program = Waveform.from_points(times, np.stack([volts.level[:-1], last], axis=1).reshape(-1, 5))
-    scenario = Scenario(drive=Drive(mode="program", program=program)).replace(
+    scenario = Scenario(drive=Drive(mode="program", program=program_of(volts))).replace(
         {"record.rate": 2e4, **{f"contact.{key}": value for key, value in contact.items()}}
     )
     done = simulate(scenario)

@@ -12,11 +12,12 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 from stickslip import Scenario, ScenarioError, Simulator, State
-from stickslip.control import Camera, Film
-from stickslip.control.environments import OBSERVED, UNITS, RobotEnv, RobotVectorEnv
+from stickslip.control import Camera
+from stickslip.control.environments import RobotEnv, RobotVectorEnv
+from stickslip.control.observations import OBSERVED, UNITS
 from stickslip.scenario.priors import Prior
 
-TASKS = ("Walk", "Reach", "Place")
+TASKS = ("Walk", "Reach", "Place", "Follow")
 UNCERTAIN = {
     "contact.static_friction": Prior("normal", 0.3, 0.02),
     "robot.mass": Prior("log-normal", 25.6e-9, 1.1),
@@ -27,14 +28,15 @@ CAMERA = Camera(
 )  # fmt: skip
 
 
-def actions(steps, robots=1, seed=0):
-    draws = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, robots, 2))
+def actions(steps, robots=1, seed=0, values=2):
+    draws = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, robots, values))
     return draws.astype(np.float32)
 
 
 def played(envs, steps, seed=1):
     found = [envs.reset(seed=seed)[0]]
-    for each in actions(steps, envs.num_envs):
+    values = envs.single_action_space.shape[0]
+    for each in actions(steps, envs.num_envs, values=values):
         observations, rewards, terminations, truncations, _ = envs.step(each)
         found += [observations.copy(), rewards[:, None], terminations[:, None]]
         found.append(truncations[:, None])
@@ -49,18 +51,12 @@ def test_the_checks_of_gymnasium_find_nothing(task):
 
 
 @pytest.mark.parametrize("camera", [None, CAMERA])
-def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(camera):
-    one, other = (
-        played(
-            RobotVectorEnv(
-                12, "reach", uncertain=UNCERTAIN, camera=camera, threads=n, max_episode_steps=30
-            ),
-            70,
-        )
-        for n in (1, 3)
-    )
+@pytest.mark.parametrize("task", ["place", "reach", "follow"])
+def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(task, camera):
+    options = {"uncertain": UNCERTAIN, "camera": camera, "max_episode_steps": 30}
+    one, other = (played(RobotVectorEnv(12, task, threads=n, **options), 70) for n in (1, 3))
     assert np.array_equal(one, other)
-    again = RobotVectorEnv(12, "reach", uncertain=UNCERTAIN, camera=camera, max_episode_steps=30)
+    again = RobotVectorEnv(12, task, **options)
     assert np.array_equal(played(again, 70), one)
     assert not np.array_equal(played(again, 70, seed=2), one)
 
@@ -124,49 +120,78 @@ def test_a_failure_ends_an_episode_and_says_so():
     assert info["failure"] == "left_workspace"
 
 
+BAD_ACTIONS = {
+    "not finite": (
+        lambda n: np.r_[[0.5] * (n - 1), np.nan],
+        r"\[.*nan\]: allowed is shape \(%d,\)",
+    ),
+    "infinite": (lambda n: np.r_[-np.inf, [0.5] * (n - 1)], r"\[-inf, .*\]: allowed is shape"),
+    "too few": (lambda n: np.zeros(n - 1), r"of shape \(.*\): allowed is shape \(%d,\) of finite"),
+    "too many": (lambda n: np.zeros(n + 2), r"of shape \(.*\): allowed is shape \(%d,\) of finite"),
+    "of two": (lambda n: np.zeros((2, n)), r"of shape \(2, .*\): allowed is shape \(%d,\)"),
+    "a word": (lambda n: "left", r'= "left" of shape \(\): allowed is shape \(%d,\)'),
+    "nothing": (lambda n: None, r"= None of shape \(\): allowed is shape \(%d,\)"),
+    "ragged": (lambda n: [[0.0], [0.0, 1.0]], r"allowed is shape \(%d,\)"),
+}
+
+
+@pytest.mark.parametrize("bad", BAD_ACTIONS)
+@pytest.mark.parametrize("task", ["walk", "reach"])
+def test_a_bad_action_is_refused_before_anything_changes(task, bad):
+    env, twin = RobotEnv(task=task), RobotEnv(task=task)
+    values = env.action_space.shape[0]
+    for each in (env, twin):
+        each.reset(seed=1)
+        each.step(np.full(values, 0.5))
+    make, told = BAD_ACTIONS[bad]
+    told = "^action " + r".*" + (told % values if "%" in told else told)
+    with pytest.raises(ScenarioError, match=told) as refusal:
+        env.step(make(values))
+    assert "\n" not in str(refusal.value)
+    for action in actions(5, values=values)[:, 0]:
+        one, other = env.step(action), twin.step(action)
+        assert np.array_equal(one[0], other[0])
+        assert one[1:] == other[1:]
+
+
+def test_of_many_robots_the_one_with_a_bad_action_is_named():
+    envs = RobotVectorEnv(3, "reach")
+    envs.reset(seed=1)
+    bad = np.zeros((3, 3))
+    bad[1, 2] = np.nan
+    told = r"^actions\[1\] = \[0.0, 0.0, nan\]: allowed is shape \(3, 3\)"
+    with pytest.raises(ScenarioError, match=told):
+        envs.step(bad)
+    with pytest.raises(ScenarioError, match=r"of shape \(3, 2\): allowed is shape \(3, 3\)"):
+        envs.step(bad[:, :2])
+    observations, *_ = envs.step(np.zeros((3, 3)))
+    assert np.isfinite(observations).all()
+
+
+@pytest.mark.parametrize("task", ["walk", "reach"])
+def test_values_beyond_one_are_clipped(task):
+    env, twin = RobotEnv(task=task), RobotEnv(task=task)
+    signs = np.array([1.0, 1.0, -1.0])[: env.action_space.shape[0]]
+    for each, size in ((env, 1.0), (twin, 1000.0)):
+        each.reset(seed=1)
+        each.step(size * signs)
+    assert np.array_equal(env.step(0.1 * signs)[0], twin.step(0.1 * signs)[0])
+
+
 def test_a_goal_that_is_reached_ends_an_episode_with_success():
-    # The goal is ahead by 0.5 to 2 mm; the robot is put there.
-    env = RobotEnv(task="reach")
+    # The goal is drawn from the start, 0.05 to 0.3 mm ahead; the robot is put there, at rest.
+    env = RobotEnv(task="place")
     observation, _ = env.reset(seed=3)
     ahead = observation[0] * UNITS[0]
-    assert 0.5e-3 <= ahead <= 2e-3
-    near = RobotEnv(task="reach", scenario=Scenario(initial=State(x=1e-3)))
+    assert 0.05e-3 <= ahead <= 0.3e-3
+    begun = env._many._targets._goals[0] - [0.5e-6, 0.0]
+    near = RobotEnv(task="place", scenario=Scenario(initial=State(x=begun[0])))
     near.reset(seed=3)
-    near._many._goals[:] = 1.02e-3
+    near._many._targets._goals[:] = env._many._targets._goals
     _, reward, terminated, _, info = near.step(np.zeros(2))
     assert terminated
     assert info["success"]
     assert reward == pytest.approx(1.0, abs=1e-3)
-
-
-def test_frames_come_at_their_rate_and_late():
-    camera = Camera(frame_rate=100.0, latency=0.025)
-    film = Film(camera, 1e-3, np.zeros(2))
-    random = np.random.default_rng(0)
-    for k in range(1, 101):
-        time = 1e-3 * k
-        pose, age = film.watch(time, np.array([time, 0.0]), random)
-        if time >= 0.045:
-            # The newest frame is at most one period older than the latency.
-            assert camera.latency - 1e-9 <= age <= camera.latency + 0.01 + 1e-9
-            assert pose[0] == pytest.approx(time - age, abs=1e-12)
-
-
-def test_an_exposure_averages_and_noise_has_its_size():
-    camera = Camera(frame_rate=100.0, exposure=5e-3, noise_x=2e-6)
-    film = Film(camera, 1e-3, np.zeros(2))
-    random = np.random.default_rng(0)
-    errors = []
-    for k in range(1, 20_001):
-        time = 1e-3 * k
-        pose, age = film.watch(time, np.array([time, 0.0]), random)
-        if age == 0.0:
-            # The mean of five samples, the last of them now.
-            errors.append(pose[0] - (time - 2e-3))
-    # 2000 normal draws: the mean within 4 sd / sqrt(n), the sd within 4 / sqrt(2 n) of itself.
-    count = len(errors) - 1
-    assert abs(np.mean(errors[1:])) < 4 * 2e-6 / math.sqrt(count)
-    assert np.std(errors[1:]) == pytest.approx(2e-6, rel=4 / math.sqrt(2 * count))
 
 
 REFUSED = {
@@ -180,7 +205,39 @@ REFUSED = {
     "num_envs = 0": lambda: RobotVectorEnv(0),
     "num_envs = -1": lambda: RobotVectorEnv(-1),
     "seed has 3 entries: allowed are 2": lambda: RobotVectorEnv(2).reset(seed=[1, 2, 3]),
-    "period = 0": lambda: Film(Camera(), 0, np.zeros(2)),
+    'path: the task "reach" follows none': lambda: RobotEnv(task="reach", path=[(0, 0), (1, 0)]),
+    "the path begins 5 mm from the robot: allowed is at most 0.25 mm": lambda: RobotEnv(
+        task="follow", path=[(5e-3, 0.0), (6e-3, 0.0)]
+    ),
+    "the path begins 3 mm": lambda: RobotEnv(  # known when it is drawn
+        task="follow",
+        path=[(0.0, 0.0), (1e-3, 0.0)],
+        uncertain={"initial.x": {"mean": 3e-3, "sd": 1e-9}},
+    ).reset(seed=1),
+    r"path: \(2, 0\) m lies beyond .* x from -0.099 to 0.099 m": lambda: RobotEnv(
+        task="follow", path=[(0.0, 0.0), (2.0, 0.0)]
+    ),
+    'path = "L"': lambda: RobotEnv(task="follow", path="L"),
+    r"goal: \(0, 1\) m lies beyond": lambda: RobotEnv(task="reach", goal=(0.0, 1.0)),
+    "goal = .*: allowed is x and y": lambda: RobotEnv(task="reach", goal=(math.nan, 0.0)),
+    r"goal of shape \(3,\): allowed is \(2,\)": lambda: RobotEnv(
+        task="reach", goal=(0.0, 0.0, 0.0)
+    ),
+    'goal: the task "walk" takes none': lambda: RobotEnv(goal=(1e-3, 0.0)),
+    "turning = -3: allowed is a finite number of rad/s above 0": lambda: RobotEnv(turning=-3),
+    "voltage = -5: allowed is a finite number of V above 0": lambda: RobotEnv(voltage=-5),
+    "voltage = nan": lambda: RobotEnv(voltage=math.nan),
+    "period = 0: allowed is a finite number of s above 0": lambda: RobotEnv(period=0),
+    "period = -1": lambda: RobotEnv(period=-1),
+    'period = "x"': lambda: RobotEnv(period="x"),
+    "max_episode_steps = -1: allowed is a whole": lambda: RobotVectorEnv(max_episode_steps=-1),
+    'coils = .* allowed is "clamp" and one': lambda: RobotEnv(task="follow", coils=("xp", "yp")),
+    'coils = "xp"': lambda: RobotEnv(coils="xp"),
+    "coils = 5": lambda: RobotEnv(coils=5),
+    "each once": lambda: RobotEnv(coils=("xp", "xp")),
+    "corner 2 is where the one before it is": lambda: RobotEnv(
+        task="follow", path=[(0.0, 0.0), (1e-3, 0.0), (1e-3, 0.0)]
+    ),
     "robot.mass": lambda: RobotEnv(uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}),
 }
 

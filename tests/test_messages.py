@@ -169,7 +169,7 @@ EXAMPLES = {
     ),
     Code.NO_FREE_SHAPE: (
         {"law": "drag", "argument": "speed", "lead": 1.5, "p_value": 1e-5, "level": 0.01},
-        r"drag over speed, leads by 1\.5 .* p = 1e-05 \(0\.01 is",
+        r"drag over speed, leads by 1\.5 .* p = 1e-05; a p of 0\.01 is",
     ),
     Code.FREE_SHAPE: (
         {"law": "drag", "argument": "speed", "lead": 15.0, "band": 90.0},
@@ -196,6 +196,10 @@ EXAMPLES = {
     ),
     Code.FREE_SHAPE_FORMULA: (
         {"formula": "f(u) = a u with a = 3 per m/s", "argument": "speed"}, r"speed: f\(u\) = a u"
+    ),
+    Code.LAW_BESIDE_CAUSES: (
+        {"law": "drag", "argument": "speed", "name": "a + b", "lead": -5.04},
+        r"drag over speed, .* as well as a \+ b, .* -5\.0 beside it",
     ),
     Code.PAIR_NEEDED: ({"name": "a + b"}, r"a \+ b"),
     Code.NAME_SAFE: (

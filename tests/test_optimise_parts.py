@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Drive, Scenario, Waveform, simulate, simulate_batch
+from stickslip import Drive, Scenario, ScenarioError, Waveform, simulate, simulate_batch
 from stickslip.control.design_space import FEWEST, Axis, design_space, drive_waveform
 from stickslip.control.goal import judge, judge_all, made_goal
 from stickslip.control.landscape import slices
@@ -22,6 +22,17 @@ def test_a_pulsed_drive_is_the_same_as_a_program():
         program = start.replace(played(space, {}))
         assert program.drive.mode == "program"
         assert simulate(program).final_state == simulate(start).final_state
+
+
+def test_a_drive_of_pairs_of_coils_is_the_same_as_a_program():
+    start = START.replace({"drive.coils": "pairs"})
+    program = start.replace(played(design_space(start, {}, 4, ("xp",), 26.0), {}))
+    assert simulate(program).final_state == simulate(start).final_state
+
+
+def test_a_free_waveform_has_no_heading():
+    with pytest.raises(ScenarioError, match=r"knots: .* drive\.heading"):
+        design_space(START.replace({"drive.heading": 0.5}), {}, 4, ("xp",), 26.0)
 
 
 def test_minimising_scores_the_greatest_values():
@@ -100,7 +111,8 @@ def test_a_slice_tells_a_peak_from_a_plateau():
 
 
 def _judged(goal, score):
-    return judge(goal, [SimpleNamespace(ok=True, summary=lambda: {goal.figure: score})])
+    run = SimpleNamespace(ok=True, summary=lambda: {goal.figure: score}, velocity=(0.0, 0.0))
+    return judge(goal, [run])
 
 
 def test_a_range_of_a_decade_is_searched_in_its_logarithm():
@@ -121,3 +133,11 @@ def test_a_free_waveform_begins_as_the_start_drives():
     given = drive_waveform(START).voltages(times)
     made = START.replace(space.changes(0, point)).drive.program.voltages(times)
     assert made == pytest.approx(given)
+
+
+def test_the_velocity_along_a_heading_can_be_a_goal():
+    goal = made_goal("velocity_along", None, "mean", {})
+    assert goal.unit == "m/s"
+    start = START.replace({"drive.heading": 1.5})
+    (judged,) = judge_all(goal, [start], [{"drive.peak": 2.4e-3}], 1)
+    assert judged.score == simulate(start.replace({"drive.peak": 2.4e-3})).velocity[0]

@@ -154,3 +154,20 @@ def test_a_robot_that_begins_outside_of_a_map_is_drawn_without_a_field(without_y
         assert sum(word.startswith("B = ") for word in words(axes)) == shown
         arrows = [each for each in axes.patches if isinstance(each, FancyArrowPatch)]
         assert len(arrows) == 1 + shown
+
+
+def test_a_robot_at_a_heading_is_seen_along_y():
+    scenario = Scenario(drive=Drive(heading=0.7, direction="-x"))
+    figure = plot.coils(scenario)
+    (moment, _), _ = robot(figure)
+    (inset,) = figure.axes[0].child_axes
+    (body,) = (each for each in inset.patches if type(each) is Polygon)
+    length, width = scenario.robot.length * 1e6, scenario.robot.width * 1e6
+    seen = length * np.cos(0.7) + width * np.sin(0.7)
+    assert np.ptp(body.get_xy(), axis=0) == pytest.approx([seen, scenario.robot.height * 1e6])
+    assert moment[0] < 0.0
+    assert moment[1] == pytest.approx(0.0, abs=1e-9)
+    assert "heading 220 degrees" in [each.get_text() for each in inset.texts]
+    begins = scenario.replace({"initial.heading": 1.0})
+    (inset,) = plot.coils(begins).axes[0].child_axes
+    assert "heading 57.3 degrees" in [each.get_text() for each in inset.texts]

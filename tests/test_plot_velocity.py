@@ -131,3 +131,11 @@ def test_what_cannot_be_drawn_is_refused(by_mode, by_two):
     twice = sweep(BASE, [{"drive.frequency": f} for f in (20.0, 50.0)]).isel(point=[0, 0, 1])
     with pytest.raises(ValueError, match="twice"):
         plot.velocity(twice)
+
+
+def test_of_headings_the_velocity_along_them_is_drawn():
+    data = sweep(BASE, {"drive.heading": [0.0, 0.5, 1.5]})
+    (axes,) = plot.velocity(data).axes
+    (line,) = axes.get_lines()
+    np.testing.assert_allclose(line.get_ydata(), data.velocity_along.values * 1e3)
+    assert axes.get_ylabel() == "mean velocity along the heading (mm/s)"

@@ -262,3 +262,14 @@ def test_an_empty_mapping_varies_nothing():
 def test_a_scenario_of_which_all_is_known_has_no_band():
     with pytest.raises(ScenarioError, match="no band"):
         predict(Scenario())
+
+
+def test_the_velocity_along_headings_has_quantiles():
+    base = Scenario(
+        drive=Drive(base=0.5e-3, pulses=4),
+        uncertain={"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}},
+    )
+    data = predict(base, {"drive.heading": [0.0, 1.5]}, draws=4, quantiles=[0.5]).data
+    draws = [each.replace({"drive.heading": 1.5}) for each in base.draws(4)]
+    expected = np.median([simulate(each).velocity[0] for each in draws])
+    assert data.velocity_along.values[1, 0] == pytest.approx(expected, rel=1e-12)

@@ -115,7 +115,8 @@ def test_a_sweep_is_shown_escaped(swept):
 
 def test_a_figure_is_shown_once_with_and_without_pyplot(run, swept):
     before = plt.get_fignums()
-    for figure in (plot.run(run), plot.filmstrip(run, [0.06]), plot.velocity(swept)):
+    drawn = (plot.run(run), plot.path(run), plot.filmstrip(run, [0.06]), plot.velocity(swept))
+    for figure in drawn:
         assert figure._repr_png_().startswith(b"\x89PNG")
     # What pyplot does not have it does not show at the end of a cell.
     assert plt.get_fignums() == before
@@ -183,3 +184,11 @@ def test_what_is_no_sweep_has_no_table(run):
     for other in (run, run.to_xarray(), pd.DataFrame()):
         with pytest.raises(ValueError, match="what sweep gave"):
             sweep_dataframe(other)
+
+
+def test_a_run_at_a_heading_shows_its_velocity_along_it_and_where_it_ends():
+    made = simulate(Scenario(drive=Drive(base=0.5e-3, pulses=4, heading=1.5)))
+    shown = rows(made._repr_html_())
+    assert shown["mean velocity along the heading"] == f"{made.velocity[0] * 1e3:.4g} mm/s"
+    assert "mean velocity" not in shown
+    assert f"y {made.final_state.y * 1e6:.4g} µm" in shown["final place"]

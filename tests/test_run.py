@@ -348,3 +348,53 @@ def test_what_was_never_measured_is_nan():
     run = simulate(scenario)
     assert run.status == "left_workspace"
     assert math.isnan(run.mean_velocity)
+
+
+def test_a_run_at_a_heading_tells_its_velocity_along_it():
+    drive = {"base": 0.5e-3, "pulses": 5, "heading": 1.5}
+    run = simulate(Scenario(drive=Drive(**drive)))
+    along, across = run.velocity
+    assert along > 1e-3
+    assert run.mean_velocity < 0.1 * along
+    assert f"{along:.6g} m/s along the heading, {across:.6g} m/s to its left" in repr(run)
+    summary = run.summary()
+    assert (summary["velocity_along"], summary["velocity_across"]) == (along, across)
+    back = simulate(Scenario(drive=Drive(**{**drive, "heading": 0.5}, direction="-x"))).velocity
+    ahead = simulate(Scenario(drive=Drive(**{**drive, "heading": 0.5}))).velocity
+    assert back == pytest.approx(ahead, rel=1e-6)
+
+
+def test_a_program_in_the_whole_plane_tells_its_velocity_along_the_axes():
+    run = simulate(
+        Scenario(drive=Drive(mode="program", program=Waveform.hold(0.02, {"xp": 20.0, "yp": 9.0})))
+    )
+    assert run.scenario.turns
+    assert "velocity_along" not in run.summary()
+    assert f"{run.mean_velocity:.6g} m/s along x, " in repr(run)
+
+
+def test_a_run_in_its_plane_has_one_velocity(run):
+    assert repr(run) == f"<Run: ok, {run.mean_velocity:.6g} m/s, {run.samples} samples>"
+    assert "velocity_along" not in run.summary()
+
+
+@pytest.mark.parametrize(
+    ("drive", "heading"), [({}, 0.0), ({"direction": "-x"}, np.pi), ({"heading": np.pi}, np.pi)]
+)
+def test_a_run_in_its_plane_has_a_constant_y_and_heading(drive, heading, tmp_path):
+    made = simulate(
+        Scenario(
+            drive=Drive(base=0.5e-3, pulses=2, **drive),
+            record=Record(rate=2e3, fields="x", dtype="float32"),
+        )
+    )
+    made.save(tmp_path / "a.nc")
+    for run in (made, open_run(tmp_path / "a.nc")):
+        assert run.y.tolist() == run.vy.tolist() == [0.0] * run.samples
+        assert run.heading.dtype == np.float32
+        assert run.heading.tolist() == [np.float32(heading)] * run.samples
+        assert "y" not in run.to_xarray()
+        with pytest.raises(AttributeError, match="stays in the plane"):
+            _ = run.slip_across
+    with pytest.raises(AttributeError, match=r"record\.rate"):
+        _ = simulate(Scenario(drive=Drive(pulses=1))).y

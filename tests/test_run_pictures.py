@@ -36,6 +36,19 @@ def test_a_run_is_written_as_a_moving_picture(scenario, tmp_path, suffix):
     assert (tmp_path / "run.png").exists()
 
 
+def test_a_robot_that_leaves_its_plane_is_written_as_a_moving_picture(scenario, tmp_path):
+    path = tmp_path / "walk.gif"
+    options = ["--set=drive.heading=0.5", "--start=0.1", "--stop=0.11", "--slowdown=40"]
+    done = stickslip("run", scenario, "--animate", path, *options)
+    assert (done.returncode, done.stderr) == (0, "")
+    with Image.open(path) as picture:
+        assert picture.n_frames == 8
+    fields = "x, z, theta, omega, normal_force, slip_velocity, bx, by, bz, contact"
+    done = stickslip("run", scenario, "--animate", path, *options, f"--set=record.fields={fields}")
+    assert done.returncode == 2
+    assert done.stderr.endswith("also y, heading, slip_across\n")
+
+
 @pytest.mark.parametrize(
     ("options", "told"),
     [

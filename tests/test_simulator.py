@@ -123,6 +123,9 @@ def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
     scenario.to_toml(tmp_path / "begun.toml")
     assert Scenario.from_toml(tmp_path / "begun.toml") == scenario
     assert list(STATE_UNITS) == list(STATE_COLUMNS)
+    in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
+    assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
+    assert (STATE_UNITS["y"], STATE_UNITS["vy"], STATE_UNITS["heading"]) == ("m", "m/s", "rad")
     assert "[initial]" not in Scenario().to_toml()
 
 
@@ -198,7 +201,8 @@ def test_a_run_that_its_condition_ends_says_over_what_it_is_measured():
         assert math.isfinite(run.mean_velocity) == (end > 0.08)
         assert any("ended by its condition" in note for note in run.notes)
     unmet = simulate(scenario, until="x >= 1")
-    assert not any("condition" in note for note in unmet.notes)
+    assert not any("ended by its condition" in note for note in unmet.notes)
+    assert any("was not met" in note for note in unmet.notes)
 
 
 def test_a_robot_at_rest_beyond_the_coils_has_left_the_workspace():
@@ -267,7 +271,7 @@ def refusals():
     yield lambda: rollout([Scenario()] * 2, None, np.zeros((3, 4, 5)), STEP), "number of runs"
     yield lambda: rollout(Scenario(), None, rows, STEP, record=["w"]), "record"
     yield lambda: rollout(Scenario(), None, rows, STEP, out=np.zeros(3)), "out of shape"
-    for until in ("x = 3", "y >= 2", "x >= nan", "x >= 3 m", 3):
+    for until in ("x = 3", "w >= 2", "x >= nan", "x >= 3 m", 3):
         yield lambda until=until: simulate(Scenario(), until=until), "until"
 
 

@@ -4,9 +4,16 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from stickslip import Scenario, State, Waveform, simulate
+from command_line import stickslip
+from helpers import program_of
+from reference.heading import Heading, heading_voltages
+from reference.steering_table import pulse_ends
+from stickslip import Scenario, ScenarioError, Simulator, State, Waveform, simulate, simulate_batch
+from stickslip.control import heading_voltages as steering_voltages
+from stickslip.scenario.sections import COIL_NAMES
 
 TABLE = json.loads((Path(__file__).parent / "data" / "steering_reference.json").read_text())
 STEADY = [
@@ -28,6 +35,22 @@ OFF = {
     "IPP 0, at (5, -7) mm": (0.04, 1e-4),
     "IPP 30, at (5, -7) mm": (0.07, 1e-4),
     "IPP 30, pairs, at (5, -7) mm": (0.16, 1e-4),
+}
+TURNING = [walk for walk in TABLE["walks"] if walk not in STEADY]
+# Of walks that turn, where they differ by more than USUAL: m/s along and across. An edge that turns
+# on the spot creeps, see the same place.
+CREEPS = {
+    "IPP turn 0 to 30 in 3 pulses": (9e-5, 5e-5),
+    "IPP turn 0 to 30 in 3 pulses, pairs": (1.1e-4, 5e-5),
+    "IPP turn 0 to 90 in 5 pulses": (1.6e-4, 2.3e-4),
+    "IPP turn 0 to 90 in 5 pulses, pairs": (2.5e-4, 2.1e-4),
+    "OPP turn 0 to 30 in 3 pulses": (6e-5, 5e-5),
+    "OPP turn 0 to 90 in 5 pulses": (1.4e-4, 5e-5),
+    "IPP turn 0 to 30 in 15 pulses": (1e-4, 5e-5),
+    "IPP turn 0 to 60 in 15 pulses": (2.4e-4, 8e-5),
+    "IPP turn 0 to 60 in 15 pulses, pairs": (2.2e-4, 6e-5),
+    "OPP turn 0 to 30 in 15 pulses": (5e-5, 5e-5),
+    "OPP turn 0 to 60 in 15 pulses": (1.2e-4, 5e-5),
 }
 # Nearly equal motions forth and back: in m/s.
 BALANCED = {"OPP 20, at (10, 0) mm", "OPP 20, at (0, 10) mm", "OPP 20, at (5, -7) mm"}
@@ -57,9 +80,55 @@ def test_a_walk_is_that_of_the_rigid_body(walk):
     assert across == pytest.approx(expected["across"], abs=aside)
 
 
+def turning_run(walk, heading):
+    """The run under the walk's five voltages."""
+    volts = heading_voltages(walk["drive"], heading, walk["coils"])
+    changes = {
+        "drive.mode": "program",
+        "drive.program": program_of(volts),
+        "record.rate": 12e3,
+        **{f"contact.{name}": value for name, value in walk["contact"].items()},
+    }
+    start = State(heading=float(heading(0.0)))
+    return simulate(Scenario(initial=start).replace(changes)), volts
+
+
+def along_and_across(run, heading, volts):
+    """Mean velocities along the commanded heading and to its left, as the reference has them."""
+    inside = (run.t >= volts.first_counted - 1e-9) & (run.t <= volts.last_counted + 1e-9)
+    t, x, y = run.t[inside], run.x[inside], run.y[inside]
+    angle = heading(0.5 * (t[1:] + t[:-1]))
+    dx, dy, seconds = np.diff(x), np.diff(y), volts.last_counted - volts.first_counted
+    along = np.sum(np.cos(angle) * dx + np.sin(angle) * dy) / seconds
+    return along, np.sum(np.cos(angle) * dy - np.sin(angle) * dx) / seconds
+
+
+@pytest.mark.parametrize("walk", TURNING, ids=lambda walk: walk["name"])
+def test_a_walk_that_turns_or_is_pushed_is_that_of_the_rigid_body(walk):
+    heading = Heading(tuple(walk["heading"]["times"]), tuple(walk["heading"]["angles"]))
+    run, volts = turning_run(walk, heading)
+    assert run.ok
+    along, across = along_and_across(run, heading, volts)
+    expected = walk["whole"]["values"]
+    if walk["name"] in CREEPS:
+        part, aside = CREEPS[walk["name"]]
+        # The note of the run tells as much.
+        assert max(part, aside) < run.summary()["turning_speed"]
+        assert any("turned while it walked" in note for note in run.notes)
+        assert along == pytest.approx(expected["along"], abs=part)
+    else:
+        part, aside = USUAL
+        assert along == pytest.approx(expected["along"], rel=part)
+    assert across == pytest.approx(expected["across"], abs=aside)
+    if len(heading.times) > 1:
+        ends = np.interp(pulse_ends(walk["drive"]), run.t, np.unwrap(run.heading))
+        assert ends == pytest.approx(np.array(walk["whole"]["headings"]), abs=math.radians(0.5))
+
+
 def test_enough_walks_are_compared_and_most_are_equal():
     assert len(STEADY) >= 40
     assert len(STEADY) - len(OFF) - len(BALANCED) >= 24
+    assert len(TURNING) >= 13
 
 
 def test_a_run_along_x_has_the_columns_and_the_bits_that_it_had():
@@ -79,7 +148,7 @@ def test_the_heading_and_the_place_across_are_recorded_and_read_back(tmp_path):
     )
     run = simulate(scenario)
     assert run.heading[-1] == pytest.approx(heading, abs=0.01)
-    assert run.y[-1] == run.final_state.y
+    assert run.y[-1] == pytest.approx(run.final_state.y, rel=1e-12)
     along, across = run.velocity
     assert run.summary()["mean_velocity_y"] == pytest.approx(
         along * math.sin(heading) + across * math.cos(heading)
@@ -97,3 +166,119 @@ def test_a_field_that_comes_back_from_another_side_is_refused_in_one_line():
     run = simulate(Scenario().replace({"drive.mode": "program", "drive.program": voltages}))
     assert run.status == "heading_lost"
     assert "\n" not in run.message
+
+
+TURNED = Scenario().replace(
+    {"drive.base": 0.5e-3, "drive.heading": math.radians(30.0), "drive.pulses": 12}
+)
+
+
+def test_a_lost_heading_ends_the_run_and_its_record_at_its_instant():
+    from stickslip.control import heading_voltages
+
+    parts = [(0.05, 0.3, 26.0), (0.1, 0.3, 0.0), (20.0, 2.5, 26.0)]  # s, rad, V
+    names = ("xp", "xm", "yp", "ym", "clamp")
+    held = [
+        Waveform.hold(
+            duration, dict(zip(names, heading_voltages(angle, volts, -10.4), strict=True))
+        )
+        for duration, angle, volts in parts
+    ]
+    drive = {"drive.mode": "program", "drive.program": held[0] + held[1] + held[2]}
+    run = simulate(Scenario().replace({**drive, "record.rate": 1e3}))
+    summary = run.summary()
+    assert run.status == "heading_lost"
+    assert 0.15 < summary["simulated_time"] < 0.151
+    assert run.t[-1] <= summary["simulated_time"]
+    assert np.max(np.abs(np.diff(run.heading[1:]))) < 0.01
+    for name in ("mean_velocity_y", "finished_velocity_y", "turning_speed"):
+        assert math.isnan(summary[name])
+
+
+def test_a_run_ends_where_y_comes_to_a_value():
+    goal = 5e-5
+    run = simulate(TURNED, until=f"y >= {goal!r}")
+    assert run.condition_met
+    assert run.final_state.y == pytest.approx(goal, rel=1e-9)
+    fine = simulate(TURNED.replace({"record.rate": 1e5}))
+    first = int((fine.y >= goal).argmax())
+    ended = run.summary()["simulated_time"]
+    assert fine.t[first - 1] <= ended <= fine.t[first]
+
+
+def test_a_run_ends_where_the_heading_comes_to_a_value_also_at_rest():
+    # On its face, and tilted by the clamp coil.
+    for clamp in (0.0, -10.0):
+        turn = Waveform.hold(0.1, {"xp": 25.0, "clamp": clamp}) + Waveform.from_points(
+            [0.0, 0.2], [[25.0, 0, 0, 0, clamp], [0, 0, 25.0, 0, clamp]]
+        )
+        scenario = Scenario().replace({"drive.mode": "program", "drive.program": turn})
+        run = simulate(scenario, until="heading >= 0.7")
+        assert run.condition_met
+        assert run.final_state.heading == pytest.approx(0.7, rel=1e-9)
+        assert (run.final_state.theta != 0.0) == (clamp != 0.0)
+        fine = simulate(scenario.replace({"record.rate": 1e5}))
+        first = int((fine.heading >= 0.7).argmax())
+        assert fine.t[first - 1] <= run.summary()["simulated_time"] <= fine.t[first]
+
+
+@pytest.mark.parametrize("until", ["y >= 1e-3", "heading <= -0.5"])
+def test_a_run_in_one_plane_has_no_condition_across(until):
+    with pytest.raises(ScenarioError, match="plane y = 0") as refusal:
+        simulate_batch([TURNED, Scenario()], until=until)
+    assert "\n" not in str(refusal.value)
+
+
+def test_steady_headings_near_the_centre_have_no_note_of_turning():
+    draws = np.random.default_rng(3)
+    walked = 0
+    for _ in range(40):
+        drive = {
+            "mode": str(draws.choice(["IPP", "OPP"])),
+            "coils": str(draws.choice(["single", "pairs"])),
+            "edge": str(draws.choice(["rise", "fall"])),
+            "heading": draws.uniform(-math.pi, math.pi),
+            "frequency": draws.uniform(20.0, 150.0),
+            "base": draws.uniform(0.2e-3, 0.8e-3),
+            "pulses": 12,
+        }
+        run = simulate(Scenario().replace({f"drive.{name}": each for name, each in drive.items()}))
+        assert run.ok
+        assert not any("turned" in note for note in run.notes), drive
+        walked += math.hypot(*run.velocity) > 1e-4
+    assert walked > 30
+
+
+def test_a_heading_that_swings_with_every_pulse_is_noted(tmp_path):
+    # 10 mm beside the centre the clamp coil's field points away from the axis.
+    scenario = TURNED.with_state(State(y=10e-3))
+    run = simulate(scenario)
+    (note,) = [each for each in run.notes if "turned while it walked" in each]
+    turning, speed = run.summary()["turning_speed"], math.hypot(*run.velocity)
+    assert turning > 0.05 * speed
+    assert f"{1e3 * turning:.2g} mm/s" in note
+    (tmp_path / "swings.toml").write_text(scenario.to_toml())
+    told = json.loads(stickslip("run", tmp_path / "swings.toml", "--json").stdout)
+    assert told["notes"] == run.notes
+
+
+def test_the_voltages_of_a_quarter_turn_leave_the_coils_across_off():
+    quarters = 0.5 * math.pi * np.arange(-4, 9)
+    rows = steering_voltages(quarters, 26.0, -10.0)
+    expected = [[26, 0, 0, 0], [0, 0, 26, 0], [0, -26, 0, 0], [0, 0, 0, -26]]
+    assert (rows[:, :4] == [expected[n % 4] for n in range(len(quarters))]).all()
+    assert (rows[:, 4] == -10.0).all()
+    angle = 0.3 + quarters
+    assert steering_voltages(angle, 1.0, 0.0)[:, [0, 2]] == pytest.approx(
+        np.maximum(np.stack([np.cos(angle), np.sin(angle)], axis=-1), 0.0), abs=1e-15
+    )
+
+
+@pytest.mark.parametrize("heading", [0.0, math.pi])
+def test_steps_along_x_stay_in_the_plane(heading):
+    direction = "-x" if heading else "+x"
+    simulator = Simulator(Scenario().replace({"drive.direction": direction}))
+    for strength in (10.0, 20.0, 10.0):
+        row = steering_voltages(heading, strength, -10.0)
+        state = simulator.step(dict(zip(COIL_NAMES, row, strict=True)), 5e-3)
+    assert (state.y, state.heading) == (0.0, heading)

@@ -170,3 +170,18 @@ def test_the_fields_of_a_record_are_one_value_however_they_are_written(tmp_path)
         assert load(path) == scenario
     with pytest.raises(ScenarioError, match=r"record\.from: a sweep keeps summaries only"):
         sweep(Scenario(), vary={"record.from": [0.0, 1.0]})
+
+
+@pytest.mark.parametrize("suffix", ["nc", "csv"])
+def test_a_condition_that_was_never_met_is_a_note(suffix, tmp_path):
+    path = tmp_path / f"a.{suffix}"
+    scenario = Scenario(drive=Drive(base=0.5e-3, pulses=4), record=Record(rate=1e3))
+    note = "the condition x >= 1 was not met until the end of the run"
+    for run in (
+        simulate(scenario, until="x  >= 1"),
+        simulate(scenario, until="x >= 1", out=path),
+        open_run(path),
+    ):
+        assert (run.condition_met, run.condition, run.notes) == (False, "x >= 1", [note])
+    assert note not in simulate(scenario, until="x >= 1e-6").notes
+    assert simulate(scenario.replace({"solver.max_steps": 100}), until="x >= 1").notes == []

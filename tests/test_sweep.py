@@ -7,7 +7,16 @@ import pytest
 import xarray
 
 import stickslip
-from stickslip import Drive, Record, Scenario, ScenarioError, Waveform, simulate, sweep
+from stickslip import (
+    Drive,
+    Record,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    simulate,
+    sweep,
+    sweep_dataframe,
+)
 from stickslip.sweeping.points import short_name
 from stickslip.sweeping.results import EVENTS, NUMBERS
 
@@ -202,3 +211,30 @@ def test_lists_of_scenarios_that_are_refused():
 def test_threads_that_are_refused(threads):
     with pytest.raises(ValueError, match="threads = "):
         sweep(BASE, {"drive.frequency": [30.0]}, threads=threads)
+
+
+HEADINGS = [0.0, 0.5, 1.5]
+
+
+def test_a_sweep_of_headings_has_the_velocities_along_them():
+    base = Scenario(drive=Drive(base=0.5e-3, pulses=4))
+    vary = {"drive.direction": ["+x", "-x"], "drive.heading": HEADINGS}
+    data = sweep(base, vary)
+    for direction in ("+x", "-x"):
+        for heading in HEADINGS:
+            changes = {"drive.direction": direction, "drive.heading": heading}
+            at = data.sel(direction=direction, drive_heading=heading)
+            found = (at.velocity_along.item(), at.velocity_across.item())
+            assert found == simulate(base.replace(changes)).velocity
+    listed = sweep([base.replace({"drive.heading": heading}) for heading in HEADINGS])
+    along = data.velocity_along.sel(direction="+x").values
+    np.testing.assert_array_equal(listed.velocity_along.values, along)
+    assert listed.velocity_along.attrs["units"] == "m/s"
+    assert "velocity_along" in sweep_dataframe(listed)
+
+
+def test_a_sweep_in_the_plane_has_no_velocity_along_headings():
+    base = Scenario(drive=Drive(base=0.5e-3, pulses=4))
+    data = sweep(base, {"drive.heading": [0.0, np.pi]})
+    assert "velocity_along" not in data
+    assert data.mean_velocity.values[0] == pytest.approx(-data.mean_velocity.values[1])

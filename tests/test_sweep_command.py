@@ -284,3 +284,31 @@ def test_nan_and_infinity_are_no_json(scenario):
     assert found["results"][0]["theta_max"] is None
     assert "highest" not in found
     assert np.isnan(sweep(load(scenario), {"contact.static_friction": [0.1]})["theta_max"]).all()
+
+
+def test_a_sweep_of_headings_tells_the_velocity_along_them(scenario):
+    done = stickslip("sweep", scenario, "--vary", "drive.heading=0,0.5,1.5")
+    data = sweep(load(scenario), {"drive.heading": [0.0, 0.5, 1.5]})
+    along, across = (data[name].values * 1e3 for name in ("velocity_along", "velocity_across"))
+    head, _, *rows = [line.split() for line in done.stdout.splitlines()[:5]]
+    assert head[:5] == ["heading", "status", "velocity", "along", "across"]
+    assert [row[2:4] for row in rows] == [
+        [f"{a:.4f}", f"{c + 0.0:.4f}"] for a, c in zip(along, across, strict=True)
+    ]
+    assert f"highest   {along.max():.6g} mm/s along the heading at drive.heading" in done.stdout
+    assert "-0.0000" not in done.stdout
+    found = json.loads(stickslip("sweep", scenario, "--vary=drive.heading=0,1.5", "--json").stdout)
+    assert found["highest"]["velocity_along"] * 1e3 == pytest.approx(along[[0, 2]].max())
+
+
+def test_columns_of_keys_that_share_their_last_word_have_their_whole_names(scenario):
+    vary = [
+        "--vary",
+        "drive.heading=0,0.5",
+        "--vary",
+        "initial.heading=0,1",
+        "--vary",
+        "drive.base=0",
+    ]
+    head = stickslip("sweep", scenario, *vary).stdout.splitlines()[0].split()
+    assert head[:4] == ["drive.heading", "initial.heading", "base", "status"]

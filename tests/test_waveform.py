@@ -5,7 +5,16 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip import Coil, Drive, Scenario, ScenarioError, Waveform, simulate, volts_per_tesla
+from stickslip import (
+    Coil,
+    Drive,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    simulate,
+    sweep,
+    volts_per_tesla,
+)
 
 DRIVES = [
     {},
@@ -159,6 +168,18 @@ def test_waveforms_are_values():
 def test_bad_waveforms_are_refused(make, match):
     with pytest.raises(ValueError, match=match):
         make()
+
+
+@pytest.mark.parametrize("drive", [{"heading": 0.5}, {"coils": "pairs"}])
+def test_a_program_has_no_heading_and_no_choice_of_coils(drive):
+    program = Scenario(drive=Drive(mode="program", program=Waveform.ipp(pulses=1)))
+    (key,) = drive
+    with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed"):
+        Scenario(drive=Drive(mode="program", program=Waveform.ipp(pulses=1), **drive))
+    with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed"):
+        program.replace({f"drive.{key}": drive[key]})
+    with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed"):
+        sweep(program, {f"drive.{key}": [drive[key]]})
 
 
 def test_a_program_needs_its_mode():

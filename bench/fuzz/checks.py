@@ -100,7 +100,7 @@ def _status_failures(identity: Identity, run: Run) -> list[str]:
     if run.ok:
         summary = run.summary()
         if not summary["finished_pulses"]:  # a program has none
-            del summary["finished_velocity"]
+            del summary["finished_velocity"], summary["finished_velocity_y"]
         failures += [
             f"{name} is not finite"
             for name, value in summary.items()

@@ -2,20 +2,23 @@
 
     PYTHONPATH=tests python -m reference.steering_table
 
-writes `tests/data/steering_reference.json` (some minutes). Every walk is made twice: `whole`, with
-edges that land as wholes (see WHOLE_EDGES), as a model without roll has it, and `sharp`, with
-corners that land one by one. What the two differ by is what roll does. Each is made with three
-lengths of step, each half of the one before; the result is extrapolated to none, and its error is
-the largest difference of the three, as in `convergence.py`.
+writes `tests/data/steering_reference.json` (a quarter of an hour); with `--only turn` it makes the
+walks that have this word in their name and those that the file lacks, and keeps the others.
+
+Every walk is made twice: `whole`, with edges that land as wholes (see WHOLE_EDGES), as a model
+without roll has it, and `sharp`, with corners that land one by one. What the two differ by is what
+roll does. Each is made with three lengths of step, each half of the one before; the result is
+extrapolated to none, and its error is the largest difference of the three, as in `convergence.py`.
 """
 
+import argparse
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 
-from .drive import complete_drive
+from .drive import complete_drive, voltages_of
+from .eight_corners import HEADING
 from .heading import TURNING_STEP, Heading, constant
 from .simulate import CONTACT_DEFAULTS, DRAG_DEFAULTS, ROBOT_DEFAULTS
 from .walk import HALVINGS, WHOLE_EDGES, walk
@@ -78,6 +81,11 @@ def rows():
     yield row("IPP turn 0 to 90 in 5 pulses, pairs", IPP, _turn(IPP, 90, 5, 5), coils="pairs")
     yield row("OPP turn 0 to 30 in 3 pulses", OPP, _turn(OPP, 30, 5, 3))
     yield row("OPP turn 0 to 90 in 5 pulses", OPP, _turn(OPP, 90, 5, 5))
+    for name, drive in (("IPP", IPP), ("OPP", OPP)):
+        for degrees in (30, 60):
+            turn = _turn(drive, degrees, 4, 15)
+            yield row(f"{name} turn 0 to {degrees} in 15 pulses", drive, turn)
+    yield row("IPP turn 0 to 60 in 15 pulses, pairs", IPP, _turn(IPP, 60, 4, 15), coils="pairs")
 
 
 def numbers_of(found) -> list:
@@ -88,16 +96,31 @@ def numbers_of(found) -> list:
     ]  # fmt: skip
 
 
+def pulse_ends(drive: dict) -> np.ndarray:
+    """When the pulses that are measured end, s, shape (n,)."""
+    planar = voltages_of(drive)
+    pulses = round((planar.last_counted - planar.first_counted) * drive["frequency"])
+    return planar.first_counted + np.arange(1, pulses + 1) / drive["frequency"]
+
+
 def result_of(arguments: dict) -> dict:
-    """Results of one walk with their errors, extrapolated to no step at all; see RESULTS."""
+    """Results of one walk with their errors, extrapolated to no step at all; see RESULTS.
+
+    headings: of a walk that turns, rad, of the body at the pulses' ends, with the shortest step.
+    """
     walks = [walk(**arguments, shortest=shortest) for shortest in SHORTEST]
     ladder = np.array([numbers_of(found) for found in walks])
     best, error = 2 * ladder[-1] - ladder[-2], np.ptp(ladder, axis=0)
-    return {
+    result = {
         "values": dict(zip(RESULTS, best.tolist(), strict=True)),
         "errors": dict(zip(RESULTS, error.tolist(), strict=True)),
         "counts": walks[-1].counts,
     }
+    if len(arguments["heading"].times) > 1:
+        angles = np.unwrap(walks[-1].samples[:, HEADING])
+        ends = pulse_ends(arguments["drive"])
+        result["headings"] = np.interp(ends, walks[-1].t, angles).tolist()
+    return result
 
 
 def entry_of(name: str, arguments: dict) -> dict:
@@ -118,11 +141,27 @@ def entry_of(name: str, arguments: dict) -> dict:
     return {"name": name, **given, "whole": whole, "sharp": result_of(arguments)}
 
 
+def _walks_without(word: str, file: Path) -> dict[str, dict]:
+    """The walks of a file that do not have the word in their name."""
+    return {
+        entry["name"]: entry
+        for entry in json.loads(file.read_text())["walks"]
+        if word not in entry["name"]
+    }
+
+
 def main():
     """Make the table, and write it to the file or to the one that the command names."""
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", type=Path, nargs="?", default=FILE)
+    parser.add_argument("--only", metavar="WORD", help="keep the walks without it in their name")
+    options = parser.parse_args()
+    kept = {} if options.only is None else _walks_without(options.only, options.file)
     walks = []
     for name, arguments in rows():
+        if name in kept:
+            walks.append(kept[name])
+            continue
         walks.append(entry_of(name, arguments))
         for kind in ("whole", "sharp"):
             values, errors = walks[-1][kind]["values"], walks[-1][kind]["errors"]
@@ -142,7 +181,7 @@ def main():
         "whole_edges": WHOLE_EDGES,
         "walks": walks,
     }
-    file.write_text(json.dumps(table, indent=1) + "\n")
+    options.file.write_text(json.dumps(table, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -203,9 +203,9 @@ def figure_after(suffix: str) -> Completer:
     def complete(
         ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        from stickslip.sweeping.results import NUMBERS
+        from stickslip.control.goal import FIGURES
 
-        figures = ((f"{name}{suffix}", each.meaning) for name, each in NUMBERS.items())
+        figures = ((f"{name}{suffix}", each.meaning) for name, each in FIGURES.items())
         return _beginning(figures, incomplete)
 
     return complete

@@ -35,7 +35,8 @@ Examples:
     "--maximise",
     metavar="FIGURE",
     shell_complete=figure_after(""),
-    help="A number of the summary, as large as may be.",
+    help="A number of the summary, as large as may be. mean_velocity is along x, velocity_along "
+    "along the heading of the drive.",
 )
 @click.option(
     "--minimise",

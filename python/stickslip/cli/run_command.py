@@ -61,8 +61,8 @@ Example:
 @click.option(
     "--until",
     metavar="CONDITION",
-    help='End where a condition is met, such as "x >= 3e-3"; of time (s), x, z (m), theta (rad) '
-    "or turns.",
+    help='End where a condition is met, such as "x >= 3e-3"; of time (s), x, y, z (m), theta, '
+    "heading (rad) or turns.",
 )
 @click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
 @click.option(
@@ -125,7 +125,7 @@ def command(
             raise failure
         drawn = pictures.draw(run)
     finally:  # the summary is printed even if a disk was full
-        click.echo(json_text(run.summary()) if as_json else summary_table(run.summary()))
+        click.echo(json_text(run.summary()) if as_json else summary_table(run))
         if not run.ok:
             say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
     return 0 if run.ok and drawn else 1

@@ -42,9 +42,11 @@ class Pictures:
                 continue
             if not self.option:
                 raise ScenarioError(f"{option}: allowed with --plot or --animate only")
-            if not 0.0 <= time <= scenario.duration:
+            # The sum of the drive's parts has the rounding of each: 0.16999... s is 0.17 s.
+            end = round(scenario.duration, 12)
+            if not 0.0 <= time <= max(end, scenario.duration):
                 raise ScenarioError(
-                    f"{option} = {time!r}: allowed is from 0 to {highest(scenario.duration)} s, "
+                    f"{option} = {time!r}: allowed is from 0 to {highest(end)} s, "
                     "the duration of the run"
                 )
         if self.start is not None and self.stop is not None and self.start >= self.stop:
@@ -65,12 +67,13 @@ class Pictures:
 
     def check_recorded(self, scenario: Scenario) -> None:
         """Say before a long simulation that its record could not be drawn after it."""
-        from stickslip.plot.motion import DRAWN
+        from stickslip.plot.motion import DRAWN, DRAWN_ACROSS
         from stickslip.plot.moving_picture import frame_count
         from stickslip.plot.run_figure import stretch
 
         fields = str(scenario.record.fields)
-        missing = [name for name in DRAWN if name not in recorded_fields(fields)]
+        drawn = (*DRAWN, *DRAWN_ACROSS) if scenario.turns else DRAWN
+        missing = [name for name in drawn if name not in recorded_fields(fields)]
         if missing:
             raise ScenarioError(
                 f"{self.option}: {RECORD_FIELDS} = {shown(fields)}: allowed is what has all that "

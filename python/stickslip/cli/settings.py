@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.field_map import FieldMap
-from stickslip.scenario.keys import Value, checked, full_name
+from stickslip.scenario.keys import Value, checked, full_name, in_radians
 from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_sawtooth
@@ -24,6 +24,8 @@ _T = TypeVar("_T")
 _QUOTES = ("'", '"')
 
 _WITH_UNIT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*[A-Za-zµμΩ%°][\w µμΩ%°/*^·-]*")
+
+_IN_DEGREES = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?:°|deg(?:rees?)?)")
 
 _VARY = "allowed is key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40"
 
@@ -59,6 +61,12 @@ def parse_value(text: str) -> Value:
             return number(text)
         except ValueError:
             continue
+    angle = _IN_DEGREES.fullmatch(text)
+    if angle is not None:
+        raise ScenarioError(
+            f"{text}: allowed is a number without its unit, in SI units: "
+            f"{in_radians(float(angle[1]))}"
+        )
     if _WITH_UNIT.fullmatch(text):
         raise ScenarioError(
             f"{text}: allowed is a number without its unit, in SI units: 2.5 mT is 2.5e-3"
@@ -189,8 +197,6 @@ def swept_points(scenario: Path, vary: Sequence[str], settings: Sequence[str]) -
             raise ScenarioError(f"{key}: allowed is either --set or --vary, not both")
     base = _base(scenario, settings, values)
     with prefixed("--vary"):
-        if "drive.mode" not in values:
-            refuse_sawtooth(base.drive.mode, values)
         return grid(base, values)
 
 

@@ -11,12 +11,15 @@ import numpy as np
 
 from stickslip._util.handy_units import handy
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.record_blocks import turns
+from stickslip.simulation.seen_from_drive import ACROSS, ALONG, VELOCITIES, shown_velocities
 from stickslip.sweeping.results import NUMBERS
 
 if TYPE_CHECKING:
     import xarray
 
     from stickslip.control.prediction import Prediction
+    from stickslip.simulation.run import Run
 
 _WORDS = {
     "slip_up": ", mean slip speed while theta rises",
@@ -31,18 +34,29 @@ _WORDS = {
 
 _MOST_ROWS = 50  # chosen: about one page; a longer table is in the file only
 
-_VELOCITY, _VELOCITY_ACROSS = "mean_velocity", "mean_velocity_y"
+# Where the robot leaves its plane.
+_WORDS_OF_THE_PLANE = {
+    ALONG: ", along the heading of the drive",
+    ACROSS: ", to the left of it",
+    "mean_velocity": ", along x",
+    "mean_velocity_y": ", along y",
+}
 
 # Headings.
+_LONE_VELOCITY = "mean velocity"
+_SEVERAL_VELOCITIES = {
+    ALONG: "velocity along",
+    ACROSS: "across",
+    "mean_velocity": "velocity along x",
+    "mean_velocity_y": "along y",
+}
 _COLUMNS = {
-    _VELOCITY: "mean velocity",
     "theta_min": "theta from",
     "theta_max": "to",
     "slip_up": "slip up",
     "slip_down": "slip down",
     "airborne_fraction": "airborne",
 }
-_PREDICTED = (_VELOCITY, "airborne_fraction")
 
 # Every column says its unit: "1" is that of pure numbers, as in the files.
 _OF_WORDS = "-"
@@ -50,30 +64,56 @@ _OF_WORDS = "-"
 
 def _shown_in(name: str) -> tuple[float, str]:
     """Factor and unit in which a number of a summary is shown beside its SI unit."""
-    unit = NUMBERS[name].unit
+    unit = {**NUMBERS, **VELOCITIES}[name].unit
     return (100.0, "%") if unit == "1" else handy(unit)
 
 
-def summary_table(summary: dict[str, Any]) -> str:
+def summary_table(run: Run) -> str:
     """Names, SI values and handier units in columns."""
+    summary = run.summary()
+    leaves = turns(run.scenario)
+    columns = {**(VELOCITIES if ALONG in summary else {}), **NUMBERS} if leaves else NUMBERS
+    words = {**_WORDS, **_WORDS_OF_THE_PLANE} if leaves else _WORDS
     measured = "nothing"
     if math.isfinite(summary["mean_velocity"]):
         measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
     rows = [("status", summary["status"], "")]
-    for name, (unit, _) in NUMBERS.items():
-        value = summary[name] + 0.0  # no negative zero
-        if name == _VELOCITY_ACROSS and value == 0.0:
-            continue  # the robot stays in one plane
-        factor, other = _shown_in(name)
-        words = _WORDS.get(name, "")
-        handier = f"{value * factor:.5g} {other}{words}" if other != unit else words
-        rows.append((name, f"{value:.6g} {unit}".removesuffix(" 1"), handier))
+    for name, (unit, _) in columns.items():
+        if name == "mean_velocity_y" and not leaves:
+            continue
+        rows.append(_row(name, summary[name], unit, words.get(name, "")))
+    if leaves:
+        rows += _rows_of_the_plane(run, summary)
     rows.append(("measured", measured, ""))
     counts = {**summary["events"], "painleve": summary["painleve_events"]}
     met = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
     rows.append(("events", met or "none", ""))
     rows += [("note", note, "") for note in summary["notes"]]
     return "\n".join(f"{name:<19}{value:<22}{other}".rstrip() for name, value, other in rows)
+
+
+def _row(name: str, value: float, unit: str, words: str) -> tuple[str, str, str]:
+    """A number with its SI unit, in a handier unit, and what it is."""
+    value += 0.0  # no negative zero
+    factor, other = (100.0, "%") if unit == "1" else handy(unit)
+    handier = f"{value * factor:.5g} {other}{words}" if other != unit else words
+    return name, f"{value:.6g} {unit}".removesuffix(" 1"), handier
+
+
+def _rows_of_the_plane(run: Run, summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """What else a robot does that leaves its plane."""
+    end = run.final_state
+    return [
+        _row(
+            "turning_speed",
+            summary["turning_speed"],
+            "m/s",
+            ", by which turning may change the velocity",
+        ),
+        _row("final x", end.x, "m", ""),
+        _row("final y", end.y, "m", ""),
+        _row("final heading", end.heading, "rad", ", from +x to the left"),
+    ]
 
 
 def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
@@ -104,18 +144,22 @@ def sweep_table(data: xarray.Dataset) -> str:
         ("points", f"{data['status'].size} ({sizes})"),
         ("status", ", ".join(f"{name} {count}" for name, count in statuses.items())),
     ]
+    velocities = shown_velocities(data)
+    figure = next(iter(velocities))
+    direction = f" {velocities[figure]}".rstrip()
     for name, point in _extremes(data).items():
-        velocity = point.pop(_VELOCITY)
+        velocity = point.pop(figure)
         where = ", ".join(
             f"{key} = {_value_text(value)} {_key_unit(key)}".rstrip()
             for key, value in point.items()
         )
-        rows.append((name, f"{velocity * 1e3:.6g} mm/s at {where}"))
+        rows.append((name, f"{velocity * 1e3:.6g} mm/s{direction} at {where}"))
     text = "\n".join(f"{name:<10}{value}" for name, value in rows)
     if data["status"].size > _MOST_ROWS:
         return text
     columns = [*_key_columns(data["status"]), ["status", _OF_WORDS, *_statuses(data)]]
-    columns += [_figure_column(title, data[name]) for name, title in _COLUMNS.items()]
+    titles = {**_velocity_titles(data), **_COLUMNS}
+    columns += [_figure_column(title, data[name]) for name, title in titles.items()]
     return f"{_aligned(columns)}\n\n{text}"
 
 
@@ -167,10 +211,11 @@ def prediction_table(prediction: Prediction) -> str:
         return text
     # Three lines of heading: figure, unit, quantile.
     columns = _key_columns(data["failed"], "")
-    for name in _PREDICTED:
+    velocity, title = next(iter(_velocity_titles(data).items()))
+    for name, heading in ((velocity, title), ("airborne_fraction", "airborne")):
         for level in data["quantile"].values.tolist():
             values = data[name].sel(quantile=level)
-            columns.append(_figure_column(_COLUMNS[name], values, f"{100.0 * level:.4g} %"))
+            columns.append(_figure_column(heading, values, f"{100.0 * level:.4g} %"))
     columns.append(["failed", "draws", "", *map(str, _listed(data["failed"]))])
     return f"{_aligned(columns)}\n\n{text}"
 
@@ -221,10 +266,11 @@ def _statuses(data: xarray.Dataset) -> list[str]:
 
 def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
     """The settings and the velocity of the slowest and of the fastest point."""
-    velocity = data[_VELOCITY].values.ravel()
+    figure = next(iter(shown_velocities(data)))
+    velocity = data[figure].values.ravel()
     if np.isnan(velocity).all():
         return {}
-    columns = {**_varied_keys(data["status"]), _VELOCITY: velocity.tolist()}
+    columns = {**_varied_keys(data["status"]), figure: velocity.tolist()}
     places = {"lowest": int(np.nanargmin(velocity)), "highest": int(np.nanargmax(velocity))}
     return {
         name: {key: values[index] for key, values in columns.items()}
@@ -232,19 +278,40 @@ def _extremes(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
     }
 
 
+def _velocity_titles(data: xarray.Dataset) -> dict[str, str]:
+    """Headings of the columns of the velocities that tell the motion."""
+    names = shown_velocities(data)
+    if len(names) == 1:
+        return dict.fromkeys(names, _LONE_VELOCITY)
+    return {name: _SEVERAL_VELOCITIES[name] for name in names}
+
+
 def _key_columns(like: xarray.DataArray, *heading: str) -> list[list[str]]:
     """Of each swept key a column: name, unit, other lines of `heading`, and its values."""
+    columns = _varied_keys(like)
+    words = [key.rpartition(".")[2] for key in columns]
     return [
-        [key.rpartition(".")[2], _column_unit(key), *heading, *map(_value_text, values)]
-        for key, values in _varied_keys(like).items()
+        [
+            word if words.count(word) == 1 else key,
+            _column_unit(key),
+            *heading,
+            *map(_value_text, values),
+        ]
+        for word, (key, values) in zip(words, columns.items(), strict=True)
     ]
 
 
 def _figure_column(title: str, values: xarray.DataArray, *heading: str) -> list[str]:
     """The column of a number of the summary: title, unit, other lines of `heading`, and values."""
     factor, unit = _shown_in(str(values.name))
-    numbers = values.values.ravel() * factor + 0.0  # no negative zero
-    return [title, unit, *heading, *(f"{number:.4f}" for number in numbers)]
+    numbers = values.values.ravel() * factor
+    # Rounded first: what rounds to zero has no sign.
+    return [
+        title,
+        unit,
+        *heading,
+        *(f"{round(number, 4) + 0.0:.4f}" for number in numbers.tolist()),
+    ]
 
 
 def _aligned(columns: Sequence[Sequence[str]]) -> str:

@@ -10,13 +10,14 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.number_text import is_number
+from stickslip.control.checks import check_above_zero
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
+from stickslip.scenario.keys import check_kind, refuse
 
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """Frames of x and theta that come late, with noise, and not always.
+    """Frames of place, tilt and heading that come late, with noise, and not always.
 
     Attributes
     ----------
@@ -26,10 +27,11 @@ class Camera:
         Time over which a frame averages, s.
     latency : float
         From the end of an exposure to the controller, s.
-    noise_x, noise_theta : float
-        Standard deviations of the tracking, m and rad.
+    noise_x, noise_theta, noise_heading : float
+        Standard deviations of the tracking: of x, and alike of y, m; of the tilt and of the
+        heading, rad.
     pixel : float
-        Quantum of x, m; 0: none.
+        Quantum of x and y, m; 0: none.
     dropped : float
         Share of frames that never come.
     """
@@ -39,32 +41,44 @@ class Camera:
     latency: float = 0.0
     noise_x: float = 0.0
     noise_theta: float = 0.0
+    noise_heading: float = 0.0
     pixel: float = 0.0
     dropped: float = 0.0
 
     def __post_init__(self) -> None:
-        for each in fields(self):
+        for each in fields(self):  # the frame rate first: the range of the exposure is by it
             value = getattr(self, each.name)
-            low = 0.0 if each.name != "frame_rate" else 1e-3
-            high = {"dropped": 1.0, "exposure": 1.0 / max(self.frame_rate, 1e-3)}.get(
-                each.name, math.inf
-            )
-            if not (isinstance(value, (int, float)) and low <= value <= high):
-                raise ScenarioError(
-                    f"camera.{each.name} = {value!r}: allowed is a number from {low:g} to {high:g}"
-                )
+            low, high = (1e-3, math.inf) if each.name == "frame_rate" else (0.0, math.inf)
+            if each.name == "dropped":
+                high = 1.0
+            elif each.name == "exposure":
+                high = 1.0 / self.frame_rate
+            if not (is_number(value) and low <= value <= high and math.isfinite(value)):
+                until = f" to {high:g}" if math.isfinite(high) else ""
+                refuse(f"camera.{each.name}", value, f"a finite number from {low:g}{until}")
 
 
 class Film:
     """What a camera has seen since an episode began: of one robot, or of many in one image.
 
-    A pose is x (m) and theta (rad), of shape (2,), or (n, 2) for n robots.
+    A pose is x (m) and theta (rad), of shape (2,), or (n, 2) for n robots; in the plane it is x, y
+    (m), theta and heading (rad), of shape (4,) or (n, 4).
+
+    Raises
+    ------
+    ScenarioError
+        If the camera is none, the period is not above 0, or a pose has another number of values.
     """
 
     def __init__(self, camera: Camera, period: float, pose: Array) -> None:
-        if not (is_number(period) and 0.0 < period < math.inf):
-            raise ScenarioError(f"period = {shown(period)}: allowed is a number of seconds above 0")
+        check_kind("camera", camera, Camera)
+        check_above_zero("period", period, "s")
+        if np.shape(pose)[-1:] not in ((2,), (4,)):
+            raise ScenarioError(f"pose of shape {np.shape(pose)}: allowed is (..., 2) or (..., 4)")
         self._camera = camera
+        self._places = 1 if pose.shape[-1] == 2 else 2  # x, or x and y
+        noises = [camera.noise_x] * self._places + [camera.noise_theta, camera.noise_heading]
+        self._noises = noises[: pose.shape[-1]]
         self._next = 0  # frame
         exposed = max(1, round(camera.exposure / period))
         self._exposed: deque[Array] = deque(maxlen=exposed)
@@ -78,12 +92,20 @@ class Film:
         self._exposed.append(pose.copy())
         if time + slack >= self._next / camera.frame_rate:
             self._next = math.floor((time + slack) * camera.frame_rate) + 1
-            noise = random.standard_normal(pose.shape) * (camera.noise_x, camera.noise_theta)
-            seen = np.mean(self._exposed, axis=0) + noise
+            seen = self._averaged() + random.standard_normal(pose.shape) * self._noises
             if camera.pixel > 0.0:
-                seen[..., 0] = camera.pixel * np.round(seen[..., 0] / camera.pixel)
+                places = seen[..., : self._places]
+                places[...] = camera.pixel * np.round(places / camera.pixel)
             if random.random() >= camera.dropped:
                 self._coming.append((time, seen))
         while self._coming and self._coming[0][0] + camera.latency <= time + slack:
             self.taken, self.pose = self._coming.popleft()
         return self.pose, time - self.taken
+
+    def _averaged(self) -> Array:
+        """The mean over the exposure; headings about the newest one, as they jump by a turn."""
+        poses = np.array(self._exposed)
+        if self._places == 2:
+            newest = poses[-1, ..., 3]
+            poses[..., 3] = newest + np.remainder(poses[..., 3] - newest + np.pi, 2 * np.pi) - np.pi
+        return np.asarray(np.mean(poses, axis=0))

@@ -189,7 +189,8 @@ def as_long(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]
 def as_program(waveform: Waveform, others: Mapping[str, Value]) -> dict[str, Any]:
     """Changes for a scenario that plays a waveform; of `others` those that it still uses."""
     left = {key: value for key, value in others.items() if key not in SAWTOOTH}
-    return {**left, "drive.mode": "program", PROGRAM: waveform}
+    # A program has its coils by name, and no choice of them.
+    return {**left, "drive.coils": "single", "drive.mode": "program", PROGRAM: waveform}
 
 
 def drive_waveform(scenario: Scenario) -> Waveform:
@@ -276,6 +277,11 @@ def _periodic(
         raise ScenarioError(
             'knots: not allowed with drive.mode = "program", whose period is not known; allowed '
             'is "IPP" or "OPP", whose frequency, pulses and ramp the waveform has'
+        )
+    if scenario.drive.heading != 0.0:
+        raise ScenarioError(
+            f"knots: not allowed with drive.heading = {scenario.drive.heading:g}: a free waveform "
+            "has no heading, and goes where its coils pull"
         )
     for key in free:
         if key in SAWTOOTH and key not in OF_A_PROGRAM and find_key(key).kind != "word":

@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip._util.arrays import Array
 from stickslip._util.missing_extra import naming_the_extra
-from stickslip.scenario.keys import check_kind
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
@@ -18,42 +17,60 @@ with naming_the_extra("stickslip.control.environments"):
 
 from stickslip import _core
 from stickslip._util.processor_count import worker_count
-from stickslip.control.camera import Camera, Film
-from stickslip.control.tasks import task_named
+from stickslip.control.camera import Camera
+from stickslip.control.checks import (
+    check_above_zero,
+    check_within_coils,
+    checked_actions,
+    coils_named,
+    numbers_of,
+)
+from stickslip.control.observations import PLACE, Observer, columns_of
+from stickslip.control.path import Path
+from stickslip.control.steering import heading_voltages
+from stickslip.control.tasks import PathTargets, PointTargets, Targets, task_named
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_whole, meant
+from stickslip.scenario.keys import check_kind, check_whole
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.scenario.state import STATE_COLUMNS
+from stickslip.scenario.state import CONTACT_WORDS, STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior
 
-OBSERVED = ("to goal", "x", "z", "theta", "vx", "vz", "omega", "current_xp", "current_clamp")
-"""Columns of an observation without a camera; with one: to goal, x, theta, age of the frame."""
-
-UNITS = (1e-3, 1e-3, 1e-4, 1.0, 1e-2, 1e-2, 100.0, 1.0, 1.0)
-"""What one stands for in each column of `OBSERVED`, in SI units: about the size of a walk's."""
-
-CAMERA_UNITS = (1e-3, 1e-3, 1.0, 0.1)
-"""The same with a camera; the age is in tenths of a second."""
-
 _FARTHEST = 1e6  # chosen: finite, as libraries want it, and beyond all that moves
-_X, _THETA, _CONTACT = (STATE_COLUMNS.index(name) for name in ("x", "theta", "contact"))
-_STATE = [STATE_COLUMNS.index(name) for name in OBSERVED[1:]]
+_CONTACT, _HEADING = columns_of(["contact", "heading"])
+_RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
 
 
 class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     """Robots that are stepped together in the core.
 
-    An action is the voltage of each coil in `coils` over `voltage`, -1 to 1, held for `period`; an
-    observation has the columns `OBSERVED` in the units `UNITS`. A robot whose simulation fails ends
-    its episode (terminated), and ``info["failure"]`` names the status. The same seed gives the same
-    bits for any number of threads.
+    An action has values from -1 to 1, to which values beyond are clipped, and holds for `period`.
+    Where a robot stays in its plane, they
+    are the voltages of `coils` over `voltage`. Where it is steered, in "reach" and "follow", they
+    are how fast the field along the surface turns to the left, over `turning`; the voltage that
+    makes this field, from 0 at -1 to `voltage` at 1, see `stickslip.control.heading_voltages`; and
+    the voltage of the clamp coil over `voltage`. The field begins at the robot's heading.
+
+    An observation has the columns `stickslip.control.observations.OBSERVED` where a robot stays in
+    its plane, else `stickslip.control.observations.OBSERVED_IN_PLANE`; through a camera
+    `stickslip.control.observations.CAMERA_OBSERVED` or
+    `stickslip.control.observations.CAMERA_OBSERVED_IN_PLANE`. Each is divided by its unit there.
+
+    A robot whose simulation fails ends its episode (terminated), and ``info["failure"]`` names the
+    status, among them ``heading_lost`` and ``turns_too_fast``; where a robot has left its path, it
+    is ``left_path``. A robot that follows a path has its ``progress`` and its distance to the left
+    of the path, ``across``, in `info`, m.
+
+    An action of another shape, or with a value that is not finite, is a ``ScenarioError``, before
+    anything has moved.
+
+    The same seed gives the same bits for any number of threads.
 
     Parameters
     ----------
     num_envs : int
-    task : {"walk", "reach", "place"}
+    task : {"walk", "reach", "place", "follow"}
         See `stickslip.control.tasks.TASKS`.
     scenario : Scenario, optional
         The robot; its drive is not played, see `stickslip.Simulator`.
@@ -63,16 +80,35 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         uncertain in `scenario`.
     camera : Camera, optional
         What the robots are seen through.
-    coils : sequence of str
-        Coils that the actions drive.
+    coils : sequence of str, optional
+        Coils whose voltages the actions are; if not given, the xp and the clamp coil of a robot
+        that stays in its plane, and one that is steered is driven along a heading. A robot that is
+        steered by coils needs the clamp and another one; actions that make the field jump, such as
+        random ones, end its episode by ``turns_too_fast``.
+    path : Path or array_like of shape (k, 2), optional
+        What is to be followed, m, from where the robot begins; if not given, a figure of eight of
+        4 mm, `stickslip.control.Path.figure_of_eight`.
+    goal : array_like of shape (2,), optional
+        What is to be reached by "reach", x and y, m; if not given, it is drawn for each episode,
+        0.5 to 2 mm from where the robot begins.
     voltage : float
-        V, at an action of one.
+        V, at an action of one; above 0.
+    turning : float
+        Rate at which the heading is turned at an action of one, rad/s; above 0.
     period : float
-        Of a step, s.
+        Of a step, s; above 0.
     threads : int
     autoreset_mode : AutoresetMode
     max_episode_steps : int, optional
-        After which an episode is truncated.
+        After which an episode is truncated, at least 1; to ``gymnasium.make`` -1 says that none
+        is.
+
+    Raises
+    ------
+    ScenarioError
+        If one of these is not what it should be: with its name, its value and what is allowed. Also
+        if a path begins, as far as that is known, more than 0.25 mm from the robot, or if a path or
+        a goal lies beyond the coils, or outside of the field map.
     """
 
     def __init__(
@@ -82,8 +118,11 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         scenario: Scenario | None = None,
         uncertain: JointPrior | Mapping[str, Prior] | Scenario | None = None,
         camera: Camera | None = None,
-        coils: Sequence[str] = ("xp", "clamp"),
+        coils: Sequence[str] | None = None,
+        path: Path | ArrayLike | None = None,
+        goal: ArrayLike | None = None,
         voltage: float = 26.0,
+        turning: float = 50.0,
         period: float = 1e-3,
         threads: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
@@ -91,6 +130,11 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         render_mode: None = None,
     ) -> None:
         check_whole("num_envs", num_envs, 1)
+        if max_episode_steps is not None:
+            check_whole("max_episode_steps", max_episode_steps, 1)
+        check_above_zero("voltage", voltage, "V")
+        check_above_zero("turning", turning, "rad/s")
+        check_above_zero("period", period, "s")
         for name, value, kind in (("scenario", scenario, Scenario), ("camera", camera, Camera)):
             if value is not None:
                 check_kind(name, value, kind)
@@ -100,31 +144,31 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         given = given if uncertain is None else given.with_uncertain(uncertain or None)
         self.scenario, self.uncertain = given.with_uncertain(None), given.uncertain
         self.camera = camera
-        self.voltage, self.period = voltage, period
+        self.voltage, self.turning, self.period = voltage, turning, period
         self.max_episode_steps = max_episode_steps
         self.render_mode = render_mode
         self._threads = worker_count(threads, "threads")
-        unknown = [coil for coil in coils if coil not in COIL_NAMES]
-        if unknown or not coils:
-            hint = meant(unknown[0], COIL_NAMES) if unknown else ""
-            allowed = f"allowed are some of {list(COIL_NAMES)}{hint}"
-            raise ScenarioError(f"coils = {list(coils)}: {allowed}")
-        self._coils = [COIL_NAMES.index(coil) for coil in coils]
+        in_plane = self.task.in_plane
+        if coils is None and not in_plane:
+            coils = ("xp", "clamp")
+        self._coils = None if coils is None else coils_named(coils, in_plane)
+        self._targets = self._made_targets(path, goal)
         mode = AutoresetMode(autoreset_mode)
         self.metadata = {"autoreset_mode": mode, "render_modes": []}
-        units = UNITS if camera is None else CAMERA_UNITS
-        self._units = np.array(units)
-        box = gymnasium.spaces.Box
-        self.single_observation_space = box(-_FARTHEST, _FARTHEST, (len(units),), np.float64)
-        self.single_action_space = box(-1.0, 1.0, (len(coils),), np.float32)
+        self._observer = Observer(camera, in_plane, period, num_envs)
+        box, columns = gymnasium.spaces.Box, (len(self._observer.units),)
+        self.single_observation_space = box(-_FARTHEST, _FARTHEST, columns, np.float64)
+        self.values = 3 if self._coils is None else len(self._coils)
+        """How many an action has of one robot."""
+        self.single_action_space = box(-1.0, 1.0, (self.values,), np.float32)
         batched = gymnasium.vector.utils.batch_space
         self.observation_space = batched(self.single_observation_space, num_envs)
         self.action_space = batched(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
         self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs)
         self._states = np.zeros((num_envs, len(STATE_COLUMNS)))
-        self._goals, self._steps = np.zeros(num_envs), np.zeros(num_envs, dtype=np.int64)
-        self._films: list[Film] = []
+        self._heading = np.zeros(num_envs)  # of the field along the surface, rad
+        self._steps = np.zeros(num_envs, dtype=np.int64)
         self._over = np.zeros(num_envs, dtype=bool)  # the episode, and not begun anew
 
     def reset(
@@ -149,18 +193,38 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self._begin(mask)
         return self._observed(), {}
 
+    def _made_targets(self, path: Path | ArrayLike | None, goal: ArrayLike | None) -> Targets:
+        task = self.task
+        if path is not None and not task.look_ahead:
+            raise ScenarioError(f'path: the task "{task.name}" follows none')
+        if goal is not None:
+            if task.name != "reach":
+                raise ScenarioError(f'goal: the task "{task.name}" takes none')
+            goal = numbers_of("goal", goal, "x and y, m")
+            if goal.shape != (2,):
+                raise ScenarioError(f"goal of shape {goal.shape}: allowed is (2,), x and y, m")
+            check_within_coils("goal", goal[None], self.scenario)
+        if not task.look_ahead:
+            return PointTargets(task, self.num_envs, goal)
+        if path is None:
+            path = Path.figure_of_eight()
+        way = path if isinstance(path, Path) else Path(path)
+        check_within_coils("path", way.points, self.scenario)
+        targets = PathTargets(task, self.num_envs, way)
+        if self.uncertain is None or not {"initial.x", "initial.y"} & set(self.uncertain.names):
+            targets.check_begin(np.array([self.scenario.initial.x, self.scenario.initial.y]))
+        return targets
+
     def _begin(self, mask: NDArray[np.bool_]) -> None:
-        for i in np.flatnonzero(mask):
+        robots = np.flatnonzero(mask)
+        for i in robots:
             self._batch.reset(int(i), self._drawn(self._random[i]).to_core())
-            self._goals[i] = self.task.draw_goal(self._random[i])
-        self._steps[mask], self._over[mask] = 0, False
         self._batch.states(self._states)
-        self._goals[mask] += self._states[mask, _X] if self.task.farthest else 0.0
-        if self.camera is not None:
-            poses = self._states[:, [_X, _THETA]]
-            self._films = self._films or [Film(self.camera, self.period, each) for each in poses]
-            for i in np.flatnonzero(mask):
-                self._films[i] = Film(self.camera, self.period, poses[i])
+        for i in robots:
+            self._targets.begin(int(i), self._states[i, PLACE], self._random[i])
+            self._observer.begin(int(i), self._states[i])
+        self._heading[mask] = self._states[mask, _HEADING]
+        self._steps[mask], self._over[mask] = 0, False
 
     def _drawn(self, random: np.random.Generator) -> Scenario:
         """The scenario with new values of what is uncertain."""
@@ -170,12 +234,11 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self, actions: Array
     ) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Play one period of all robots; see `gymnasium.vector.VectorEnv.step`."""
+        played = checked_actions("actions", actions, (self.num_envs, self.values))
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
-            raise ValueError("an episode is over: reset it by options={'reset_mask': mask}")
-        voltages = np.zeros((self.num_envs, len(COIL_NAMES)))
-        voltages[:, self._coils] = self.voltage * np.clip(np.asarray(actions, dtype=float), -1, 1)
-        before = self._states[:, _X].copy()
+            raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
+        voltages = self._voltages(played)
         voltages[mask] = 0.0  # what is over is begun anew below, whatever it does now
         self._batch.step(voltages, self.period, False, self._threads)
         self._batch.states(self._states)
@@ -183,18 +246,23 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self._steps += 1
         if mask.any():
             self._begin(mask)
-        x = self._states[:, _X]
-        reached = self.task.reached(x, self._goals, self._states[:, _CONTACT])
-        rewards = np.where(mask, 0.0, self.task.reward(before, x, self._goals, reached))
+        rests = np.isin(self._states[:, _CONTACT], _RESTS)
+        judged = self._targets.judge(self._states[:, PLACE], rests)
+        rewards = np.where(mask, 0.0, judged.rewards)
         failed = (status != 0) & ~mask
-        terminations = (failed | reached) & ~mask
+        lost = judged.lost & ~mask & ~failed
+        reached = judged.reached & ~mask
+        terminations = failed | lost | reached
         truncations = np.zeros(self.num_envs, dtype=bool)
         if self.max_episode_steps is not None:
             truncations = (self._steps >= self.max_episode_steps) & ~mask & ~terminations
-        info: dict[str, Any] = {"success": reached & ~mask, "_success": ~mask}
-        if failed.any():
-            words = [_core.status_names[each] for each in status]
-            info |= {"failure": np.where(failed, words, ""), "_failure": failed}
+        info: dict[str, Any] = {"success": reached, "_success": ~mask}
+        for name, values in judged.figures.items():
+            info |= {name: values, f"_{name}": ~mask}
+        if failed.any() or lost.any():
+            words = np.where(failed, [_core.status_names[each] for each in status], "")
+            words = np.where(lost, "left_path", words)
+            info |= {"failure": words, "_failure": failed | lost}
         self._over = terminations | truncations
         observations = self._observed()
         if mode == AutoresetMode.SAME_STEP and self._over.any():
@@ -202,27 +270,30 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
             finals = np.full(self.num_envs, None, dtype=object)
             for i in np.flatnonzero(ended):
                 finals[i] = observations[i].copy()
-            info = {"final_obs": finals, "_final_obs": ended, "final_info": info}
+            # Those that go on keep their entries, as in gymnasium's own vector environments.
+            going = {key: each & ~ended if key[0] == "_" else each for key, each in info.items()}
+            info = {**going, "final_obs": finals, "_final_obs": ended, "final_info": info}
+            info["_final_info"] = ended
             self._begin(ended)
             observations[ended] = self._observed(np.flatnonzero(ended))
         return observations, rewards, terminations, truncations, info
 
+    def _voltages(self, actions: Array) -> Array:
+        """Voltages of the five coils, (n, 5), V."""
+        if self._coils is not None:
+            voltages = np.zeros((self.num_envs, len(COIL_NAMES)))
+            voltages[:, self._coils] = self.voltage * actions
+            return voltages
+        self._heading += self.turning * self.period * actions[:, 0]
+        along = self.voltage * 0.5 * (1.0 + actions[:, 1])
+        return heading_voltages(self._heading, along, self.voltage * actions[:, 2])
+
     def _observed(self, rows: NDArray[np.int64] | None = None) -> Array:
         """Observations of some robots, or all; a camera's are to be asked for once a step."""
-        rows = np.arange(self.num_envs) if rows is None else rows
-        states, goals = self._states[rows], self._goals[rows]
-        if self.camera is None:
-            values = np.column_stack([goals - states[:, _X], states[:, _STATE]])
-            if not self.task.farthest:
-                values[:, 0] = 0.0
-            return np.asarray(values / self._units)
-        values = np.zeros((len(rows), len(CAMERA_UNITS)))
-        for k, i in enumerate(rows):
-            time = float(self._steps[i]) * self.period
-            pose, age = self._films[i].watch(time, states[k, [_X, _THETA]], self._random[i])
-            to_goal = goals[k] - pose[0] if self.task.farthest else 0.0
-            values[k] = to_goal, *pose, age
-        return np.asarray(values / self._units)
+        robots = np.arange(self.num_envs) if rows is None else rows
+        times = np.asarray(self._steps[robots] * self.period, dtype=float)
+        states = self._states[robots]
+        return self._observer.observed(robots, states, times, self._targets, self._random)
 
 
 class RobotEnv(gymnasium.Env[Array, Array]):
@@ -245,7 +316,8 @@ class RobotEnv(gymnasium.Env[Array, Array]):
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Play one period."""
-        many = self._many.step(np.asarray(action)[None])
+        played = checked_actions("action", action, (self._many.values,))
+        many = self._many.step(played[None])
         observations, rewards, terminations, truncations, info = many
         own = {key: value[0] for key, value in info.items() if not key.startswith("_")}
         return (
@@ -257,11 +329,12 @@ class RobotEnv(gymnasium.Env[Array, Array]):
         )
 
 
-for _name in ("Walk", "Reach", "Place"):
+# Steps of 1 ms: about twice what a robot of some 2 mm/s needs.
+for _name, _steps in (("Walk", 1000), ("Reach", 2000), ("Place", 1000), ("Follow", 12_000)):
     gymnasium.register(
         id=f"stickslip/{_name}-v0",
         entry_point=f"{__name__}:RobotEnv",
         vector_entry_point=f"{__name__}:RobotVectorEnv",
-        max_episode_steps=1000,
+        max_episode_steps=_steps,
         kwargs={"task": _name.lower()},
     )

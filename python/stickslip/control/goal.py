@@ -16,6 +16,7 @@ from stickslip.control.search import Key
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse, shown, suggestion
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.results import NUMBERS
 
@@ -28,6 +29,9 @@ Changes = Mapping[str, Any] | ScenarioError
 
 Evaluate = Callable[[Sequence[Changes]], Sequence["Judged"]]
 """Drives that are judged in one batch."""
+
+FIGURES = {**NUMBERS, **VELOCITIES}
+"""What can be a goal or have a limit: numbers of a summary, and `Run.velocity`."""
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
 
@@ -58,7 +62,7 @@ class Goal:
     @property
     def unit(self) -> str:
         """SI unit of the figure."""
-        return NUMBERS[self.figure].unit
+        return FIGURES[self.figure].unit
 
     def scored(self, values: Array) -> Array:
         """Scores of figures, shape (..., draws) to (...), in the figure's unit; NaN where a draw
@@ -121,7 +125,10 @@ class Judged:
 
 def judge(goal: Goal, runs: Sequence[Run]) -> Judged:
     """One drive by its runs, one a draw."""
-    summaries = [run.summary() if run.ok else {} for run in runs]
+    summaries = [
+        {**run.summary(), **dict(zip(VELOCITIES, run.velocity, strict=True))} if run.ok else {}
+        for run in runs
+    ]
     numbers = {
         name: np.array([summary.get(name, math.nan) for summary in summaries])
         for name in (goal.figure, *goal.limits)
@@ -182,10 +189,10 @@ def made_goal(
         raise ScenarioError("allowed is either maximise or minimise, with a figure of the summary")
     figure = maximise if minimise is None else minimise
     for name in (figure, *limits):
-        if name not in NUMBERS:
+        if name not in FIGURES:
             raise ScenarioError(
                 f"figure {shown(name)}: there is no such number in a summary; "
-                f"{suggestion(str(name), NUMBERS)}"
+                f"{suggestion(str(name), FIGURES)}"
             )
     for name, limit in limits.items():
         if not is_number(limit) or not math.isfinite(limit):

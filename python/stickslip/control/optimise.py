@@ -13,7 +13,7 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import DesignSpace, design_space
-from stickslip.control.goal import Changes, Goal, Judged, judge_all, made_goal
+from stickslip.control.goal import FIGURES, Changes, Goal, Judged, judge_all, made_goal
 from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
 from stickslip.control.optimum import Optimum
 from stickslip.control.sawtooth import POINTS, played, sawtooths
@@ -21,7 +21,6 @@ from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import RECORD_RATE, Value, check_kind, check_whole
 from stickslip.scenario.scenario import Scenario
-from stickslip.sweeping.results import NUMBERS
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
@@ -65,7 +64,8 @@ def optimise(
     scenario : Scenario
         The start. Without anything uncertain it is its own only draw.
     maximise, minimise : str
-        Name of a number of `Run.summary`; one of the two.
+        Name of a number of `Run.summary`; one of the two. ``mean_velocity`` is along x: at a
+        heading name ``velocity_along`` or ``velocity_across``, which `Run.velocity` has.
     free : mapping, optional
         By key ``(low, high)`` of a number, or a list of words; each combination of words is a
         restart. A positive range of a decade or more is searched in its logarithm. Where
@@ -204,7 +204,7 @@ class _Trials:
         for name, limit in self.goal.limits.items():
             if self.least[name] > limit:
                 return (
-                    f"limit {name} = {limit:g} {NUMBERS[name].unit}: none of the {tried} stays "
+                    f"limit {name} = {limit:g} {FIGURES[name].unit}: none of the {tried} stays "
                     f"within it in every draw; the least value found is {self.least[name]:.6g}"
                 )
         nearest = ", ".join(f"{name} = {value:.6g}" for name, value in self.nearest.worst.items())

@@ -13,12 +13,11 @@ import numpy as np
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.one_line import OneLine
 from stickslip.control.design_space import DesignSpace
-from stickslip.control.goal import Goal, Judged
+from stickslip.control.goal import FIGURES, Goal, Judged
 from stickslip.control.landscape import NEAR, PLATEAU, Slice
 from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_text
-from stickslip.sweeping.results import NUMBERS
 
 BEST, VOLTAGES, MAP, PAGE = FILES = "best.toml", "best.csv", "best.map.json", "report.html"
 """Names of the files of `Optimum.save_report`; the voltages are there with a free waveform only."""
@@ -119,7 +118,7 @@ class Optimum(OneLine):
         for name, limit in goal.limits.items():
             worst = self.judged.worst[name]
             active = ", active" if name in self.active else ""
-            lines.append(f"  {name} {worst:.6g} of {limit:.6g} {NUMBERS[name].unit}{active}")
+            lines.append(f"  {name} {worst:.6g} of {limit:.6g} {FIGURES[name].unit}{active}")
         if self.slices:
             peaks = [each.axis.name for each in self.slices if each.kind == "peak"]
             shown = ", ".join(peaks) or "none"

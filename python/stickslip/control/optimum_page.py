@@ -5,11 +5,11 @@ from __future__ import annotations
 from stickslip._util import html_page
 from stickslip._util.handy_units import handy
 from stickslip.control import optimum_figures as figures
+from stickslip.control.goal import FIGURES
 from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
 from stickslip.control.optimum import ACTIVE, Optimum
 from stickslip.control.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
-from stickslip.sweeping.results import NUMBERS
 
 
 def page_text(found: Optimum) -> str:
@@ -22,7 +22,7 @@ def page_text(found: Optimum) -> str:
         fresh={name: fresh[name] for name in figures.COMPARED if name in fresh},
         gain=_gain(found),
         keys=known_keys(),
-        numbers=NUMBERS,
+        numbers=FIGURES,
         units={axis.name: axis.unit for axis in found.space.axes},
         shown=shown,
         share="{:.0%}".format,

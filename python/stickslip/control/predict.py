@@ -14,7 +14,9 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import counted_draws
+from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import Progress
+from stickslip.sweeping.plane_velocities import plane_velocities
 from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
 from stickslip.sweeping.results import NUMBERS, OK, Results
 from stickslip.sweeping.run_sweep import Vary, points_of, simulated
@@ -131,7 +133,7 @@ def predicted(
     drawn = points.with_draws(uncertain.names, values)
     results = simulated(drawn, threads, progress)
     about_draws = {"draws": draws, "redrawn": refused, "seed": seed}
-    return Prediction(_dataset(points, varied, results, levels, about_draws))
+    return Prediction(_dataset(points, varied, drawn, results, levels, about_draws))
 
 
 def _checked_levels(quantiles: object) -> list[float]:
@@ -144,9 +146,14 @@ def _checked_levels(quantiles: object) -> list[float]:
 
 
 def _dataset(
-    points: Points, varied: bool, results: Results, levels: list[float], about_draws: dict[str, int]
+    points: Points,
+    varied: bool,
+    drawn: Points,
+    results: Results,
+    levels: list[float],
+    about_draws: dict[str, int],
 ) -> xarray.Dataset:
-    """Quantiles over the draws; `results` has a row for each draw of each point."""
+    """Quantiles over the draws; `results` are those of `drawn`, of each point draw by draw."""
     import xarray
 
     from stickslip.sweeping.dataset import about, coordinates
@@ -154,16 +161,18 @@ def _dataset(
     draws = about_draws["draws"]
     found: dict[str, tuple[Any, ...]] = {}
     dimensions = (*points.dimensions, "quantile")
-    for name in FIGURES:
-        column = NUMBERS[name]
-        values = results.numbers[name].reshape(points.count, draws)
+    numbers = {name: results.numbers[name] for name in FIGURES}
+    columns = {**NUMBERS, **VELOCITIES}
+    for name, each in {**numbers, **plane_velocities(drawn, numbers)}.items():
+        column = columns[name]
+        values = each.reshape(points.count, draws)
         level, error = quantiles_with_errors(values, levels)
-        for full, each, meaning in (
+        for full, shares, meaning in (
             (name, level, column.meaning),
             (f"{name}_error", error, f"standard error of the quantile: {column.meaning}"),
         ):
             attributes = {"units": column.unit, "long_name": meaning}
-            found[full] = (dimensions, each.reshape(*points.shape, len(levels)), attributes)
+            found[full] = (dimensions, shares.reshape(*points.shape, len(levels)), attributes)
     failed = np.sum(results.status.reshape(*points.shape, draws) != OK, axis=-1)
     found["failed"] = (points.dimensions, failed, {"units": "1", "long_name": "draws that failed"})
     below = ("quantile", levels, {"units": "1", "long_name": "part of the draws that lies below"})

@@ -1,11 +1,12 @@
 """Pictures of runs and sweeps. Each function gives a matplotlib Figure; `save` writes it.
 
 `run` shows all of a run at once; `fields`, `angle_and_contact_velocity`, `trajectory`,
-`phase_portrait` and `filmstrip` one thing each, in given axes if wanted; `velocity` draws a sweep,
-`coils` the coils and their field; `animation` gives a moving picture. No module here may have the
-name of one of them.
+`phase_portrait`, `path` (from above) and `filmstrip` one thing each, in given axes if wanted;
+`velocity` draws a sweep, `coils` the coils and their field; `animation` gives a moving picture. No
+module here may have the name of one of them.
 """
 
+from stickslip.plot.above import path
 from stickslip.plot.canvas import check_format, save
 from stickslip.plot.coil_map import coils
 from stickslip.plot.film import filmstrip
@@ -27,6 +28,7 @@ __all__ = [
     "coils",
     "fields",
     "filmstrip",
+    "path",
     "phase_portrait",
     "run",
     "save",

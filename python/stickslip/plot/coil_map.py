@@ -11,19 +11,20 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull
 
 from stickslip._util import palette
 from stickslip._util.arrays import Array
 from stickslip.plot import style
 from stickslip.plot.canvas import drawing, root_figure
-from stickslip.plot.film import body_arrow
+from stickslip.plot.film import body_arrow, thin_arrow
 from stickslip.plot.motion import rectangle
 from stickslip.plot.scales import length_bar
-from stickslip.plot.scene import thin_arrow
 from stickslip.scenario.keys import check_kind
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.coils import Coils
+from stickslip.simulation.record_blocks import turns
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye
 _CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page
@@ -39,7 +40,7 @@ _NO_FIELD = (
 
 
 def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None = None) -> Figure:
-    """Draw the five coils with their field in the plane of motion, and the robot to scale.
+    """Draw the five coils with their field in the plane y = 0, and the robot to scale.
 
     Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils, also of
     coils of one's own, by Eqs. (2)-(7), without what other named effects add. With ``coil.map`` the
@@ -49,7 +50,8 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     current towards the reader, a cross one away. The coils at +y and -y lie behind and before the
     plane, and a dashed line is their outline.
     The inset is an enlarged view of the robot where the scenario begins, with its moment (blue) and
-    the field there (green, as long as its part in the plane); no field outside of a map.
+    the field there (green, as long as its part in the plane); no field outside of a map. A robot
+    at a heading is drawn as it is seen along +y, and its heading is written below it.
 
     Parameters
     ----------
@@ -223,19 +225,23 @@ def _draw_wires(axes: Axes, coils: Coils, currents: Array) -> None:
 def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -> None:
     """The robot where it begins, in an inset whose arrows of moment and field are named."""
     robot, begin = scenario.robot, scenario.initial
-    heading = 1.0 if scenario.drive.direction == "+x" else -1.0
-    x, z = rectangle(robot.length, robot.height, heading, begin.x, begin.z, begin.theta)
+    heading = _heading(scenario)
+    along, z = rectangle(robot.length, robot.height, 1.0, 0.0, begin.z, begin.theta)
     if begin.z == 0.0:  # its lowest corner lies on the surface
         z = z - z.min()
-    outline = np.column_stack([x, z]) * 1e6
-    centre = outline.mean(axis=0)
+    middle = np.column_stack([begin.x + along * np.cos(heading), z]) * 1e6
+    outline = _seen_from_the_side(middle, 0.5e6 * robot.width * np.sin(heading))
+    centre = middle.mean(axis=0)
 
     inset = axes.inset_axes(_INSET)
     inset.axhline(0.0, color=palette.BLACK, linewidth=1.0)
     inset.add_patch(Polygon(outline, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2))
     moment = thin_arrow(palette.BLUE, 1.4)
-    moment.set_positions(*body_arrow(outline))
+    moment.set_positions(*body_arrow(middle))
     inset.add_patch(moment)
+    if turns(scenario):
+        words = f"heading {np.degrees(heading):.3g} degrees"
+        inset.text(0.5, 0.07, words, transform=inset.transAxes, fontsize=8.0, ha="center")
     size = robot.length * 1e6
     place = np.array([centre[0], 0.0, centre[1]]) * 1e-6
     if _is_known(coils, place):
@@ -256,6 +262,24 @@ def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -
         arrowprops={"arrowstyle": "-", "color": palette.BLACK, "linewidth": 0.8},
     )
     axes.plot(*(centre * 1e-3), "+", color=palette.BLACK, markersize=7)
+
+
+def _heading(scenario: Scenario) -> float:
+    """Where the robot faces as the scenario begins, rad from +x to the left."""
+    drive, told = scenario.drive, scenario.initial.heading
+    if turns(scenario) and (drive.mode == "program" or told != 0.0):
+        return float(told)
+    return (0.0 if drive.direction == "+x" else np.pi) + float(drive.heading)
+
+
+def _seen_from_the_side(middle: Array, beside: float) -> Array:
+    """Outline along +y of a body whose middle is seen as `middle`, shape (4, 2), and whose sides
+    are seen by `beside` to the left and right of it, in a unit of length."""
+    if abs(beside) < 1e-6 * np.ptp(middle):  # the rounding of a heading of pi
+        return middle
+    step = np.array([beside, 0.0])
+    seen = np.concatenate([middle - step, middle + step])
+    return np.asarray(seen[ConvexHull(seen).vertices])
 
 
 def _is_known(coils: Coils, place: Array) -> bool:

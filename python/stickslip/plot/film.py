@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
+from matplotlib.patches import FancyArrowPatch, Polygon
 
 from stickslip._util import palette
 from stickslip._util.picture import Picture
@@ -41,7 +41,8 @@ def filmstrip(
     A triangle marks where the body touches, or is lowest in flight; a dashed line where it was in
     the panel before. The arrow is the moment, which points to the front. The panels of a new figure
     share their scales and have the shape of what they show, so that they fill its sheet; its legend
-    stands in a place that they leave free, or below them.
+    stands in a place that they leave free, or below them. A robot that leaves its plane is seen
+    from its right, over the way that it has gone along its heading.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def filmstrip(
     samples = [shown.sample(time) for time in times]
     view = _common_view(shown, samples)
     with matplotlib.rc_context(style.RC):
-        panels = _new_panels(len(times), view) if ax is None else list(ax)
+        panels = _new_panels(len(times), view, shown.along_name) if ax is None else list(ax)
         touch = lowest_corner(shown)[samples] * 1e6
         titles = labels or [f"t = {shown.t[k]:.4f} s" for k in samples]
         for place, (axes, sample, title) in enumerate(zip(panels, samples, titles, strict=True)):
@@ -105,7 +106,7 @@ def _columns(count: int) -> int:
     return min((2, 3, 4), key=lambda columns: (-count % columns, abs(columns - count**0.5)))
 
 
-def _new_panels(count: int, view: View) -> list[Axes]:
+def _new_panels(count: int, view: View, along: str) -> list[Axes]:
     """Panels of the shape of a view, with the labels of a sheet and a legend."""
     columns = _columns(count)
     rows = -(-count // columns)
@@ -121,7 +122,7 @@ def _new_panels(count: int, view: View) -> list[Axes]:
         # All panels have the same numbers, which stand beside the rows and below the last one.
         last, first = k >= columns * (rows - 1), k % columns == 0
         axes.tick_params(labelbottom=last, labelleft=first)
-        axes.set_xlabel("x (µm)" if last else "")
+        axes.set_xlabel(f"{along} (µm)" if last else "")
         axes.set_ylabel("z (µm)" if first else "")
     handles = mark_handles("the same, one panel before" if count > 1 else None)
     if full:
@@ -154,6 +155,20 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
     start, tip = body_arrow(outline)
     look = {"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4}
     axes.annotate("", xy=tip, xytext=start, arrowprops=look)
+
+
+def thin_arrow(colour: str, width: float) -> FancyArrowPatch:
+    """An arrow from the origin to itself, to be given its ends."""
+    return FancyArrowPatch(
+        (0.0, 0.0),
+        (0.0, 0.0),
+        arrowstyle="->",
+        mutation_scale=10.0,
+        color=colour,
+        linewidth=width,
+        shrinkA=0.0,
+        shrinkB=0.0,
+    )
 
 
 def body_arrow(outline: Array) -> tuple[Point, Point]:

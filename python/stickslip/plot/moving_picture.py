@@ -49,6 +49,10 @@ def animation(
     beside them the field in the plane of motion as an arrow (green), whose length is that of the
     circle around it where the field is strongest. A picture of a long way moves with the body.
 
+    A robot that leaves its plane is seen from its right, over the way that it has gone along its
+    heading, and beside that from above on its path so far, with arrows of the heading. The field
+    has an arrow for each of the two views.
+
     Parameters
     ----------
     data : Run or xarray.Dataset
@@ -64,7 +68,7 @@ def animation(
     -------
     Animation
         Drawn when it is shown or saved, which takes a tenth of a second a frame. In a notebook and
-        in HTML a frame has some 15 kB.
+        in HTML a frame has some 20 kB; with two views it is twice that.
 
     Raises
     ------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -74,15 +76,16 @@ def angle_and_contact_velocity(
 def trajectory(
     data: Data, start: float | None = None, stop: float | None = None, ax: Axes | None = None
 ) -> Figure:
-    """Draw the path of the centre of mass in the plane of motion, coloured by contact mode.
+    """Draw the path of the centre of mass in the side view, coloured by contact mode.
 
-    Parameters, result and errors are those of `fields`.
+    Of a robot that leaves its plane it is the height over the way along the heading; `path` shows
+    it from above. Parameters, result and errors are those of `fields`.
     """
     shown = motion(data).between(start, stop)
     with drawing(ax, (5.8, 3.4)) as axes:
-        along, up = length(shown.x), length(shown.z)
-        _draw_path(axes, shown.x * along.factor, shown.z * up.factor, shown.contact)
-        axes.set_xlabel(f"x of the centre of mass ({along.unit})")
+        along, up = length(shown.along), length(shown.z)
+        _draw_path(axes, shown.along * along.factor, shown.z * up.factor, shown.contact)
+        axes.set_xlabel(f"{shown.along_name} of the centre of mass ({along.unit})")
         axes.set_ylabel(f"height of the centre of mass ({up.unit})")
         readable(axes, x=along.least, y=up.least)
     return root_figure(axes)
@@ -126,9 +129,13 @@ def draw_tilt(axes: Axes, shown: Motion) -> None:
 
 
 def draw_contact_velocity(axes: Axes, shown: Motion) -> None:
-    """Velocity of the contact point in mm/s; nothing in flight."""
-    slip = shown.slip_velocity * 1e3
-    axes.plot(shown.t, slip, color=palette.ORANGE, linewidth=0.9, label="contact velocity")
+    """Velocity of the contact point in mm/s, of a robot that turns in two parts; none in flight."""
+    along = "along the heading" if shown.turns else "contact velocity"
+    look: Any = {"linewidth": 0.9}
+    axes.plot(shown.t, shown.slip_velocity * 1e3, color=palette.ORANGE, label=along, **look)
+    if shown.turns:
+        across = shown.slip_across * 1e3
+        axes.plot(shown.t, across, color=palette.PURPLE, label="to its left", **look)
     axes.set_xlim(shown.t[0], shown.t[-1])
     axes.set_ylabel("contact velocity (mm/s)")
     readable(axes, y=LEAST_VELOCITY)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,11 +16,12 @@ from stickslip._util import palette
 from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import legend_above
-from stickslip.plot.motion import Array, motion
+from stickslip.plot.motion import Array, Motion, motion
 from stickslip.plot.one_motion import draw_contact_velocity, draw_fields, draw_tilt
-from stickslip.plot.scales import LEAST_FORCE, length, readable
+from stickslip.plot.scales import LEAST_FORCE, LEAST_HEADING, length, readable
 from stickslip.scenario.keys import refuse
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.run import Run, resting_force
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last
@@ -33,7 +36,9 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     """Draw one run: what the paper's Figs. 4-7 show, with path, normal force and contact mode.
 
     A panel for each: field, tilt, contact velocity, position and normal force over time, and a band
-    of colours for the mode of the contact.
+    of colours for the mode of the contact. A robot that leaves its plane has a panel for its
+    heading too, its position is x and y, and its contact velocity that along the heading and to its
+    left.
 
     Parameters
     ----------
@@ -63,26 +68,34 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     first, last, last_pulses = stretch(run.scenario, float(run.t[-1]), start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
-        figure = Picture(figsize=(8.0, 10.0), layout="constrained")
-        fields, tilt, slip, path, force, contact = figure.subplots(
-            6, 1, sharex=True, height_ratios=[1.0, 1.0, 1.0, 0.8, 1.0, 0.22]
-        )
+        figure, curves, contact = _panels(shown.turns)
+        fields, tilt, slip, path, *turning, force = curves
         t = shown.t
         draw_fields(fields, shown)
         draw_tilt(tilt, shown)
         draw_contact_velocity(slip, shown)
-        scale = length(shown.x)
-        path.plot(t, shown.x * scale.factor, color=palette.BLACK)
-        path.set_ylabel(f"x ({scale.unit})")
-        readable(path, y=scale.least)
-        shaded = _shade_window([fields, tilt, slip, path, force], t, run)
+        _draw_position(path, shown)
+        if shown.turns:
+            legend_above(slip, slip.get_lines())
+            _draw_heading(turning[0], shown)
+        shaded = _shade_window(curves, t, run)
         _draw_force(force, t, shown.normal_force, run, shaded)
         _draw_contact(figure, contact, t, shown.contact)
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
-        figure.align_ylabels([fields, tilt, slip, path, force])
+        figure.align_ylabels(curves)
         figure.suptitle(_title(run, last_pulses), fontsize=10.5)
     return figure
+
+
+def _panels(turns: bool) -> tuple[Picture, list[Axes], Axes]:
+    """A new figure, its panels of curves from above, and the band of the contact below them."""
+    heights = [1.0, 1.0, 1.0, 0.8, 1.0, 0.22]
+    if turns:
+        heights.insert(4, 0.8)
+    figure = Picture(figsize=(8.0, 11.7 if turns else 10.0), layout="constrained")
+    *curves, contact = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    return figure, curves, contact
 
 
 def stretch(
@@ -108,13 +121,42 @@ def _title(run: Run, last_pulses: bool) -> str:
     if drive.mode != "program":
         words = [drive.mode, f"{drive.frequency:g} Hz"]
     if np.isfinite(run.mean_velocity):
-        words.append(f"mean velocity {run.mean_velocity * 1e3:.4g} mm/s")
+        words.append(_mean_velocity(run))
     if last_pulses:
         whole = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
         words.append(f"last {_SHOWN_PULSES} {whole}")
     if not run.ok:
         words.append(f"ended early: {run.status}")
     return ", ".join(words)
+
+
+def _mean_velocity(run: Run) -> str:
+    if not turns(run.scenario):
+        return f"mean velocity {run.mean_velocity * 1e3:.4g} mm/s"
+    along, across = (f"{each * 1e3:.4g}" for each in run.velocity)
+    if run.scenario.drive.mode == "program":
+        return f"mean velocity {along} mm/s along x, {across} along y"
+    return f"mean velocity {along} mm/s along the drive, {across} to its left"
+
+
+def _draw_position(axes: Axes, shown: Motion) -> None:
+    """x, and of a robot that leaves its plane y, in µm or mm."""
+    scale = length(np.concatenate([shown.x, shown.y]))
+    lines = axes.plot(shown.t, shown.x * scale.factor, color=palette.BLACK, label="x")
+    axes.set_ylabel(f"x ({scale.unit})")
+    if shown.turns:
+        look: Any = {"color": palette.BLUE, "linestyle": "--"}
+        lines += axes.plot(shown.t, shown.y * scale.factor, label="y", **look)
+        axes.set_ylabel(f"position ({scale.unit})")
+        legend_above(axes, lines)
+    readable(axes, y=scale.least)
+
+
+def _draw_heading(axes: Axes, shown: Motion) -> None:
+    """Heading in degrees."""
+    axes.plot(shown.t, np.degrees(shown.heading), color=palette.BLACK)
+    axes.set_ylabel("heading (degrees)")
+    readable(axes, y=LEAST_HEADING)
 
 
 def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:

@@ -18,6 +18,7 @@ _MOST_MICRONS = 1000.0  # a number of four digits is read sooner in mm
 # far below what any motion shows.
 LEAST_FIELD = 1e-2  # mT
 LEAST_TILT = 0.1  # degrees
+LEAST_HEADING = 1.0  # degrees; the heading is that of the field within a tenth
 LEAST_VELOCITY = 1e-3  # mm/s
 LEAST_LENGTH = 0.1  # µm
 LEAST_FORCE = 1e-2  # µN

@@ -18,6 +18,7 @@ from stickslip._util.handy_units import in_handy_units
 from stickslip.plot import style
 from stickslip.plot.canvas import drawing, legend_above, root_figure
 from stickslip.plot.scales import readable
+from stickslip.simulation.seen_from_drive import shown_velocities
 
 if TYPE_CHECKING:
     import xarray
@@ -69,7 +70,9 @@ class HasQuantiles(Protocol):
 def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Figure:
     """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
 
-    Over one key there is a line for each combination of the words that were varied, such as
+    Of a sweep in which a robot left the plane y = 0, this is the velocity along the heading of the
+    drive, and the label says so; of programs, which have no heading, that along x. Over one key
+    there is a line for each combination of the words that were varied, such as
     ``drive.mode``. Points without a velocity are gaps in a line, and grey cells in a map, whose
     legend says how many there are and why. Of a prediction the line is the median, and two
     quantiles that lie as far from it make a band: 10 % and 90 % that of 80 % of the draws.
@@ -97,7 +100,9 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
         raise ValueError(f"data = {table!r}: allowed is what sweep or predict gave")
     if "mean_velocity" not in table:
         raise ValueError("the Dataset is not one of a sweep: it has no mean_velocity")
-    speeds = table["mean_velocity"].squeeze() * 1e3
+    figure, direction = next(iter(shown_velocities(table).items()))
+    label = f"mean velocity {direction}".rstrip() + " (mm/s)"
+    speeds = (table[figure].squeeze() * 1e3).rename(label)
     if not bool(np.isfinite(speeds.values).any()):
         raise ValueError("no point of the sweep has a velocity")
     gaps = _gaps(table, speeds)
@@ -190,7 +195,7 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
     if along.log:
         axes.set_xscale("log")
     axes.set_xlabel(along.label)
-    axes.set_ylabel("mean velocity (mm/s)")
+    axes.set_ylabel(speeds.name)
     if words or bands:
         look: Any = {"fontsize": "small", "framealpha": 0.8, "edgecolor": "none"}
         axes.legend(handles=handles, title=", ".join(words), **look)
@@ -249,7 +254,7 @@ def _draw_map(axes: Axes, speeds: Any, along: list[_Axis], gaps: str) -> None:
     if np.isnan(values).any():
         legend_above(axes, [Patch(facecolor=style.NO_VALUE, label=gaps)])
     bar = root_figure(axes).colorbar(mesh, ax=axes)
-    bar.set_label("mean velocity (mm/s)")
+    bar.set_label(speeds.name)
 
 
 def _edges(axis: _Axis) -> _Array:

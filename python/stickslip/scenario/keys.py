@@ -32,6 +32,8 @@ ALL_FIELDS = "all"
 
 DTYPES = ("float64", "float32")
 
+_MOST_DEGREES = 360.0  # a larger number is hardly an angle
+
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
 _P = ParamSpec("_P")
@@ -286,8 +288,22 @@ def checked(name: str, value: object, core: _core.Scenario | None = None) -> Val
     try:
         core.set(name, converted)
     except (ValueError, TypeError):  # the latter of a word that is not UTF-8
-        refuse(name, value, key.allowed + meant(value, key.words))
+        refuse(name, value, key.allowed + meant(value, key.words) + _degrees_meant(key, value))
     return int(converted) if key.kind == "whole" else converted
+
+
+def in_radians(degrees: float) -> str:
+    """A sentence that says what an angle in degrees is in the unit of all keys."""
+    return f"{degrees:g} degrees are {math.radians(degrees):.4g} rad"
+
+
+def _degrees_meant(key: Key, value: object) -> str:
+    """What an angle beyond its range is if it is meant in degrees; "" for what is none."""
+    if key.unit != "rad" or not isinstance(value, numbers.Real):
+        return ""
+    degrees = float(value)
+    within = key.low <= math.radians(degrees) <= key.high and abs(degrees) <= _MOST_DEGREES
+    return f"; {in_radians(degrees)}" if within else ""
 
 
 def recorded_fields(fields: str) -> tuple[str, ...]:

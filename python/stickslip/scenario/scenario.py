@@ -36,6 +36,7 @@ from stickslip.scenario.sections import (
     Record,
     Robot,
     Solver,
+    refuse_sawtooth,
     refuse_uncertain_geometry,
 )
 from stickslip.scenario.state import State
@@ -105,6 +106,9 @@ class Scenario:
                 f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
                 "by drive.file or a waveform"
             )
+        directing = {"drive.heading": 0.0, "drive.coils": "single"}
+        given = [key for key, default in directing.items() if self.get(key) != default]
+        refuse_sawtooth(self.drive.mode, given)
         if self.uncertain is not None:
             refuse_uncertain_geometry(self.coil, self.uncertain.names)
         try:
@@ -299,7 +303,8 @@ class Scenario:
     def turns(self) -> bool:
         """Whether the robot moves in the whole plane, and not along x alone.
 
-        So it is with a heading, voltages of yp and ym that do not cancel, a measured map of the
+        So it is with a heading of the drive that is not along x, a start that faces another way
+        than the drive's direction, voltages of yp and ym that do not cancel, a measured map of the
         field, or a start, a field or a slope across x.
         """
         return self._kept_core().turns

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -22,6 +23,7 @@ COIL_NAMES = _core.coil_names
 SAWTOOTH = (
     *("drive.frequency", "drive.peak", "drive.base", "drive.hold", "drive.clamp"),
     *("drive.edge", "drive.edge_time", "drive.ramp", "drive.pulses", "drive.ramp_down"),
+    *("drive.heading", "drive.coils"),
 )
 """Keys that say what a pulsed drive does; a program of voltages has no use for them."""
 
@@ -100,8 +102,9 @@ class Drive(Section):
         given, coil by coil in the world's frame: only the robot is turned, so that
         ``program.turned()`` moves it as `program` moves one that faces +x.
     heading : float
-        Where the robot is driven, rad from `direction` to the left. The field turns it there: with
-        a heading that is no multiple of pi the robot moves in the whole plane.
+        Where the robot is driven, rad from `direction` to the left, within 6.3. The field turns it
+        there: with a heading that is no multiple of pi the robot moves in the whole plane. A
+        program has none, and no choice of `coils`: its voltages say where.
     coils : {"single", "pairs"}
         Which coils of an axis make its part of the field along the surface: the one that lies
         ahead, which pulls the robot too, or both alike, whose gradients cancel at the centre.
@@ -139,6 +142,14 @@ class Drive(Section):
             if not isinstance(self.program, Waveform):
                 allowed = f"a Waveform; in a file or with --set, {PROGRAM_HINT}"
                 refuse(PROGRAM, self.program, allowed)
+
+    @property
+    def facing(self) -> float:
+        """1 where a robot that stays in its plane faces +x, -1 where it faces -x."""
+        back = self.direction == "-x"
+        if self.mode != "program" and math.cos(self.heading) < 0.0:
+            back = not back
+        return -1.0 if back else 1.0
 
 
 @dataclass(frozen=True, kw_only=True)

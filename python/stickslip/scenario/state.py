@@ -56,8 +56,8 @@ class State(Section, key="initial"):
         Centre of mass across the x axis, m, and its velocity, m/s; zero where the robot stays in
         the plane y = 0.
     heading : float
-        Where the robot faces, rad from +x to the left. At the start it counts only as long as the
-        field is too weak to turn the robot.
+        Where the robot faces, rad from +x to the left. At the start it counts until the field is
+        strong enough to turn the robot, which then faces the field at once, wherever that points.
 
     Raises
     ------

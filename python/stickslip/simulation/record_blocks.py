@@ -45,7 +45,8 @@ class RecordNotWritten(NotWritten):
         self.run = run
 
 
-def _turns(scenario: Scenario) -> bool:
+def turns(scenario: Scenario) -> bool:
+    """Whether the record of a scenario has `PLANE_COLUMNS`: `Scenario.turns`."""
     try:
         return scenario.turns
     except ScenarioError:
@@ -58,7 +59,7 @@ def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     if record.rate == "none":
         return ()
     left_out = set() if record.rate == "events" else {"event"}
-    if not _turns(scenario):
+    if not turns(scenario):
         left_out |= {*PLANE_COLUMNS}
     return tuple(name for name in recorded_fields(str(record.fields)) if name not in left_out)
 

@@ -27,12 +27,13 @@ class _NothingToKeep(Exception):
 class _Recording:
     """A simulation whose record goes into a file; what happens to either is kept, not raised."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, until: str | None) -> None:
         self.samples = 0
         self.stop: BaseException | None = None  # what ended the simulation
         self.failure: OSError | None = None  # what ended the record
         self._scenario = scenario
-        self._until = math.nan
+        self._recorded_until = math.nan
+        self._until = until
         self._result = _core.RunResult()
 
     def play(
@@ -67,11 +68,11 @@ class _Recording:
             return
         self.samples += len(block["t"])
         if self.samples:
-            self._until = float(block["t"][-1])
+            self._recorded_until = float(block["t"][-1])
 
     def run(self, record: StoredRecord | None) -> Run:
         cut = self.stop is not None or self.failure is not None
-        outcome = Outcome.of(self._result, self._until, cut)
+        outcome = Outcome.of(self._result, self._recorded_until, self._until, cut)
         if self.stop is not None and not isinstance(self.stop, KeyboardInterrupt):
             reason = " ".join(f"{type(self.stop).__name__}: {self.stop}".split())
             outcome = outcome._replace(message=f"the run was stopped by {reason}")
@@ -79,20 +80,21 @@ class _Recording:
 
     @property
     def extent(self) -> str:
-        return f"has the record up to {self._until:.6g} s"
+        return f"has the record up to {self._recorded_until:.6g} s"
 
 
 def simulate_into(
     scenario: Scenario,
     path: str | PathLike[str],
     report: Callable[[float], object] | None,
+    until: str | None,
     condition: tuple[str, bool, float] | None,
 ) -> Run:
-    """See `simulate`, with its argument `out`."""
+    """See `simulate`, with its argument `out`; `condition` is what `until` says."""
     check_suffix(path, SUFFIXES)
     if scenario.record.rate == "none":
         raise ScenarioError('record.rate = "none": allowed with out is a number of Hz, or "events"')
-    recording = _Recording(scenario)
+    recording = _Recording(scenario, until)
     begun = written = False
     try:
         with one_interrupt() as no_interrupt, record_file(path, scenario) as file:

@@ -18,10 +18,17 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+_UNITS = {
+    "m": ("x", "y", "z"),
+    "m/s": ("vx", "vy", "vz"),
+    "rad": ("theta", "heading"),
+    "rad/s": ("omega",),
+    "s": ("contact_age",),
+    "1": ("contact",),
+}
+
 STATE_UNITS = {
-    name: {"x": "m", "z": "m", "theta": "rad", "vx": "m/s", "vz": "m/s", "omega": "rad/s"}.get(
-        name, "1" if name == "contact" else "s" if name == "contact_age" else "A"
-    )
+    name: next((unit for unit, names in _UNITS.items() if name in names), "A")
     for name in STATE_COLUMNS
 }
 """SI unit of each column of an array of states."""
@@ -70,7 +77,7 @@ def rollout(
     ----------
     scenarios : Scenario or sequence of Scenario
         One for all runs, or one a run. Their drives are not played, see `Simulator`.
-    states : State, sequence of State, array of shape (n, 18), or None
+    states : State, sequence of State, array of shape (n, 21), or None
         Where each run begins, one for all or one a run; an array has the columns `STATE_COLUMNS`.
         Without it each run begins at its scenario's `initial`.
     voltages : array_like, shape (steps, 5) or (n, steps, 5)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from stickslip import _core
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
 from stickslip.scenario.state import State, made_state
-from stickslip.simulation.columns import COLUMNS
-from stickslip.simulation.record_blocks import is_csv, recorded_names, write_run
+from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.record_blocks import is_csv, recorded_names, turns, write_run
 from stickslip.simulation.run_notes import run_notes
 
 if TYPE_CHECKING:
@@ -45,9 +44,12 @@ class Outcome(NamedTuple):
     condition_met: bool
     complete: bool
     recorded_until: float
+    condition: str  # `until` of `simulate`; "" without one
 
     @staticmethod
-    def of(result: _core.RunResult, recorded_until: float, cut: bool = False) -> Outcome:
+    def of(
+        result: _core.RunResult, recorded_until: float, until: str | None, cut: bool = False
+    ) -> Outcome:
         """What the core found; `cut`: whether the record could not be kept to its end."""
         return Outcome(
             result.status,
@@ -57,6 +59,7 @@ class Outcome(NamedTuple):
             result.stopped,
             result.status == "ok" and not cut,
             recorded_until,
+            "" if until is None else " ".join(until.split()),
         )
 
 
@@ -78,6 +81,8 @@ class Run:
         Where the run ended; a scenario can begin there.
     condition_met : bool
         Whether the run ended where its condition `until` was met.
+    condition : str
+        That condition; "" for a run without one.
     complete : bool
         Whether the run came to its end, and its record too: not after a failure or Ctrl-C, or where
         a file could not be written on.
@@ -93,7 +98,9 @@ class Run:
         Field at the centre of mass, T, Eqs. (2)-(7).
     y, vy, heading : numpy.ndarray, shape (n,)
         Position (m) and velocity (m/s) across the x axis, and where the robot faces (rad from +x to
-        the left); of runs in the whole plane alone (`Scenario.turns`), as are the next.
+        the left). The heading is from -pi to pi, and jumps where it passes these: ``np.unwrap``
+        gives it without the jumps, as the pictures draw it. Recorded of runs in the whole plane
+        alone (`Scenario.turns`), as are the next; in other runs these three are constant.
     friction_across, contact_y, slip_across : numpy.ndarray, shape (n,)
         Beside `friction_force` and `slip_velocity`, which are along the heading there, those to its
         left (N, m/s); y of the contact point (m).
@@ -121,6 +128,7 @@ class Run:
     scenario: Scenario
     final_state: State
     condition_met: bool
+    condition: str
     status: str
     message: str
     complete: bool
@@ -163,6 +171,7 @@ class Run:
         self.complete = outcome.complete
         self.recorded_until = outcome.recorded_until
         self._summary = outcome.summary
+        self.condition = outcome.condition
         self._stored: StoredRecord | None = None
         if isinstance(record, Mapping):
             vars(self).update(record)
@@ -179,14 +188,32 @@ class Run:
             if self._stored is not None and name in recorded_names(self.scenario):
                 vars(self)[name] = self._stored.read(name)
                 return vars(self)[name]
+            if self.recorded and name in PLANE_COLUMNS and not turns(self.scenario):
+                return self._in_one_plane(name)
             needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
             if record.rate == "none":
                 needed = 'record.rate to a number of Hz, or "events"'
             raise AttributeError(f"this run did not record {name}: set {needed}")
 
+    def _in_one_plane(self, name: str) -> Array:
+        """A quantity of `PLANE_COLUMNS` of a robot that stays in the plane y = 0."""
+        import numpy as np
+
+        if name not in ("y", "vy", "heading"):
+            raise AttributeError(
+                f"this run has no {name}: the robot stays in the plane y = 0, where it is zero"
+            )
+        constant: float = getattr(self.final_state, name)
+        return np.full(self.samples, constant, dtype=self.scenario.record.dtype)
+
     def __repr__(self) -> str:
         samples = f"{self.samples} samples" if self.recorded else "no record"
-        return f"<Run: {self.status}, {self.mean_velocity:.6g} m/s, {samples}>"
+        from stickslip.simulation.run_display import velocities
+
+        velocity = ", ".join(
+            f"{value:.6g} m/s {words}".rstrip() for words, value in velocities(self).items()
+        )
+        return f"<Run: {self.status}, {velocity}, {samples}>"
 
     def _repr_html_(self) -> str:
         from stickslip.simulation.run_display import run_html
@@ -229,24 +256,27 @@ class Run:
             Along the heading of the drive (``+x`` of a program) and to its left; NaN if not
             measured.
         """
+        from stickslip.simulation.seen_from_drive import seen_from_drive
+
         drive = self.scenario.drive
-        heading = 0.0 if drive.mode == "program" else drive.heading
-        sign = -1.0 if drive.mode != "program" and drive.direction == "-x" else 1.0
-        cosine, sine = sign * math.cos(heading), sign * math.sin(heading)
         x, y = self._summary["mean_velocity"], self._summary["mean_velocity_y"]
-        return cosine * x + sine * y, cosine * y - sine * x
+        along, across = seen_from_drive(x, y, drive.mode, drive.direction, drive.heading)
+        return float(along), float(across)
 
     @property
     def notes(self) -> list[str]:
         """What stands out, a line each; mostly none.
 
         Of the motion: a robot that never moved, or whose contact never slipped, and what holds it;
-        one that rolled over; a window that is not measured whole. Of the scenario, values that are
+        one that rolled over; a condition `until` that was never met; a window that is not measured
+        whole. Of the scenario, values that are
         hardly meant so: fewer than four pulses, high voltages, pulses or a window far shorter than
         the coils' time constant, a density that no body has, a tilt that friction does not hold,
         adhesion of many weights, a loose tolerance.
         """
         notes = run_notes(self.scenario, {**self._summary}, self.condition_met)
+        if self.complete and self.condition and not self.condition_met:
+            notes.insert(0, f"the condition {self.condition} was not met until the end of the run")
         if self.ok and not self.complete and self.recorded:
             notes.append(
                 f"the record ends at {self.recorded_until:.6g} s: it could not be written on"
@@ -262,12 +292,15 @@ class Run:
             `status`, `message` and `notes` (list of str, see `Run.notes`); the measuring window
             from `window_start` to `window_end` (s; where the run was ended by its condition, if
             that was earlier), and over it `mean_velocity` (m/s; across x `mean_velocity_y`, 0
-            in the plane y = 0), `theta_min`,
-            `theta_max` (rad), the mean slip speeds `slip_up`, `slip_down`, `slip_flat` (m/s,
-            distance that the contact slipped along +x while theta rose, fell, or the body lay on a
+            in the plane y = 0; of a pulsed drive in the whole plane also `velocity_along` and
+            `velocity_across`, see `velocity`), `theta_min`, `theta_max` (rad), the mean slip speeds
+            `slip_up`, `slip_down`, `slip_flat` (m/s, distance that the contact slipped along +x, of
+            a robot that turns along its own front, while theta rose, fell, or the body lay on a
             face, over the window's duration), `airborne_fraction`, `field_min` (T, least field at
             the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T,
             largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil),
+            `turning_speed` (m/s, mean of the heading's rate times the lever of the contact, which
+            the model leaves out; 0 in the plane y = 0),
             `events` (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
             integrator). What was never measured is NaN. A run that ends before the window does has
             no mean velocity, but `finished_velocity` (m/s, and `finished_velocity_y`), that over
@@ -280,6 +313,8 @@ class Run:
         start, end = self.scenario.window
         if self.condition_met:
             end = max(start, min(end, core["simulated_time"]))
+        if turns(self.scenario) and self.scenario.drive.mode != "program":
+            core |= dict(zip(("velocity_along", "velocity_across"), self.velocity, strict=True))
         return {
             "status": self.status,
             "message": self.message,

@@ -33,6 +33,7 @@ def attributes(run: Run) -> dict[str, Any]:
         "events": json.dumps(summary["events"]),
         "steps": json.dumps(summary["steps"]),
         "condition_met": int(run.condition_met),
+        **({"condition": run.condition} if run.condition else {}),
         "final_state": json.dumps(vars(run.final_state)),
         "complete": int(run.complete),
         "recorded_until": run.recorded_until,

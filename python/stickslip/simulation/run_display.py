@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.handy_units import handy
 from stickslip._util.html_table import html_table
+from stickslip.simulation.record_blocks import turns
+from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_PLANE
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run
@@ -19,6 +21,17 @@ _NUMBERS = {
 }
 
 
+def velocities(run: Run) -> dict[str, float]:
+    """The mean velocities that tell the motion, m/s, by words for their direction.
+
+    There are no words in the plane y = 0, in which the velocity is that along x.
+    """
+    if not turns(run.scenario):
+        return {IN_ONE_PLANE["mean_velocity"]: run.mean_velocity}
+    words = FROM_AXES if run.scenario.drive.mode == "program" else FROM_DRIVE
+    return dict(zip(words.values(), run.velocity, strict=True))
+
+
 def run_html(run: Run) -> str:
     """A table of what stands out in the summary of a run; what was not measured is left out."""
     summary = run.summary()
@@ -27,7 +40,10 @@ def run_html(run: Run) -> str:
         low, high = (math.degrees(summary[name]) for name in ("theta_min", "theta_max"))
         window = f"{summary['window_start']:.6g} to {summary['window_end']:.6g} s"
         rows += [
-            ("mean velocity", _shown(run.mean_velocity, "m/s")),
+            *(
+                (f"mean velocity {words}".rstrip(), _shown(value, "m/s"))
+                for words, value in velocities(run).items()
+            ),
             ("measured", window),
             ("tilt", f"{low:.4g} to {high:.4g} degrees"),
             ("in flight", f"{100.0 * summary['airborne_fraction']:.3g} % of the time"),
@@ -37,6 +53,13 @@ def run_html(run: Run) -> str:
         for name, (key, unit) in _NUMBERS.items()
         if math.isfinite(summary[key])
     ]
+    if turns(run.scenario):
+        end = run.final_state
+        rows += [
+            ("turning speed", _shown(summary["turning_speed"], "m/s")),
+            ("final place", f"x {_shown(end.x, 'm')}, y {_shown(end.y, 'm')}"),
+            ("final heading", _shown(end.heading, "rad")),
+        ]
     events = {**summary["events"], "painleve": summary["painleve_events"]}
     counted = ", ".join(f"{count} {kind}" for kind, count in events.items() if count)
     rows.append(("events", counted or "none"))

@@ -19,6 +19,14 @@ _CHANGE_WHAT_HOLDS = (
 )  # fmt: skip
 """Effects on weight, adhesion or their levers, as those of a user may be too."""
 
+MUCH_TURNING = 0.05
+"""Parts of the mean velocity above which `turning_speed` is noted. With a steady heading near the
+centre it is 0.5 % at most; walks whose heading turns or swings have 10 % and more, and there the
+rigid body with eight corners walks differently by as much (docs/theory/steering.md)."""
+
+LEAST_TURNING = 5e-5
+"""Below this `turning_speed` is never noted, m/s: with a steady heading the model is within it."""
+
 _UPRIGHT = "; at drive.base = 0 the holding coil alone turns it upright: set drive.base, say 5e-4"
 
 
@@ -27,6 +35,7 @@ def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) 
     return [
         *(_of_condition if condition_met else _of_end)(scenario, summary),
         *_of_motion(scenario, summary),
+        *_of_turning(summary),
         *scenario_notes(scenario),
     ]
 
@@ -92,6 +101,18 @@ def _of_motion(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
             f"{math.degrees(low):.1f} to {math.degrees(high):.1f} degrees in the measuring window"
         )
     return notes
+
+
+def _of_turning(summary: dict[str, Any]) -> list[str]:
+    turning = summary["turning_speed"]
+    speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
+    if speed == 0.0 or not turning > max(MUCH_TURNING * speed, LEAST_TURNING):
+        return []
+    return [
+        "the robot turned while it walked: what turning adds at its contact is not in the model, "
+        f"and may change the mean velocity of {1e3 * speed:.3g} mm/s by up to about "
+        f"{1e3 * turning:.2g} mm/s (turning_speed)"
+    ]
 
 
 def _why_it_sticks(scenario: Scenario) -> str:

@@ -33,8 +33,27 @@ def fraction_of(total: float, progress: Progress | None) -> Callable[[float], ob
 _CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
 
 
-def parsed_condition(until: str) -> tuple[str, bool, float]:
+OF_THE_WHOLE_PLANE = ("y", "heading")
+"""Quantities of a condition that a robot which stays in one plane does not have."""
+
+
+def _check_whole_plane(until: str, quantity: str, scenarios: Iterable[Scenario]) -> None:
+    if all(each.turns for each in scenarios):
+        return
+    refuse(
+        "until",
+        until,
+        f"no condition of {quantity} for a robot that nothing turns or pushes across: it stays in "
+        "the plane y = 0",
+    )
+
+
+def parsed_condition(
+    until: str | None, scenarios: Iterable[Scenario]
+) -> tuple[str, bool, float] | None:
     """Quantity, whether it is met from below, and value; a ScenarioError for what is none."""
+    if until is None:
+        return None
     found = _CONDITION.fullmatch(until) if isinstance(until, str) else None
     if found is not None and found[1] in _core.stop_quantities:
         try:
@@ -42,9 +61,12 @@ def parsed_condition(until: str) -> tuple[str, bool, float]:
         except ValueError:
             value = math.nan
         if math.isfinite(value):
+            if found[1] in OF_THE_WHOLE_PLANE:
+                _check_whole_plane(until, found[1], scenarios)
             return found[1], found[2] == ">=", value
     allowed = (
-        'a condition such as "x >= 3e-3" or "theta <= -1.5", of time (s), x, z (m), theta (rad)'
+        'a condition such as "x >= 3e-3" or "theta <= -1.5", of time (s), x, y, z (m), theta, '
+        "heading (rad)"
     )
     refuse("until", until, f"{allowed} or turns")
 
@@ -88,8 +110,9 @@ def simulate(
         times a second. What it raises stops the simulation and passes through.
     until : str, optional
         Ends the run earlier where a condition is met, which is located like any other event:
-        ``"x >= 3e-3"``, or another of time (s), x, z (m, of the centre of mass), theta (rad) or
-        turns (theta over 2 pi) with ``>=`` or ``<=``. See `Run.condition_met`.
+        ``"x >= 3e-3"``, or another of time (s), x, y, z (m, of the centre of mass), theta (rad),
+        turns (theta over 2 pi) or heading (rad, as recorded: from -pi to pi) with ``>=`` or
+        ``<=``. A robot that stays in one plane has no y and no heading. See `Run.condition_met`.
     out : path-like, optional
         Write the record to this file while the run goes on, with memory that does not grow: a
         netCDF file (``.nc``, ``.nc4``, ``.h5``) or ``.csv``, as `Run.save` writes them. What was
@@ -105,8 +128,8 @@ def simulate(
     Raises
     ------
     ScenarioError
-        If `scenario` is not a Scenario, or `until` no condition; if the record is too long for
-        memory, or there is none for `out`.
+        If `scenario` is not a Scenario, or `until` no condition of its robot; if the record is too
+        long for memory, or there is none for `out`.
     OSError
         If `out` cannot be written. If that shows during the run, as where the disk is full, the run
         goes on without its record and is the error's attribute `run`.
@@ -125,8 +148,9 @@ def simulate(
     from stickslip.simulation.recording_to_file import simulate_into
 
     check_kind("scenario 0", scenario, Scenario)
-    condition = None if until is None else parsed_condition(until)
-    return simulate_into(scenario, out, fraction_of(scenario.duration, progress), condition)
+    condition = parsed_condition(until, [scenario])
+    report = fraction_of(scenario.duration, progress)
+    return simulate_into(scenario, out, report, until, condition)
 
 
 def simulate_batch(
@@ -168,18 +192,18 @@ def simulate_batch(
         check_kind(f"scenario {index}", scenario, Scenario)
         check_memory(scenario)
     threads = worker_count(threads, "threads")
-    condition = None if until is None else parsed_condition(until)
+    condition = parsed_condition(until, scenarios)
 
     cores = [scenario.to_core() for scenario in scenarios]
     report = fraction_of(sum(core.duration for core in cores), progress)
     results = _core.simulate_batch(cores, threads, report, condition)
-    return [_run_of(*pair) for pair in zip(scenarios, results, strict=True)]
+    return [_run_of(*pair, until) for pair in zip(scenarios, results, strict=True)]
 
 
-def _run_of(scenario: Scenario, result: _core.RunResult) -> Run:
+def _run_of(scenario: Scenario, result: _core.RunResult, until: str | None) -> Run:
     # Empty arrays would cost a run without a record the import of numpy.
     if not recorded_names(scenario):
-        return Run(scenario, Outcome.of(result, math.nan), None)
+        return Run(scenario, Outcome.of(result, math.nan, until), None)
     record = kept(scenario, result.take_recording())
-    until = float(record["t"][-1]) if len(record["t"]) else math.nan
-    return Run(scenario, Outcome.of(result, until), record)
+    recorded_until = float(record["t"][-1]) if len(record["t"]) else math.nan
+    return Run(scenario, Outcome.of(result, recorded_until, until), record)

@@ -205,4 +205,5 @@ def _outcome(about: Mapping[str, Any]) -> Outcome:
         condition_met=_YES_OR_NO[about["condition_met"]],
         complete=_YES_OR_NO[about["complete"]],
         recorded_until=math.nan if until is None else until,
+        condition=about.get("condition", ""),
     )

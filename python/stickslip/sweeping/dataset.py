@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.run_attributes import origin
+from stickslip.simulation.seen_from_drive import VELOCITIES
+from stickslip.sweeping.plane_velocities import plane_velocities
 from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
 from stickslip.sweeping.results import EVENTS, NOT_RUN, NUMBERS, OK, STATUSES, Results
 
@@ -27,9 +29,11 @@ def dataset(points: Points, results: Results) -> xarray.Dataset:
         encoding = {"zlib": True, "complevel": 1, "shuffle": True}
         return (*dimensions, *extra), shaped, attributes, encoding
 
+    columns = {**NUMBERS, **VELOCITIES}
+    numbers = {**results.numbers, **plane_velocities(points, results.numbers)}
     variables = {
-        name: variable(values, units=NUMBERS[name].unit, long_name=NUMBERS[name].meaning)
-        for name, values in results.numbers.items()
+        name: variable(values, units=columns[name].unit, long_name=columns[name].meaning)
+        for name, values in numbers.items()
     }
     variables["events"] = variable(results.events, units="1", long_name="events by kind")
     variables["painleve_events"] = variable(

@@ -23,6 +23,8 @@ from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
+from stickslip.scenario.sections import refuse_sawtooth
+from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000
@@ -30,7 +32,16 @@ MOST_POINTS = 10_000_000
 
 LIST_DIMENSION = "point"
 
-_RESULTS = (*NUMBERS, "events", "painleve_events", "status", "message", "event", LIST_DIMENSION)
+_RESULTS = (
+    *NUMBERS,
+    *VELOCITIES,
+    "events",
+    "painleve_events",
+    "status",
+    "message",
+    "event",
+    LIST_DIMENSION,
+)
 
 
 class Points:
@@ -105,6 +116,15 @@ class Points:
             return np.array([words[place] for place in values.astype(int)])
         return values.astype(np.int64) if kind == "whole" else values
 
+    def at_each(self, key: str) -> NDArray[Any]:
+        """Value of a key at every point, shape (n,); that of the scenario where none varies it."""
+        if key not in self.keys:
+            return np.full(self.count, self.scenario.get(key))
+        if self.arrangement == "list":
+            return self.labels(key)
+        axis = self.keys.index(key)
+        return self.labels(key)[np.unravel_index(np.arange(self.count), self.shape)[axis]]
+
     def vary(self) -> str:
         """The keys and their values as JSON, columns as in the attribute `columns`."""
         return json.dumps({key: self.labels(key).tolist() for key in self.keys})
@@ -118,6 +138,8 @@ def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
     if not vary:
         raise ScenarioError("a sweep needs a key that varies, such as drive.frequency")
     columns: dict[str, list[Value]] = {}
+    if "drive.mode" not in vary:
+        refuse_sawtooth(scenario.drive.mode, vary)
     for key, values in vary.items():
         _check_key(key)
         columns[key] = [checked(key, value) for value in as_list(key, values, "a list of values")]

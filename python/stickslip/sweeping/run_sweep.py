@@ -80,7 +80,10 @@ def sweep(
         Variables are those of `Run.summary`: `mean_velocity`, `slip_up`, `slip_down`, `slip_flat`
         (m/s), `theta_min`, `theta_max` (rad), `airborne_fraction`, `field_max`, `field_min`
         (T), `current_max` (A), `voltage_max` (V), `power_mean` (W), `simulated_time` (s), `events`
-        (counts, with another dimension ``event``) and `painleve_events`. `status` is 0 for a point
+        (counts, with another dimension ``event``) and `painleve_events`. `mean_velocity` is along x
+        and `mean_velocity_y` across it; where a pulsed drive moves a robot out of the plane y = 0,
+        `velocity_along` and `velocity_across` are those along the heading of each point's drive and
+        to its left (m/s), as `Run.velocity` has them. `status` is 0 for a point
         that is sound; its attributes name the others. There the numbers are NaN, and a variable
         `message` says what happened. Attributes hold scenario, values and versions.
 

@@ -1,0 +1,81 @@
+"""A robot follows a path by what a camera shows: pure pursuit, pulse by pulse."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import Scenario, Simulator, State
+from stickslip.control import Camera, Film, Path, heading_voltages
+
+Array = NDArray[np.float64]
+Random = np.random.Generator
+
+CAMERA = Camera(frame_rate=30.0, latency=0.05, noise_x=3e-6, noise_heading=0.02)
+COILS = ("xp", "xm", "yp", "ym", "clamp")
+STEP = 1e-3  # s
+STANDS = np.full(50, 13.0)  # V, of a coil along the heading: the robot stands up
+PULSE = np.linspace(26.0, 5.0, 10)  # V: the field rises at once and falls slowly
+CLAMP = -10.4  # V
+AHEAD = 0.25e-3  # m
+MOST = 0.25  # rad, by which one pulse turns the robot at most
+LIMIT = 30.0  # s, after which a robot that has not arrived is given up
+
+
+class Follower:
+    """Each pulse heads for a point of the path that lies ahead of the robot."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.progress, self.heading = path, 0.0, 0.0
+        self.step = 19e-6  # of a pulse, m: a median, until this robot's is known
+        self._seen = 0.0  # progress in the newest frame, m
+        self._headings: list[float] = []  # of all pulses
+
+    def decide(self, seen: Array, age: float) -> float:
+        """Heading of the next pulse, rad, by the newest frame's place (m) and age (s)."""
+        headings = self._headings
+        before = max(len(headings) - round(age / (STEP * len(PULSE))), 0)
+        self._seen, _ = self.path.project(seen, self._seen)
+        if before > 20:
+            self.step = self._seen / before
+        since = headings[before:]
+        place = seen + self.step * np.array([np.cos(since).sum(), np.sin(since).sum()])
+        self.progress, _ = self.path.project(place, self.progress)
+        ahead = self.path.at(self.progress + AHEAD) - place
+        bearing = math.atan2(ahead[1], ahead[0])
+        turn = math.remainder(bearing - self.heading, 2.0 * math.pi)
+        self.heading += min(max(turn, -MOST), MOST)
+        headings.append(self.heading)
+        return self.heading
+
+    @property
+    def arrived(self) -> bool:
+        """Whether the robot should be at the end, within a pulse."""
+        return bool(self.progress >= self.path.length - self.step)
+
+
+def follow(robot: Scenario, path: Path, random: Random) -> tuple[Array, Array]:
+    """States after each step of 1 ms, (steps, 21), and its voltages, (steps, 5).
+
+    `random` makes the noise of the camera.
+    """
+    sim, follower = Simulator(robot), Follower(path)
+    film = Film(CAMERA, STEP, pose_of(sim.state))
+    states, played = [], []
+    voltages = heading_voltages(follower.heading, STANDS, CLAMP)
+    while not follower.arrived and sim.time < LIMIT:
+        for volts in voltages:
+            state = sim.step(dict(zip(COILS, volts, strict=True)), STEP)
+            seen, age = film.watch(sim.time, pose_of(state), random)
+            states.append(state.row)
+            played.append(volts)
+        heading = follower.decide(seen[:2], age)
+        voltages = heading_voltages(heading, PULSE, CLAMP)
+    return np.array(states), np.array(played)
+
+
+def pose_of(state: State) -> Array:
+    """What the camera sees: x, y, theta, heading."""
+    return np.array([state.x, state.y, state.theta, state.heading])

@@ -1,0 +1,137 @@
+"""Paths along the surface, by their length: for tasks, and for controllers of one's own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip._util.arrays import Array
+from stickslip.control.checks import check_above_zero, numbers_of
+from stickslip.errors import ScenarioError
+
+_BEHIND, _AHEAD = 0.2e-3, 0.6e-3  # chosen: m, where along the path a robot is looked for
+_SLACK = 1e-12  # m, rounding
+
+
+class Path:
+    """A polyline along the surface.
+
+    A robot's progress is the arc length of the point of the path that is nearest to it. It is
+    looked for from 0.2 mm behind to 0.6 mm ahead of the progress before, so that a path may cross
+    itself.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, 2)
+        Corners x and y, m, from the start to the end.
+
+    Attributes
+    ----------
+    points : numpy.ndarray, shape (k, 2)
+    length : float
+        m.
+
+    Raises
+    ------
+    ScenarioError
+        If there are fewer than two corners, one of them is not finite, or two in a row are the
+        same.
+
+    Examples
+    --------
+    >>> from stickslip.control import Path
+    >>> path = Path([(0, 0), (3e-3, 0), (3e-3, 1e-3)])
+    >>> path.at(3.5e-3).tolist()
+    [0.003, 0.0005]
+    """
+
+    def __init__(self, points: ArrayLike) -> None:
+        corners = numbers_of("path", points, "shape (k, 2) of finite x and y, m")
+        if corners.ndim != 2 or corners.shape[-1] != 2 or len(corners) < 2:
+            raise ScenarioError(f"path of shape {corners.shape}: allowed is (k, 2), k at least 2")
+        sides = np.diff(corners, axis=0)
+        lengths = np.hypot(*sides.T)
+        if not lengths.all():
+            again = int(np.argmin(lengths)) + 1
+            raise ScenarioError(f"path: corner {again} is where the one before it is")
+        self.points = corners
+        self._starts = np.concatenate([[0.0], np.cumsum(lengths)])
+        self._lengths = lengths
+        self._corners, self._along = corners[:-1].T.copy(), (sides / lengths[:, None]).T.copy()
+        self.length = float(self._starts[-1])
+        # Sides that lie within what is looked at from a progress, at most.
+        ends = np.searchsorted(self._starts, self._starts[:-1] + _BEHIND + _AHEAD, side="right")
+        self._looked_at = int(np.max(ends - np.arange(len(lengths)))) + 1
+
+    @staticmethod
+    def of_length(function: Callable[[float], ArrayLike], length: float, step: float) -> Path:
+        """The path that a function of the arc length (m) to x and y (m) describes.
+
+        Parameters
+        ----------
+        function : callable
+        length : float
+            Where it ends, m.
+        step : float
+            Greatest distance of corners, m.
+        """
+        check_above_zero("path.length", length, "m")
+        check_above_zero("path.step", step, "m")
+        count = math.ceil(length / step) + 1
+        return Path([np.asarray(function(s)) for s in np.linspace(0.0, length, count)])
+
+    @staticmethod
+    def figure_of_eight(width: float = 4e-3) -> Path:
+        """x = a sin u, y = a/2 sin 2u, from its crossing at the origin and back to it.
+
+        `width` is 2 a, m: the figure is twice as wide as it is high, 3.05 widths long, and nowhere
+        bent more than by a radius of 0.21 a.
+        """
+        check_above_zero("width", width, "m")
+        u = np.linspace(0.0, 2.0 * np.pi, 361)
+        half = 0.5 * width
+        return Path(np.column_stack([half * np.sin(u), 0.5 * half * np.sin(2.0 * u)]))
+
+    def at(self, progress: ArrayLike) -> Array:
+        """Places at arc lengths (m), shape (...) to (..., 2); before the start and beyond the end
+        the first and the last."""
+        lengths = np.asarray(progress, dtype=float)
+        x, y = (np.interp(lengths, self._starts, each) for each in self.points.T)
+        return np.stack([x, y], axis=-1)
+
+    def project(self, places: ArrayLike, before: ArrayLike) -> tuple[Array, Array]:
+        """Progress and distance across of robots, m, shapes (...), the distance to the left.
+
+        Parameters
+        ----------
+        places : array_like, shape (..., 2)
+            m.
+        before : array_like, shape (...)
+            Their progress before, m.
+        """
+        where, known = np.asarray(places, dtype=float), np.asarray(before, dtype=float)[..., None]
+        low, high = known - _BEHIND, known + _AHEAD
+        first = np.searchsorted(self._starts, low, side="right") - 1
+        sides = np.clip(first + np.arange(self._looked_at), 0, len(self._lengths) - 1)
+        starts = self._starts[sides]
+        # Coordinates apart: sums over an axis of two take longer than all else.
+        along_x, along_y = self._along[0][sides], self._along[1][sides]
+        off_x, off_y = (where[..., k, None] - self._corners[k][sides] for k in (0, 1))
+        near = np.clip(off_x * along_x + off_y * along_y, low - starts, high - starts)
+        near = np.clip(near, 0.0, self._lengths[sides])
+        away_x, away_y = off_x - near * along_x, off_y - near * along_y
+        progress, squares = starts + near, away_x**2 + away_y**2
+        within = (progress > low - _SLACK) & (progress < high + _SLACK)
+        best = np.argmin(np.where(within, squares, np.inf), axis=-1)[..., None]
+        left = along_x * away_y - along_y * away_x
+        across = np.copysign(np.sqrt(squares), left)
+        return (
+            np.take_along_axis(progress, best, -1)[..., 0],
+            np.take_along_axis(across, best, -1)[..., 0],
+        )
+
+    def __repr__(self) -> str:
+        return f"<Path: {len(self.points)} corners, {1e3 * self.length:.4g} mm>"

@@ -1,0 +1,200 @@
+"""Environments of a robot that is steered in the whole plane."""
+
+import math
+
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from measured_maps import HALF, formula_map, with_map
+from stickslip import Scenario, ScenarioError, Simulator, State
+from stickslip.control import Camera, Path, heading_voltages
+from stickslip.control.environments import RobotEnv, RobotVectorEnv
+from stickslip.control.observations import (
+    CAMERA_OBSERVED_IN_PLANE,
+    CAMERA_UNITS_IN_PLANE,
+    OBSERVED_IN_PLANE,
+    PLACE,
+    UNITS_IN_PLANE,
+)
+
+COILS = ("xp", "xm", "yp", "ym", "clamp")
+TOOTH = np.linspace(1.0, -0.6, 10)  # 26 V, and down to 5 V
+
+
+def walked(env, steps, turn=0.0):
+    """Pulses of 10 ms until the episode ends; rewards, and the last step."""
+    env.reset(seed=1)
+    rewards = []
+    for k in range(steps):
+        step = env.step(np.float32([turn, TOOTH[k % 10] if k >= 50 else 0.0, -0.4]))
+        rewards.append(step[1])
+        if step[2] or step[3]:
+            break
+    return rewards, step
+
+
+@pytest.mark.parametrize("task", ["reach", "follow"])
+def test_the_spaces_are_those_of_a_robot_that_is_steered(task):
+    env = RobotEnv(task=task)
+    assert env.action_space.shape == (3,)
+    assert env.observation_space.shape == (len(OBSERVED_IN_PLANE),) == (len(UNITS_IN_PLANE),)
+    seen = RobotEnv(task=task, camera=Camera())
+    columns = (len(CAMERA_OBSERVED_IN_PLANE),)
+    assert seen.observation_space.shape == columns == (len(CAMERA_UNITS_IN_PLANE),)
+    assert RobotEnv(task=task, coils=COILS).action_space.shape == (5,)
+
+
+def test_a_steered_robot_moves_as_a_simulator():
+    envs = RobotVectorEnv(3, "reach")
+    envs.reset(seed=1)
+    sims, headings = [Simulator(Scenario()) for _ in range(3)], np.zeros(3)
+    random = np.random.default_rng(0)
+    for _ in range(40):
+        actions = np.float32(random.uniform([-1.0, 0.0, -0.5], [1.0, 1.0, 0.0], (3, 3)))
+        observations, *_, info = envs.step(actions)
+        assert "failure" not in info
+        given = actions.astype(float)
+        headings += 50.0 * 1e-3 * given[:, 0]
+        along = 26.0 * 0.5 * (1.0 + given[:, 1])
+        volts = heading_voltages(headings, along, 26.0 * given[:, 2])
+        for sim, own, seen in zip(sims, volts, observations, strict=True):
+            state = sim.step(dict(zip(COILS, own, strict=True)), 1e-3)
+            values = [math.cos(state.heading), math.sin(state.heading)]
+            values += [getattr(state, name) for name in OBSERVED_IN_PLANE[4:]]
+            assert np.array_equal(seen[2:], np.array(values) / UNITS_IN_PLANE[2:])
+    assert np.abs(headings).min() > 0.01  # all of them have turned
+
+
+def test_a_goal_lies_somewhere_around_the_start():
+    envs = RobotVectorEnv(400, "reach")
+    observations, _ = envs.reset(seed=1)
+    offsets = 1e-3 * observations[:, :2]  # all face +x
+    distances = np.hypot(*offsets.T)
+    assert distances.min() >= 0.5e-3
+    assert distances.max() <= 2e-3
+    # Of 400 bearings each quarter has 100, with a deviation of 9.
+    quarters = np.floor(np.arctan2(offsets[:, 1], offsets[:, 0]) / (0.5 * np.pi))
+    assert min(np.sum(quarters == each) for each in (-2, -1, 0, 1)) > 100 - 4 * 9
+
+
+def test_a_goal_in_the_plane_that_is_reached_ends_an_episode_with_success():
+    env = RobotEnv(task="reach")
+    env.reset(seed=1)
+    env._many._targets._goals[:] = [30e-6, -20e-6]
+    _, reward, terminated, truncated, info = env.step(np.zeros(3))
+    assert terminated
+    assert not truncated
+    assert info["success"]
+    assert reward == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_goal_can_be_given():
+    given = State(x=0.2e-3, y=-0.1e-3)
+    envs = RobotVectorEnv(2, "reach", scenario=Scenario(initial=given), goal=(1.5e-3, 0.7e-3))
+    for seed in (1, 2):
+        observations, _ = envs.reset(seed=seed)
+        assert 1e-3 * observations[:, :2] == pytest.approx(np.tile([1.3e-3, 0.8e-3], (2, 1)))
+
+
+def test_with_a_field_map_a_path_and_a_goal_lie_within_it():
+    scenario = with_map(formula_map())
+    beyond = 1.1 * HALF[1]
+    with pytest.raises(ScenarioError, match=r"path: .* y from -0.003 to 0.003 m"):
+        RobotEnv(task="follow", scenario=scenario, path=[(0.0, 0.0), (0.0, beyond)])
+    with pytest.raises(ScenarioError, match=r"goal: .* x from -0.008 to 0.008 m"):
+        RobotEnv(task="reach", scenario=scenario, goal=(0.0, beyond))
+    assert RobotEnv(task="follow", scenario=scenario, path=[(0.0, 0.0), (beyond, 0.0)])
+
+
+def test_a_straight_path_is_followed_to_its_end():
+    env = RobotEnv(task="follow", path=[(0.0, 0.0), (0.4e-3, 0.0)])
+    rewards, (observation, _, terminated, _, info) = walked(env, 1000)
+    assert terminated
+    assert info["success"]
+    # The end counts from 50 um before it; one step of 1 ms goes less than 50 um.
+    assert 0.35e-3 <= info["progress"] < 0.4e-3
+    assert info["across"] == 0.0
+    assert sum(rewards) == pytest.approx(1e3 * info["progress"] + 1.0)
+    # The next point ahead is the end.
+    x = 1e-3 * observation[OBSERVED_IN_PLANE.index("x")]
+    assert observation[:2] == pytest.approx([(0.4e-3 - x) / 1e-3, 0.0])
+
+
+def test_what_counts_is_the_way_along_the_path_less_what_is_beside_it():
+    slanted = Path([(0.0, 0.0), (1e-2 * math.cos(0.3), 1e-2 * math.sin(0.3))])
+    env = RobotEnv(task="follow", path=slanted)
+    rewards, (*_, info) = walked(env, 200)
+    x, y = env._many._states[0, PLACE]
+    assert y == 0.0
+    assert info["progress"] == pytest.approx(x * math.cos(0.3))
+    assert info["across"] == pytest.approx(-x * math.sin(0.3))
+    assert 0.0 < sum(rewards) < 1e3 * info["progress"]
+
+
+def test_a_path_that_is_left_ends_an_episode_and_says_so():
+    # The figure of eight begins at 45 degrees, and the robot walks on along x.
+    _, (_, _, terminated, truncated, info) = walked(RobotEnv(task="follow"), 1000)
+    assert terminated
+    assert not truncated
+    assert info["failure"] == "left_path"
+    assert not info["success"]
+    assert abs(info["across"]) > 0.25e-3
+
+
+def test_a_heading_that_is_lost_ends_an_episode_and_says_so():
+    env = RobotEnv(task="reach", coils=("yp", "clamp"), voltage=25.0)
+    env.reset(seed=1)
+    for k in range(200):
+        *_, terminated, truncated, info = env.step(np.float32([1.0 if k < 100 else -1.0, 0.0]))
+        if terminated:
+            break
+    assert k > 100
+    assert terminated
+    assert not truncated
+    assert info["failure"] == "heading_lost"
+
+
+def test_a_field_that_turns_too_fast_ends_an_episode_and_says_so():
+    # Voltages of single coils chosen at random: the field is weak, and its direction jumps.
+    env = RobotEnv(task="reach", coils=COILS)
+    env.reset(seed=1)
+    random = np.random.default_rng(0)
+    for _ in range(100):
+        *_, terminated, truncated, info = env.step(np.float32(random.uniform(-1.0, 1.0, 5)))
+        if terminated:
+            break
+    assert terminated
+    assert not truncated
+    assert info["failure"] == "turns_too_fast"
+
+
+def test_a_camera_shows_the_goal_from_where_it_sees_the_robot():
+    camera = Camera(frame_rate=100.0, latency=0.02, noise_x=20e-6, noise_heading=0.2)
+    envs = RobotVectorEnv(5, "reach", camera=camera)
+    envs.reset(seed=1)
+    for k in range(60):
+        actions = np.tile(np.float32([0.2, TOOTH[k % 10], -0.4]), (5, 1))
+        observations, *_ = envs.step(actions)
+    ahead, left, cosine, sine, x, y, _, age = (observations * CAMERA_UNITS_IN_PLANE).T
+    assert cosine**2 + sine**2 == pytest.approx(1.0)
+    goals = np.column_stack([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left])
+    assert goals == pytest.approx(envs._targets._goals, abs=1e-12)
+    assert (np.abs(x - envs._states[:, 0]) > 1e-7).all()
+    assert ((age >= 0.02 - 1e-9) & (age < 0.03 + 1e-9)).all()
+
+
+def test_robots_that_go_on_keep_their_figures_where_another_begins_anew():
+    envs = RobotVectorEnv(2, "follow", autoreset_mode=AutoresetMode.SAME_STEP)
+    envs.reset(seed=1)
+    # The second robot walks straight on, away from the path, and its episode ends.
+    for k in range(2000):
+        actions = np.float32([[0.0, 0.0, -0.4], [0.0, TOOTH[k % 10], -0.4]])
+        _, _, terminated, truncated, info = envs.step(actions)
+        if np.any(terminated | truncated):
+            break
+    ended = terminated | truncated
+    assert ended.tolist() == [False, True]
+    assert info["_final_info"].tolist() == info["_final_obs"].tolist() == [False, True]
+    assert info["_progress"].tolist() == [True, False]
+    assert info["progress"][0] == info["final_info"]["progress"][0]
