@@ -67,7 +67,7 @@ def follow(robot: Scenario, path: Path, random: Random) -> tuple[Array, Array]:
     voltages = heading_voltages(follower.heading, STANDS, CLAMP)
     while not follower.arrived and sim.time < LIMIT:
         for volts in voltages:
-            state = sim.step(dict(zip(COILS, volts, strict=True)), STEP)
+            state = sim.step(volts, STEP)
             seen, age = film.watch(sim.time, pose_of(state), random)
             states.append(state.row)
             played.append(volts)

@@ -56,14 +56,28 @@ def test_a_steered_robot_moves_as_a_simulator():
         assert "failure" not in info
         given = actions.astype(float)
         headings += 50.0 * 1e-3 * given[:, 0]
-        along = 26.0 * 0.5 * (1.0 + given[:, 1])
+        along = 26.0 * (0.2 + 0.8 * 0.5 * (1.0 + given[:, 1]))
         volts = heading_voltages(headings, along, 26.0 * given[:, 2])
         for sim, own, seen in zip(sims, volts, observations, strict=True):
-            state = sim.step(dict(zip(COILS, own, strict=True)), 1e-3)
+            state = sim.step(own, 1e-3)
             values = [math.cos(state.heading), math.sin(state.heading)]
             values += [getattr(state, name) for name in OBSERVED_IN_PLANE[4:]]
             assert np.array_equal(seen[2:], np.array(values) / UNITS_IN_PLANE[2:])
     assert np.abs(headings).min() > 0.01  # all of them have turned
+
+
+@pytest.mark.parametrize("ambient", [0.0, 2e-5])
+def test_no_actions_lose_the_heading(ambient):
+    # The Earth's field aside, and the weakest field while it is turned.
+    scenario = Scenario().replace({"effects.ambient_field.By": ambient})
+    envs = RobotVectorEnv(8, "reach", scenario=scenario, goal=(9e-3, 0.0))
+    envs.reset(seed=1)
+    random = np.random.default_rng(1)
+    for step in range(200):
+        actions = random.uniform(-1.0, 1.0, (8, 3))
+        actions[:4] = [1.0, 1.0 if step // 40 % 2 == 0 else -1.0, -0.4]
+        *_, info = envs.step(np.float32(actions))
+        assert "failure" not in info
 
 
 def test_a_goal_lies_somewhere_around_the_start():

@@ -13,7 +13,6 @@ from reference.heading import Heading, heading_voltages
 from reference.steering_table import pulse_ends
 from stickslip import Scenario, ScenarioError, Simulator, State, Waveform, simulate, simulate_batch
 from stickslip.control import heading_voltages as steering_voltages
-from stickslip.scenario.sections import COIL_NAMES
 
 TABLE = json.loads((Path(__file__).parent / "data" / "steering_reference.json").read_text())
 STEADY = [
@@ -280,5 +279,5 @@ def test_steps_along_x_stay_in_the_plane(heading):
     simulator = Simulator(Scenario().replace({"drive.direction": direction}))
     for strength in (10.0, 20.0, 10.0):
         row = steering_voltages(heading, strength, -10.0)
-        state = simulator.step(dict(zip(COIL_NAMES, row, strict=True)), 5e-3)
+        state = simulator.step(row, 5e-3)
     assert (state.y, state.heading) == (0.0, heading)

@@ -106,6 +106,9 @@ void HeadingWatch::look_strong(double tau, const HorizontalField::Vector& b, dou
     // Angle between two looks between which another one is worth it, and the time below which it
     // is not: a field that goes through zero is then far below a weak one on the way.
     constexpr double kFar = 0.1, kShort = 1e-8, kSmall = 1e-3;
+    // Of the field's logarithm over its angle, in a field that is switched on. Chosen: one that
+    // goes round without growing turns too fast.
+    constexpr double kLeastGrowth = 0.1;
     State& state = track_.state;
     const Heading now = {b[0] / horizontal, b[1] / horizontal};
     const Slip turn = state.heading.seen(now.cosine, now.sine);
@@ -119,10 +122,16 @@ void HeadingWatch::look_strong(double tau, const HorizontalField::Vector& b, dou
     }
     const double limit = kMostTurning * yaw_ * std::sqrt(horizontal);
     if (time > 0.0 && angle > limit * time) {
-        end({Status::turns_too_fast, tau, angle / time, limit});
-        return;
+        // While the coils' field first outgrows an ambient one, the robot stands up to it.
+        const double growth = std::log(horizontal / size_at(track_.tau));
+        if (state.was_settled || growth < kLeastGrowth * angle) {
+            end({Status::turns_too_fast, tau, angle / time, limit});
+            return;
+        }
+    } else {
+        state.turned += angle;
+        state.was_settled = state.was_settled || time > 0.0;
     }
-    state.turned += angle;
     state.heading = now;
     track_.tau = tau;
 }
@@ -151,14 +160,13 @@ bool HeadingWatch::come_back(double tau) {
     const double horizontal = size(b);
     const Heading now = {b[0] / horizontal, b[1] / horizontal};
     const Slip turn = state.heading.seen(now.cosine, now.sine);
-    if (state.was_strong && std::abs(std::atan2(turn.across, turn.along)) > kMostLag) {
+    if (state.was_settled && std::abs(std::atan2(turn.across, turn.along)) > kMostLag) {
         // At the last instant at which the field does not say another one.
         end({Status::heading_lost, weak});
         return false;
     }
     state.heading = now;
     state.was_weak = false;
-    state.was_strong = true;
     track_.tau = strong;
     return true;
 }

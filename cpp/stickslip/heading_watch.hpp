@@ -31,8 +31,8 @@ public:
     /// What goes on from stretch to stretch.
     struct State {
         Heading heading;  ///< as the field was last seen above the weak one, or as told
-        bool was_weak = true, was_strong = false;  ///< since it was strong; ever
-        bool lost = false;                         ///< for good
+        bool was_weak = true, was_settled = false;  ///< since it was strong; ever strong and slow
+        bool lost = false;                          ///< for good
         double turned = 0.0;  ///< rad, by which the heading has turned to and fro
     };
     const State& state() const { return track_.state; }

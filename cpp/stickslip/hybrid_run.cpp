@@ -105,6 +105,7 @@ void HybridRun::watch_heading() {
     if (tau_ < end.tau - kRounding) return;
     result_.status = end.status;
     result_.heading_end = end;
+    state_.body.heading = plane_->watch().state().heading.angle();
 }
 
 void HybridRun::observe_stretch(const CurrentSegment& played) {

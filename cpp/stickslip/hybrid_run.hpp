@@ -70,6 +70,8 @@ public:
     PlaneHandover hand_over() const;
     void take_over(const PlaneHandover& handover);
     Status status() const { return result_.status; }
+    /// Up to which it is played, s.
+    double time() const { return absolute(tau_); }
     /// At the end of the last stretch.
     SimulationState state() const;
     /// The same without currents.

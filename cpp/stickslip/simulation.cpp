@@ -104,13 +104,19 @@ std::string message(const RunResult& result) {
                      << " m; give fewer pulses or less field, or a map that reaches farther";
                 break;
             }
+            if (result.summary.simulated_time == 0.0) {
+                text << "the robot was beyond the coils; begin nearer to the centre (initial.x, "
+                        "initial.y)";
+                break;
+            }
             text << "the robot reached the coils; give fewer pulses or less field, or look at "
                     "effects.surface_tilt and friction";
             break;
         case Status::heading_lost:
             text << "the horizontal field had been too weak to hold the robot's heading and came "
                     "back from another side, so that nobody knows where the robot faces; turn the "
-                    "field without letting it fade, or keep it on one side (drive.base above 0)";
+                    "field without letting it fade, or keep it stronger than what comes from aside "
+                    "(drive.base, the voltages, effects.ambient_field)";
             break;
         case Status::turns_too_fast:
             text << "the horizontal field turned at " << result.heading_end.rate

@@ -137,7 +137,7 @@ struct Simulator::RunnerOf : Simulator::Runner {
         loop->go();
         if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
     }
-    double time() override { return loop->steps().time(); }
+    double time() override { return status() == Status::ok ? loop->steps().time() : loop->time(); }
     SimulationState state() const override { return loop->state(); }
     Status status() const override { return loop->status(); }
     LoopMemory memory() const override { return loop->loop_memory(); }

@@ -34,7 +34,7 @@ public:
     /// those of the step before.
     void step(const PerCoil& voltages, double duration, bool linear);
 
-    double time() const;  ///< s
+    double time() const;  ///< s; after a step that failed, the instant at which it did
     SimulationState state() const;
     /// How the last step ended; one that did not end well is the last.
     Status status() const;

@@ -84,6 +84,41 @@ TEST_CASE("heading: a run ends at the instant when the field turns too fast") {
     CHECK(message(run).find("rad/s") != std::string::npos);
 }
 
+// The sum of an ambient field and one that is switched on turns as fast as its current rises.
+TEST_CASE("heading: a robot stands up to a field that outgrows an ambient one, whatever its side") {
+    for (const double side : {0.5, 1.5, 2.5, -1.0}) {
+        for (const double volts : {5.0, 26.0}) {
+            Scenario scenario;
+            scenario.effects.ambient_field_bx = 2e-5 * std::cos(side);
+            scenario.effects.ambient_field_by = 2e-5 * std::sin(side);
+            Simulator robot(scenario);
+            robot.step({volts, 0.0, 0.0, 0.0, -10.0}, 0.05, false);
+            REQUIRE(robot.status() == Status::ok);
+            CHECK(std::abs(robot.state().heading) < 0.1);
+            // Once it stands, a field that goes over to the other side ends what is known.
+            robot.step({0.0, -volts, 0.02 * volts, 0.0, -10.0}, 0.05, false);
+            CHECK(robot.status() != Status::ok);
+            CHECK(robot.time() > 0.05);
+            CHECK(robot.time() < 0.065);
+        }
+    }
+}
+
+TEST_CASE("heading: a field that goes round from its first instant turns too fast") {
+    Scenario scenario;
+    scenario.effects.ambient_field_bx = 1e-4;  // which the robot follows from the start
+    std::vector<VoltagePoint> points;
+    for (int k = 0; k <= 400; ++k) {
+        const double time = 5e-5 * k, angle = 2.0 * std::numbers::pi * 400.0 * time;
+        points.push_back({time, {26.0 * std::cos(angle), 0.0, 26.0 * std::sin(angle), 0.0, 0.0}});
+    }
+    scenario.drive.mode = DriveMode::program;
+    scenario.program = VoltageProgram({{points, 1}});
+    CHECK(simulate(scenario).status == Status::turns_too_fast);
+    scenario.effects.ambient_field_bx = 0.0;
+    CHECK(simulate(scenario).status == Status::turns_too_fast);
+}
+
 // The field turns by a quarter and fades, all in one stretch.
 TEST_CASE("heading: the heading that stays is the one at which the field became weak") {
     Scenario scenario;

@@ -62,7 +62,7 @@ Example:
     "--until",
     metavar="CONDITION",
     help='End where a condition is met, such as "x >= 3e-3"; of time (s), x, y, z (m), theta, '
-    "heading (rad) or turns.",
+    "heading (rad, from -pi to pi) or turns.",
 )
 @click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
 @click.option(

@@ -110,8 +110,8 @@ def _of_turning(summary: dict[str, Any]) -> list[str]:
         return []
     return [
         "the robot turned while it walked: what turning adds at its contact is not in the model, "
-        f"and may change the mean velocity of {1e3 * speed:.3g} mm/s by up to about "
-        f"{1e3 * turning:.2g} mm/s (turning_speed)"
+        f"and may change its speed along the path by up to about {1e3 * turning:.2g} mm/s "
+        f"(turning_speed); its mean velocity is {1e3 * speed:.3g} mm/s"
     ]
 
 

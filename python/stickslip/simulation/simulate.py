@@ -63,6 +63,8 @@ def parsed_condition(
         if math.isfinite(value):
             if found[1] in OF_THE_WHOLE_PLANE:
                 _check_whole_plane(until, found[1], scenarios)
+            if found[1] == "heading" and abs(value) > math.pi:
+                refuse("until", until, "a heading from -pi to pi, beyond which it goes on at -pi")
             return found[1], found[2] == ">=", value
     allowed = (
         'a condition such as "x >= 3e-3" or "theta <= -1.5", of time (s), x, y, z (m), theta, '
@@ -111,8 +113,9 @@ def simulate(
     until : str, optional
         Ends the run earlier where a condition is met, which is located like any other event:
         ``"x >= 3e-3"``, or another of time (s), x, y, z (m, of the centre of mass), theta (rad),
-        turns (theta over 2 pi) or heading (rad, as recorded: from -pi to pi) with ``>=`` or
-        ``<=``. A robot that stays in one plane has no y and no heading. See `Run.condition_met`.
+        turns (theta over 2 pi) or heading (rad, from -pi to pi; a robot that turns on to the left
+        jumps from pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``. A robot that
+        stays in one plane has no y and no heading. See `Run.condition_met`.
     out : path-like, optional
         Write the record to this file while the run goes on, with memory that does not grow: a
         netCDF file (``.nc``, ``.nc4``, ``.h5``) or ``.csv``, as `Run.save` writes them. What was

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip.errors import ScenarioError, SimulationError, prefixed
@@ -14,7 +17,10 @@ from stickslip.scenario.state import State, made_state
 
 Hold = Literal["constant", "linear"]
 
-_TYPES = "a step takes a mapping from coils to V, and a duration in s"
+_TYPES = (
+    "a step takes a mapping from coils to V, or five numbers of V (xp, xm, yp, ym, clamp), and a "
+    "duration in s"
+)
 
 
 def check_hold(hold: str) -> bool:
@@ -22,6 +28,13 @@ def check_hold(hold: str) -> bool:
     if hold not in ("constant", "linear"):
         refuse("hold", hold, '"constant" or "linear"')
     return hold == "linear"
+
+
+def _by_coil(voltages: Any) -> dict[str, float]:
+    row = np.asarray(voltages, dtype=float)
+    if row.shape != (len(COIL_NAMES),):
+        raise ValueError(f"voltages of shape {row.shape}: {_TYPES}")
+    return dict(zip(COIL_NAMES, row.tolist(), strict=True))
 
 
 class Snapshot:
@@ -80,15 +93,18 @@ class Simulator:
             self._core = _core.Simulator(scenario.to_core())
 
     def step(
-        self, voltages: Mapping[str, float], duration: float, hold: Hold = "constant"
+        self,
+        voltages: Mapping[str, float] | ArrayLike,
+        duration: float,
+        hold: Hold = "constant",
     ) -> State:
         """Play one step.
 
         Parameters
         ----------
-        voltages : mapping of str to float
-            New voltages of coils (``xp``, ``xm``, ``yp``, ``ym``, ``clamp``), V; the others keep
-            theirs, which are zero at first.
+        voltages : mapping of str to float, or array_like of shape (5,)
+            New voltages of coils (``xp``, ``xm``, ``yp``, ``ym``, ``clamp``), V; those that are not
+            named keep theirs, which are zero at first. An array has all five, in this order.
         duration : float
             s.
         hold : {"constant", "linear"}
@@ -108,7 +124,8 @@ class Simulator:
             If the motion cannot be simulated on; `state` is then where it stopped.
         """
         try:
-            fields = self._core.step(voltages, duration, check_hold(hold))
+            by_coil = voltages if isinstance(voltages, Mapping) else _by_coil(voltages)
+            fields = self._core.step(by_coil, duration, check_hold(hold))
         except RuntimeError as error:
             if self.status == "ok":  # of an effect of the user, say
                 raise
@@ -122,7 +139,7 @@ class Simulator:
 
     @property
     def time(self) -> float:
-        """Simulated time since the start, s."""
+        """Simulated time since the start, s; after a step that failed, when it did."""
         return self._core.time
 
     @property
