@@ -1,5 +1,6 @@
 """Where no cause explains the data: which law has another shape, its curve, and a formula."""
 
+import itertools
 import json
 import math
 from dataclasses import fields
@@ -10,6 +11,7 @@ import pytest
 
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
+from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formulas import FORMS, find_formula
@@ -48,6 +50,40 @@ def test_a_curve_that_no_formula_follows_has_none():
         find_formula(knots, np.array([1.0, -1.0, 1.0, -1.0, 1.0]), 1e-4 * np.eye(5), 1, False)
         is None
     )
+
+
+def test_a_smooth_law_lies_about_its_curve_as_far_as_is_said():
+    # Laws drawn from the processes that are averaged over, which normal bands of 90 % must hold.
+    hook, span, sd = HOOK["free_drag_speed"], 0.01, 0.01
+    argument = np.linspace(0.0, span, 61)
+    design = curve_design(BASE, hook, span, argument)
+    project, covariance = np.linalg.pinv(design), sd**2 * np.eye(5)
+    random = np.random.default_rng(1)
+    held, without = [], []
+    for length, size in itertools.product((0.15, 0.3, 0.6, 1.5), (0.1, 0.5, 2.0)):
+        distance = (argument[:, None] - argument) / span
+        process = size**2 * np.exp(-0.5 * (distance / length) ** 2)
+        for _ in range(10):
+            law = random.multivariate_normal(np.zeros(61), process, method="svd")
+            knots = project @ law + sd * random.standard_normal(5)
+            between = covariance_between_knots(argument, design, knots, covariance, 0.3)
+            of_knots = np.sum((design @ covariance) * design, axis=1)
+            off = np.abs(law - design @ knots)
+            held.append(np.mean(off < 1.645 * np.sqrt(of_knots + np.diag(between))))
+            without.append(np.mean(off < 1.645 * np.sqrt(of_knots)))
+    # Points of a law go together: of 120 laws the mean has a deviation of about 0.02.
+    assert np.mean(held) == pytest.approx(0.9, abs=0.05)
+    assert np.mean(without) < 0.8
+
+
+def test_where_a_law_is_zero_for_sure_nothing_lies_about_its_curve():
+    hook, span = HOOK["free_friction_speed"], 0.01
+    argument = np.linspace(0.0, span, 61)
+    design = curve_design(BASE, hook, span, argument)
+    knots = np.array([0.3, -0.1, 0.4, 0.1, 0.2])
+    between = np.diag(covariance_between_knots(argument, design, knots, 1e-4 * np.eye(5), 0.3))
+    assert between[0] == pytest.approx(0.0, abs=1e-12)
+    assert between[3] > 1e-5
 
 
 def test_the_curve_of_the_report_is_the_law_of_the_core():
