@@ -49,7 +49,7 @@ def hidden(term, seed):
     return measured(seed, 1.0 + law(at))
 
 
-# In 155 of 155 accepted curves of 180 such data sets, others than these, the place was right.
+# Of 90 such data sets, others than these, 82 had an accepted curve at the right place.
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("term", HIDDEN, ids=lambda term: term.argument)
 def test_a_hidden_term_is_found_over_its_argument(term, seed):

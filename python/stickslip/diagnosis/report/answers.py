@@ -203,7 +203,8 @@ def _do(
     if kind == "unexplained" and found.free_shape is None:
         return (Fact(Code.DO_LOOK, {}), *steps)
     if kind == "unexplained":
-        return (Fact(Code.DO_KEEP, {**model, "first": True}), *steps)
+        # The experiments are those that tell causes apart, none of which explains the data.
+        return (Fact(Code.DO_KEEP, {**model, "first": True}),)
     if kind in ("named", "pair"):
         remedies = [each.remedy for each in claimed[0] if each.remedy]
         said = [Fact(Code.DO_REMEDY, {"remedy": each}) for each in remedies]

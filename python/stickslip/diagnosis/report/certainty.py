@@ -8,7 +8,7 @@ from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
 from stickslip.diagnosis.inference.cross_validation import Gain
 from stickslip.diagnosis.inference.detection import ALPHA
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.open_set import BAND
+from stickslip.diagnosis.inference.open_set import BAND, OpenSet
 from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.ranking import runner_up
 from stickslip.diagnosis.inference.verdict import MARGIN
@@ -34,7 +34,7 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
         if found.free_shape is None:
             return (misfit, *(in_plain_words(found, each) for each in verdict.reasons[:1]))
         law = {"lead": found.free_shape.lead, "band": 100.0 * BAND}
-        return (misfit, Fact(Code.SURE_OF_LAW, law), *_rest(found))
+        return (misfit, Fact(Code.SURE_OF_LAW, law), *_next_law(found.open_set), *_rest(found))
     meanings = meanings_of(found)
     fields = {
         "names": [plain_name(each, meanings) for each in verdict.causes[:listed]],
@@ -56,6 +56,15 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
             name += " alone"
         said.append(Fact(Code.SURE_OF_RUNNER_UP, {"name": name, "lead": second.fields["lead"]}))
     return (*said, misfit, *_rest(found))
+
+
+def _next_law(laws: OpenSet | None) -> tuple[Fact, ...]:
+    """How far the second law is behind; what is said of close ones stands elsewhere."""
+    if laws is None or laws.rivals or len(laws.shapes) < 2:
+        return ()
+    first, second = laws.shapes[:2]
+    behind = {"name": second.term.name, "lead": first.lead - second.lead}
+    return (Fact(Code.SURE_OF_RUNNER_UP, behind),)
 
 
 def _why_open(reason: Fact) -> Fact:
