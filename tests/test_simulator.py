@@ -254,7 +254,9 @@ def refusals():
     yield lambda: sim.step({"zp": 1.0}, STEP), "zp"
     yield lambda: sim.step({"xp": math.nan}, STEP), "finite"
     yield lambda: sim.step({"xp": "a"}, STEP), "number of V"
-    yield lambda: sim.step([1.0], STEP), "mapping"
+    yield lambda: sim.step([1.0], STEP), "shape"
+    yield lambda: sim.step("a", STEP), "mapping"
+    yield lambda: sim.step([math.nan] * 5, STEP), "finite"
     yield lambda: sim.step({}, -1.0), "duration = -1"
     yield lambda: sim.step({}, STEP, "cubic"), "hold"
     yield lambda: sim.restore(other), "another scenario"
@@ -273,9 +275,11 @@ def refusals():
     yield lambda: rollout(Scenario(), None, rows, STEP, out=np.zeros(3)), "out of shape"
     for until in ("x = 3", "w >= 2", "x >= nan", "x >= 3 m", 3):
         yield lambda until=until: simulate(Scenario(), until=until), "until"
+    turned = Scenario(drive=Drive(heading=0.3))
+    yield lambda: simulate(turned, until="heading >= 3.2"), "from -pi to pi"
 
 
-@pytest.mark.parametrize("index", range(25))
+@pytest.mark.parametrize("index", range(28))
 def test_what_is_no_step_is_refused_in_one_line(index):
     call, told = list(refusals())[index]
     with pytest.raises(ScenarioError, match=told) as refusal:

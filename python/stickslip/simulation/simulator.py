@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip.errors import ScenarioError, SimulationError, prefixed
-from stickslip.scenario.keys import check_kind, refuse
+from stickslip.scenario.keys import check_kind, refuse, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import State, made_state
@@ -31,7 +31,10 @@ def check_hold(hold: str) -> bool:
 
 
 def _by_coil(voltages: Any) -> dict[str, float]:
-    row = np.asarray(voltages, dtype=float)
+    try:
+        row = np.asarray(voltages, dtype=float)
+    except ValueError:
+        raise ValueError(f"voltages = {shown(voltages)}: {_TYPES}") from None
     if row.shape != (len(COIL_NAMES),):
         raise ValueError(f"voltages of shape {row.shape}: {_TYPES}")
     return dict(zip(COIL_NAMES, row.tolist(), strict=True))
