@@ -254,7 +254,7 @@ def refusals():
     yield lambda: sim.step({"zp": 1.0}, STEP), "zp"
     yield lambda: sim.step({"xp": math.nan}, STEP), "finite"
     yield lambda: sim.step({"xp": "a"}, STEP), "number of V"
-    yield lambda: sim.step([1.0], STEP), "shape"
+    yield lambda: sim.step([1.0], STEP), "five numbers"
     yield lambda: sim.step("a", STEP), "mapping"
     yield lambda: sim.step([math.nan] * 5, STEP), "finite"
     yield lambda: sim.step({}, -1.0), "duration = -1"

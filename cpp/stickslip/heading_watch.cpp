@@ -106,9 +106,6 @@ void HeadingWatch::look_strong(double tau, const HorizontalField::Vector& b, dou
     // Angle between two looks between which another one is worth it, and the time below which it
     // is not: a field that goes through zero is then far below a weak one on the way.
     constexpr double kFar = 0.1, kShort = 1e-8, kSmall = 1e-3;
-    // Of the field's logarithm over its angle, in a field that is switched on. Chosen: one that
-    // goes round without growing turns too fast.
-    constexpr double kLeastGrowth = 0.1;
     State& state = track_.state;
     const Heading now = {b[0] / horizontal, b[1] / horizontal};
     const Slip turn = state.heading.seen(now.cosine, now.sine);
@@ -121,17 +118,15 @@ void HeadingWatch::look_strong(double tau, const HorizontalField::Vector& b, dou
         return;
     }
     const double limit = kMostTurning * yaw_ * std::sqrt(horizontal);
-    if (time > 0.0 && angle > limit * time) {
-        // While the coils' field first outgrows an ambient one, the robot stands up to it.
-        const double growth = std::log(horizontal / size_at(track_.tau));
-        if (state.was_settled || growth < kLeastGrowth * angle) {
-            end({Status::turns_too_fast, tau, angle / time, limit});
-            return;
-        }
-    } else {
-        state.turned += angle;
-        state.was_settled = state.was_settled || time > 0.0;
+    const bool too_fast = time > 0.0 && angle > limit * time;
+    state.turned += angle;
+    // The robot stands up while the coils' field first outgrows one that could not hold it, by
+    // which the sum turns by less than half a turn.
+    if (too_fast && (state.was_settled || state.turned > std::numbers::pi)) {
+        end({Status::turns_too_fast, tau, angle / time, limit});
+        return;
     }
+    if (time > 0.0 && !too_fast) state.was_settled = true;
     state.heading = now;
     track_.tau = tau;
 }
@@ -151,6 +146,7 @@ void HeadingWatch::fade(double tau) {
 // It was weak at the last look and is not at `tau`: whether the heading is known on.
 bool HeadingWatch::come_back(double tau) {
     double weak = track_.tau, strong = tau;
+    const bool at_once = weak == strong;
     while (strong - weak > kInstant) {
         const double middle = 0.5 * (strong + weak);
         (size_at(middle) > weak_field_ ? strong : weak) = middle;
@@ -167,6 +163,7 @@ bool HeadingWatch::come_back(double tau) {
     }
     state.heading = now;
     state.was_weak = false;
+    state.was_settled = state.was_settled || at_once;
     track_.tau = strong;
     return true;
 }

@@ -70,8 +70,8 @@ public:
     PlaneHandover hand_over() const;
     void take_over(const PlaneHandover& handover);
     Status status() const { return result_.status; }
-    /// Up to which it is played, s.
-    double time() const { return absolute(tau_); }
+    /// Up to which it was played, s, or failed.
+    double time() const { return result_.summary.simulated_time; }
     /// At the end of the last stretch.
     SimulationState state() const;
     /// The same without currents.

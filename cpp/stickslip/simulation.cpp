@@ -115,8 +115,9 @@ std::string message(const RunResult& result) {
         case Status::heading_lost:
             text << "the horizontal field had been too weak to hold the robot's heading and came "
                     "back from another side, so that nobody knows where the robot faces; turn the "
-                    "field without letting it fade, or keep it stronger than what comes from aside "
-                    "(drive.base, the voltages, effects.ambient_field)";
+                    "field without letting it fade, or keep it stronger than an ambient field "
+                    "across "
+                    "it (drive.base, the voltages)";
             break;
         case Status::turns_too_fast:
             text << "the horizontal field turned at " << result.heading_end.rate

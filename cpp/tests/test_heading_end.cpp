@@ -88,9 +88,10 @@ TEST_CASE("heading: a run ends at the instant when the field turns too fast") {
 TEST_CASE("heading: a robot stands up to a field that outgrows an ambient one, whatever its side") {
     for (const double side : {0.5, 1.5, 2.5, -1.0}) {
         for (const double volts : {5.0, 26.0}) {
+            const double ambient = volts > 10.0 ? 5e-5 : 2e-5;
             Scenario scenario;
-            scenario.effects.ambient_field_bx = 2e-5 * std::cos(side);
-            scenario.effects.ambient_field_by = 2e-5 * std::sin(side);
+            scenario.effects.ambient_field_bx = ambient * std::cos(side);
+            scenario.effects.ambient_field_by = ambient * std::sin(side);
             Simulator robot(scenario);
             robot.step({volts, 0.0, 0.0, 0.0, -10.0}, 0.05, false);
             REQUIRE(robot.status() == Status::ok);
@@ -105,18 +106,39 @@ TEST_CASE("heading: a robot stands up to a field that outgrows an ambient one, w
 }
 
 TEST_CASE("heading: a field that goes round from its first instant turns too fast") {
-    Scenario scenario;
-    scenario.effects.ambient_field_bx = 1e-4;  // which the robot follows from the start
-    std::vector<VoltagePoint> points;
-    for (int k = 0; k <= 400; ++k) {
-        const double time = 5e-5 * k, angle = 2.0 * std::numbers::pi * 400.0 * time;
-        points.push_back({time, {26.0 * std::cos(angle), 0.0, 26.0 * std::sin(angle), 0.0, 0.0}});
+    for (const bool grows : {false, true}) {
+        Scenario scenario;
+        std::vector<VoltagePoint> points;
+        for (int k = 0; k <= 400; ++k) {
+            const double time = 5e-5 * k, angle = 2.0 * std::numbers::pi * 400.0 * time;
+            const double volts = grows ? 26.0 * std::exp(0.15 * (angle - 50.0)) : 26.0;
+            points.push_back(
+                {time, {volts * std::cos(angle), 0.0, volts * std::sin(angle), 0.0, 0.0}});
+        }
+        scenario.drive.mode = DriveMode::program;
+        scenario.program = VoltageProgram({{points, 1}});
+        CHECK(simulate(scenario).status == Status::turns_too_fast);
+        // One that holds the robot is followed from the start.
+        scenario.effects.ambient_field_bx = 1e-4;
+        CHECK(simulate(scenario).status == Status::turns_too_fast);
     }
-    scenario.drive.mode = DriveMode::program;
-    scenario.program = VoltageProgram({{points, 1}});
-    CHECK(simulate(scenario).status == Status::turns_too_fast);
-    scenario.effects.ambient_field_bx = 0.0;
-    CHECK(simulate(scenario).status == Status::turns_too_fast);
+}
+
+TEST_CASE("heading: a simulator that ends where it goes over to the plane says when") {
+    Simulator robot(Scenario{});
+    robot.step({20.0, 0.0, 0.0, 0.0, -10.0}, 0.05, false);
+    robot.step({-20.0, 0.0, 0.0, 0.0, -10.0}, 0.05, false);
+    robot.step({0.0, 0.0, 20.0, 0.0, -10.0}, 0.05, false);
+    CHECK(robot.status() == Status::heading_lost);
+    CHECK(robot.time() == doctest::Approx(0.1).epsilon(1e-9));
+}
+
+TEST_CASE("a robot that begins beyond the coils is told so") {
+    Scenario scenario;
+    scenario.initial.x = 0.2;
+    const RunResult run = simulate(scenario);
+    CHECK(run.status == Status::left_workspace);
+    CHECK(message(run).find("begin nearer") != std::string::npos);
 }
 
 // The field turns by a quarter and fades, all in one stretch.

@@ -38,8 +38,8 @@ from stickslip.scenario.state import CONTACT_WORDS, STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior
 
 _FARTHEST = 1e6  # chosen: finite, as libraries want it, and beyond all that moves
-# Part of the voltage that the field along the surface always has. Chosen: of 26 V 0.5 mT, ten times
-# the Earth's field and that below which friction may hold the heading.
+# Part of the voltage that the field along the surface always has. Chosen: of 26 V it makes 0.5 mT,
+# ten times the field below which friction may hold the heading.
 _LEAST = 0.2
 _CONTACT, _HEADING = columns_of(["contact", "heading"])
 _RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
@@ -52,9 +52,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     Where a robot stays in its plane, they
     are the voltages of `coils` over `voltage`. Where it is steered, in "reach" and "follow", they
     are how fast the field along the surface turns to the left, over `turning`; the voltage that
-    makes this field, from a fifth of `voltage` at -1, which keeps the heading, to `voltage` at 1,
-    see `stickslip.control.heading_voltages`; and the voltage of the clamp coil over `voltage`. The
-    field begins at the robot's heading.
+    makes this field, from a fifth of `voltage` at -1, which keeps the heading of the default robot
+    if `voltage` is near 26 V, to `voltage` at 1, see `stickslip.control.heading_voltages`; and the
+    voltage of the clamp coil over `voltage`. The field begins at the robot's heading.
 
     An observation has the columns `stickslip.control.observations.OBSERVED` where a robot stays in
     its plane, else `stickslip.control.observations.OBSERVED_IN_PLANE`; through a camera

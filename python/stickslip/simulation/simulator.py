@@ -31,12 +31,9 @@ def check_hold(hold: str) -> bool:
 
 
 def _by_coil(voltages: Any) -> dict[str, float]:
-    try:
-        row = np.asarray(voltages, dtype=float)
-    except ValueError:
-        raise ValueError(f"voltages = {shown(voltages)}: {_TYPES}") from None
-    if row.shape != (len(COIL_NAMES),):
-        raise ValueError(f"voltages of shape {row.shape}: {_TYPES}")
+    row = np.asarray(voltages)
+    if row.dtype.kind not in "iuf" or row.shape != (len(COIL_NAMES),):
+        raise ValueError(f"voltages = {shown(voltages)}: {_TYPES}")
     return dict(zip(COIL_NAMES, row.tolist(), strict=True))
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 
-# Lengths over which a law may change, in ranges of its argument, and its sizes, in what would not
-# surprise. Chosen: from half the distance of two of five knots, as what bends faster is missed, to
-# nearly straight; rough orders.
-_LENGTHS = np.geomspace(0.15, 2.0, 14)
+# Lengths over which a law may change: the least in distances of two knots, as what bends faster is
+# missed, and the largest in ranges of the argument, where it is nearly straight; and its sizes, in
+# what would not surprise. Chosen as rough orders.
+_SHORTEST, _LONGEST = 0.6, 2.0
 _SIZES = np.geomspace(0.1, 10.0, 13)
 
 
@@ -22,8 +22,9 @@ def covariance_between_knots(
 
     The law is taken as a Gaussian process with the squared exponential covariance (Rasmussen and
     Williams, Gaussian Processes for Machine Learning, 2006, section 4.2), of which the curve is the
-    projection by least squares. What is left of it is averaged over lengths and sizes of the
-    process, each weighted by how likely it makes the knots that were found.
+    projection by least squares over all of the range: too narrow where there are no data and the
+    law bends fast. What is left of it is averaged over lengths and sizes of the process, each
+    weighted by how likely it makes the knots that were found.
 
     Parameters
     ----------
@@ -48,7 +49,8 @@ def covariance_between_knots(
     left = np.eye(len(argument)) - design @ project
     sure = np.flatnonzero(~design.any(axis=1))[:1]
     log_likelihoods, leavings = [], []
-    for length, factor in itertools.product(_LENGTHS, size * _SIZES):
+    lengths = np.geomspace(_SHORTEST / (len(knots) - 1), _LONGEST, 14)
+    for length, factor in itertools.product(lengths, size * _SIZES):
         law = factor**2 * np.exp(-0.5 * (distance / length) ** 2)
         if len(sure):
             law -= law[:, sure] @ law[sure] / law[sure, sure]

@@ -134,7 +134,7 @@ class FreeTerm:
         The uncertain parameter that the model multiplies by 1 + f, if it does that. The law that is
         drawn is then their product, which data often tell better than each of them.
     count : int
-        Number of knots, 3 or more. A law that bends within the distance of two is missed.
+        Number of knots, 3 or more. A law that bends within half the distance of two is missed.
 
     Raises
     ------

@@ -59,12 +59,17 @@ def sure_of(found: Findings, listed: int) -> tuple[Fact, ...]:
 
 
 def _next_law(laws: OpenSet | None) -> tuple[Fact, ...]:
-    """How far the second law is behind; what is said of close ones stands elsewhere."""
-    if laws is None or laws.rivals or len(laws.shapes) < 2:
+    """How far the next law that explains the data is behind; close ones are told elsewhere."""
+    if laws is None or laws.rivals:
         return ()
-    first, second = laws.shapes[:2]
-    behind = {"name": second.term.name, "lead": first.lead - second.lead}
-    return (Fact(Code.SURE_OF_RUNNER_UP, behind),)
+    others = [each for each in laws.shapes[1:] if each.p_value >= ADEQUATE]
+    return tuple(
+        Fact(
+            Code.SURE_OF_RUNNER_UP,
+            {"name": f"a law of {each.term.name}", "lead": laws.first.lead - each.lead},
+        )
+        for each in others[:1]
+    )
 
 
 def _why_open(reason: Fact) -> Fact:
