@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel sizes clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel wheels sizes clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -199,6 +199,27 @@ tidy: | system ## clang-tidy over the core (needs clang-tidy)
 wheel: $(VENV)/.created ## an isolated build of the wheel, into dist/
 	@$(RUN) -m pip wheel --quiet --no-deps --wheel-dir dist .
 	@ls dist/*.whl
+
+PYTHONS ?= $(PYTHON)
+WHEEL_TESTS ?= tests/test_run.py tests/test_cli.py tests/test_simulator.py tests/test_bad_input.py \
+	"tests/test_documentation.py::test_the_code_of_a_page_runs_and_prints_what_it_says[README.md]"
+
+# The base is installed where no compiler is to be found, as a user's machine may be, and tried before
+# the extras are there. The tests know no other stickslip than that of the wheel.
+wheels: | system ## wheels for PYTHONS="python3.10 python3.12", each installed without a compiler and tested
+	@set -e; for python in $(PYTHONS); do \
+	    folder=build/wheels/$$($$python -c 'import sys; print("cp%d%d" % sys.version_info[:2])'); \
+	    rm -rf $$folder; $$python -m venv $$folder || $$python -m virtualenv -q $$folder; \
+	    bin=$(CURDIR)/$$folder/bin; \
+	    $$bin/python -m pip wheel --quiet --no-deps --wheel-dir $$folder .; \
+	    wheel=$$(ls $$folder/*.whl); echo "$$(du -k $$wheel | cut -f 1) kB  $$wheel"; \
+	    PATH=$$bin CC=false CXX=false $$bin/python -m pip install --quiet --only-binary :all: $$wheel; \
+	    $$bin/stickslip init $$folder/smoke.toml; \
+	    $$bin/stickslip run $$folder/smoke.toml --out $$folder/smoke.csv; \
+	    $$bin/python -m pip install --quiet "$$wheel[test]"; \
+	    $$bin/python -m pytest -q -n $(JOBS) $(WHEEL_TESTS); \
+	    mkdir -p dist; cp $$wheel dist; \
+	done
 
 EXTRAS := "" "[netcdf]" "[plot]" "[diagnosis]" "[optimise]" "[all]"
 

@@ -103,17 +103,18 @@ def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
         "run", scenario, "--set=record.rate=2000", "--out", tmp_path / "a.csv", "--json"
     )
     assert (done.returncode, done.stderr) == (0, "")
-    table = pandas.read_csv(tmp_path / "a.csv")
+    # Text, since pandas before version 3 reads numbers wrong in their last digits.
+    table = pandas.read_csv(tmp_path / "a.csv", dtype=str)
     run = simulate(load(scenario).replace({"record.rate": 2000.0}))
     for name, column in COLUMNS.items():
         if name == "current":
             for k, coil in enumerate(COIL_NAMES):
-                values = table[f"current {coil} (A)"].to_numpy()
+                values = table[f"current {coil} (A)"].to_numpy(float)
                 np.testing.assert_array_equal(values, run.current[:, k])
         elif name == "contact":
             assert table["contact"].tolist() == [run.contact_names[k] for k in run.contact]
         elif name not in ("event", *PLANE_COLUMNS):
-            values = table[f"{name} ({column.unit})"].to_numpy()
+            values = table[f"{name} ({column.unit})"].to_numpy(float)
             np.testing.assert_array_equal(values, getattr(run, name))
     assert len(table.columns) == 13 + 1 + 5 + 1
 
@@ -189,8 +190,8 @@ def test_termination_keeps_what_was_recorded_as_an_interrupt_does(scenario, tmp_
 
 def test_an_interrupt_of_the_imports_is_silent():
     code = (
-        "import sys\nbefore = set(sys.modules)\nfrom stickslip.cli import main\n"
-        "print(*(m for m in sys.modules if m not in before and 'importlib' not in m))\n"
+        "import importlib, sys\nbefore = set(sys.modules)\nfrom stickslip.cli import main\n"
+        "print(*(m for m in sys.modules if m not in before))\n"
         "class Interrupt:\n"
         "    def find_spec(name, *_): raise KeyboardInterrupt\n"
         "sys.stdout.flush()\nsys.meta_path.insert(0, Interrupt)\nmain(['--version'])"

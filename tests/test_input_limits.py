@@ -1,10 +1,15 @@
 """Input that is too long, too deep, endless or badly named: one line, in bounded time."""
 
 import os
+import sys
 import threading
 
 import pytest
-import tomllib
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 from command_line import stickslip, stickslip_process
 from made_measurement import write
