@@ -153,8 +153,10 @@ def test_a_full_disk_is_one_line(scenario, tmp_path):
         "sweep", scenario, *VARY, "--out", folder / "a.nc", largest_file=10_000
     )
     assert done.returncode == 1
-    assert done.stderr.startswith("stickslip: cannot write")
-    assert done.stderr.count("\n") == 1
+    # On a busy machine a line of progress may come before.
+    *_, told = done.stderr.splitlines()
+    assert told.startswith("stickslip: cannot write")
+    assert "Traceback" not in done.stderr
     assert list(folder.iterdir()) == []
 
 
