@@ -214,11 +214,11 @@ EXAMPLES = {
     Code.NOTHING_TO_SEPARATE: ({"verdict": "unexplained"}, "verdict unexplained there are no"),
     Code.SEPARATES: (
         {"first": "a", "second": "b", "chi2": 5.5, "trials": 3, "needed": 4.0},
-        r"separates a from b: with 3 trials a chi-square of 5\.5 is expected; a chi-square of 4 ",
+        r"separates a from b: with 3 trials their .* lie 2\.3 standard errors apart; 2 would be e",
     ),
     Code.SEPARATES_TOO_LITTLE: (
         {"first": "a", "second": "b", "chi2": 1.5, "trials": 3, "needed": 4.0},
-        r"a from b too little: with 3 trials a chi-square of 1\.5 is expected; a chi-square of 4 ",
+        r"a from b too little: with 3 trials their .* lie 1\.2 standard errors apart; 2 would be n",
     ),
     Code.NONE_SEPARATES: ({"trials": 3}, "3 trials"),
     **{code: (LOOK, "tilt.* a, b, c, d and 2 more") for code in Code if code.name[:4] == "LOOK"},

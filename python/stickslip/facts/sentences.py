@@ -304,6 +304,7 @@ _CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {
     "l": _listed,
     "m": lambda value: value * 1e3,  # to milli
     "n": _Counted,
+    "q": math.sqrt,  # of a chi-square
     "t": lambda values: "(" + ", ".join(f"{value:.3g}" for value in values) + ")",
     "u": lambda value: value * 1e6,  # to micro
     "v": shown,  # as a file has it
