@@ -75,15 +75,15 @@ ANSWERS = {
     Code.SIZE_UNKNOWN: ({}, "no model"),
     Code.SURE_OF_CAUSE: (
         {"names": ["a wave", "a bend"], "probabilities": [0.75, 0.9999], "count": 28},
-        r"75 % for a wave, more than 99\.9 % for a bend, among 28 causes",
+        r"28 causes, no cause .*: the probability is 75 % for a wave, more than 99\.9 % for a bend",
     ),
     Code.SURE_OF_CLOSE: ({"odds_needed": 20.09}, "odds of 20 to 1 are needed"),
-    Code.SURE_OF_ALIKE: ({}, "less surprising beforehand"),
+    Code.SURE_OF_ALIKE: ({}, "before the measurement"),
     Code.SURE_OF_RUNNER_UP: ({"name": "a bend", "lead": 3.0}, "a bend, is 20 times less"),
     Code.SURE_OF_MISFIT: ({"p_value": 1e-20}, "less than 1e-12"),
     Code.SURE_OF_NOTHING: (
         {"p_value": 0.28, "level": 0.05, "before": 0.5, "probability": 0.57},
-        r"no cause: .* 0\.28, .* below 0\.05 .* 50 % before any data, and is 57 %",
+        r"explains the data: .* 0\.28, .* below 0\.05 .* 50 % before any data, and is 57 %",
     ),
     Code.SURE_OF_LAW: ({"lead": 20.0, "band": 90.0}, "more than a million times .* 90 %"),
     Code.SURE_OF_REST: (
@@ -102,7 +102,7 @@ ANSWERS = {
     Code.DO_MEASURE_MORE: ({}, "repeat"),
     Code.DO_CONFIRM: ({"model": "extended.toml"}, r"extended\.toml"),
     Code.DO_LEADING: (
-        {"model": "extended.toml", "name": "a wave"}, r"extended\.toml has .* leading .* a wave"
+        {"model": "extended.toml", "name": "a wave"}, r"extended\.toml is .* leading .* a wave"
     ),
     Code.DO_FREE_SHAPES: ({}, "--free-shapes"),
     Code.DO_LOOK: ({}, "misfit is largest"),
