@@ -14,7 +14,6 @@ from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.formulas import FORMS, find_formula
 from stickslip.diagnosis.inference.free_term_search import explore_terms
 from stickslip.diagnosis.inference.open_set import Curve
 from stickslip.diagnosis.inference.verdict import Verdict, reasons_against
@@ -26,30 +25,6 @@ from stickslip.facts import Code, Fact
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
 HOOK = {hook.effect: hook for hook in HOOKS}
-
-
-@pytest.mark.parametrize("form", FORMS, ids=lambda form: form.text)
-def test_a_curve_that_follows_a_formula_is_given_this_formula_or_one_that_is_as_good(form):
-    span, sd = 0.02 if not form.angle else 1.2, 0.01
-    knots = np.linspace(0.2 * span, span, 5)
-    scale = form.scale(span)
-    law = 0.8 * form.shape(knots / scale, 0.4)
-    found = find_formula(knots, law, sd**2 * np.eye(5), span, form.angle)
-    # Exact values: another form may be near them too, but not one that misses them by their errors.
-    assert found is not None
-    assert found.p_value > 0.9
-    assert np.all(np.abs(found.at(knots, span) - law) < sd)
-    if found.text == form.text:
-        assert found.a * scale**form.power == pytest.approx(0.8, rel=1e-3)
-        assert math.isnan(found.b) != form.place
-
-
-def test_a_curve_that_no_formula_follows_has_none():
-    knots = np.linspace(0.2, 1.0, 5)
-    assert (
-        find_formula(knots, np.array([1.0, -1.0, 1.0, -1.0, 1.0]), 1e-4 * np.eye(5), 1, False)
-        is None
-    )
 
 
 def test_a_smooth_law_lies_about_its_curve_as_far_as_is_said():

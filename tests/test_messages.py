@@ -195,7 +195,8 @@ EXAMPLES = {
         r"8 held-out .* 25\.0 without .* 1\.2 with it; its interval includes no gain",
     ),
     Code.FREE_SHAPE_FORMULA: (
-        {"formula": "f(u) = a u with a = 3 per m/s", "argument": "speed"}, r"speed: f\(u\) = a u"
+        {"formula": "f(u) = a u with a = 3 per m/s", "argument": "speed", "others": ["a", "a u^2"]},
+        r"speed: f\(u\) = a u with a = 3 per m/s; nearly as likely: a and a u\^2",
     ),
     Code.LAW_BESIDE_CAUSES: (
         {"law": "drag", "argument": "speed", "name": "a + b", "lead": -5.04},

@@ -29,13 +29,14 @@ def main() -> None:
     """Run the study, or write its data sets."""
     parser = argparse.ArgumentParser(prog="python -m blind", description=__doc__)
     parser.add_argument("--seeds", type=int, default=1000, help="data sets of a kind, at most")
-    parser.add_argument("--first", type=int, default=20000, help="first seed")
+    parser.add_argument("--first", type=int, default=21000, help="first seed")
     parser.add_argument("--kinds", default=";".join(KINDS), help="separated by semicolons")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="data sets at a time")
     parser.add_argument("--minutes", type=float, default=600.0, help="begin none after this time")
     parser.add_argument("--write", type=Path, help="only write the data sets, into this folder")
     parser.add_argument("--store", type=Path, help="keep data sets here, and take those there are")
     parser.add_argument("--only-store", action="store_true", help="make them without a diagnosis")
+    parser.add_argument("--reports", type=Path, help="save the page of each diagnosis below it")
     parser.add_argument("--out", type=Path, default=Path("bench/results/blind"))
     options = parser.parse_args()
     options.kinds = options.kinds.split(";")
@@ -80,8 +81,7 @@ def _fill(store: Path, asked: list[tuple[str, int]], jobs: int) -> None:
 
 
 def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -> None:
-    jobs, store = options.jobs, options.store
-    record, now = out / RECORD, state()
+    jobs, record, now = options.jobs, out / RECORD, state()
     rows = [row for row in _recorded(record) if _same(row, now)]
     done = {(row["answer"]["kind"], row["answer"]["seed"]) for row in rows}
     waiting = [each for each in asked if each not in done]
@@ -92,7 +92,8 @@ def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -
         while running or waiting:
             while waiting and len(running) < jobs and time.monotonic() < end:
                 kind, seed = waiting.pop(0)
-                running[pool.submit(study, kind, seed, store)] = (kind, seed)
+                future = pool.submit(study, kind, seed, options.store, options.reports)
+                running[future] = (kind, seed)
             if not running:
                 break
             for future in wait(running, return_when=FIRST_COMPLETED).done:

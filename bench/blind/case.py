@@ -86,13 +86,17 @@ def _checksum(paths: Iterable[Path], more: bytes = b"") -> str:
     return total.hexdigest()[:12]
 
 
+def _folder_name(kind: str, seed: int) -> str:
+    return f"{kind.replace(', ', '-').replace(' ', '_')}-{seed}"
+
+
 def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
     """Folder and answer of a data set in a store, made if it is not there.
 
     Of a data set, the engine only measures how strong what is hidden is, by fits. So a new state of
     it takes those of the last one; those of another generator lie in another folder.
     """
-    place = store / _generator() / f"{kind.replace(', ', '-').replace(' ', '_')}-{seed}"
+    place = store / _generator() / _folder_name(kind, seed)
     if not place.exists():
         place.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=place.parent) as work:
@@ -103,15 +107,18 @@ def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
     return place / "data", json.loads((place / "answer.json").read_text())
 
 
-def study(kind: str, seed: int, store: Path | None = None) -> dict[str, Any]:
+def study(
+    kind: str, seed: int, store: Path | None = None, reports: Path | None = None
+) -> dict[str, Any]:
     """Make one data set, diagnose it from its files alone, and return what was said.
 
     Near twins are measured again at the experiments that the diagnosis proposes. With a `store`
-    the data set is taken from there, or kept there.
+    the data set is taken from there, or kept there; with `reports` its page is saved below it.
     """
     with tempfile.TemporaryDirectory() as work:
         folder, answer = prepared(kind, seed, Path(work) if store is None else store)
-        row = {"answer": answer, **_diagnosed(folder)}
+        page = None if reports is None else reports / _folder_name(kind, seed)
+        row = {"answer": answer, **_diagnosed(folder, page)}
         drives = [each["drive"] for each in row["said"]["next_experiments"]]
         if kind == "near twins" and drives:
             more = Path(work) / "more"
@@ -120,13 +127,15 @@ def study(kind: str, seed: int, store: Path | None = None) -> dict[str, Any]:
         return row
 
 
-def _diagnosed(folder: Path) -> dict[str, Any]:
+def _diagnosed(folder: Path, page: Path | None = None) -> dict[str, Any]:
     start = time.process_time()
     result = diagnose(read_measurement(folder / "measurement.toml"), threads=1)
-    gain = result.gain
+    seconds, gain = time.process_time() - start, result.gain
+    if page is not None:
+        result.save_report(page)
     return {
         "said": result.as_dict(),
         "reasons": [each.code.name for each in result.verdict.reasons],
         "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
-        "cpu_seconds": time.process_time() - start,
+        "cpu_seconds": seconds,
     }

@@ -16,7 +16,7 @@ from reference.laws import ARGUMENTS, laws_of, total
 
 Array = NDArray[np.float64]
 
-_BELL = ("a (1 - exp(-(u / b)^2))",)
+_BELL = ("a (1 - exp(-(u / b)^2))", "a exp(-(u / b)^2)")
 _LEVELLING = ("a (1 - exp(-|u| / b))", "a exp(-|u| / b)", "a u / (b + |u|)")
 FORMULAS = {
     "power": ("a sqrt(|u|)",),

@@ -170,11 +170,26 @@ def right_shape(row: Row) -> bool:
     return accepted_shape(row) is not None and hook_right(row)
 
 
+def _formulas(row: Row) -> list[str]:
+    """Its formula, and those that are said to be nearly as likely."""
+    shape = accepted_shape(row)
+    if shape is None or shape["formula"] is None:
+        return []
+    return [shape["formula"], *shape.get("others", ())]
+
+
+def _right_forms(row: Row) -> set[str]:
+    return set(FORMULAS[str(LAWS[row["answer"]["hook"]].fixed["form"])])
+
+
 def form_right(row: Row) -> bool:
     """Its formula is the truth's form, or bends as it does."""
-    shape = accepted_shape(row)
-    fixed = LAWS[row["answer"]["hook"]].fixed
-    return shape is not None and shape["formula"] in FORMULAS[str(fixed["form"])]
+    return bool(_right_forms(row) & set(_formulas(row)[:1]))
+
+
+def form_said(row: Row) -> bool:
+    """The same of its formula or one that is said to be nearly as likely."""
+    return bool(_right_forms(row) & set(_formulas(row)))
 
 
 _CONSTANT = {

@@ -47,7 +47,7 @@ def readings(truth: Truth, drives: Sequence[Drive], tables: Sequence[str]) -> Re
         velocities(truth, drives) if "velocity" in tables else np.zeros(0),
         _angles(truth) if "angle" in tables else np.zeros(0),
         _fields(truth) if "field" in tables else np.zeros((0, 3)),
-        tuple(_film(truth, drive) for drive in films()) if "film" in tables else (),
+        _films(truth) if "film" in tables else (),
     )
 
 
@@ -117,6 +117,16 @@ def _fields(truth: Truth) -> Array:
     return _clipped(seen, truth.amount("probe_clipping", "share"))
 
 
+def _films(truth: Truth) -> tuple[dict[str, Array], ...]:
+    """Films by one camera, which cuts all of them off at the same angle."""
+    seen = [_film(truth, drive) for drive in films()]
+    every = np.concatenate([each["theta"] for each in seen])
+    clipped = _clipped(every, truth.amount("film_clipping", "share"))
+    ends = np.cumsum([len(each["theta"]) for each in seen])[:-1]
+    parts = np.split(clipped, ends)
+    return tuple({**each, "theta": part} for each, part in zip(seen, parts, strict=True))
+
+
 def _film(truth: Truth, drive: Drive) -> dict[str, Array]:
     run = _simulate(truth, drive, _SAMPLING)
     along, above = (truth.amount("marker_place", key) for key in ("along", "above"))
@@ -134,5 +144,5 @@ def _film(truth: Truth, drive: Drive) -> dict[str, Array]:
     return {
         "t": times,
         "x": x_seen * (1.0 + truth.amount("length_scale", "fraction")),
-        "theta": _clipped(theta, truth.amount("film_clipping", "share")),
+        "theta": theta,
     }

@@ -25,6 +25,7 @@ from blind.questions import (
     followed,
     followed_right,
     form_right,
+    form_said,
     found,
     gained,
     halved,
@@ -123,6 +124,7 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
         ("hook right", hook_right, any_row, 0.70, False),
         ("false terms", false_term, any_row, 0.05, True),
         ("its formula has the right form", form_right, right_shape, 0.50, False),
+        ("this formula or one nearly as likely has it", form_said, right_shape, _OPEN, False),
         ("the band holds the truth on 80 % of its range", band_holds, right_shape, _OPEN, False),
         ("held-out error at least halved", halved, any_row, 0.80, False),
         ("unexplained", unexplained, any_row, _OPEN, False),
@@ -157,6 +159,7 @@ def _slim(said: dict[str, Any]) -> dict[str, Any]:
             "accepted": shape["accepted"], "gain": shape["gain"], "curve": curve,
             "effect": shape["hooks"][0]["effect"],
             "formula": None if formula is None else formula["text"],
+            "others": [] if formula is None else formula["others"],
         }  # fmt: skip
     likely = sorted(said["probabilities"].items(), key=lambda item: -item[1])[:5]
     kept = {key: said[key] for key in keys}

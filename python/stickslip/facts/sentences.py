@@ -262,6 +262,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
     "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
     "told_of_curve": _told_of_curve,
+    "also": lambda f: f"; nearly as likely: {_listed(f['others'])}" if f["others"] else "",
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,
     "in_own_unit": lambda f: "" if f["own"] == "-" else f" in {f['own']}",

@@ -80,11 +80,14 @@ class Recalibration(OneLine):
         end.
     local_minima : tuple of Fit
         Other ends, better ones first.
+    scanned : ndarray, shape (points, size)
+        Coordinates that were looked at before, all over the priors.
     """
 
     null: Fit
     centre: Fit | None
     local_minima: tuple[Fit, ...]
+    scanned: Array
 
 
 def recalibrate(problem: Problem, seed: int) -> Recalibration:
@@ -108,6 +111,7 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     if problem.base_count and lack_of_fit_p(stages[-1][0].chi2, m, problem.dof) < _WIDER_SEARCH_P:
         wider = sobol_scan(softest, candidate, _SCAN, seed + 1)
         more = _descend(problem, _strata(problem, wider))
+        scanned = np.vstack([scanned, wider])
         stages = [
             sorted([*first, *second], key=lambda fit: fit.chi2)
             for first, second in zip(stages, more, strict=True)
@@ -118,10 +122,11 @@ def recalibrate(problem: Problem, seed: int) -> Recalibration:
     distinct = tuple(_distinct(fit for stage in reversed(stages) for fit in stage)[1:_MOST_MINIMA])
     local_minima = with_stated_errors(problem, distinct)
     if null.chi2 < _EXPLAINS * m:
-        return Recalibration(null, None, local_minima)
+        return Recalibration(null, None, local_minima, scanned)
     firsts = [stage[0] for stage in reversed(stages)]
     centre = next((fit for fit in firsts if fit.chi2 < _EXPLAINS * m), firsts[-1])
-    return Recalibration(null, with_stated_errors(problem, [centre])[0], local_minima)
+    centre = with_stated_errors(problem, [centre])[0]
+    return Recalibration(null, centre, local_minima, scanned)
 
 
 def with_stated_errors(problem: Problem, fits: Sequence[Fit]) -> tuple[Fit, ...]:
@@ -153,7 +158,7 @@ def _distinct(fits: Iterable[Fit]) -> list[Fit]:
 
 def _well_separated(points: Array, count: int) -> list[Array]:
     """The best points that are not close to a better one."""
-    return well_separated(points, lambda point: point, _APART)[:count]
+    return well_separated(points, lambda point: point, _APART, count)
 
 
 def _strata(problem: Problem, points: Array) -> list[Array]:

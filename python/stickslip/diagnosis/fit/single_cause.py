@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from stickslip.diagnosis.fit.multistart import (
     STAGES,
     fit_candidates,
 )
+from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.fit.view import View
-from stickslip.diagnosis.model.problem import Cause, Problem
+from stickslip.diagnosis.model.problem import Array, Cause, Problem
 
 CAREFUL = 10
 """Most steps of a careful fit. Chosen: most searches end before."""
@@ -63,12 +64,15 @@ _ROUNDS = (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)
 # Starts of a round beside that of the fit, and the farthest that a coordinate moves in it: wider
 # ones rarely end at the same place.
 _PER_ROUND, _ROUND_REACH = 2, 1.0
-# Points of a scan for a relaxed constant, a power of two for Sobol's sequence; of a cause half.
-# With fewer a narrow minimum far out is missed.
+# Points of a scan for a relaxed constant, a power of two for Sobol's sequence: with fewer a narrow
+# minimum far out is missed.
 _SCAN = 128
 # Starts from the scan of a relaxed constant; one of a cause, which has starts from its responses
 # too.
 _RELAXED_STARTS = 3
+# Distant points of a cause that are simulated, of those that its responses promise: with fewer the
+# best of them is missed, as responses do not add up far away.
+_DISTANT = 8
 # Least distance of these starts: a standard deviation of the prior, or they end together.
 _APART = 1.0
 
@@ -76,14 +80,16 @@ _APART = 1.0
 def fit_singles(
     problem: Problem,
     views: Sequence[View],
+    scanned: Array,
     local_minima: Sequence[Fit] = (),
     random_restarts: int = 0,
 ) -> tuple[Fit, ...]:
     """Fit every cause quickly from its responses, and those that survive with care.
 
     The rows of the views, the recalibrated model's first, are the starts, about their own fits and
-    other `local_minima` of the model without a cause. `random_restarts` are those of
-    `fit_candidates`, for the careful fits.
+    other `local_minima` of the model without a cause, and at points that recalibration has
+    `scanned`, shape (points, size). `random_restarts` are those of `fit_candidates`, for the
+    careful fits.
     """
     found: dict[int, list[tuple[float, Start]]] = {k: [] for k in range(len(problem.causes))}
     for base in (*(view.fit for view in views), *local_minima):
@@ -97,10 +103,11 @@ def fit_singles(
     ordered = starts_by_misfit(problem, candidates, [begins[index] for index in seen])
     # A search near the null may end with a little of the cause; one more begins with a lot of it.
     large = _large_amplitude_starts(views[-1])
+    distant = _distant_starts(problem, views[0].sensitivities, seen, scanned)
     plan = [
         (candidate, start)
         for index, candidate, points in zip(seen, candidates, ordered, strict=True)
-        for start in (points[0], *large.get(index, ()), *_distant_starts(problem, candidate))
+        for start in (points[0], *large.get(index, ()), *distant[index])
     ]
     quick = quick_fits(problem, [each for each, _ in plan], [[start] for _, start in plan])
     best: list[Fit] = []
@@ -132,53 +139,90 @@ def quick_fits(
     candidates: Sequence[Candidate],
     begins: Sequence[Sequence[Start]],
     first: int = 0,
-    patient: bool = False,
+    most: int | None = None,
 ) -> list[Fit]:
     """A few steps at every stage of a global search, from the `first` one on.
 
     Searches of one candidate that have met go on as one, so there may be fewer ends than starts.
-    With `patient`, none is given up for being far behind the best.
+    What is far behind the best of all is given up; with `most`, in its place all of a candidate but
+    its best ends after each stage, so many of them.
     """
     fits: list[Fit] = []
     for stage, far in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
-        limit = np.inf if patient else far
+        limit = far if most is None else np.inf
         fits = fit_candidates(
             problem.with_inflated_errors(*stage), candidates, begins, _QUICK, limit, exact=False
         )
-        fits = _parted(fits)
+        fits = _parted(fits, most)
         candidates, begins = [fit.candidate for fit in fits], [[Start.of(fit)] for fit in fits]
     return fits
 
 
-def _parted(fits: Sequence[Fit]) -> list[Fit]:
-    """Without those that ended close to a better one of the same candidate."""
+def _parted(fits: Sequence[Fit], most: int | None) -> list[Fit]:
+    """Without those that ended close to a better one of the same candidate, `most` of each."""
     by_name: dict[str, list[Fit]] = {}
     for fit in sorted(fits, key=lambda fit: fit.starts[0]):
         by_name.setdefault(fit.name, []).append(fit)
     return [
-        fit for ends in by_name.values() for fit in well_separated(ends, lambda fit: fit.x, _MET)
+        fit
+        for ends in by_name.values()
+        for fit in well_separated(ends, lambda fit: fit.x, _MET, most)
     ]
 
 
 def _promising(points: list[tuple[float, Start]]) -> list[Start]:
     """The best starts that do not lie close together."""
     ordered = [start for _, start in sorted(points, key=lambda each: each[0])]
-    return well_separated(ordered, lambda start: start.x, _CLOSE)[:_BEGINS]
+    return well_separated(ordered, lambda start: start.x, _CLOSE, _BEGINS)
 
 
-def _distant_starts(problem: Problem, candidate: Candidate) -> list[Start]:
-    """Where a candidate could be that is not seen from the recalibrated model.
+def _distant_starts(
+    problem: Problem, found: Sensitivities, causes: Sequence[int], scanned: Array
+) -> dict[int, list[Start]]:
+    """Where each cause could be that is not seen from the recalibrated model.
 
     Its constants may have moved far to make up for the cause, which acts only once they are back.
     """
-    relaxed = any(cause.relaxes_prior is not None for cause in candidate.causes)
-    count, kept = (_SCAN, _RELAXED_STARTS) if relaxed else (_SCAN // 2, 1)
-    points = well_separated(
-        sobol_scan(problem.with_inflated_errors(LARGEST_INFLATION), candidate, count, 1),
-        lambda point: point,
-        _APART,
-    )
-    return [Start(point) for point in points[:kept]]
+    softer = problem.with_inflated_errors(LARGEST_INFLATION)
+    # Recalibration has simulated them.
+    without = softer.predicted(scanned)
+    drawn: dict[int, list[Array]] = {}
+    for index in causes:
+        candidate = make_candidate(problem, [problem.causes[index]])
+        if problem.causes[index].relaxes_prior is not None:
+            drawn[index] = _apart(sobol_scan(softer, candidate, _SCAN, 1), _RELAXED_STARTS)
+        else:
+            promised = _promised(softer, found, index, scanned, without)
+            drawn[index] = _apart(promised, _DISTANT)
+    candidates = [make_candidate(problem, [problem.causes[index]]) for index in drawn]
+    begins = [[Start(x) for x in points] for points in drawn.values()]
+    ordered = starts_by_misfit(problem, candidates, begins)
+    return {
+        index: points if problem.causes[index].relaxes_prior is not None else points[:1]
+        for index, points in zip(drawn, ordered, strict=True)
+    }
+
+
+def _promised(
+    softer: Problem, found: Sensitivities, cause: int, scanned: Array, without: Array
+) -> Iterator[Array]:
+    """Scanned points with the cause at each of its amplitudes, the least misfit first.
+
+    By the sum of two responses: that of the constants and that of the cause.
+    """
+    rows, base = found.seen_rows(cause), softer.base_count
+    misfit = softer.misfit(softer.whitened(without[:, None, :] + found.gap[rows]))
+    misfit += np.sum(scanned[:, :base] ** 2, axis=1)[:, None]
+    misfit += np.sum(found.point[rows, base:] ** 2, axis=1)
+    for flat in np.argsort(misfit, axis=None, kind="stable"):
+        point, row = np.unravel_index(flat, misfit.shape)
+        x = scanned[point].copy()
+        x[base:] = found.point[rows[row], base:]
+        yield x
+
+
+def _apart(points: Iterable[Array], most: int) -> list[Array]:
+    return well_separated(points, lambda point: point, _APART, most)
 
 
 def refit_null(problem: Problem, null: Fit, singles: Sequence[Fit]) -> Fit:

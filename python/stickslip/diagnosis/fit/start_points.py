@@ -59,11 +59,13 @@ def _smooth(knots: int) -> Array:
 
 
 def well_separated(
-    items: Iterable[Item], place: Callable[[Item], Array], distance: float
+    items: Iterable[Item], place: Callable[[Item], Array], distance: float, most: int | None = None
 ) -> list[Item]:
-    """Those that are not closer than a distance to an earlier one."""
+    """Those that are not closer than a distance to an earlier one, and of them the first `most`."""
     kept: list[Item] = []
     for item in items:
+        if len(kept) == most:
+            break
         if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
             kept.append(item)
     return kept

@@ -34,7 +34,7 @@ from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.formulas import Formula, find_formula
+from stickslip.diagnosis.inference.formula_search import find_formulas
 from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
 from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
 from stickslip.diagnosis.model.free_terms import Term
@@ -49,6 +49,9 @@ _POINTS, _HALF_BAND = 61, float(normal_law.ppf(0.5 + 0.5 * BAND))
 # and the most points; how many of them a term begins at. Chosen: 256 points of 30 conditions led to
 # the best fit of both hidden laws that were tried; a start costs the stages of a quick fit.
 _RUNS, _LOG_DRAWS, _STARTS = 8000.0, (5.0, 8.0), 6
+# Ends of a term that go on after each stage of its search. Chosen: with fewer, one that is slow to
+# pass a jump is lost.
+_ENDS = 3
 # Terms that begin a second time, at other points. Chosen: the one that is shown, and its rival.
 _LEADERS = 2
 # Distance of two starts, in coordinates. Chosen: those that do not meet at once.
@@ -157,8 +160,9 @@ def explore_terms(
     gain = measure_gain(
         problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
     )
-    curve, formula = _curve(problem, first.term, first.fit)
-    return OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, formula)
+    curve = _curve(problem, first.term, first.fit)
+    formulas = find_formulas(problem, first.term, first.fit)
+    return OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, formulas)
 
 
 def _of_both(one: Fit, other: Fit | None) -> Fit:
@@ -185,11 +189,11 @@ def _fits(
     for cause in causes:
         candidate = make_candidate(problem, [cause])
         drawn = sobol_scan(softer, candidate, draws, seed, of_curves=True)
-        apart = well_separated(drawn, lambda point: point, _APART)[:_STARTS]
+        apart = well_separated(drawn, lambda point: point, _APART, _STARTS)
         plan += [(candidate, Start(x)) for x in (*points, *apart)]
-    # Five knots are slow to find, and a term that is far behind after a few steps may lead.
+    # Five knots are slow to find: a term that is far behind after a few steps may lead.
     planned, begin = [each for each, _ in plan], [[start] for _, start in plan]
-    quick = quick_fits(problem, planned, begin, first=1, patient=True)
+    quick = quick_fits(problem, planned, begin, first=1, most=_ENDS)
     best: dict[str, Fit] = {}
     others: dict[str, list[Start]] = {}
     for fit in sorted(quick, key=lambda fit: fit.chi2):
@@ -198,8 +202,8 @@ def _fits(
     return refine(problem, list(best.values()), others, 1, within=np.inf)
 
 
-def _curve(problem: Problem, term: Term, fit: Fit) -> tuple[Curve, Formula | None]:
-    """The curve of a fit with its band, and a formula for it."""
+def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
+    """The curve of a fit with its band."""
     values = problem.physical(fit.x[None, :])[0]
     free = free_parameters(problem, fit)
     knots = [each for each in free if each.name in term.knots]
@@ -223,16 +227,4 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> tuple[Curve, Formula | Non
     width = _HALF_BAND * np.sqrt(variance)
     low = np.maximum(law - width, 0.0) if term.cut else law - width
     expected *= abs(factor)
-    curve = Curve(argument, law, low, law + width, without, factor, expected, term.law_unit)
-    # Values of the law itself at the knots, of which the curve's are those of its projection.
-    at = np.argmin(np.abs(argument[:, None] - term.places), axis=0)
-    design = term.design(argument[at])
-    formula = find_formula(
-        argument[at],
-        design @ change / term.size,
-        (design @ alone @ design.T + between[np.ix_(at, at)]) / term.size**2,
-        term.span,
-        term.unit == "rad",
-        term.size,
-    )
-    return curve, formula
+    return Curve(argument, law, low, law + width, without, factor, expected, term.law_unit)

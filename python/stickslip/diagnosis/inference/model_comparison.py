@@ -140,7 +140,7 @@ def compare_candidates(
     # Far from all priors the recalibrated model is no point to look at causes from.
     centres = with_stated_errors(problem, [] if found.centre is None else [found.centre])
     views = [base.view, *(View.of(problem, fit) for fit in centres)]
-    singles = fit_singles(problem, views, local_minima, restarts)
+    singles = fit_singles(problem, views, found.scanned, local_minima, restarts)
     singles = search_near_leaders(problem, singles, singles[:_LEADERS], restarts)
     base, singles = settled(base, data_covariance, singles, seed)
     # A nearly equivalent cause whose starts did not agree may be found from the leader's new end.

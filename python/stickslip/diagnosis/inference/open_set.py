@@ -115,8 +115,8 @@ class OpenSet(OneLine):
         Of the first, on held-out conditions.
     curve : Curve
         Of the first.
-    formula : Formula, optional
-        For its curve, where one fits as well.
+    formulas : tuple of Formula
+        In the place of its curve, those that fit as well, most likely first.
     """
 
     problem: Problem
@@ -124,7 +124,12 @@ class OpenSet(OneLine):
     against: tuple[Fact, ...]
     gain: Gain | None
     curve: Curve
-    formula: Formula | None
+    formulas: tuple[Formula, ...]
+
+    @property
+    def formula(self) -> Formula | None:
+        """The most likely formula, if one fits as well as the curve."""
+        return self.formulas[0] if self.formulas else None
 
     @property
     def first(self) -> FreeShape:
@@ -167,6 +172,7 @@ class OpenSet(OneLine):
             said.append(Fact(Code.FREE_SHAPE_GAIN, {**fall, **known}))
         if self.formula is not None:
             fields = {"formula": self.formula.in_numbers(term.unit, term.f_unit)}
+            fields["others"] = [each.text for each in self.formulas[1:]]
             said.append(Fact(Code.FREE_SHAPE_FORMULA, {**fields, "argument": first["argument"]}))
         return tuple(said)
 
@@ -190,7 +196,8 @@ class OpenSet(OneLine):
             "curve": {name: getattr(curve, name).tolist()
                       for name in ("argument", "law", "low", "high")} | {"unit": curve.unit},
             "formula": None if formula is None else {
-                "text": formula.text, "a": formula.a, "b": formula.b, "p_value": formula.p_value
+                "text": formula.text, "a": formula.a, "b": formula.b, "lead": formula.lead,
+                "p_value": formula.p_value, "others": [each.text for each in self.formulas[1:]],
             },
             "gain": None if self.gain is None else self.gain.as_dict(),
         }  # fmt: skip

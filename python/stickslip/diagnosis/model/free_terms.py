@@ -58,8 +58,6 @@ class Term(OneLine):
         Whether the law is that times 1 + f; else it is that and f added.
     cut : bool
         Whether 1 + f is cut off at zero.
-    size : float
-        Of f, in which formulas have their factors.
     fixed : dict
         What the extended model has besides the knots, by name.
     """
@@ -77,7 +75,6 @@ class Term(OneLine):
     stated: float = 0.0
     relative: bool = False
     cut: bool = False
-    size: float = 1.0
     fixed: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -210,7 +207,6 @@ class FreeTerm:
             constant=self.factor_of,
             stated=0.0 if own is None else float(own.prior.value(0.0)),
             relative=own is not None,
-            size=self.size,
         )
 
     @cached_property

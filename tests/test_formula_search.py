@@ -1,0 +1,68 @@
+"""Formulas in the place of a curve of free shape: the one that made the data is found."""
+
+import numpy as np
+import pytest
+
+from stickslip import FreeTerm, Prior, Uncertain
+from stickslip.diagnosis.fit.fit_result import Start, make_candidate
+from stickslip.diagnosis.fit.multistart import fit_candidates
+from stickslip.diagnosis.inference.formula_search import find_formulas
+from stickslip.diagnosis.inference.formulas import FORMS
+from stickslip.diagnosis.model.problem import Problem
+
+SD, LEVEL = 0.02, 1.5
+
+
+def found(law, unit, low, high):
+    """Formulas of a law that is added to an uncertain level, and the law at places of its own."""
+    term = FreeTerm("force", "speed", unit, low, high, size=0.3)
+    # Between 0 and the next knot no curve has the cusp of a root.
+    at = np.linspace(low, high, 44)[4:]
+    level = Uncertain("level", Prior("normal", 1.0, 0.5), "N")
+
+    def predict(conditions, parameters):
+        return parameters[:, :1] + term.at(conditions, parameters[:, 1:])
+
+    noise = np.random.default_rng(4).normal(0.0, SD, 40)
+    observed = LEVEL + law(at) + noise
+    problem = Problem(
+        predict, at, observed, np.eye(40) / SD, np.inf, (level,), (term.cause,)
+    )  # fmt: skip
+    candidate = make_candidate(problem, [term.cause])
+    (fit,) = fit_candidates(problem, [candidate], [[Start(np.zeros(6))]], 30)
+    return find_formulas(problem, term.term([level]), fit)
+
+
+# With a place between two knots, and with the level free: a form that has one is a constant less
+# its opposite, and the constant form is the level itself.
+@pytest.mark.parametrize("form", FORMS[1:], ids=lambda form: form.text)
+def test_the_form_that_made_the_data_is_among_those_that_are_as_likely(form):
+    span = 1.2 if form.angle else 0.02
+    scale = form.scale(span)
+
+    def law(u):
+        return 0.8 * form.shape(u / scale, 0.4)
+
+    formulas = found(law, "rad" if form.angle else "m/s", 0.0, span)
+    assert form.text in [each.text for each in formulas]
+    u = np.linspace(0.1 * span, span, 9)
+    for each in formulas:
+        change = each.at(u, span) - law(u)
+        # Five knots cannot have a form to the last, so several errors of one reading of 40.
+        assert np.ptp(change) < 5.0 * SD
+        assert each.p_value >= 0.05
+    if form.text == formulas[0].text:
+        assert formulas[0].a * scale**form.power == pytest.approx(0.8, rel=0.1)
+        assert np.isnan(formulas[0].b) != form.place
+
+
+def test_a_law_that_no_form_follows_has_none():
+    def waves(u):
+        return 0.5 * np.cos(2.0 * np.pi * u / 0.01)
+
+    assert found(waves, "m/s", 0.0, 0.02) == ()
+
+
+def test_an_odd_law_over_both_signs_is_told_from_an_even_one():
+    assert found(lambda u: 20.0 * u, "m/s", -0.02, 0.02)[0].text == "a u"
+    assert found(lambda u: 0.4 * (u / 0.02) ** 2, "m/s", -0.02, 0.02)[0].text == "a u^2"
