@@ -84,7 +84,7 @@ def test_a_curve_is_known_where_its_band_is_narrow(width, told):
     # Of f at a knot 0.3 were expected, whose band of 90 % reaches 0.49 to both sides.
     u = np.linspace(-1.0, 1.0, 21)
     law, half = 1.0 + 0.0 * u, width(u)
-    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, 2.0, 0.6, "-")
+    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, 0.6, "-")
     assert curve.told == (told if told is None else pytest.approx(told))
 
 

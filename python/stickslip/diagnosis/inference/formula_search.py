@@ -132,8 +132,19 @@ def find_formulas(problem: Problem, term: Term, fit: Fit) -> tuple[Formula, ...]
         lead, p_value = each.log_evidence - fit.log_evidence, adequacy(formed, each)
         if p_value >= _LEAST_P and lead > -_BEHIND:
             form = next(form for form in shapes.forms if form.text == each.name)
-            values = formed.physical(each.x[None, :])[0][formed.columns(each.candidate.causes)]
-            found.append(_formula(form, term, values, lead, p_value))
+            values = formed.physical(each.x[None, :])[0]
+            own = values[formed.columns(each.candidate.causes)]
+            scale = form.scale(term.span)
+            found.append(
+                Formula(
+                    text=form.text,
+                    a=float(own[0]) / scale**form.power,
+                    b=float(own[1]) * scale if form.place else np.nan,
+                    without=term.without(dict(zip(formed.names, values.tolist(), strict=True))),
+                    lead=lead,
+                    p_value=p_value,
+                )
+            )
     return tuple(each for each in found if each.lead > found[0].lead - MARGIN)
 
 
@@ -222,9 +233,3 @@ def _begins(formed: Problem, shapes: _Shapes, linear: _Linear, form: Form) -> li
         own = [per_factor, per_place][: 1 + form.place]
         starts.append(Start(x, np.column_stack([linear.slope, *own])))
     return starts
-
-
-def _formula(form: Form, term: Term, values: Array, lead: float, p_value: float) -> Formula:
-    scale = form.scale(term.span)
-    place = float(values[1]) * scale if form.place else np.nan
-    return Formula(form.text, float(values[0]) / scale**form.power, place, lead, p_value)

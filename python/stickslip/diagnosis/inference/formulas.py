@@ -67,6 +67,8 @@ class Formula:
         With `u` for the argument in its unit, `a` and `b`.
     a, b : float
         `b`, in the argument's unit, is NaN where the formula has none.
+    without : float
+        The law without f, in the fit of the formula; see `Curve`.
     lead : float
         Log-evidence above the curve.
     p_value : float
@@ -76,6 +78,7 @@ class Formula:
     text: str
     a: float
     b: float
+    without: float
     lead: float
     p_value: float
 

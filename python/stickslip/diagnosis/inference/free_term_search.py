@@ -211,7 +211,7 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
     argument = np.linspace(term.low, term.high, _POINTS)
     design = term.design(argument)
     change = values[[each.column for each in knots]]
-    without = float(values[own[0].column]) if own else term.stated
+    without = term.without(dict(zip(problem.names, values.tolist(), strict=True)))
     alone = physical_covariance(fit, knots)
     expected = term.cause.parameters[0].scale
     between = covariance_between_knots(argument, design, change, alone, expected)
@@ -227,4 +227,4 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
     width = _HALF_BAND * np.sqrt(variance)
     low = np.maximum(law - width, 0.0) if term.cut else law - width
     expected *= abs(factor)
-    return Curve(argument, law, low, law + width, without, factor, expected, term.law_unit)
+    return Curve(argument, law, low, law + width, without, expected, term.law_unit)

@@ -65,8 +65,6 @@ class Curve(OneLine):
         The law without f: that constant in the fit; 1 for the field, whose law is over that of the
         model; 0 where the law is f alone: the place of the contact, and a term of one's own that
         has no `factor_of`.
-    factor : float
-        What f is times in the law: that constant, else 1.
     expected : float
         Of the law's change, in `unit`: what would not have surprised.
     unit : str
@@ -77,7 +75,6 @@ class Curve(OneLine):
     low: Array
     high: Array
     without: float
-    factor: float
     expected: float
     unit: str
 
@@ -196,8 +193,9 @@ class OpenSet(OneLine):
             "curve": {name: getattr(curve, name).tolist()
                       for name in ("argument", "law", "low", "high")} | {"unit": curve.unit},
             "formula": None if formula is None else {
-                "text": formula.text, "a": formula.a, "b": formula.b, "lead": formula.lead,
-                "p_value": formula.p_value, "others": [each.text for each in self.formulas[1:]],
+                "text": formula.text, "a": formula.a, "b": formula.b, "without": formula.without,
+                "lead": formula.lead, "p_value": formula.p_value,
+                "others": [each.text for each in self.formulas[1:]],
             },
             "gain": None if self.gain is None else self.gain.as_dict(),
         }  # fmt: skip

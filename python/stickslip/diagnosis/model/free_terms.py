@@ -92,6 +92,10 @@ class Term(OneLine):
         """Names of the parameters that are its values at the knots."""
         return [each.name for each in self.cause.parameters]
 
+    def without(self, values: Mapping[str, float]) -> float:
+        """The law without f where the model's parameters have these values, by their names."""
+        return self.stated if self.constant is None else values.get(self.constant, self.stated)
+
     @property
     def f_unit(self) -> str:
         """Of f itself."""

@@ -89,9 +89,11 @@ def free_shape(found: OpenSet) -> Figure:
                       label=f"{BAND:.0%} band")  # fmt: skip
     left.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
     if found.formula is not None:
+        formula = found.formula
         one = "1 + " if term.relative else ""
-        law = curve.without + curve.factor * found.formula.at(curve.argument, term.span)
-        left.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{found.formula.text}")
+        change = formula.at(curve.argument, term.span)
+        law = formula.without * (1.0 + change) if term.relative else formula.without + change
+        left.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{formula.text}")
     left.axhline(curve.without, color=DARK_GREY, lw=0.8, label="without f")
     unit = "" if curve.unit == "-" else f" ({curve.unit})"
     law_name = term.law if term.relative else f"f of {term.law}"
