@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel wheels sizes clean
+.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-laws bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel wheels sizes clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -127,6 +127,9 @@ bench-diagnosis: install ## CPU time and simulations of diagnoses (COST_DATA=<fo
 	@test -d $(COST_DATA) || PYTHONPATH=bench $(RUN) -m blind --write $(COST_DATA) \
 	    --kinds "single;pair;hiding;law" --seeds 3
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/diagnosis.py $(COST_DATA)
+
+bench-laws: install ## laws hidden in a model of one's own, and what is said of them
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/free_laws.py
 
 BLIND_ARGS ?= --seeds 4
 

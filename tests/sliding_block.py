@@ -21,6 +21,12 @@ OVER_LOAD = FreeTerm("friction", "load", "N", 1.0, 6.0, factor_of="friction")
 OVER_WARMTH = FreeTerm("friction", "temperature", "K", 280.0, 330.0, factor_of="friction")
 TERMS = (OVER_SPEED, OVER_LOAD, OVER_WARMTH)
 FRICTION, DRAG = 0.31, 0.21
+# The law over each argument, and its values at the conditions. All bend more slowly than knots lie.
+HIDDEN = {
+    OVER_SPEED: (lambda v: 0.3 * np.exp(-v / 0.7), SPEED),
+    OVER_LOAD: (lambda n: 0.15 * np.sin(0.7 * n), LOAD),
+    OVER_WARMTH: (lambda t: 0.2 * ((t - 305.0) / 25.0) ** 2, WARMTH),
+}
 
 
 def push(conditions, parameters, curves):
