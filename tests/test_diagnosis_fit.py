@@ -11,13 +11,15 @@ from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.cause_pairs import beside_a_released_constant
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
 from stickslip.diagnosis.fit.least_squares import spread_factor
-from stickslip.diagnosis.fit.multistart import fit_candidates
+from stickslip.diagnosis.fit.multistart import LARGEST_INFLATION, fit_candidates
 from stickslip.diagnosis.fit.single_cause import (
+    distant_starts,
     quick_fits,
     refit_worse_than_null,
     search_near_leaders,
 )
 from stickslip.diagnosis.fit.start_points import sobol_scan
+from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
 from stickslip.diagnosis.inference.model_comparison import reweighed
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
@@ -193,6 +195,29 @@ def test_a_cause_is_scanned_with_all_constants():
     assert np.hypot(best[0], best[1] - math.asinh(2.0 * math.sinh(1.0))) < 0.6
     alone = sobol_scan(given, make_candidate(given), 128, 1)
     assert not alone[:, 1].any()
+
+
+def test_a_distant_start_is_the_best_sum_of_two_responses():
+    # The model is a sum, so that the sums are exact, and eight of them are simulated.
+    push = Cause("push", (CauseParameter("push.height", "-", -5.0, 5.0, 1.0),))
+    asked = []
+
+    def both(_, p):
+        asked.append(len(p))
+        return p[:, :1] * X + p[:, 1:] * np.sin(2 * X)
+
+    given = problem(both, 3.0 * np.sin(2 * X) - 1.5 * X, causes=[push])
+    null = fit_candidates(given, [make_candidate(given)], [[Start(np.zeros(2))]], 20)[0]
+    scanned = sobol_scan(given, make_candidate(given), 128, 1)
+    view, candidate = View.of(given, null), make_candidate(given, [push])
+    asked.clear()
+    ((start,),) = distant_starts(given, [view], [candidate], scanned)
+    # The scanned points are asked for again, of which a diagnosis has kept the predictions.
+    assert asked == [128, 8]
+    every = np.array([[a, u] for a in scanned[:, 0] for u in view.sensitivities.amplitude])
+    softer = given.with_inflated_errors(LARGEST_INFLATION)
+    misfit = np.sum(softer.residuals(every) ** 2, axis=1) + np.sum(every**2, axis=1)
+    assert start.x == pytest.approx(every[np.argmin(misfit)])
 
 
 def test_a_second_cause_begins_where_a_pulled_constant_was():

@@ -195,8 +195,11 @@ EXAMPLES = {
         r"8 held-out .* 25\.0 without .* 1\.2 with it; its interval includes no gain",
     ),
     Code.FREE_SHAPE_FORMULA: (
-        {"formula": "f(u) = a u with a = 3 per m/s", "argument": "speed", "others": ["a", "a u^2"]},
-        r"speed: f\(u\) = a u with a = 3 per m/s; nearly as likely: a and a u\^2",
+        {
+            "formula": "f(u) = a u with a = 3 per K", "argument": "warmth", "unit": "K",
+            "origin": 280.0, "lead": 4.25, "others": ["a", "a u^2"],
+        },
+        r"warmth less 280 K: f\(u\) = a u .* per K; .* \+4\.2 .*; nearly as likely: a and a u\^2",
     ),
     Code.LAW_BESIDE_CAUSES: (
         {"law": "drag", "argument": "speed", "name": "a + b", "lead": -5.04},

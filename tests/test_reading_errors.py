@@ -12,6 +12,7 @@ from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.observables.reading_errors import of_fields, of_velocities, read_by
 from stickslip.diagnosis.observables.tracking.camera import Camera
+from stickslip.diagnosis.observables.tracking.camera_errors import camera_suspects
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior, read_measurement
 from test_observables_angle import FIELDS, angles, write
@@ -19,6 +20,17 @@ from test_observables_field import probed
 from test_observables_field import write as write_fields
 
 VELOCITIES = np.array([1e-3, -2e-3, 3e-3])
+
+
+def test_a_wild_reading_does_not_hide_a_limit():
+    # All of 300 readings are cut off at 1.1, but for one that went wrong.
+    readings = np.clip(1.4 * np.sin(np.arange(300.0)), -1.1, 1.1)
+    readings[17] = 3.0
+    limit = next(each for each in camera_suspects(readings) if each.name == "film_clipping")
+    (parameter,) = limit.parameters
+    assert parameter.high == pytest.approx(1.2 * 1.1)
+    # A whole size below it, where the search begins, is near the limit.
+    assert parameter.high - parameter.scale == pytest.approx(1.08 * 1.1)
 
 
 def few_causes(monkeypatch, *names):

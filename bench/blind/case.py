@@ -113,7 +113,8 @@ def study(
     """Make one data set, diagnose it from its files alone, and return what was said.
 
     Near twins are measured again at the experiments that the diagnosis proposes. With a `store`
-    the data set is taken from there, or kept there; with `reports` its page is saved below it.
+    the data set is taken from there, or kept there; with `reports` the page of this diagnosis
+    is saved below it.
     """
     with tempfile.TemporaryDirectory() as work:
         folder, answer = prepared(kind, seed, Path(work) if store is None else store)

@@ -175,7 +175,7 @@ def _formulas(row: Row) -> list[str]:
     shape = accepted_shape(row)
     if shape is None or shape["formula"] is None:
         return []
-    return [shape["formula"], *shape.get("others", ())]
+    return [shape["formula"], *shape["others"]]
 
 
 def _right_forms(row: Row) -> set[str]:

@@ -115,7 +115,7 @@ class Code(str, Enum):
     FREE_TERM_MEANING = "free-term-meaning"  #: The same of a curve that is no factor.
     FREE_SHAPE_RIVALS = "free-shape-rivals"  #: Others explain them about as well.
     FREE_SHAPE_GAIN = "free-shape-gain"  #: What it gains on held-out conditions.
-    FREE_SHAPE_FORMULA = "free-shape-formula"  #: A formula fits as well as the curve.
+    FREE_SHAPE_FORMULA = "free-shape-formula"  #: A formula in the place of the curve.
     PAIR_NEEDED = "pair-needed"  #: No single cause explains the data as well as the pair.
 
     # What to measure next.

@@ -262,6 +262,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
     "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
     "told_of_curve": _told_of_curve,
+    "origin_of_u": lambda f: f" less {f['origin']:g} {f['unit']}" if f["origin"] else "",
     "also": lambda f: f"; nearly as likely: {_listed(f['others'])}" if f["others"] else "",
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
     "residual": _residual,

@@ -163,9 +163,10 @@ class Fitted:
 
     def slope(self, fit: Fit) -> float:
         """Derivative of the value by the coordinate, over a step that does not see small jumps."""
-        u = fit.x[self.column]
-        below, above = self.value(np.array([u - 0.01, u + 0.01]))
-        return float(above - below) / 0.02
+        low, high = self.of.limits if isinstance(self.of, CauseParameter) else (-np.inf, np.inf)
+        ends = np.clip(fit.x[self.column] + np.array([-0.01, 0.01]), low, high)
+        below, above = self.value(ends)
+        return float((above - below) / (ends[1] - ends[0]))
 
 
 def free_parameters(problem: Problem, fit: Fit) -> list[Fitted]:

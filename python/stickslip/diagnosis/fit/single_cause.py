@@ -14,7 +14,6 @@ from stickslip.diagnosis.fit.multistart import (
     STAGES,
     fit_candidates,
 )
-from stickslip.diagnosis.fit.sensitivity import Sensitivities
 from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Array, Cause, Problem
@@ -103,11 +102,11 @@ def fit_singles(
     ordered = starts_by_misfit(problem, candidates, [begins[index] for index in seen])
     # A search near the null may end with a little of the cause; one more begins with a lot of it.
     large = _large_amplitude_starts(views[-1])
-    distant = _distant_starts(problem, views[0].sensitivities, seen, scanned)
+    distant = distant_starts(problem, views, candidates, scanned)
     plan = [
         (candidate, start)
-        for index, candidate, points in zip(seen, candidates, ordered, strict=True)
-        for start in (points[0], *large.get(index, ()), *distant[index])
+        for index, candidate, points, far in zip(seen, candidates, ordered, distant, strict=True)
+        for start in (points[0], *large.get(index, ()), *far)
     ]
     quick = quick_fits(problem, [each for each, _ in plan], [[start] for _, start in plan])
     best: list[Fit] = []
@@ -144,8 +143,8 @@ def quick_fits(
     """A few steps at every stage of a global search, from the `first` one on.
 
     Searches of one candidate that have met go on as one, so there may be fewer ends than starts.
-    What is far behind the best of all is given up; with `most`, in its place all of a candidate but
-    its best ends after each stage, so many of them.
+    What is far behind the best of all is given up. With `most`, nothing is: after each stage each
+    candidate keeps its `most` best ends.
     """
     fits: list[Fit] = []
     for stage, far in list(zip(STAGES, _HOPELESS, strict=True))[first:]:
@@ -176,48 +175,56 @@ def _promising(points: list[tuple[float, Start]]) -> list[Start]:
     return well_separated(ordered, lambda start: start.x, _CLOSE, _BEGINS)
 
 
-def _distant_starts(
-    problem: Problem, found: Sensitivities, causes: Sequence[int], scanned: Array
-) -> dict[int, list[Start]]:
-    """Where each cause could be that is not seen from the recalibrated model.
+def distant_starts(
+    problem: Problem, views: Sequence[View], candidates: Sequence[Candidate], scanned: Array
+) -> list[list[Start]]:
+    """Where each single cause could be that is not seen from the recalibrated model.
 
     Its constants may have moved far to make up for the cause, which acts only once they are back.
+
+    Parameters
+    ----------
+    problem : Problem
+    views : sequence of View
+        Whose responses of the causes are added.
+    candidates : sequence of Candidate
+        Of one cause each.
+    scanned : ndarray, shape (points, size)
+        Coordinates of the model without a cause whose predictions are kept.
     """
     softer = problem.with_inflated_errors(LARGEST_INFLATION)
-    # Recalibration has simulated them.
     without = softer.predicted(scanned)
-    drawn: dict[int, list[Array]] = {}
-    for index in causes:
-        candidate = make_candidate(problem, [problem.causes[index]])
-        if problem.causes[index].relaxes_prior is not None:
-            drawn[index] = _apart(sobol_scan(softer, candidate, _SCAN, 1), _RELAXED_STARTS)
-        else:
-            promised = _promised(softer, found, index, scanned, without)
-            drawn[index] = _apart(promised, _DISTANT)
-    candidates = [make_candidate(problem, [problem.causes[index]]) for index in drawn]
-    begins = [[Start(x) for x in points] for points in drawn.values()]
-    ordered = starts_by_misfit(problem, candidates, begins)
-    return {
-        index: points if problem.causes[index].relaxes_prior is not None else points[:1]
-        for index, points in zip(drawn, ordered, strict=True)
-    }
+    result = []
+    for candidate in candidates:
+        (cause,) = candidate.causes
+        if cause.relaxes_prior is not None:
+            drawn = sobol_scan(softer, candidate, _SCAN, 1)
+            result.append([Start(x) for x in _apart(drawn, _RELAXED_STARTS)])
+            continue
+        promised = _promised(softer, views, problem.causes.index(cause), scanned, without)
+        begins = [[Start(x) for x in _apart(promised, _DISTANT)]]
+        (ordered,) = starts_by_misfit(problem, [candidate], begins)
+        result.append(ordered[:1])
+    return result
 
 
 def _promised(
-    softer: Problem, found: Sensitivities, cause: int, scanned: Array, without: Array
+    softer: Problem, views: Sequence[View], cause: int, scanned: Array, without: Array
 ) -> Iterator[Array]:
     """Scanned points with the cause at each of its amplitudes, the least misfit first.
 
     By the sum of two responses: that of the constants and that of the cause.
     """
-    rows, base = found.seen_rows(cause), softer.base_count
-    misfit = softer.misfit(softer.whitened(without[:, None, :] + found.gap[rows]))
-    misfit += np.sum(scanned[:, :base] ** 2, axis=1)[:, None]
-    misfit += np.sum(found.point[rows, base:] ** 2, axis=1)
+    base = softer.base_count
+    rows = [(view.sensitivities, view.sensitivities.seen_rows(cause)) for view in views]
+    gap = np.concatenate([found.gap[seen] for found, seen in rows])
+    own = np.concatenate([found.point[seen, base:] for found, seen in rows])
+    misfit = softer.misfit(softer.whitened(without[:, None, :] + gap))
+    misfit += np.sum(scanned[:, :base] ** 2, axis=1)[:, None] + np.sum(own**2, axis=1)
     for flat in np.argsort(misfit, axis=None, kind="stable"):
         point, row = np.unravel_index(flat, misfit.shape)
         x = scanned[point].copy()
-        x[base:] = found.point[rows[row], base:]
+        x[base:] = own[row]
         yield x
 
 
@@ -313,7 +320,7 @@ def starts_by_misfit(
     """Starts of each candidate by their chi-square with large errors."""
     flat = [(k, start) for k, points in enumerate(begins) for start in points]
     if not flat:
-        return []
+        return [[] for _ in begins]
     x = np.clip(np.stack([start.x for _, start in flat]), *problem.limits())
     # With the stated errors, few starts would lie inside a narrow minimum.
     chi2 = np.sum(problem.with_inflated_errors(LARGEST_INFLATION).residuals(x) ** 2, axis=1)

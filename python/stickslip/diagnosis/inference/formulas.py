@@ -12,21 +12,20 @@ from stickslip._util.arrays import Array
 
 @dataclass(frozen=True)
 class Form:
-    """A family of laws f(u; a, b): `a` is a factor, `b` a place in spans where there is one.
+    """A family of laws f(u; a, b): `a` is a factor, and `b` a place where there is one.
 
     Attributes
     ----------
     text : str
         With `u` for the argument.
     shape : callable
-        ``shape(v, b)`` of the argument over the span, with a number or an array for b; f is `a`
-        times it.
+        ``shape(u, b)``, with a number or an array for b; f is `a` times it.
     place : bool
         Whether there is a `b`.
     power : float
         Of the argument, where the form is one.
     angle : bool
-        Whether the argument is an angle in rad, whatever the span.
+        Whether the argument is an angle in rad.
     """
 
     text: str
@@ -35,25 +34,21 @@ class Form:
     power: float = 0.0
     angle: bool = False
 
-    def scale(self, span: float) -> float:
-        """What the argument is divided by."""
-        return 1.0 if self.angle else span
-
 
 FORMS = (
-    Form("a", lambda v, b: np.ones_like(v)),
-    Form("a u", lambda v, b: v, power=1.0),
-    Form("a u^2", lambda v, b: v**2, power=2.0),
-    Form("a sqrt(|u|)", lambda v, b: np.sqrt(np.abs(v)), power=0.5),
-    Form("a sin(u)^2", lambda v, b: np.sin(v) ** 2, angle=True),
-    Form("a cos(u)^2", lambda v, b: np.cos(v) ** 2, angle=True),
-    Form("a u / (b + |u|)", lambda v, b: v / (b + np.abs(v)), True),
-    Form("a exp(-|u| / b)", lambda v, b: np.exp(-np.abs(v) / b), True),
-    Form("a exp(-(u / b)^2)", lambda v, b: np.exp(-((v / b) ** 2)), True),
-    Form("a (1 - exp(-|u| / b))", lambda v, b: 1.0 - np.exp(-np.abs(v) / b), True),
-    Form("a (1 - exp(-(u / b)^2))", lambda v, b: 1.0 - np.exp(-((v / b) ** 2)), True),
-    Form("a (u / b) exp(1 - |u| / b)", lambda v, b: v / b * np.exp(1.0 - np.abs(v) / b), True),
-    Form("a ln(1 + |u| / b)", lambda v, b: np.log1p(np.abs(v) / b), True),
+    Form("a", lambda u, b: np.ones_like(u)),
+    Form("a u", lambda u, b: u, power=1.0),
+    Form("a u^2", lambda u, b: u**2, power=2.0),
+    Form("a sqrt(|u|)", lambda u, b: np.sqrt(np.abs(u)), power=0.5),
+    Form("a sin(u)^2", lambda u, b: np.sin(u) ** 2, angle=True),
+    Form("a cos(u)^2", lambda u, b: np.cos(u) ** 2, angle=True),
+    Form("a u / (b + |u|)", lambda u, b: u / (b + np.abs(u)), True),
+    Form("a exp(-|u| / b)", lambda u, b: np.exp(-np.abs(u) / b), True),
+    Form("a exp(-(u / b)^2)", lambda u, b: np.exp(-((u / b) ** 2)), True),
+    Form("a (1 - exp(-|u| / b))", lambda u, b: 1.0 - np.exp(-np.abs(u) / b), True),
+    Form("a (1 - exp(-(u / b)^2))", lambda u, b: 1.0 - np.exp(-((u / b) ** 2)), True),
+    Form("a (u / b) exp(1 - |u| / b)", lambda u, b: u / b * np.exp(1.0 - np.abs(u) / b), True),
+    Form("a ln(1 + |u| / b)", lambda u, b: np.log1p(np.abs(u) / b), True),
 )
 
 
@@ -64,9 +59,11 @@ class Formula:
     Attributes
     ----------
     text : str
-        With `u` for the argument in its unit, `a` and `b`.
+        With `u` for the argument less its `origin`, `a` and `b`.
     a, b : float
         `b`, in the argument's unit, is NaN where the formula has none.
+    origin : float
+        Argument from which `u` is counted, in its unit.
     without : float
         The law without f, in the fit of the formula; see `Curve`.
     lead : float
@@ -78,16 +75,15 @@ class Formula:
     text: str
     a: float
     b: float
+    origin: float
     without: float
     lead: float
     p_value: float
 
-    def at(self, argument: Array, span: float) -> Array:
-        """Its values; `span` is that of the curve that it was found for."""
+    def at(self, argument: Array) -> Array:
+        """Its values at arguments in their unit."""
         form = next(each for each in FORMS if each.text == self.text)
-        scale = form.scale(span)
-        place = self.b / scale if form.place else 1.0
-        return np.asarray(self.a * scale**form.power * form.shape(argument / scale, place))
+        return np.asarray(self.a * form.shape(argument - self.origin, self.b))
 
     def in_numbers(self, unit: str, own: str = "-") -> str:
         """The formula and its numbers, with `unit` for the argument's and `own` for that of f."""

@@ -161,8 +161,10 @@ def explore_terms(
         problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
     )
     curve = _curve(problem, first.term, first.fit)
-    formulas = find_formulas(problem, first.term, first.fit)
-    return OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, formulas)
+    found = OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, ())
+    if not found.accepted:
+        return found
+    return replace(found, formulas=find_formulas(problem, first.term, first.fit))
 
 
 def _of_both(one: Fit, other: Fit | None) -> Fit:

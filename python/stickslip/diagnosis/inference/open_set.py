@@ -113,7 +113,7 @@ class OpenSet(OneLine):
     curve : Curve
         Of the first.
     formulas : tuple of Formula
-        In the place of its curve, those that fit as well, most likely first.
+        In the place of an accepted curve, most likely first.
     """
 
     problem: Problem
@@ -125,7 +125,7 @@ class OpenSet(OneLine):
 
     @property
     def formula(self) -> Formula | None:
-        """The most likely formula, if one fits as well as the curve."""
+        """The most likely formula, if there is one."""
         return self.formulas[0] if self.formulas else None
 
     @property
@@ -169,8 +169,10 @@ class OpenSet(OneLine):
             said.append(Fact(Code.FREE_SHAPE_GAIN, {**fall, **known}))
         if self.formula is not None:
             fields = {"formula": self.formula.in_numbers(term.unit, term.f_unit)}
-            fields["others"] = [each.text for each in self.formulas[1:]]
-            said.append(Fact(Code.FREE_SHAPE_FORMULA, {**fields, "argument": first["argument"]}))
+            others = [each.text for each in self.formulas[1:]]
+            beside = {"lead": self.formula.lead, "others": others, "origin": self.formula.origin}
+            own = {"argument": term.argument, "unit": term.unit}
+            said.append(Fact(Code.FREE_SHAPE_FORMULA, {**fields, **own, **beside}))
         return tuple(said)
 
     def _meaning(self) -> Fact:
@@ -193,7 +195,8 @@ class OpenSet(OneLine):
             "curve": {name: getattr(curve, name).tolist()
                       for name in ("argument", "law", "low", "high")} | {"unit": curve.unit},
             "formula": None if formula is None else {
-                "text": formula.text, "a": formula.a, "b": formula.b, "without": formula.without,
+                "text": formula.text, "a": formula.a, "b": formula.b, "origin": formula.origin,
+                "without": formula.without,
                 "lead": formula.lead, "p_value": formula.p_value,
                 "others": [each.text for each in self.formulas[1:]],
             },

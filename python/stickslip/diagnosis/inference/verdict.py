@@ -35,9 +35,9 @@ LEAST_SHARE = 0.7
 derived: with a smaller one a cause is named that leaves much unexplained; with a
 larger one noise, part of which a smooth function explains, refuses right causes."""
 
-# Distance of a coordinate from the end of its range within which it is at it: a search creeps the
-# last of the way. Chosen: a hundredth of what would not surprise.
-_AT_END = 0.01
+AT_END = 0.01
+"""Distance of a coordinate from the end of its range within which it is at it, as a search creeps
+the last of the way. Chosen: a hundredth of the prior's width."""
 
 MOST_PULLED, _PULLED_SHARE = 2.5, 0.025
 """Pull of a constant, in standard deviations of its prior, beyond which a fit is not claimed, and
@@ -265,9 +265,9 @@ def reasons_against(
         reasons.append(Fact(Code.ERRORS_CONTRADICTED, fields))
     extra = best.candidate.free[problem.base_count :]
     low, high = (end[extra] for end in problem.limits())
-    at_high = (best.x[extra] >= high - _AT_END) & np.isfinite(high)
+    at_high = (best.x[extra] >= high - AT_END) & np.isfinite(high)
     # At a lowest value of 0 a cause is absent.
-    at_low = (best.x[extra] <= low + _AT_END) & (low < 0.0)
+    at_low = (best.x[extra] <= low + AT_END) & (low < 0.0)
     if np.any(at_high | at_low):
         reasons.append(Fact(Code.AT_LIMIT, name))
     return tuple(reasons)

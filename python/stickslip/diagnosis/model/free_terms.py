@@ -92,6 +92,14 @@ class Term(OneLine):
         """Names of the parameters that are its values at the knots."""
         return [each.name for each in self.cause.parameters]
 
+    @property
+    def origin(self) -> float:
+        """From where formulas count the argument, in its unit.
+
+        Zero, or the lower end where zero is farther from it than the range is wide.
+        """
+        return self.low if self.low > self.high - self.low else 0.0
+
     def without(self, values: Mapping[str, float]) -> float:
         """The law without f where the model's parameters have these values, by their names."""
         return self.stated if self.constant is None else values.get(self.constant, self.stated)

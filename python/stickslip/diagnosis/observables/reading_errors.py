@@ -24,9 +24,6 @@ _TURN_OF_PROBE = 0.03  # rad, and the largest that is searched
 _LARGEST_TURN = 0.5
 # Beyond the largest reading, in it, a limit begins to act; and how far below that it may lie.
 _ABOVE_ALL, _SIZE_OF_CLIP = 1.2, 0.12
-# Share of the readings that are not larger than the one that counts as the largest: a wild frame
-# would put the limit where no reading is cut off.
-_SOUND = 0.98
 
 
 def read_by(
@@ -95,13 +92,10 @@ def of_fields(fields: Array) -> tuple[Instrument, ...]:
 
 
 def clipping(name: str, unit: str, readings: Array) -> tuple[Instrument, ...]:
-    """A limit of readings, any shape, in `unit`, above all of them; none where all are 0.
-
-    Above all but wild ones.
-    """
-    if not np.any(readings):
+    """A limit of readings, any shape, in `unit`, above all of them; none where all are 0."""
+    largest = float(np.max(np.abs(readings), initial=0.0))
+    if largest == 0.0:
         return ()
-    largest = float(np.quantile(np.abs(readings), _SOUND))
     above, size = _ABOVE_ALL * largest, _SIZE_OF_CLIP * largest
     return (instruments.clipping(unit, above, size, name=name),)
 

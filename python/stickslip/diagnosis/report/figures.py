@@ -91,8 +91,9 @@ def free_shape(found: OpenSet) -> Figure:
     if found.formula is not None:
         formula = found.formula
         one = "1 + " if term.relative else ""
-        change = formula.at(curve.argument, term.span)
-        law = formula.without * (1.0 + change) if term.relative else formula.without + change
+        change = formula.at(curve.argument)
+        factor = np.maximum(1.0 + change, 0.0) if term.cut else 1.0 + change
+        law = formula.without * factor if term.relative else formula.without + change
         left.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{formula.text}")
     left.axhline(curve.without, color=DARK_GREY, lw=0.8, label="without f")
     unit = "" if curve.unit == "-" else f" ({curve.unit})"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.model.problem import Cause, CauseParameter, Uncertain
 from stickslip.diagnosis.observables.reading_errors import clipping
@@ -23,6 +25,10 @@ _TRIGGER = 3e-4
 _LATE, _MARKER = 1e-3, 2e-5
 """Delay, s, and distance of a marker, m, that would not surprise where a camera is set up wrongly.
 Chosen: a frame of 1 kHz, and a tenth of a robot; thirty times as much is searched."""
+
+# Share of the frames whose angles are not larger than what counts as the largest. Chosen: a few
+# wild frames of a hundred would put the limit where nothing is cut off.
+_SOUND = 0.98
 
 _DELAY, _LIMIT = "film_delay.time", "film_clipping.limit"
 _ALONG, _ACROSS = "marker_place.along", "marker_place.across"
@@ -47,8 +53,9 @@ def camera_nuisance(name: str, run: TrackingRun) -> tuple[Uncertain, ...]:
 
 
 def camera_suspects(theta: Array) -> tuple[Cause, ...]:
-    """What may be wrong with all films alike; `theta` are sound angles of one, rad, shape (n,)."""
-    limits = clipping("film_clipping", "rad", theta)
+    """What may be wrong with all films alike; `theta` are angles of one, rad, shape (n,)."""
+    size = np.abs(theta)
+    limits = clipping("film_clipping", "rad", size[size <= np.quantile(size, _SOUND)])
     late = CauseParameter(_DELAY, "s", -30.0 * _LATE, 30.0 * _LATE, _LATE)
     places = tuple(
         CauseParameter(name, "m", -30.0 * _MARKER, 30.0 * _MARKER, _MARKER)
