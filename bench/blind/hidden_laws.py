@@ -25,7 +25,8 @@ FORMULAS = {
     "gaussian": _BELL,
     "rational": _BELL,
     "hump": ("a (u / b) exp(1 - |u| / b)",),
-    "sine": ("a sin(u)^2", "a cos(u)^2"),
+    # Of the size of a sine, which begins with a corner: no square of one does.
+    "sine": _LEVELLING,
 }
 """Formulas that a diagnosis may propose and that are a law's form, or bend as it does.
 

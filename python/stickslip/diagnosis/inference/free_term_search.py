@@ -225,7 +225,10 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
         factor, law = without, without * relative
         slopes = np.hstack([*(relative[:, None] for _ in own), without * design])
     spread = physical_covariance(fit, [*own, *knots])
-    variance = np.sum((slopes @ spread) * slopes, axis=1) + factor**2 * np.diag(between)
+    missed = np.diag(between)
+    # Of what the curve cannot follow the constants take a share, of the same size at each point.
+    missed = missed + np.mean(missed)
+    variance = np.sum((slopes @ spread) * slopes, axis=1) + factor**2 * missed
     width = _HALF_BAND * np.sqrt(variance)
     low = np.maximum(law - width, 0.0) if term.cut else law - width
     expected *= abs(factor)
