@@ -147,6 +147,8 @@ def _details(
         "members": set_members(found),
         "changes": [changes(each["drive"], conditions) for each in numbers["next_experiments"]],
         "undecided": undecided(experiments),
+        # The experiments are for causes, which an accepted law has put behind it.
+        "law": found.free_shape is not None,
         "by_evidence": any(each is not None and "lead" in each.fields for each in reasons),
         "limits": _LIMITS,
         "observables": len(found.problem.observed),
