@@ -29,6 +29,7 @@ from blind.kinds import KINDS
 from blind.questions import (
     band_holds,
     form_right,
+    form_said,
     halved,
     hook_right,
     instrument_said,
@@ -263,9 +264,14 @@ def test_a_curve_is_judged_by_its_band_and_its_form():
         curve = {"argument": [0.0, 0.01, 0.02], "low": true - 0.001, "high": high}
         shape = {"accepted": True, "effect": "free_friction_speed", "curve": curve}
         row["said"]["open_set"] = {**shape, "gain": {"mae_before": 3.0, "mae_after": 1.0}}
-        row["said"]["open_set"]["formula"] = "a (u / b) exp(1 - |u| / b)" if right else "a u"
+        forms = ("a (u / b) exp(1 - |u| / b)", "a u")
+        first, second = forms if right else forms[::-1]
+        row["said"]["open_set"] |= {"formula": first, "others": [second]}
         assert band_holds(row) is right
         assert form_right(row) is right
+        assert form_said(row)
+        row["said"]["open_set"]["others"] = []
+        assert form_said(row) is right
         assert right_shape(row)
         assert halved(row)
     row["said"]["open_set"]["accepted"] = False
