@@ -9,7 +9,6 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fit.fit_result import Fit, free_parameters, physical_covariance
 from stickslip.diagnosis.inference.formulas import FORMS, Form
-from stickslip.diagnosis.inference.law_posterior import nearest_knots
 from stickslip.diagnosis.model.free_terms import Term
 from stickslip.diagnosis.model.problem import Cause, CauseParameter, Problem
 
@@ -22,6 +21,9 @@ beyond them a form is another one."""
 
 # Points at which a form is taken as a curve.
 _POINTS = 61
+# A point counts at most so many times more than the middle one: else the curve meets the form where
+# the data are best, and nowhere else. Chosen.
+_MOST = 10.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,11 @@ class FormCurves:
         points = np.linspace(term.low, term.high, _POINTS)
         design = term.design(points)
         knots = [each for each in free_parameters(problem, fit) if each.name in term.knots]
-        project = nearest_knots(design, physical_covariance(fit, knots))
+        variance = np.sum((design @ physical_covariance(fit, knots)) * design, axis=1)
+        known = variance > 0.0
+        weight = np.where(known, 1.0 / np.sqrt(np.where(known, variance, 1.0)), 0.0)
+        weight = np.minimum(weight, _MOST * np.median(weight[known]))
+        project = np.linalg.pinv(design * weight[:, None]) * weight
         return FormCurves(term, forms, points - term.origin, project)
 
     def scale(self, form: Form) -> float:

@@ -13,9 +13,8 @@ from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
 from stickslip.diagnosis.fit.multistart import fit_candidates
 from stickslip.diagnosis.fit.single_cause import CAREFUL, refine
 from stickslip.diagnosis.inference.form_curves import FormCurves
-from stickslip.diagnosis.inference.form_starts import form_starts
+from stickslip.diagnosis.inference.form_starts import LinearModel, form_starts
 from stickslip.diagnosis.inference.formulas import Form, Formula
-from stickslip.diagnosis.inference.linear_model import LinearModel
 from stickslip.diagnosis.inference.verdict import AT_END, MARGIN
 from stickslip.diagnosis.model.free_terms import Term
 from stickslip.diagnosis.model.problem import Predict, Problem

@@ -31,11 +31,10 @@ from stickslip.diagnosis.fit.single_cause import (
 )
 from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.inference import cross_validation
+from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formula_search import find_formulas
-from stickslip.diagnosis.inference.law_posterior import law_posterior, nearest_knots
-from stickslip.diagnosis.inference.linear_model import LinearModel
 from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
 from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
 from stickslip.diagnosis.model.free_terms import Term
@@ -206,39 +205,31 @@ def _fits(
 
 
 def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
-    """The law by the data of a fit, with its band."""
+    """The curve of a fit with its band."""
     values = problem.physical(fit.x[None, :])[0]
     free = free_parameters(problem, fit)
+    knots = [each for each in free if each.name in term.knots]
+    own = [each for each in free if each.name == term.constant]
     argument = np.linspace(term.low, term.high, _POINTS)
     design = term.design(argument)
-    knots = physical_covariance(fit, [each for each in free if each.name in term.knots])
-    project, expected = nearest_knots(design, knots), term.cause.parameters[0].scale
-    linear = LinearModel.about(problem, term, fit)
-    precision, pull, spread, follow = linear.of_knots()
-    found = law_posterior(argument, design, project, precision, pull, expected)
+    change = values[[each.column for each in knots]]
     without = term.without(dict(zip(problem.names, values.tolist(), strict=True)))
-    # The effect of what the curve cannot follow is not known: knots and constants take a share of
-    # it that is as large, and about the same at all points.
-    of_f = found.covariance + found.missed
-    law, covariance = without + found.mean, of_f
+    alone = physical_covariance(fit, knots)
+    expected = term.cause.parameters[0].scale
+    between = covariance_between_knots(argument, design, change, alone, expected)
+    factor, law, slopes = 1.0, without + design @ change, design
     if term.relative:
-        relative = 1.0 + found.mean
-        law, covariance = without * relative, without**2 * of_f
-        own = [each for each in free if each.name == term.constant]
-        if own:
-            # The constant of the law, for which f is a factor, and how it goes with f.
-            at, slope = own[0].position, own[0].slope(fit)
-            by_law = slope * (follow[at] @ project)
-            step = slope * (np.linalg.pinv(linear.design)[at] @ linear.residual)
-            step += by_law @ found.mean
-            law = (without + step) * relative
-            # d(law) = constant df + (1 + f) d(constant), the latter of its own and by f.
-            change = without * np.eye(_POINTS) + np.outer(relative, by_law)
-            covariance = change @ of_f @ change.T
-            covariance += slope**2 * spread[at, at] * np.outer(relative, relative)
-    width = _HALF_BAND * np.sqrt(np.diag(covariance))
-    low = law - width
-    if term.cut:
-        law, low = np.maximum(law, 0.0), np.maximum(low, 0.0)
-    expected *= abs(without) if term.relative else 1.0
+        relative = 1.0 + design @ change
+        if term.cut:
+            relative, design = np.maximum(relative, 0.0), design * (relative > 0.0)[:, None]
+        factor, law = without, without * relative
+        slopes = np.hstack([*(relative[:, None] for _ in own), without * design])
+    spread = physical_covariance(fit, [*own, *knots])
+    missed = np.diag(between)
+    # Of what the curve cannot follow the constants take a share, of the same size at each point.
+    missed = missed + np.mean(missed)
+    variance = np.sum((slopes @ spread) * slopes, axis=1) + factor**2 * missed
+    width = _HALF_BAND * np.sqrt(variance)
+    low = np.maximum(law - width, 0.0) if term.cut else law - width
+    expected *= abs(factor)
     return Curve(argument, law, low, law + width, without, expected, term.law_unit)

@@ -87,7 +87,7 @@ def free_shape(found: OpenSet) -> Figure:
     term, curve = found.first.term, found.curve
     left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
                       label=f"{BAND:.0%} band")  # fmt: skip
-    left.plot(curve.argument, curve.law, color=VERMILION, label="law by the data")
+    left.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
     if found.formula is not None:
         formula = found.formula
         one = "1 + " if term.relative else ""
