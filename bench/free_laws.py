@@ -24,7 +24,7 @@ def hidden(seeds: range) -> None:
     """Of each law: how often a curve is accepted and where, its band, and its formulas."""
     for term, (law, at) in HIDDEN.items():
         for strength in STRENGTHS:
-            held: list[float] = []
+            held: list[bool] = []
             forms: Counter[str] = Counter()
             elsewhere = 0
             for seed in seeds:
@@ -36,11 +36,11 @@ def hidden(seeds: range) -> None:
                     continue
                 curve = found.curve
                 truth = FRICTION * (1.0 + strength * law(curve.argument))
-                held.append(float(np.mean((curve.low <= truth) & (truth <= curve.high))))
+                held.append(bool(np.all((curve.low <= truth) & (truth <= curve.high))))
                 forms["none" if found.formula is None else found.formula.text] += 1
             print(
                 f"{term.name} x {strength:g}: accepted {len(held) + elsewhere} of {len(seeds)}, "
-                f"elsewhere {elsewhere}, band holds {np.mean(held):.0%}, "
+                f"elsewhere {elsewhere}, whole law in band {sum(held)}, "
                 + ", ".join(f"{count} {text}" for text, count in forms.most_common()),
                 flush=True,
             )

@@ -31,6 +31,7 @@ from blind.questions import (
     form_right,
     form_said,
     halved,
+    halved_by_truth,
     hook_right,
     instrument_said,
     physical_claimed,
@@ -174,7 +175,10 @@ def _row(kind, answer, said, verdict="named", **more):
     chance = {"none": 1.0}
     return {
         "answer": {"kind": kind, "seed": 7, **hidden},
-        "said": {"verdict": verdict, "cause": said, "probabilities": chance, "gain": None},
+        "said": {
+            "verdict": verdict, "cause": said, "probabilities": chance, "gain": None,
+            "open_set": None,
+        },
         "gain": None,
         "cpu_seconds": 1.0,
     }  # fmt: skip
@@ -182,11 +186,15 @@ def _row(kind, answer, said, verdict="named", **more):
 
 def test_an_interrupted_study_is_continued(tmp_path, monkeypatch, capsys):
     record = tmp_path / command.RECORD
-    now = {"engine": "a", "data": "b", "commit": "c", "version": "d"}
+    now = {"engine": "a", "laws": "l", "data": "b", "commit": "c", "version": "d"}
     monkeypatch.setattr(command, "state", lambda: now)
-    done = json.dumps({**_row("none", [], None, "none"), "state": now})
-    # Another commit may have the same files; of other files nothing is taken over.
+    # Another commit may have the same files, and where none was looked for laws may have changed.
+    done = json.dumps({**_row("none", [], None, "none"), "state": {**now, "laws": "m"}})
+    # Of other files nothing is taken over.
     other = json.dumps({**_row("none", [], "x"), "state": {**now, "engine": "e"}})
+    law = _row("none", [], "x")
+    law["said"]["open_set"] = {"accepted": False}
+    other += "\n" + json.dumps({**law, "state": {**now, "laws": "m"}})
     record.write_text(f"{done}\n{other}\n{done[:50]}")
     arguments = ["blind", "--first", "7", "--seeds", "1", "--kinds", "none", "--jobs", "1"]
     monkeypatch.setattr(sys, "argv", [*arguments, "--out", str(tmp_path)])
@@ -274,6 +282,8 @@ def test_a_curve_is_judged_by_its_band_and_its_form():
         assert form_said(row) is right
         assert right_shape(row)
         assert halved(row)
+        for error, reachable in ((1.5, True), (1.6, False)):
+            assert halved_by_truth({**row, "truth_error": error}) is reachable
     row["said"]["open_set"]["accepted"] = False
     assert not any(question(row) for question in (band_holds, form_right, right_shape, halved))
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
@@ -16,6 +17,7 @@ from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import explore_terms
 from stickslip.diagnosis.inference.open_set import Curve
+from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
 from stickslip.diagnosis.inference.verdict import Verdict, reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
 from stickslip.diagnosis.model.problem import Problem
@@ -51,6 +53,19 @@ def test_a_smooth_law_lies_about_its_curve_as_far_as_is_said():
     assert np.mean(without) < 0.8
 
 
+def test_a_band_holds_a_whole_curve_with_its_probability():
+    # Of independent points the largest deviation has a law of its own, of equal ones that of one.
+    for count in (1, 5, 40):
+        one = norm.ppf(0.5 + 0.5 * 0.9 ** (1.0 / count))
+        sizes = np.diag(np.linspace(1e-3, 2.0, count)) ** 2
+        assert reach_of_band(sizes, 0.9) == pytest.approx(one, abs=0.06)
+        equal = 1e-12 * np.ones((count, count))
+        assert reach_of_band(equal, 0.9) == pytest.approx(norm.ppf(0.95), abs=0.06)
+    # A point that is known for sure is no deviation.
+    assert reach_of_band(np.diag([0.0, 1.0]), 0.9) == pytest.approx(norm.ppf(0.95), abs=0.06)
+    assert reach_of_band(np.zeros((2, 2)), 0.9) == 0.0
+
+
 def test_where_a_law_is_zero_for_sure_nothing_lies_about_its_curve():
     hook, span = HOOK["free_friction_speed"], 0.01
     argument = np.linspace(0.0, span, 61)
@@ -81,10 +96,10 @@ def test_the_curve_of_the_report_is_the_law_of_the_core():
     ],
 )
 def test_a_curve_is_known_where_its_band_is_narrow(width, told):
-    # Of f at a knot 0.3 were expected, whose band of 90 % reaches 0.49 to both sides.
+    # Half as wide as before the data is 0.5 to both sides.
     u = np.linspace(-1.0, 1.0, 21)
     law, half = 1.0 + 0.0 * u, width(u)
-    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, 0.6, "-")
+    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, 2.0, "-")
     assert curve.told == (told if told is None else pytest.approx(told))
 
 

@@ -65,11 +65,11 @@ def test_the_band_holds_the_hidden_law(term):
         curve = result(hidden(term, seed), seed=seed).open_set.curve
         assert (curve.argument[0], curve.argument[-1]) == (term.low, term.high)
         truth = FRICTION * (1.0 + law(curve.argument))
-        held.append(np.mean((curve.low <= truth) & (truth <= curve.high)))
+        held.append(np.all((curve.low <= truth) & (truth <= curve.high)))
         # Not for want of a narrow band: the law varies by far more than that.
         assert np.mean(curve.high - curve.low) < 0.4 * np.ptp(truth)
-    # At each point the band holds it in 90 % of all data sets; the points of one go together.
-    assert np.mean(held) >= 0.8
+    # Of three bands of 90 %, fewer than two hold all of their law with a probability of 3 %.
+    assert sum(held) >= 2
 
 
 # Without an alarm there is no search. Of the seeds below 200 these give a false one. All of the

@@ -16,7 +16,7 @@ from itertools import repeat
 from pathlib import Path
 from typing import Any
 
-from blind.case import prepared, state, study
+from blind.case import prepared, same_state, state, study
 from blind.kinds import KINDS, plan
 from blind.report import report
 from blind.scoring import judged, read, slim
@@ -82,7 +82,7 @@ def _fill(store: Path, asked: list[tuple[str, int]], jobs: int) -> None:
 
 def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -> None:
     jobs, record, now = options.jobs, out / RECORD, state()
-    rows = [row for row in _recorded(record) if _same(row, now)]
+    rows = [row for row in _recorded(record) if same_state(row, now)]
     done = {(row["answer"]["kind"], row["answer"]["seed"]) for row in rows}
     waiting = [each for each in asked if each not in done]
     failed: list[str] = []
@@ -114,12 +114,6 @@ def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -
     print(report(rows))
     if failed:
         raise SystemExit("\n".join([f"{len(failed)} data sets failed:", *failed]))
-
-
-def _same(row: dict[str, Any], now: dict[str, str]) -> bool:
-    """Whether a row is of these files; another commit may have the same ones."""
-    there = row.get("state", {})
-    return all(there.get(key) == now[key] for key in ("engine", "data"))
 
 
 def _recorded(record: Path) -> list[dict[str, Any]]:

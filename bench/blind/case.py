@@ -14,10 +14,13 @@ from typing import Any
 import numpy as np
 
 import stickslip
-from blind.writing import write_case, write_more
+from blind.readings import velocities
+from blind.truth import Truth
+from blind.writing import KEYS, write_case, write_more
 from stickslip import Drive, Scenario, Solver, simulate_batch
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.results import Diagnosis
 from stickslip.measurement import read_measurement
 
 _HERE = Path(__file__).resolve().parent
@@ -34,29 +37,44 @@ _REFERENCE = (
 _VOLTS = 30.0  # near what the drives ask for, so that a limit of the voltage acts
 # Rooms of the package that decide about a verdict; the report and all else do not.
 _ENGINE = ("diagnosis", "measurement", "scenario")
+# What decides only about the law that is said in the place of a cause, and what shows it.
+_LAWS = (
+    "between_knots", "form_curves", "form_starts", "formula_search", "formulas", "free_shapes",
+    "free_term_search", "free_terms", "open_set", "results", "simultaneous_band",
+)  # fmt: skip
 
 
 def state() -> dict[str, str]:
     """Which engine and which generator made a row: version, commit, sums of what decides.
 
     Of the engine these are the files of its rooms without the report, and velocities that the core
-    computes: two builds of one source differ in their bytes.
+    computes: two builds of one source differ in their bytes. Those that decide only about laws have
+    a sum of their own.
     """
     package = Path(stickslip.__file__).resolve().parent
-    engine = [
+    deciding = [
         path
         for room in _ENGINE
         for path in (package / room).rglob("*.py")
         if "report" not in path.parts
     ]
+    laws = [path for path in deciding if path.stem in _LAWS and "diagnosis" in path.parts]
+    engine = [path for path in deciding if path not in laws]
     asked = ("git", "-C", str(_HERE), "rev-parse", "--short", "HEAD")
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
     return {
         "version": stickslip.__version__,
         "commit": commit,
         "engine": _checksum(engine, _core_velocities()),
+        "laws": _checksum(laws),
         "data": _generator(),
     }
+
+
+def same_state(row: dict[str, Any], now: dict[str, str]) -> bool:
+    """Whether the present files would say the same; another commit may have the same ones."""
+    deciding = ["engine", "data", *(["laws"] if row["said"]["open_set"] is not None else [])]
+    return all(row["state"].get(key) == now[key] for key in deciding)
 
 
 def _generator() -> str:
@@ -119,16 +137,16 @@ def study(
     with tempfile.TemporaryDirectory() as work:
         folder, answer = prepared(kind, seed, Path(work) if store is None else store)
         page = None if reports is None else reports / _folder_name(kind, seed)
-        row = {"answer": answer, **_diagnosed(folder, page)}
+        row = {"answer": answer, **_diagnosed(folder, answer, page)}
         drives = [each["drive"] for each in row["said"]["next_experiments"]]
         if kind == "near twins" and drives:
             more = Path(work) / "more"
             write_more(folder, more, answer, drives)
-            row["followed"] = _diagnosed(more)["said"]
+            row["followed"] = _diagnosed(more, answer)["said"]
         return row
 
 
-def _diagnosed(folder: Path, page: Path | None = None) -> dict[str, Any]:
+def _diagnosed(folder: Path, answer: dict[str, Any], page: Path | None = None) -> dict[str, Any]:
     start = time.process_time()
     result = diagnose(read_measurement(folder / "measurement.toml"), threads=1)
     seconds, gain = time.process_time() - start, result.gain
@@ -138,5 +156,17 @@ def _diagnosed(folder: Path, page: Path | None = None) -> dict[str, Any]:
         "said": result.as_dict(),
         "reasons": [each.code.name for each in result.verdict.reasons],
         "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
+        "truth_error": _truth_error(result, answer) if answer["hook"] else None,
         "cpu_seconds": seconds,
     }
+
+
+def _truth_error(result: Diagnosis, answer: dict[str, Any]) -> float | None:
+    """Mean absolute error of the truth on the held-out conditions, m/s: what noise leaves."""
+    shapes, problem = result.open_set, result.findings.problem
+    gain = result.gain if shapes is None or not shapes.accepted else shapes.gain
+    if gain is None:
+        return None
+    drives = [{key: problem.conditions[k][f"drive.{key}"] for key in KEYS} for k in gain.held_out]
+    error = problem.observed[gain.held_out] - velocities(Truth.of(answer), drives)
+    return float(np.mean(np.abs(error)))

@@ -130,6 +130,13 @@ def halved(row: Row) -> bool:
     return gain is not None and bool(gain["mae_after"] <= 0.5 * gain["mae_before"])
 
 
+def halved_by_truth(row: Row) -> bool:
+    """Whether the noise lets the truth itself halve the error."""
+    shape, error = accepted_shape(row), row.get("truth_error")
+    gain = row["said"]["gain"] if shape is None else shape["gain"]
+    return error is not None and bool(error <= 0.5 * gain["mae_before"])
+
+
 def consistent(row: Row) -> bool:
     return row["gain"] is not None and bool(row["gain"]["p_value"] > 0.05)
 

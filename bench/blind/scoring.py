@@ -29,6 +29,7 @@ from blind.questions import (
     found,
     gained,
     halved,
+    halved_by_truth,
     hook_right,
     in_set,
     instrument_said,
@@ -127,6 +128,7 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
         ("this formula or one nearly as likely has it", form_said, right_shape, _OPEN, False),
         ("the band holds the truth on 80 % of its range", band_holds, right_shape, _OPEN, False),
         ("held-out error at least halved", halved, any_row, 0.80, False),
+        ("the same, where the truth itself halves it", halved, halved_by_truth, _OPEN, False),
         ("unexplained", unexplained, any_row, _OPEN, False),
     ),
     "instrument": (

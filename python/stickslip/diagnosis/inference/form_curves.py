@@ -16,8 +16,8 @@ LARGEST = 10.0
 """Largest factor of a form, in changes that would not surprise. Chosen: as far as knots go."""
 
 PLACE = CauseParameter("b", "-", 1e-3, 1e3, 1.0, absent=0.5, shape=True)
-"""The place of a form in spans: of its coordinate, the ends are a sixteenth and four. Chosen:
-beyond them a form is another one."""
+"""The place of a form, in spans of the argument, from a sixteenth to four by the ends of its
+coordinate. Chosen: beyond them a form is another one."""
 
 # Points at which a form is taken as a curve.
 _POINTS = 61

@@ -90,7 +90,7 @@ class Formula:
         place = "" if np.isnan(self.b) else f", b = {self.b:.3g} {unit}"
         power = next(each.power for each in FORMS if each.text == self.text)
         per = "" if own == "-" else f" {own}"
-        per += (
-            "" if power == 0.0 else f" per {unit}" if power == 1.0 else f" per ({unit})^{power:g}"
-        )
+        if power:
+            to = "" if power == 1.0 else f"^{power:g}"
+            per += f" per ({unit}){to}" if to and "/" in unit else f" per {unit}{to}"
         return f"f(u) = {self.text} with a = {self.a:.3g}{per}{place}"

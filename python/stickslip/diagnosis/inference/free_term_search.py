@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import norm as normal_law
 
 from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.fit.fit_result import (
@@ -36,6 +35,7 @@ from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formula_search import find_formulas
 from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
+from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
 from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
 from stickslip.diagnosis.model.free_terms import Term
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
@@ -43,8 +43,8 @@ from stickslip.diagnosis.model.problem import Cause, Predict, Problem
 from stickslip.diagnosis.options import Options
 from stickslip.facts import Fact
 
-# Points at which a curve is drawn, and half the width of its band in standard deviations.
-_POINTS, _HALF_BAND = 61, float(normal_law.ppf(0.5 + 0.5 * BAND))
+# Points at which a curve is drawn.
+_POINTS = 61
 # Runs that drawing points may take for each term, and the logarithms to the base 2 of the fewest
 # and the most points; how many of them a term begins at. Chosen: 256 points of 30 conditions led to
 # the best fit of both hidden laws that were tried; a start costs the stages of a quick fit.
@@ -225,11 +225,11 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
         factor, law = without, without * relative
         slopes = np.hstack([*(relative[:, None] for _ in own), without * design])
     spread = physical_covariance(fit, [*own, *knots])
-    missed = np.diag(between)
-    # Of what the curve cannot follow the constants take a share, of the same size at each point.
-    missed = missed + np.mean(missed)
-    variance = np.sum((slopes @ spread) * slopes, axis=1) + factor**2 * missed
-    width = _HALF_BAND * np.sqrt(variance)
+    # Of what the curve cannot follow the constants take a share, the same at all points.
+    missed = between + np.mean(np.diag(between))
+    covariance = slopes @ spread @ slopes.T + factor**2 * missed
+    reach = reach_of_band(covariance, BAND)
+    width = reach * np.sqrt(np.diag(covariance))
     low = np.maximum(law - width, 0.0) if term.cut else law - width
-    expected *= abs(factor)
+    expected *= abs(factor) * reach
     return Curve(argument, law, low, law + width, without, expected, term.law_unit)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import norm as normal_law
 
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 BAND = 0.9
-"""Coverage of the band of a curve."""
+"""Probability with which the band of a curve holds the law, at all points at once."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -59,14 +58,14 @@ class Curve(OneLine):
     ----------
     argument : ndarray
     law, low, high : ndarray
-        The law, in `unit`, and the ends that hold it with a probability of 90 % at each point. The
-        constant that belongs to it is in them, as the data often tell their product alone.
+        The law, in `unit`, and the ends between which all of it lies with a probability of 90 %.
+        The constant that belongs to it is in them, as the data often tell their product alone.
     without : float
         The law without f: that constant in the fit; 1 for the field, whose law is over that of the
         model; 0 where the law is f alone: the place of the contact, and a term of one's own that
         has no `factor_of`.
-    expected : float
-        Of the law's change, in `unit`: what would not have surprised.
+    before : float
+        Half the width that the band would have had before the data, in `unit`.
     unit : str
     """
 
@@ -75,7 +74,7 @@ class Curve(OneLine):
     low: Array
     high: Array
     without: float
-    expected: float
+    before: float
     unit: str
 
     @property
@@ -85,8 +84,7 @@ class Curve(OneLine):
         There the law has a band less than half as wide as before them.
         Chosen: the data then tell more than was known.
         """
-        before = 2.0 * float(normal_law.ppf(0.5 + 0.5 * BAND)) * self.expected
-        narrow = (self.high - self.low) < 0.5 * before
+        narrow = (self.high - self.low) < self.before
         edges = np.flatnonzero(np.diff(np.concatenate([[0], narrow, [0]])))
         runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         if not runs:
