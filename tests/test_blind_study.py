@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import stickslip
 from stickslip import Scenario
 from stickslip.diagnosis import measurement_problem
 from stickslip.diagnosis.api import diagnose
@@ -24,10 +25,12 @@ from stickslip.measurement import read_measurement
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import __main__ as command
+from blind.case import LAWS_ONLY, same_state, state
 from blind.generator import make
 from blind.kinds import KINDS
 from blind.questions import (
     band_holds,
+    band_holds_all,
     form_right,
     form_said,
     halved,
@@ -192,21 +195,41 @@ def test_an_interrupted_study_is_continued(tmp_path, monkeypatch, capsys):
     done = json.dumps({**_row("none", [], None, "none"), "state": {**now, "laws": "m"}})
     # Of other files nothing is taken over.
     other = json.dumps({**_row("none", [], "x"), "state": {**now, "engine": "e"}})
-    law = _row("none", [], "x")
-    law["said"]["open_set"] = {"accepted": False}
-    other += "\n" + json.dumps({**law, "state": {**now, "laws": "m"}})
-    record.write_text(f"{done}\n{other}\n{done[:50]}")
-    arguments = ["blind", "--first", "7", "--seeds", "1", "--kinds", "none", "--jobs", "1"]
+    law = _row("law", [], None, "unexplained", hook="friction_speed")
+    law["said"]["open_set"] = {"accepted": False, "gain": None}
+    law = json.dumps({**law, "state": now})
+    record.write_text(f"{other}\n{done}\n{law}\n{done[:50]}")
+    arguments = ["blind", "--first", "7", "--seeds", "1", "--kinds", "none;law", "--jobs", "1"]
     monkeypatch.setattr(sys, "argv", [*arguments, "--out", str(tmp_path)])
     command.main()
     # The row that was cut off is gone, the other one was not made again.
-    assert record.read_text() == f"{done}\n{other}\n"
+    assert record.read_text() == f"{other}\n{done}\n{law}\n"
     assert "| none | false alarm | 0 of 1 |" in capsys.readouterr().out
     with (tmp_path / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         with pytest.raises(SystemExit):
             command.main()
     assert "another study is at work there" in capsys.readouterr().err
+
+
+def test_where_laws_were_looked_for_a_change_there_counts():
+    now = {"engine": "a", "laws": "l", "data": "b"}
+    row = {**_row("law", [], None), "state": now}
+    looked = {**row["said"], "open_set": {"accepted": False}}
+    for each, other_laws in (
+        (row, True), ({**row, "said": looked}, False), ({**row, "followed": looked}, False),
+        ({**row, "followed": row["said"]}, True), ({**row, "followed": None}, True),
+    ):  # fmt: skip
+        assert same_state(each, now)
+        assert same_state(each, {**now, "laws": "m"}) is other_laws
+        assert not same_state(each, {**now, "data": "c"})
+    assert not same_state({"said": row["said"]}, now)
+
+
+def test_a_state_has_a_sum_of_what_decides_about_laws():
+    deciding = Path(stickslip.diagnosis.__file__).parent
+    assert set(LAWS_ONLY) <= {path.stem for path in deciding.rglob("*.py")}
+    assert len(set(state().values())) == len(state())
 
 
 def test_data_sets_are_written_with_their_answers_apart(tmp_path, monkeypatch):
@@ -276,6 +299,7 @@ def test_a_curve_is_judged_by_its_band_and_its_form():
         first, second = forms if right else forms[::-1]
         row["said"]["open_set"] |= {"formula": first, "others": [second]}
         assert band_holds(row) is right
+        assert band_holds_all(row) is right
         assert form_right(row) is right
         assert form_said(row)
         row["said"]["open_set"]["others"] = []
@@ -284,6 +308,11 @@ def test_a_curve_is_judged_by_its_band_and_its_form():
         assert halved(row)
         for error, reachable in ((1.5, True), (1.6, False)):
             assert halved_by_truth({**row, "truth_error": error}) is reachable
+    # The truth at 4 of 5 points.
+    at = [0.0, 0.0, 0.01, 0.01, 0.02]
+    low = np.array([0.1, 0.1, 0.13, 0.13, true[2] + 0.01]) - 0.001
+    row["said"]["open_set"]["curve"] = {"argument": at, "low": low, "high": low + 0.002}
+    assert (band_holds(row), band_holds_all(row)) == (True, False)
     row["said"]["open_set"]["accepted"] = False
     assert not any(question(row) for question in (band_holds, form_right, right_shape, halved))
 

@@ -1,7 +1,7 @@
 """``python -m blind``: data sets of every kind, diagnosed without their answers, then scored.
 
 Every data set is one line of the record, which says the state of engine and generator. A study that
-was stopped goes on where it stood; what another state has said is made anew.
+was stopped goes on where it stood; what another state could have said otherwise is made anew.
 """
 
 from __future__ import annotations

@@ -20,6 +20,8 @@ from blind.writing import KEYS, write_case, write_more
 from stickslip import Drive, Scenario, Solver, simulate_batch
 from stickslip.diagnosis.api import diagnose
 from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.model.free_shapes import HOOKS
+from stickslip.diagnosis.report.certainty import gain_of
 from stickslip.diagnosis.results import Diagnosis
 from stickslip.measurement import read_measurement
 
@@ -37,10 +39,10 @@ _REFERENCE = (
 _VOLTS = 30.0  # near what the drives ask for, so that a limit of the voltage acts
 # Rooms of the package that decide about a verdict; the report and all else do not.
 _ENGINE = ("diagnosis", "measurement", "scenario")
-# What decides only about the law that is said in the place of a cause, and what shows it.
-_LAWS = (
+# Files that decide only about the law that is said in the place of a cause.
+LAWS_ONLY = (
     "between_knots", "form_curves", "form_starts", "formula_search", "formulas", "free_shapes",
-    "free_term_search", "free_terms", "open_set", "results", "simultaneous_band",
+    "free_term_search", "law_size", "open_set", "simultaneous_band",
 )  # fmt: skip
 
 
@@ -58,23 +60,25 @@ def state() -> dict[str, str]:
         for path in (package / room).rglob("*.py")
         if "report" not in path.parts
     ]
-    laws = [path for path in deciding if path.stem in _LAWS and "diagnosis" in path.parts]
+    laws = [path for path in deciding if path.stem in LAWS_ONLY and "diagnosis" in path.parts]
     engine = [path for path in deciding if path not in laws]
     asked = ("git", "-C", str(_HERE), "rev-parse", "--short", "HEAD")
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
     return {
         "version": stickslip.__version__,
         "commit": commit,
-        "engine": _checksum(engine, _core_velocities()),
-        "laws": _checksum(laws),
+        "engine": _checksum(engine, _velocities(_named_sizes())),
+        "laws": _checksum(laws, _velocities(_law_sizes())),
         "data": _generator(),
     }
 
 
 def same_state(row: dict[str, Any], now: dict[str, str]) -> bool:
     """Whether the present files would say the same; another commit may have the same ones."""
-    deciding = ["engine", "data", *(["laws"] if row["said"]["open_set"] is not None else [])]
-    return all(row["state"].get(key) == now[key] for key in deciding)
+    said = [row["said"], *([row["followed"]] if row.get("followed") else [])]
+    for_laws = any(each.get("open_set") is not None for each in said)
+    deciding = ["engine", "data", *(["laws"] if for_laws else [])]
+    return all(row.get("state", {}).get(key) == now[key] for key in deciding)
 
 
 def _generator() -> str:
@@ -83,13 +87,20 @@ def _generator() -> str:
     return _checksum([*own, *(reference / f"{name}.py" for name in _REFERENCE)])
 
 
-def _core_velocities() -> bytes:
-    """Mean velocities of runs with each effect that a diagnosis tries, as bytes."""
+def _named_sizes() -> dict[str, float]:
+    """A usual size of each parameter of each effect that a diagnosis tries."""
+    causes = library(Scenario(), {}, _VOLTS)
+    return {p.name: float(p.value(np.ones(1))[0]) for cause in causes for p in cause.parameters}
+
+
+def _law_sizes() -> dict[str, float]:
+    """The same of the knots of each law."""
+    return {p.name: p.scale for hook in HOOKS for p in hook.cause.parameters}
+
+
+def _velocities(sizes: dict[str, float]) -> bytes:
+    """Mean velocities of runs with each of these parameters by itself, as bytes."""
     base = Scenario(drive=Drive(base=0.5e-3, pulses=5), solver=Solver(rtol=1e-5))
-    causes = library(base, {}, _VOLTS)
-    sizes = {
-        each.name: float(each.value(np.ones(1))[0]) for cause in causes for each in cause.parameters
-    }
     runs = [
         base.replace({"drive.frequency": 20.0 + 7.0 * k, name: size})
         for k, (name, size) in enumerate(sizes.items())
@@ -163,8 +174,7 @@ def _diagnosed(folder: Path, answer: dict[str, Any], page: Path | None = None) -
 
 def _truth_error(result: Diagnosis, answer: dict[str, Any]) -> float | None:
     """Mean absolute error of the truth on the held-out conditions, m/s: what noise leaves."""
-    shapes, problem = result.open_set, result.findings.problem
-    gain = result.gain if shapes is None or not shapes.accepted else shapes.gain
+    gain, problem = gain_of(result.findings), result.findings.problem
     if gain is None:
         return None
     drives = [{key: problem.conditions[k][f"drive.{key}"] for key in KEYS} for k in gain.held_out]

@@ -205,16 +205,26 @@ _CONSTANT = {
 }  # fmt: skip
 
 
-def band_holds(row: Row) -> bool:
-    """Its band holds the truth at four fifths of its points."""
+def _inside(row: Row) -> float:
+    """Share of the points of its curve at which the band holds the truth; 0 without a curve."""
     shape = accepted_shape(row)
     if shape is None:
-        return False
+        return 0.0
     law = row["answer"]["effects"]["law"]
     constant = row["answer"]["constants"].get(_CONSTANT.get(law["target"], ""), 1.0)
     true = constant * (1.0 + law_change(law, np.array(shape["curve"]["argument"])))
     low, high = (np.array(shape["curve"][end]) for end in ("low", "high"))
-    return float(np.mean((low <= true) & (true <= high))) >= 0.8
+    return float(np.mean((low <= true) & (true <= high)))
+
+
+def band_holds(row: Row) -> bool:
+    """Its band holds the truth at four fifths of its points."""
+    return _inside(row) >= 0.8
+
+
+def band_holds_all(row: Row) -> bool:
+    """Its band holds all of the truth, as it should with a probability of 90 %."""
+    return _inside(row) == 1.0
 
 
 def false_term(row: Row) -> bool:

@@ -15,6 +15,7 @@ from blind.questions import (
     alarm,
     any_row,
     band_holds,
+    band_holds_all,
     claimed,
     comparable,
     consistent,
@@ -127,6 +128,7 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
         ("its formula has the right form", form_right, right_shape, 0.50, False),
         ("this formula or one nearly as likely has it", form_said, right_shape, _OPEN, False),
         ("the band holds the truth on 80 % of its range", band_holds, right_shape, _OPEN, False),
+        ("the band holds all of it", band_holds_all, right_shape, 0.90, False),
         ("held-out error at least halved", halved, any_row, 0.80, False),
         ("the same, where the truth itself halves it", halved, halved_by_truth, _OPEN, False),
         ("unexplained", unexplained, any_row, _OPEN, False),
@@ -141,8 +143,9 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
 
 
 def read(path: Path) -> list[Row]:
-    """Rows of a record of a study."""
-    return [json.loads(line) for line in path.read_text().splitlines()]
+    """Rows of a record of a study, of each data set the last one."""
+    rows = [json.loads(line) for line in path.read_text().splitlines()]
+    return list({(row["answer"]["kind"], row["answer"]["seed"]): row for row in rows}.values())
 
 
 def slim(row: Row) -> Row:

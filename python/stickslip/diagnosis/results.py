@@ -207,8 +207,8 @@ class Diagnosis(ShownBySummary):
         Parameters
         ----------
         count : int
-            How many at most, from 0. There are none where nothing was found, no velocity was
-            measured or a law of another shape explains the data in the place of the causes.
+            How many at most, from 0. There are none where nothing was found or no velocity was
+            measured.
 
         Raises
         ------
@@ -346,5 +346,4 @@ class Diagnosis(ShownBySummary):
         return [] if self.measurement is None else self._proposed(PROPOSED)
 
     def _proposed(self, count: int) -> list[Experiment]:
-        given = (self.posed.model.velocities, self.posed.conditions, count)
-        return [] if self.findings.free_shape is not None else propose(self.findings, *given)
+        return propose(self.findings, self.posed.model.velocities, self.posed.conditions, count)

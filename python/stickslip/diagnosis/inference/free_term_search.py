@@ -17,7 +17,6 @@ from stickslip.diagnosis.fit.fit_result import (
     Start,
     free_parameters,
     make_candidate,
-    physical_covariance,
     ranked,
 )
 from stickslip.diagnosis.fit.goodness import adequacy
@@ -34,6 +33,7 @@ from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formula_search import find_formulas
+from stickslip.diagnosis.inference.law_size import with_learned_size
 from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
 from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
 from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
@@ -214,22 +214,20 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
     design = term.design(argument)
     change = values[[each.column for each in knots]]
     without = term.without(dict(zip(problem.names, values.tolist(), strict=True)))
-    alone = physical_covariance(fit, knots)
-    expected = term.cause.parameters[0].scale
-    between = covariance_between_knots(argument, design, change, alone, expected)
-    factor, law, slopes = 1.0, without + design @ change, design
-    if term.relative:
-        relative = 1.0 + design @ change
-        if term.cut:
-            relative, design = np.maximum(relative, 0.0), design * (relative > 0.0)[:, None]
-        factor, law = without, without * relative
-        slopes = np.hstack([*(relative[:, None] for _ in own), without * design])
-    spread = physical_covariance(fit, [*own, *knots])
+    factor = without if term.relative else 1.0
+    law = without + factor * (design @ change)
+    size = term.cause.parameters[0].scale
+    shift, spread = with_learned_size(fit, own, knots, size)
+    count = len(own)
+    between = covariance_between_knots(
+        argument, design, change + shift[count:], spread[count:, count:], size
+    )
     # Of what the curve cannot follow the constants take a share, the same at all points.
     missed = between + np.mean(np.diag(between))
+    slopes = np.hstack([*((1.0 + design @ change)[:, None] for _ in own), factor * design])
     covariance = slopes @ spread @ slopes.T + factor**2 * missed
     reach = reach_of_band(covariance, BAND)
-    width = reach * np.sqrt(np.diag(covariance))
-    low = np.maximum(law - width, 0.0) if term.cut else law - width
-    expected *= abs(factor) * reach
-    return Curve(argument, law, low, law + width, without, expected, term.law_unit)
+    middle, width = law + slopes @ shift, reach * np.sqrt(np.diag(covariance))
+    least = 0.0 if term.cut else -np.inf
+    law, low, high = (np.maximum(each, least) for each in (law, middle - width, middle + width))
+    return Curve(argument, law, low, high, without, abs(factor) * size * reach, term.law_unit)

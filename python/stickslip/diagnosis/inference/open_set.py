@@ -65,7 +65,8 @@ class Curve(OneLine):
         model; 0 where the law is f alone: the place of the contact, and a term of one's own that
         has no `factor_of`.
     before : float
-        Half the width that the band would have had before the data, in `unit`.
+        Half the width of a band that reaches as far about a law of which only its usual size is
+        known, in `unit`.
     unit : str
     """
 
@@ -81,10 +82,11 @@ class Curve(OneLine):
     def told(self) -> tuple[float, float] | None:
         """Ends of the widest range of the argument that the data tell something of, or None.
 
-        There the law has a band less than half as wide as before them.
+        There the law has a band less than half as wide as before them, by its upper half.
         Chosen: the data then tell more than was known.
         """
-        narrow = (self.high - self.low) < self.before
+        # Not both halves: the lower one may be cut off at zero.
+        narrow = (self.high - self.law) < 0.5 * self.before
         edges = np.flatnonzero(np.diff(np.concatenate([[0], narrow, [0]])))
         runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         if not runs:

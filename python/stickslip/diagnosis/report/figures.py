@@ -86,7 +86,7 @@ def free_shape(found: OpenSet) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=[3, 2])
     term, curve = found.first.term, found.curve
     left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
-                      label=f"{BAND:.0%} band")  # fmt: skip
+                      label=f"whole law, {BAND:.0%}")  # fmt: skip
     left.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
     if found.formula is not None:
         formula = found.formula

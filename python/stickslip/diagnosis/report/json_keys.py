@@ -49,8 +49,13 @@ def summary(
     measurement: Measurement | OwnData,
     experiments: Sequence[Experiment],
 ) -> dict[str, Any]:
-    """Keys of ``stickslip diagnose --json``; SI units."""
+    """Keys of ``stickslip diagnose --json``; SI units.
+
+    A law of another shape has put the causes behind it, and with them the experiments that tell
+    them apart.
+    """
     verdict = found.verdict
+    experiments = experiments if found.free_shape is None else []
     cause: Any = None
     if verdict.kind == "named":
         cause = verdict.causes[0]
@@ -94,7 +99,9 @@ def report_numbers(
         "notes": _data(found.notes),
         "left_out": _data([*source.left_out, *posed.left_out]),
         "flat_directions": _data(flat_directions(found.problem, found.null)),
-        "next_experiments": [each.why.as_dict() for each in experiments],
+        "next_experiments": [
+            each.why.as_dict() for each in experiments if found.free_shape is None
+        ],
         "channels": {each.title: _data(each.lines) for each in sections},
     }
     evidence, facts_of_it = _evidence(found, posed)
