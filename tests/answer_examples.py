@@ -62,8 +62,7 @@ ANSWERS = {
         {"name": "A wave", "size": "4 mm", "interval": "3 to 7 mm"},
         r"A wave: 4 mm \(best value\)\. .* 3 to 7 mm",
     ),
-    Code.SIZE_OF_LAW: ({"law": "drag", "low": 0.9, "high": 1.5}, r"drag .* 0\.9 and 1\.5 times"),
-    Code.SIZE_OF_TERM: (
+    Code.SIZE_OF_LAW: (
         {"law": "wind", "low": -0.5, "high": 1.5, "unit": "N"}, r"wind .* -0\.5 and 1\.5 N\."
     ),
     Code.SIZE_LIMITS: (

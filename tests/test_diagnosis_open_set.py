@@ -18,7 +18,7 @@ from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import explore_terms
-from stickslip.diagnosis.inference.law_size import with_learned_size
+from stickslip.diagnosis.inference.law_prior import with_learned_prior
 from stickslip.diagnosis.inference.open_set import Curve
 from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
 from stickslip.diagnosis.inference.verdict import Verdict, reasons_against
@@ -57,8 +57,8 @@ def test_a_smooth_law_lies_about_its_curve_as_far_as_is_said():
 
 
 def test_a_law_may_be_as_large_where_nothing_is_known_as_it_is_elsewhere():
-    # Of knots that are seen by themselves, y = k + noise, everything is known in closed form: for a
-    # size s, y has the variance s^2 + sd^2, and k the mean y s^2 / (s^2 + sd^2).
+    # Of knots that are seen by themselves, y = k + noise, everything is known in closed form: with
+    # a prior covariance C of k, y has C + sd^2, and k the mean C (C + sd^2)^-1 y.
     size, y, sd = 0.3, np.array([0.9, -1.2, 1.5, 0.0]), np.array([0.1, 0.2, 0.1, 30.0])
     parameters = [CauseParameter(f"k{i}", "-", -9.0, 9.0, size) for i in range(4)]
 
@@ -73,22 +73,25 @@ def test_a_law_may_be_as_large_where_nothing_is_known_as_it_is_elsewhere():
     g = np.array([slope(p, u) for p, u in zip(parameters, x, strict=True)])
     fit = SimpleNamespace(x=np.array(x), covariance=np.diag(1.0 / ((g / sd) ** 2 + 1.0)))
     knots = [Fitted(p, i, i) for i, p in enumerate(parameters)]
-    shift, covariance = with_learned_size(fit, [], knots, size)
-    factors = np.geomspace(1.0, 10.0, 7)
-    variance = (factors[:, None] * size) ** 2
-    total = variance + sd**2
-    log_weight = -0.5 * np.sum(y**2 / total + np.log(total), axis=1) - 0.5 * np.log(factors) ** 2
-    weight = np.exp(log_weight - np.max(log_weight))
-    weight /= weight.sum()
-    means = y * variance / total
-    mean = weight @ means
-    expected = weight @ (variance * sd**2 / total + (means - mean) ** 2)
+    shift, covariance = with_learned_prior(fit, [], knots, size)
+    weights, means, squares = [], [], []
+    place = np.linspace(0.0, 1.0, 4)
+    for factor, length in itertools.product(np.geomspace(1.0, 10.0, 7), (1e-3, 0.25, 0.5)):
+        prior = (factor * size) ** 2 * np.exp(-0.5 * ((place[:, None] - place) / length) ** 2)
+        total = prior + np.diag(sd**2)
+        likely = -0.5 * (y @ np.linalg.solve(total, y) + np.linalg.slogdet(total)[1])
+        weights.append(np.exp(likely - 0.5 * np.log(factor) ** 2))
+        means.append(prior @ np.linalg.solve(total, y))
+        inside = prior - prior @ np.linalg.solve(total, prior)
+        squares.append(inside + np.outer(means[-1], means[-1]))
+    mean = np.average(means, axis=0, weights=weights)
+    expected = np.average(squares, axis=0, weights=weights) - np.outer(mean, mean)
     at = np.array([p.value(u) for p, u in zip(parameters, x, strict=True)])
     # The fit's slopes are differences over 0.02 of a coordinate: right to 2e-5.
     assert at + shift == pytest.approx(mean, abs=1e-3)
-    assert np.diag(covariance) == pytest.approx(expected, rel=1e-3)
+    assert covariance == pytest.approx(expected, abs=1e-3)
     # The knot that nothing is known of may be about as large as the others.
-    assert np.sqrt(covariance[3, 3]) > 3.0 * size
+    assert np.sqrt(covariance[3, 3]) > 2.0 * size
 
 
 def test_a_band_holds_a_whole_curve_with_its_probability():
@@ -337,7 +340,7 @@ def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path
     low, high = curve.told
     assert 0.0 <= low < high <= shapes.first.term.span
     first_screen = page[: page.index("<nav>")]
-    for words in ("times 1 + f(u)", "where u is the slip speed in m/s", "say something of f(u)"):
+    for words in ("times 1 + f(u)", "where u is the slip speed in m/s", "It is known for u from"):
         assert words in first_screen
     assert "friction over slip speed" in page
 

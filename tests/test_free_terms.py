@@ -12,12 +12,15 @@ from sliding_block import (
     DRAG,
     FRICTION,
     HIDDEN,
+    LOAD,
     OVER_LOAD,
     OVER_SPEED,
     OVER_WARMTH,
+    SD,
     SPEED,
     TERMS,
     UNCERTAIN,
+    WARMTH,
     measured,
     push,
     result,
@@ -33,6 +36,7 @@ from stickslip import (
     instruments,
 )
 from stickslip.diagnosis import Curves
+from stickslip.diagnosis.inference.formulas import Formula
 
 SEEDS = (0, 1, 2)
 
@@ -70,6 +74,24 @@ def test_the_band_holds_the_hidden_law(term):
         assert np.mean(curve.high - curve.low) < 0.4 * np.ptp(truth)
     # Of three bands of 90 %, fewer than two hold all of their law with a probability of 3 %.
     assert sum(held) >= 2
+
+
+def test_a_curve_that_bends_faster_than_its_knots_gets_more_of_them():
+    # A wave of 0.1 of the friction and of 0.9 m/s, where knots are 0.5 m/s apart.
+    observed = measured(0, 1.0 + 0.1 * np.sin(7.0 * SPEED))
+    found = result(observed)
+    assert found.open_set.accepted
+    assert found.findings.free_shape.term.name == OVER_SPEED.name
+    assert found.findings.free_shape.term.knots == OVER_SPEED.finer.knots
+    assert len(found.findings.free_shape.term.knots) == 9
+    # Three conditions are asked for each knot.
+    few = slice(None, None, 2)
+    fewer = diagnose_model(
+        push, (SPEED[few], LOAD[few], WARMTH[few]), observed[few], UNCERTAIN, free_terms=TERMS,
+        sd=np.full(20, SD),
+    )  # fmt: skip
+    assert len(fewer.open_set.first.term.knots) == 5
+    assert not fewer.open_set.accepted
 
 
 # Without an alarm there is no search. Of the seeds below 200 these give a false one. All of the
@@ -140,7 +162,15 @@ def test_a_term_that_is_a_force_has_its_unit():
     assert formula.text == "a u^2"
     # Each of drag and constant force is hidden in it, so within 20 % and no closer.
     assert formula.a == pytest.approx(0.5e6, rel=0.2)
-    assert "uN per (m/s)^2" in formula.in_numbers("m/s", "uN")
+    said = formula.in_numbers("f of wind", "m/s", "uN", relative=False)
+    assert said.startswith("f of wind = a u^2 with a = ")
+    assert said.endswith(" uN per (m/s)^2")
+    level = Formula("a exp(-|u| / b)", 0.5, 0.25, 0.0, 0.3, 1.0, 0.5)
+    said = level.in_numbers("friction", "m/s", "-", relative=True)
+    assert said == "friction = 0.3 (1 + a exp(-|u| / b)) with a = 0.5, b = 0.25 m/s"
+    root = Formula("a sqrt(|u|)", 0.5, np.nan, 0.0, 0.3, 1.0, 0.5)
+    said = root.in_numbers("drag", "rad", "N s/m", relative=True)
+    assert said == "drag = 0.3 N s/m (1 + a sqrt(|u|)) with a = 0.5 per rad^0.5"
 
 
 def test_a_cause_that_explains_the_data_comes_first():

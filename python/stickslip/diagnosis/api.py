@@ -32,6 +32,9 @@ from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import check_whole, shown
 
+# Fewest conditions for each knot of a curve that gets more of them. Chosen: so many tell a knot.
+_CONDITIONS_A_KNOT = 3
+
 
 def diagnose(
     measurement: Measurement,
@@ -174,6 +177,12 @@ def _with_terms(
         low = with_curves(low, free_terms, found.problem.causes)
     terms = [each.term(found.problem.uncertain) for each in free_terms]
     shapes = search_terms(found, options, bent, low, terms)
+    if shapes is not None and shapes.is_too_coarse(found.null):
+        # A law that data of little noise show may bend more than its knots can follow.
+        first = next(each for each in free_terms if each.name == shapes.first.term.name)
+        if _CONDITIONS_A_KNOT * first.finer.count <= len(found.noise.mean):
+            finer = [first.finer if each is first else each for each in free_terms]
+            return _with_terms(found, posed, predict, options, finer)
     names = [each.name for each in found.problem.uncertain]
     names += [knot for each in terms for knot in each.knots]
     say(1.0, "done")

@@ -197,8 +197,7 @@ class Code(str, Enum):
     SIZE_NOT_CERTAIN = "size-not-certain"  #: The same of a fit that did not converge.
     #: The same where the error alone would contradict the interval.
     SIZE_IN_INTERVAL = "size-in-interval"
-    SIZE_OF_LAW = "size-of-law"  #: How far a law of another shape is from that of the model.
-    SIZE_OF_TERM = "size-of-term"  #: How large the curve is, in a model of one's own.
+    SIZE_OF_LAW = "size-of-law"  #: How large a law of another shape is.
     SIZE_LIMITS = "size-limits"  #: How large some causes could be, where nothing was found.
     SIZE_HIDDEN = "size-hidden"  #: The cause that could be largest and not be seen.
     SIZE_UNLIMITED = "size-unlimited"  #: How many causes these data do not limit.

@@ -232,12 +232,20 @@ def _predicted_velocities(f: Fields) -> str:
     return f"Predicted is {', '.join(each)}. " if each else ""
 
 
+def _tried_in_vain(f: Fields) -> str:
+    """How many causes explain nothing, alone or two together."""
+    if f["count"] == 1:
+        return "the one cause that was tried does not explain it"
+    tried = f"none of the {f['count']} causes that were tried, nor any two of them together,"
+    return f"{tried} explains it"
+
+
 def _told_of_curve(f: Fields) -> str:
     """Where the data say something of a law of a free shape."""
     if f["told"] is None:
-        return "At no u alone do these data say much of f(u)"
+        return "At no u alone do these data say much of f(u), so that the curve is a guess"
     low, high = f["told"]
-    return f"These data say something of f(u) for u from {low:.3g} to {high:.3g} {f['unit']}"
+    return f"It is known for u from {low:.3g} to {high:.3g} {f['unit']}; elsewhere it is a guess"
 
 
 _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
@@ -262,6 +270,8 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_field": _extended(", and the extended model by {extended!u:.3g} uT"),
     "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
     "told_of_curve": _told_of_curve,
+    "lead_in_words": lambda f: f"{abs(f['lead']):.1f} {'below' if f['lead'] < 0.0 else 'above'}",
+    "tried_in_vain": _tried_in_vain,
     "origin_of_u": lambda f: f" less {f['origin']:g} {f['unit']}" if f["origin"] else "",
     "also": lambda f: f"; nearly as likely: {_listed(f['others'])}" if f["others"] else "",
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",

@@ -85,12 +85,24 @@ class Formula:
         form = next(each for each in FORMS if each.text == self.text)
         return np.asarray(self.a * form.shape(argument - self.origin, self.b))
 
-    def in_numbers(self, unit: str, own: str = "-") -> str:
-        """The formula and its numbers, with `unit` for the argument's and `own` for that of f."""
-        place = "" if np.isnan(self.b) else f", b = {self.b:.3g} {unit}"
+    def in_numbers(self, law: str, unit: str, own: str, relative: bool) -> str:
+        """The law by the formula, with its numbers.
+
+        Parameters
+        ----------
+        law : str
+            Its name.
+        unit, own : str
+            Of the argument, and of the law.
+        relative : bool
+            Whether the law is what it is without f times 1 + f; else that and f added.
+        """
         power = next(each.power for each in FORMS if each.text == self.text)
-        per = "" if own == "-" else f" {own}"
-        if power:
-            to = "" if power == 1.0 else f"^{power:g}"
-            per += f" per ({unit}){to}" if to and "/" in unit else f" per {unit}{to}"
-        return f"f(u) = {self.text} with a = {self.a:.3g}{per}{place}"
+        to = "" if power == 1.0 else f"^{power:g}"
+        of_argument = f"({unit})" if to and "/" in unit else unit
+        per = f" per {of_argument}{to}" if power else ""
+        in_own = "" if own == "-" else f" {own}"
+        of_a = per if relative else in_own + per
+        place = "" if np.isnan(self.b) else f", b = {self.b:.3g} {unit}"
+        right = f"{self.without:.3g}{in_own} (1 + {self.text})" if relative else self.text
+        return f"{law} = {right} with a = {self.a:.3g}{of_a}{place}"

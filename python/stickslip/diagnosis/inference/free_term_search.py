@@ -33,7 +33,7 @@ from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formula_search import find_formulas
-from stickslip.diagnosis.inference.law_size import with_learned_size
+from stickslip.diagnosis.inference.law_prior import with_learned_prior
 from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
 from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
 from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
@@ -217,7 +217,7 @@ def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
     factor = without if term.relative else 1.0
     law = without + factor * (design @ change)
     size = term.cause.parameters[0].scale
-    shift, spread = with_learned_size(fit, own, knots, size)
+    shift, spread = with_learned_prior(fit, own, knots, size)
     count = len(own)
     between = covariance_between_knots(
         argument, design, change + shift[count:], spread[count:, count:], size

@@ -141,6 +141,11 @@ class OpenSet(OneLine):
         same = self.gain.choice == self.first.fit.name
         return explains and same and self.gain.interval[1] > 0.0
 
+    def is_too_coarse(self, null: Fit) -> bool:
+        """Whether the first takes most of the recalibrated model's misfit, but not all of it."""
+        first = self.first
+        return first.p_value < ADEQUATE and first.fit.data_chi2 < 0.5 * null.data_chi2
+
     @property
     def rivals(self) -> tuple[FreeShape, ...]:
         """Others that explain the data and are too near the first to be dismissed."""
@@ -168,7 +173,9 @@ class OpenSet(OneLine):
             known = {"count": len(self.gain.held_out), "certain": self.gain.interval[0] > 0.0}
             said.append(Fact(Code.FREE_SHAPE_GAIN, {**fall, **known}))
         if self.formula is not None:
-            fields = {"formula": self.formula.in_numbers(term.unit, term.f_unit)}
+            law = term.law if term.relative else f"f of {term.law}"
+            names = (law, term.unit, term.law_unit, term.relative)
+            fields = {"formula": self.formula.in_numbers(*names)}
             others = [each.text for each in self.formulas[1:]]
             beside = {"lead": self.formula.lead, "others": others, "origin": self.formula.origin}
             own = {"argument": term.argument, "unit": term.unit}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +20,7 @@ from stickslip._util.number_text import is_number
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.model.problem import Cause, CauseParameter, Predict, Uncertain
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_whole, meant, refuse
+from stickslip.scenario.keys import check_whole, meant, refuse, shown
 
 KNOTS = 5
 
@@ -143,7 +143,9 @@ class FreeTerm:
         The uncertain parameter that the model multiplies by 1 + f, if it does that. The law that is
         drawn is then their product, which data often tell better than each of them.
     count : int
-        Number of knots, 3 or more. A law that bends within half the distance of two is missed.
+        Number of knots, 3 or more. A law that bends within half the distance of two is missed. A
+        term that takes most of the misfit, but leaves more than noise, is tried again with `finer`
+        knots as long as there are three conditions for each.
 
     Raises
     ------
@@ -168,16 +170,16 @@ class FreeTerm:
                 refuse(name, getattr(self, name), "a text")
         ends = (self.low, self.high)
         if not all(is_number(end) and np.isfinite(end) for end in ends) or not ends[0] < ends[1]:
-            said = f"low = {self.low}, high = {self.high}: allowed is low < high"
-            raise ScenarioError(f"free term {self.name}: {said}")
+            said = f"low = {shown(self.low)}, high = {shown(self.high)}"
+            raise ScenarioError(f"free term {self.name}: {said}: allowed are numbers, low < high")
         if self.factor_of is not None and self.law_unit != "-":
             refuse("law_unit", self.law_unit, '"-" beside factor_of, as 1 + f is a factor')
-        check_whole("count", self.count, _FEWEST)
+        check_whole(f"free term {self.name}: count", self.count, _FEWEST)
         for name in ("size", "largest"):
             value = getattr(self, name)
             known = is_number(value) and 0.0 < value < np.inf
             if not known and not (name == "largest" and value is None):
-                refuse(name, value, "a number above 0")
+                refuse(f"free term {self.name}: {name}", value, "a number above 0")
 
     @property
     def name(self) -> str:
@@ -188,6 +190,11 @@ class FreeTerm:
     def places(self) -> Array:
         """Argument of each knot, shape (count,)."""
         return np.linspace(self.low, self.high, self.count)
+
+    @property
+    def finer(self) -> FreeTerm:
+        """The term with another knot between each two."""
+        return replace(self, count=2 * self.count - 1)
 
     @property
     def knots(self) -> list[str]:

@@ -52,15 +52,15 @@ class Answers:
     headline : Fact
     told : tuple of tuple of Told
         The causes of each candidate that is claimed, or that is in the set.
-    law : str, optional
-        The law that has another shape.
+    drawn_law : str, optional
+        The law of the simulator that has another shape.
     what, size, sure, do, better : tuple of Fact
         Each has at least one sentence.
     """
 
     headline: Fact
     told: tuple[tuple[Told, ...], ...]
-    law: str | None
+    drawn_law: str | None
     what: tuple[Fact, ...]
     size: tuple[Fact, ...]
     sure: tuple[Fact, ...]
@@ -70,9 +70,9 @@ class Answers:
     @property
     def drawings(self) -> list[Drawn]:
         """A drawing of each cause; of candidates that can be drawn whole, or none of a pair."""
-        if self.law is not None:
+        if self.drawn_law is not None:
             # Laws have the names of their drawings.
-            return [Drawn(self.law)] if self.law in DRAWN else []
+            return [Drawn(self.drawn_law)] if self.drawn_law in DRAWN else []
         drawable = [causes for causes in self.told if all(each.drawing in DRAWN for each in causes)]
         once = {each.name: each for causes in drawable[:LISTED] for each in causes}
         captions = len({each.name for causes in self.told for each in causes}) > 1
@@ -95,7 +95,7 @@ def answers(
     return Answers(
         headline(found, posed, unit),
         claimed,
-        None if found.free_shape is None else found.free_shape.term.law,
+        None if found.free_shape is None or posed.simulator is None else found.free_shape.term.law,
         _what(found, posed, claimed),
         _size(found, claimed),
         sure_of(found, LISTED),
@@ -145,11 +145,8 @@ def _size(found: Findings, claimed: Sequence[Sequence[Told]]) -> tuple[Fact, ...
     if found.free_shape is not None and found.open_set is not None:
         curve = found.open_set.curve
         term = found.free_shape.term
-        code, size, unit = Code.SIZE_OF_TERM, curve.law, {"unit": term.law_unit}
-        if term.relative:
-            code, size, unit = Code.SIZE_OF_LAW, curve.law / curve.without, {}
-        ends = {"low": float(np.min(size)), "high": float(np.max(size))}
-        said.append(Fact(code, {"law": term.law, **ends, **unit}))
+        ends = {"low": float(np.min(curve.law)), "high": float(np.max(curve.law))}
+        said.append(Fact(Code.SIZE_OF_LAW, {"law": term.law, "unit": term.law_unit, **ends}))
     ratio_of_noise = float(np.sqrt(found.null.data_chi2 / len(found.problem.observed)))
     return (*said, Fact(Code.SIZE_OF_MISFIT, {"ratio": ratio_of_noise}))
 

@@ -79,32 +79,38 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
     return figure
 
 
-def free_shape(found: OpenSet) -> Figure:
-    """The curve of the first place with its band and formula, and how the places rank."""
-
-    figure = Picture(figsize=(9.0, 3.4), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=[3, 2])
+def law_curve(found: OpenSet) -> Figure:
+    """The curve of the first place with its band and formula."""
+    figure = Picture(figsize=(6.4, 3.6), layout="constrained")
+    axes = figure.subplots()
     term, curve = found.first.term, found.curve
-    left.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
+    axes.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
                       label=f"whole law, {BAND:.0%}")  # fmt: skip
-    left.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
+    axes.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
     if found.formula is not None:
         formula = found.formula
         one = "1 + " if term.relative else ""
         change = formula.at(curve.argument)
         factor = np.maximum(1.0 + change, 0.0) if term.cut else 1.0 + change
         law = formula.without * factor if term.relative else formula.without + change
-        left.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{formula.text}")
-    left.axhline(curve.without, color=DARK_GREY, lw=0.8, label="without f")
+        axes.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{formula.text}")
+    axes.axhline(curve.without, color=DARK_GREY, lw=0.8, label="without f")
     unit = "" if curve.unit == "-" else f" ({curve.unit})"
     law_name = term.law if term.relative else f"f of {term.law}"
-    left.set(xlabel=f"{term.argument} ({term.unit})", ylabel=f"{law_name}{unit}")
-    left.legend(fontsize=8, frameon=False)
+    axes.set(xlabel=f"{term.argument} ({term.unit})", ylabel=f"{law_name}{unit}")
+    axes.legend(fontsize=8, frameon=False)
+    return figure
+
+
+def law_places(found: OpenSet) -> Figure:
+    """How the places rank at which a law may have another shape."""
     names = [each.term.name for each in found.shapes]
+    figure = Picture(figsize=(6.4, 0.8 + 0.22 * len(names)), layout="constrained")
+    axes = figure.subplots()
     colours = [VERMILION if each is found.first else BLUE for each in found.shapes]
-    right.barh(names, [each.lead for each in found.shapes], color=colours)
-    right.invert_yaxis()
-    right.set_xlabel("log-evidence above no change")
+    axes.barh(names, [each.lead for each in found.shapes], color=colours)
+    axes.invert_yaxis()
+    axes.set_xlabel("log-evidence above no change")
     return figure
 
 

@@ -106,8 +106,9 @@ def _more_of_what(found: Findings, numbers: Mapping[str, Any]) -> list[str]:
 
 def _pictures(found: Findings, posed: PosedProblem) -> dict[str, Any]:
     """All other figures."""
-    causes = found.problem.causes
+    causes, law = found.problem.causes, found.free_shape and found.open_set
     return {
+        "law_curve": svg(figures.law_curve(law)) if law else "",
         "curves": svg(figures.velocities(found, posed.conditions, posed.given)),
         "profiles": [svg(figures.profile(each)) for each in found.profiles],
         "ranking": svg(figures.ranking(found)),
@@ -148,7 +149,7 @@ def _details(
         "changes": [changes(each["drive"], conditions) for each in numbers["next_experiments"]],
         "undecided": undecided(experiments),
         # The experiments are for causes, which an accepted law has put behind it.
-        "law": found.free_shape is not None,
+        "law": None if found.free_shape is None else found.free_shape.term.name,
         "by_evidence": any(each is not None and "lead" in each.fields for each in reasons),
         "limits": _LIMITS,
         "observables": len(found.problem.observed),

@@ -65,4 +65,6 @@ def save_of_own_model(
 
 def _free_shapes(found: Findings) -> list[ReportSection]:
     """The section of laws of another shape, where they were looked at."""
-    return [] if found.open_set is None else [free_shape_section(found.open_set)]
+    if found.open_set is None:
+        return []
+    return [free_shape_section(found.open_set, shown=found.free_shape is not None)]

@@ -99,10 +99,13 @@ def _fields(found: Comparison, models: Mapping[str, Array]) -> Figure:
                                  factor=1e3, names=("Bx", "By", "Bz"), joined=False)  # fmt: skip
 
 
-def free_shape_section(found: OpenSet) -> ReportSection:
-    """The section of a law of another shape; its numbers have a key of their own."""
-    picture = svg(figures.free_shape(found))
-    return ReportSection("A law of another shape", picture, found.facts(), {})
+def free_shape_section(found: OpenSet, shown: bool) -> ReportSection:
+    """The section of a law of another shape; its numbers have a key of their own.
+
+    `shown`: the curve stands on the first screen.
+    """
+    pictures = [figures.law_places(found), *([] if shown else [figures.law_curve(found)])]
+    return ReportSection("A law of another shape", "".join(map(svg, pictures)), found.facts(), {})
 
 
 def model_section(found: Findings, place: Array, labels: tuple[str, str]) -> ReportSection:
