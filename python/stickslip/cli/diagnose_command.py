@@ -74,6 +74,11 @@ def command(
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed is --budget beside --next")
     data = read_measurement(measurement)
+    if data.left_out:
+        # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
+        more = len(data.left_out) - 1
+        also = f" ({more} more are left out)" if more else ""
+        say(f"stickslip: left out: {data.left_out[0]}{also}", err=True)
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None
