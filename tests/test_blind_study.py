@@ -25,7 +25,7 @@ from stickslip.measurement import read_measurement
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import __main__ as command
-from blind.case import LAWS_ONLY, same_state, state
+from blind.case import LAWS_ONLY, SAME_ANSWERS, same_state, state
 from blind.generator import make
 from blind.kinds import KINDS
 from blind.questions import (
@@ -224,6 +224,17 @@ def test_where_laws_were_looked_for_a_change_there_counts():
         assert same_state(each, {**now, "laws": "m"}) is other_laws
         assert not same_state(each, {**now, "data": "c"})
     assert not same_state({"said": row["said"]}, now)
+    # A state whose answers are said to be the same stands, but not where laws were looked for.
+    before = {"engine": SAME_ANSWERS[0], "data": "b"}
+    assert same_state({**row, "state": before}, now)
+    assert not same_state({**row, "said": looked, "state": before}, now)
+
+
+def test_kinds_of_a_family_are_counted_together():
+    rows = [_row("none", [], None, "none"), _row("none, film", [], None, "unexplained")]
+    assert [each["total"] for each in judged(rows)] == [1, 1]
+    (pooled,) = judged(rows, pooled=True)
+    assert (pooled["kind"], pooled["count"], pooled["total"]) == ("none", 1, 2)
 
 
 def test_a_state_has_a_sum_of_what_decides_about_laws():

@@ -20,11 +20,23 @@ _MEDIAN, _MOST = 20.0, 240.0
 
 def table(rows: Sequence[Row]) -> str:
     """Counts beside what is asked, the calibration of the probabilities, and the cost."""
+    lines = _counts(rows)
+    lines += ["", "| most likely, thought to be so by | on average | true |", "| --- | --- | --- |"]
+    lines += [
+        f"| {each['from']:.0%} to {each['to']:.0%} | {each['mean']:.0%} "
+        f"| {each['count']} of {each['total']}, {each['count'] / each['total']:.0%} |"
+        for each in calibration(rows)
+    ]
+    return "\n".join([*lines, *_cost(rows)])
+
+
+def _counts(rows: Sequence[Row], pooled: bool = False) -> list[str]:
+    """Counts beside what is asked, by kind or pooled by family."""
     lines = [
         "| hidden | counted | count | share | 95 % interval | asked | met |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
-    for each in judged(rows):
+    for each in judged(rows, pooled):
         bound = "at most" if each["at_most"] else "at least"
         asked = "-" if each["asked"] is None else f"{bound} {each['asked']:.0%}"
         met = {None: "-", True: "yes", False: "no"}[each["met"]]
@@ -33,13 +45,7 @@ def table(rows: Sequence[Row]) -> str:
             f"| {each['count'] / each['total']:.0%} | {each['low']:.0%} to {each['high']:.0%} "
             f"| {asked} | {met} |"
         )
-    lines += ["", "| most likely, thought to be so by | on average | true |", "| --- | --- | --- |"]
-    lines += [
-        f"| {each['from']:.0%} to {each['to']:.0%} | {each['mean']:.0%} "
-        f"| {each['count']} of {each['total']}, {each['count'] / each['total']:.0%} |"
-        for each in calibration(rows)
-    ]
-    return "\n".join([*lines, *_cost(rows)])
+    return lines
 
 
 def _cost(rows: Sequence[Row]) -> list[str]:
@@ -101,7 +107,8 @@ def report(rows: Sequence[Row]) -> str:
         )
     states = {tuple(sorted(row.get("state", {}).items())) for row in rows}
     parts += [", ".join(f"{key} {value}" for key, value in each) for each in sorted(states) if each]
-    return "\n\n".join([*parts, cause_table(rows), misses(rows)])
+    pooled = "\n".join(["All kinds of a family together:", "", *_counts(rows, pooled=True)])
+    return "\n\n".join([*parts, pooled, cause_table(rows), misses(rows)])
 
 
 if __name__ == "__main__":

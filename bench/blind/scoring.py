@@ -176,12 +176,17 @@ def counted(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if strong_enough(row)]
 
 
-def judged(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Count, total, interval and demand of each line of the table, and the seeds that missed it."""
+def judged(rows: Sequence[Row], pooled: bool = False) -> list[dict[str, Any]]:
+    """Count, total, interval and demand of each line of the table, and the seeds that missed it.
+
+    By kind, or `pooled` over all kinds of a family.
+    """
     result = []
-    for kind, plan in KINDS.items():
-        mine = [row for row in counted(rows) if row["answer"]["kind"] == kind]
-        for what, counts, among, asked, at_most in DEMANDS[plan.family]:
+    name_of = (lambda kind: KINDS[kind].family) if pooled else (lambda kind: kind)
+    families = {name_of(kind): plan.family for kind, plan in KINDS.items()}
+    for kind, family in families.items():
+        mine = [row for row in counted(rows) if name_of(row["answer"]["kind"]) == kind]
+        for what, counts, among, asked, at_most in DEMANDS[family]:
             some = [row for row in mine if among(row)]
             if not some:
                 continue

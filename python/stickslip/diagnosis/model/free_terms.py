@@ -105,11 +105,6 @@ class Term(OneLine):
         return self.stated if self.constant is None else values.get(self.constant, self.stated)
 
     @property
-    def f_unit(self) -> str:
-        """Of f itself."""
-        return "-" if self.relative else self.law_unit
-
-    @property
     def span(self) -> float:
         """How far its knots reach from zero, in the argument's unit."""
         return max(abs(self.low), abs(self.high))
