@@ -9,6 +9,7 @@ import itertools
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,7 @@ from stickslip.measurement import read_measurement
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import __main__ as command
+from blind import case
 from blind.case import LAWS_ONLY, SAME_ANSWERS, same_state, state
 from blind.generator import make
 from blind.kinds import KINDS
@@ -44,7 +46,7 @@ from blind.questions import (
 from blind.report import misses, report, table
 from blind.scoring import by_cause, calibration, interval, judged, read
 from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
-from blind.writing import write_case, write_more
+from blind.writing import KEYS, write_case, write_more
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / "bench" / "blind" / "measured.jsonl"
@@ -326,6 +328,24 @@ def test_a_curve_is_judged_by_its_band_and_its_form():
     assert (band_holds(row), band_holds_all(row)) == (True, False)
     row["said"]["open_set"]["accepted"] = False
     assert not any(question(row) for question in (band_holds, form_right, right_shape, halved))
+
+
+def test_the_error_of_the_truth_is_over_what_was_held_out(monkeypatch):
+    answer = _row("law", [], None, hook="friction_speed")["answer"]
+    problem = SimpleNamespace(
+        conditions=[{f"drive.{key}": float(k) for key in KEYS} for k in range(4)],
+        observed=np.array([0.0, 1.5, 0.0, 2.0]),
+    )
+    monkeypatch.setattr(case, "gain_of", lambda found: SimpleNamespace(held_out=np.array([1, 3])))
+    monkeypatch.setattr(case, "Truth", SimpleNamespace(of=lambda each: each))
+    # The truth is at 1 and 3, where 1.5 and 2 were measured.
+    monkeypatch.setattr(
+        case, "velocities", lambda truth, drives: np.array([each["frequency"] for each in drives])
+    )
+    result = SimpleNamespace(findings=SimpleNamespace(problem=problem))
+    assert case._truth_error(result, answer) == pytest.approx(0.75)
+    monkeypatch.setattr(case, "gain_of", lambda found: None)
+    assert case._truth_error(result, answer) is None
 
 
 def test_a_distortion_is_judged_by_what_is_blamed_for_it():
