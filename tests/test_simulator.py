@@ -57,6 +57,24 @@ def test_steps_have_the_bits_of_a_program_with_the_same_breakpoints(hold, direct
     assert stepped(scenario, rows, hold)[-1] == simulate(scenario).final_state
 
 
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_sawtooth_is_stepped_tooth_by_tooth(direction):
+    low, high = {"xp": 5.0, "clamp": -10.0}, {"xp": 25.0, "clamp": -10.0}
+    falls = Waveform.from_points([0.0, STEP], [[25.0, 0, 0, 0, -10.0], [5.0, 0, 0, 0, -10.0]])
+    program = Waveform.ramp(0.0625, low) + 20 * falls
+    scenario = Scenario(drive=Drive(mode="program", program=program, direction=direction))
+    sim = Simulator(scenario)
+    sim.step(low, 0.0625, "linear")
+    for _ in range(20):
+        state = sim.step({"xp": 5.0}, STEP, "linear", start=high)
+    assert state == simulate(scenario).final_state
+    assert sim.voltages == {"xp": 5.0, "xm": 0.0, "yp": 0.0, "ym": 0.0, "clamp": -10.0}
+    # A jump across takes the motion into the whole plane, where the end of the step alone does not.
+    across = Simulator(Scenario())
+    across.step({"xp": 15.0, "clamp": -10.0}, 0.02)
+    assert across.step({"yp": 0.0}, 0.02, "linear", start={"yp": 8.0}).heading > 0.0
+
+
 def test_a_run_that_begins_where_another_was_cut_goes_on_within_the_tolerance():
     rows = random_rows(2)
     scenario = Scenario()
@@ -76,7 +94,9 @@ def test_a_snapshot_goes_on_with_the_same_bits_also_as_bytes():
     snapshot = sim.snapshot()
     expected = [sim.step(named(row), STEP) for row in rows[20:]]
     other = Simulator(Scenario())
-    for taken in (snapshot, Snapshot.from_bytes(snapshot.to_bytes())):
+    for taken in (
+        snapshot, Snapshot.from_bytes(snapshot.to_bytes()), pickle.loads(pickle.dumps(snapshot))
+    ):  # fmt: skip
         other.restore(taken)
         assert other.time == 20 * STEP
         assert other.voltages == pytest.approx(named(rows[19]))
@@ -262,10 +282,13 @@ def refusals():
     yield lambda: sim.restore(other), "another scenario"
     yield lambda: sim.restore(b""), "Snapshot"
     yield lambda: Snapshot.from_bytes(b"none"), "no snapshot"
-    yield lambda: Snapshot.from_bytes(other.to_bytes()[:-1]), "version"
+    yield lambda: Snapshot.from_bytes(other.to_bytes()[:-1]), "was cut"
     yield lambda: State.from_bytes(b"none"), "bytes of a state"
     yield lambda: State(theta=math.inf), "initial.theta"
     yield lambda: Simulator(Scenario(), 3), "State"
+    yield lambda: sim.step({}, STEP, start={"xp": 1.0}), 'hold = "linear" only'
+    yield lambda: sim.step({}, STEP, "linear", start={"zz": 1.0}), "zz"
+    yield lambda: sim.step({}, STEP, "linear", start=3), "start = 3"
     yield lambda: Simulator(3), "Scenario"
     yield lambda: rollout(Scenario(), None, rows[:, :4], STEP), "shape"
     yield lambda: rollout(Scenario(), None, rows, 0.0), "duration"
@@ -279,7 +302,7 @@ def refusals():
     yield lambda: simulate(turned, until="heading >= 3.2"), "from -pi to pi"
 
 
-@pytest.mark.parametrize("index", range(28))
+@pytest.mark.parametrize("index", range(31))
 def test_what_is_no_step_is_refused_in_one_line(index):
     call, told = list(refusals())[index]
     with pytest.raises(ScenarioError, match=told) as refusal:

@@ -1,5 +1,6 @@
 """Voltage programs."""
 
+import math
 import pickle
 
 import numpy as np
@@ -93,6 +94,49 @@ def test_repeats_within_repeats_are_written_out():
         (tooth * 10**6 + tooth) * 10**6
 
 
+def test_what_is_left_after_an_instant():
+    tooth = Waveform.sawtooth(0.01, {"xp": 5.0}, {"xp": 25.0})
+    program = Waveform.ramp(0.05, {"xp": 5.0}) + 3 * tooth + Waveform.hold(0.02, {"clamp": -10.0})
+    # Within a ramp, a tooth and a hold, at ends of teeth and of blocks, and at jumps.
+    for t in (0.0, 0.02, 0.05, 0.0537, 0.06, 0.0699999, 0.07, 0.08, 0.09):
+        rest = program.after(t)
+        assert rest.duration == pytest.approx(program.duration - t, rel=1e-12)
+        # Not at the jumps, on whose sides a rounded time may lie.
+        inside = np.array([0.0003, 0.21, 0.4777, 0.83, 0.9999]) * rest.duration
+        expected = program.voltages(t + inside)
+        np.testing.assert_allclose(rest.voltages(inside), expected, atol=1e-9)
+    assert program.after(0.0) == program
+    assert program.after(0.06).blocks[0][2] == 2
+    for t in (-1e-3, program.duration, 1.0, math.nan):
+        with pytest.raises(ValueError, match=r"allowed is from 0 to less than 0\.1"):
+            program.after(t)
+
+
+def test_a_run_is_entered_in_the_middle_of_its_drive():
+    program = Waveform.ipp(base=0.5e-3, pulses=5)
+
+    def driven(voltages, **more):
+        return Scenario(drive=Drive(mode="program", program=voltages), **more)
+
+    whole = simulate(driven(program)).final_state
+    cut = simulate(driven(program), until="time >= 0.0737").final_state
+    onward = simulate(driven(program.after(0.0737), initial=cut)).final_state
+    # The robot walks 0.1 mm; the solver's tolerance is 1e-8 of that and less.
+    assert onward.x == pytest.approx(whole.x, abs=1e-9)
+    assert abs(whole.x - cut.x) > 2e-5
+
+
+def test_times_that_fall_by_rounding_are_jumps():
+    falling = [0.0, np.nextafter(0.055, 1.0), 0.055, 0.06]
+    rows = np.arange(20.0).reshape(4, 5)
+    assert Waveform.from_points(falling, rows).voltages(0.0551)[0] > 10.0
+    with pytest.raises(ValueError, match=r"^t = 0.054 s follows 0.055 s"):
+        Waveform.from_points([0.0, 0.055, 0.054, 0.06], rows)
+    for duration in (-1.0, 0.0, math.inf):
+        with pytest.raises(ValueError, match="duration = "):
+            Waveform.hold(duration, {"xp": 1.0})
+
+
 def test_turned_is_its_own_inverse_and_swaps_the_pair():
     wave = Waveform.hold(1.0, [1, 2, 3, 4, 5])
     np.testing.assert_array_equal(wave.turned().voltages(0.5), [-2, -1, -4, -3, 5])
@@ -180,6 +224,20 @@ def test_a_program_has_no_heading_and_no_choice_of_coils(drive):
         program.replace({f"drive.{key}": drive[key]})
     with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed"):
         sweep(program, {f"drive.{key}": [drive[key]]})
+
+
+def test_a_program_has_no_sawtooth_beside_it():
+    program = Waveform.hold(0.1, {"clamp": -10.0})
+    given = {"mode": "program", "program": program}
+    for key, value in (("frequency", 45.0), ("pulses", 5), ("clamp", "up"), ("peak", 1e-3)):
+        with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed with drive.mode"):
+            Drive(**given, **{key: value})
+        with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed with drive.mode"):
+            Scenario(drive=Drive(**given)).replace({f"drive.{key}": value})
+    # Where a sawtooth gives way to a program, nothing of it is left.
+    sawtooth = Scenario(drive=Drive(mode="OPP", frequency=45.0, peak=1e-3))
+    replaced = sawtooth.replace({f"drive.{key}": value for key, value in given.items()})
+    assert replaced == Scenario(drive=Drive(**given))
 
 
 def test_a_program_needs_its_mode():

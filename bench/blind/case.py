@@ -48,7 +48,9 @@ LAWS_ONLY = (
 # are files about laws, the report, and messages and methods for models of one's own. Eleven such
 # rows, of as many kinds, were made again at 9e1b4e1 and are equal; so are, but for their law, all
 # twenty that were made again because laws were looked for. The first sum is of all files together.
-SAME_ANSWERS = ("dcf83ff1fd8a", "400a5a9b6026")
+# Since the third, scenarios and waveforms of one's own have other messages and one more method; of
+# twelve kinds one row was made on one machine by both states, and they are equal to the last digit.
+SAME_ANSWERS = ("dcf83ff1fd8a", "400a5a9b6026", "460f805f0394")
 
 
 def state() -> dict[str, str]:

@@ -64,9 +64,17 @@ std::string shape_of(const py::array& array) {
 struct Stepper {
     explicit Stepper(const Scenario& scenario) : simulator(scenario) {}
 
-    py::dict step(const py::dict& changes, double seconds, bool linear) {
+    py::dict step(const py::dict& changes, double seconds, bool linear,
+                  const std::optional<py::dict>& jump) {
         const double duration = duration_of(seconds);
-        PerCoil next = voltages;
+        const PerCoil start = jump ? changed(voltages, *jump) : voltages;
+        const PerCoil next = changed(start, changes);
+        simulator.step(next, duration, linear, jump ? &start : nullptr);
+        voltages = next;
+        return fields(simulator.state());
+    }
+
+    static PerCoil changed(PerCoil next, const py::dict& changes) {
         for (const auto& [coil, volts] : changes) {
             try {
                 const auto word = coil.cast<std::string>();
@@ -77,9 +85,7 @@ struct Stepper {
                                             ": allowed is a number of V for the name of a coil");
             }
         }
-        simulator.step(next, duration, linear);
-        voltages = next;
-        return fields(simulator.state());
+        return next;
     }
 
     Simulator simulator;
@@ -217,7 +223,8 @@ void register_simulator(py::module_& module) {
 
     py::class_<Stepper>(module, "Simulator")
         .def(py::init<const Scenario&>())
-        .def("step", &Stepper::step)
+        .def("step", &Stepper::step, py::arg("voltages"), py::arg("duration"), py::arg("linear"),
+             py::arg("start") = py::none())
         .def_property_readonly("time", [](const Stepper& self) { return self.simulator.time(); })
         .def("state", [](const Stepper& self) { return fields(self.simulator.state()); })
         .def_property_readonly("voltages", [](const Stepper& self) { return self.voltages; })

@@ -20,6 +20,11 @@ public:
     /// which have to live until they are played. Held, or linear from the voltages before.
     void give(const double* voltages, std::size_t count, double duration, bool linear);
 
+    /// From now on the voltages before are these, in the world's frame (V).
+    void jump(const PerCoil& voltages) {
+        memory_.last = turned_ ? stickslip::turned(voltages) : voltages;
+    }
+
     /// Writes the next stretch, in the robot's frame, and returns true; false where all is played.
     bool next(VoltageSegment& segment);
 

@@ -90,12 +90,15 @@ SimulatorSnapshot SimulatorSnapshot::from_bytes(const std::string& bytes) {
         throw std::invalid_argument("these bytes are no snapshot of a simulator");
     }
     std::memcpy(&header, bytes.data(), sizeof header);
-    if (header.version != own.version || header.size != own.size ||
-        bytes.size() != sizeof header + own.size) {
+    if (header.version != own.version || header.size != own.size) {
         throw std::invalid_argument("the snapshot is of version " + std::to_string(header.version) +
-                                    ", or was cut; allowed is a "
-                                    "whole one of version " +
-                                    std::to_string(own.version));
+                                    ": allowed is version " + std::to_string(own.version));
+    }
+    const std::size_t whole = sizeof header + own.size;
+    if (bytes.size() != whole) {
+        throw std::invalid_argument("the snapshot was cut, or something was added to it: it has " +
+                                    std::to_string(bytes.size()) + " bytes of " +
+                                    std::to_string(whole));
     }
     SimulatorSnapshot result;
     result.scenario = header.scenario;
@@ -106,7 +109,8 @@ SimulatorSnapshot SimulatorSnapshot::from_bytes(const std::string& bytes) {
 /// Either integrator's loop.
 struct Simulator::Runner {
     virtual ~Runner() = default;
-    virtual void step(const PerCoil& voltages, double duration, bool linear) = 0;
+    virtual void step(const PerCoil& voltages, double duration, bool linear,
+                      const PerCoil* start) = 0;
     virtual double time() = 0;
     virtual SimulationState state() const = 0;
     virtual Status status() const = 0;
@@ -124,8 +128,10 @@ struct Simulator::RunnerOf : Simulator::Runner {
         loop.emplace(from, nullptr);
         loop->play_steps([] {});
     }
-    void step(const PerCoil& voltages, double duration, bool linear) override {
-        if (!loop->in_whole_plane() && turns(scenario, voltages)) {
+    void step(const PerCoil& voltages, double duration, bool linear,
+              const PerCoil* start) override {
+        const bool turning = turns(scenario, voltages) || (start && turns(scenario, *start));
+        if (!loop->in_whole_plane() && turning) {
             const PlaneHandover handover = loop->hand_over();
             const Scenario next = in_whole_plane(scenario, handover.state);
             check(next);  // before the loop that is there is given up
@@ -133,6 +139,7 @@ struct Simulator::RunnerOf : Simulator::Runner {
             loop->take_over(handover);
         }
         loop->reset_counts();
+        if (start) loop->steps().jump(*start);
         loop->steps().give(voltages.data(), 1, duration, linear);
         loop->go();
         if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
@@ -170,9 +177,10 @@ Simulator::Simulator(const Scenario& scenario) : fingerprint_(fingerprint(scenar
 #endif
 }
 
-void Simulator::step(const PerCoil& voltages, double duration, bool linear) {
+void Simulator::step(const PerCoil& voltages, double duration, bool linear,
+                     const PerCoil* start) {
     if (status() != Status::ok) throw std::logic_error(message());
-    runner_->step(voltages, duration, linear);
+    runner_->step(voltages, duration, linear, start);
 }
 
 double Simulator::time() const {

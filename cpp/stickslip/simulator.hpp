@@ -30,9 +30,10 @@ public:
     /// Begins at `scenario.initial`. Throws std::invalid_argument as `simulate` does.
     explicit Simulator(const Scenario& scenario);
 
-    /// Plays `duration` s (above zero) with these voltages (V, world's frame), held or linear from
-    /// those of the step before.
-    void step(const PerCoil& voltages, double duration, bool linear);
+    /// Plays `duration` s (above zero) with these voltages (V, world's frame), held, or linear from
+    /// `start`, to which they jump, or without it from those of the step before.
+    void step(const PerCoil& voltages, double duration, bool linear,
+              const PerCoil* start = nullptr);
 
     double time() const;  ///< s; after a step that failed, the instant at which it did
     SimulationState state() const;

@@ -100,6 +100,7 @@ def read_with(
         for key, value in changes.items():
             if key not in OBJECTS:
                 checked(key, value)
+        refuse_sawtooth(changes.get("drive.mode"), changes)
     changes |= vary or {}
     parts = read_parts(path, changes)
     options = [name for name, given in (("--set", settings), ("--vary", vary)) if given]

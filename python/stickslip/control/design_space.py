@@ -189,8 +189,7 @@ def as_long(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]
 def as_program(waveform: Waveform, others: Mapping[str, Value]) -> dict[str, Any]:
     """Changes for a scenario that plays a waveform; of `others` those that it still uses."""
     left = {key: value for key, value in others.items() if key not in SAWTOOTH}
-    # A program has its coils by name, and no choice of them.
-    return {**left, "drive.coils": "single", "drive.mode": "program", PROGRAM: waveform}
+    return {**left, "drive.mode": "program", PROGRAM: waveform}
 
 
 def drive_waveform(scenario: Scenario) -> Waveform:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -182,14 +183,15 @@ class FieldMap:
             f"{axis} {1e3 * low:.3g} to {1e3 * high:.3g}"
             for axis, low, high in zip("xyz", self.low, self.high, strict=True)
         )
-        # What a unit that slipped would show.
+        # What a unit that slipped would show: of the strength, not of a component.
         sizes = ", ".join(
-            f"{name} {1e3 * size:.3g}" for name, size in zip(COIL_NAMES, self.field, strict=True)
+            f"{name} {1e3 * math.sqrt(3.0) * size:.3g}"
+            for name, size in zip(COIL_NAMES, self.field, strict=True)
         )
         return (
             f"{self.source or 'a map'} (harmonics up to degree {max(self.degrees)}; rms residual "
             f"{self.residual[worst]:.2g} T/A, {self.relative_residual[worst]:.2g} of the field, at "
-            f"most, coil {COIL_NAMES[worst]}; {box} mm; rms field {sizes} mT/A)"
+            f"most, coil {COIL_NAMES[worst]}; {box} mm; rms strength of the field {sizes} mT/A)"
         )
 
     def __repr__(self) -> str:

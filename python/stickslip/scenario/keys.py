@@ -14,6 +14,7 @@ import math
 import numbers
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from os import PathLike
 from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
@@ -228,7 +229,9 @@ def check_whole(name: str, value: object, least: int = 0) -> None:
 def check_kind(name: str, value: object, kind: type) -> None:
     """Refuse what is not of a class of this package."""
     if not isinstance(value, kind):
-        refuse(name, value, f"a {kind.__name__}")
+        of_a_file = isinstance(value, str | PathLike) and kind.__name__ == "Scenario"
+        hint = ", such as stickslip.load makes of a file" if of_a_file else ""
+        refuse(name, value, f"a {kind.__name__}{hint}")
 
 
 def section_hint(section: str) -> str:
@@ -288,7 +291,7 @@ def checked(name: str, value: object, core: _core.Scenario | None = None) -> Val
     try:
         core.set(name, converted)
     except (ValueError, TypeError):  # the latter of a word that is not UTF-8
-        refuse(name, value, key.allowed + meant(value, key.words) + _degrees_meant(key, value))
+        refuse(name, value, key.allowed + meant(value, key.words) + _unit_meant(key, value))
     return int(converted) if key.kind == "whole" else converted
 
 
@@ -297,13 +300,15 @@ def in_radians(degrees: float) -> str:
     return f"{degrees:g} degrees are {math.radians(degrees):.4g} rad"
 
 
-def _degrees_meant(key: Key, value: object) -> str:
-    """What an angle beyond its range is if it is meant in degrees; "" for what is none."""
-    if key.unit != "rad" or not isinstance(value, numbers.Real):
+def _unit_meant(key: Key, value: object) -> str:
+    """What an angle or a field beyond its range is in degrees or mT; "" for what is neither."""
+    if not isinstance(value, numbers.Real):
         return ""
-    degrees = float(value)
-    within = key.low <= math.radians(degrees) <= key.high and abs(degrees) <= _MOST_DEGREES
-    return f"; {in_radians(degrees)}" if within else ""
+    given = float(value)
+    if key.unit == "T" and key.low <= 1e-3 * given <= key.high:
+        return f"; {given:g} mT are {1e-3 * given:g} T"
+    within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
+    return f"; {in_radians(given)}" if key.unit == "rad" and within else ""
 
 
 def recorded_fields(fields: str) -> tuple[str, ...]:
@@ -349,6 +354,9 @@ def _checked_fields(key: Key, value: object) -> str:
         return ALL_FIELDS
     unknown = sorted(names - {*_core.record_columns})
     if unknown or not names:
-        hint = suggestion(unknown[0], _core.record_columns) if unknown else "it names nothing"
+        hint = "it names nothing"
+        if unknown:
+            near = meant(unknown[0], _core.record_columns)
+            hint = f"{shown(unknown[0])} is none of them{near}"
         refuse(key.name, value, f"{key.allowed}; {hint}")
     return ", ".join(name for name in _core.record_columns if name in names)

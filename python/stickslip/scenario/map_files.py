@@ -17,8 +17,9 @@ from stickslip._util.atomic_files import NETCDF_SUFFIXES, read_bytes
 from stickslip._util.csv_rows import csv_rows
 from stickslip._util.missing_extra import naming_the_extra
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.csv_cells import column_order, finite_number
 from stickslip.scenario.field_map import FieldMap
-from stickslip.scenario.keys import meant, nearest, refuse, shown
+from stickslip.scenario.keys import meant, refuse
 from stickslip.scenario.sections import COIL_NAMES
 
 PLACE = ("x", "y", "z")
@@ -111,7 +112,7 @@ def _csv_samples(rows: Iterator[tuple[int, list[str]]]) -> list[tuple[Array, Arr
     line, header = next(rows, (0, []))
     if not any(header):
         raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
-    order = _column_order(line, header)
+    order = column_order(line, header, COLUMNS)
     numbers = [name for name in COLUMNS if name != "coil"]
     found = {name: array("d") for name in COIL_NAMES}
     for line, row in rows:
@@ -122,7 +123,10 @@ def _csv_samples(rows: Iterator[tuple[int, list[str]]]) -> list[tuple[Array, Arr
         coil = row[order["coil"]]
         if coil not in found:
             _refuse_coil(f"row {line}, column coil", coil)
-        found[coil].extend(_cell(row[order[name]], name, line) for name in numbers)
+        found[coil].extend(
+            finite_number(row[order[name]], f"row {line}, column {name}", _UNITS[name])
+            for name in numbers
+        )
         if sum(map(len, found.values())) > _MOST_ROWS * len(numbers):
             raise ScenarioError(f"row {line}: allowed are at most {_MOST_ROWS} rows")
     tables = [np.frombuffer(own).reshape(-1, len(numbers)) for own in found.values()]
@@ -131,32 +135,6 @@ def _csv_samples(rows: Iterator[tuple[int, list[str]]]) -> list[tuple[Array, Arr
 
 def _refuse_coil(where: str, coil: object) -> None:
     refuse(where, coil, "one of " + ", ".join(COIL_NAMES) + meant(coil, COIL_NAMES))
-
-
-def _column_order(line: int, header: list[str]) -> dict[str, int]:
-    expected = "allowed are " + ", ".join(COLUMNS)
-    for name in COLUMNS:
-        if name not in header:
-            near = nearest(name, [each for each in header if each not in COLUMNS])
-            meant = "" if near is None else f", and {shown(near)} may be meant as it"
-            raise ScenarioError(f"row {line}: the column {name} is missing{meant}; {expected}")
-    for index, name in enumerate(header):
-        where = f"row {line}, column"
-        if name not in COLUMNS:
-            raise ScenarioError(f"{where} {shown(name)}: there is no such column; {expected}")
-        if name in header[:index]:
-            raise ScenarioError(f"{where} {name}: is there twice; {expected}")
-    return {name: header.index(name) for name in COLUMNS}
-
-
-def _cell(text: str, column: str, row: int) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        refuse(f"row {row}, column {column}", text, f"a finite number of {_UNITS[column]}")
-    return value
 
 
 def _netcdf_samples(path: Path) -> list[tuple[Array, Array]]:

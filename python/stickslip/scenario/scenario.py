@@ -28,6 +28,7 @@ from stickslip.scenario.named_effects import PREFIX, EffectSettings
 from stickslip.scenario.path_keys import OBJECTS
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import (
+    SAWTOOTH,
     Coil,
     Contact,
     Drag,
@@ -211,6 +212,11 @@ class Scenario:
         for key, value in changes.items():
             if key not in OBJECTS:
                 find_key(key, value)
+        mode = changes.get("drive.mode", self.drive.mode)
+        refuse_sawtooth(mode, changes)
+        if mode == "program" != self.drive.mode:
+            # What the sawtooth was does not matter any more.
+            changes = {**{key: find_key(key).default for key in SAWTOOTH}, **changes}
         # The core's scenario checks a value as it takes it. A copy of it and of the sections that
         # change is a tenth of the work of making all of them anew.
         core = self.to_core()

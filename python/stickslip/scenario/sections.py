@@ -142,6 +142,10 @@ class Drive(Section):
             if not isinstance(self.program, Waveform):
                 allowed = f"a Waveform; in a file or with --set, {PROGRAM_HINT}"
                 refuse(PROGRAM, self.program, allowed)
+        if self.mode == "program":
+            default = {f"drive.{each.name}": each.default for each in dataclasses.fields(self)}
+            own = {f"drive.{name}": value for name, value in vars(self).items()}
+            refuse_sawtooth(self.mode, (key for key in SAWTOOTH if own[key] != default[key]))
 
     @property
     def facing(self) -> float:

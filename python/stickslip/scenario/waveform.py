@@ -24,6 +24,7 @@ _Block = tuple[Array, Array, int]
 Voltages = Mapping[str, float] | Sequence[float] | Array
 """Five voltages in the order of `COIL_NAMES`, or the ones that are not zero by coil name."""
 
+_ROUNDING = 1e-12
 # Points that `*` may write out in full where blocks cannot be nested: repeats within repeats.
 # Chosen: some MB of memory.
 _MOST_POINTS = 100_000
@@ -69,7 +70,14 @@ class Waveform:
 
     def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
         self._blocks: tuple[_Block, ...] = tuple(_frozen_block(*block) for block in blocks)
-        _core.Scenario().set_program(self.to_core())
+        try:
+            _core.Scenario().set_program(self.to_core())
+        except ValueError as error:
+            # Who gave one list of points knows of no block.
+            said = str(error)
+            raise ValueError(
+                said.removeprefix("voltage block 1: ") if len(blocks) == 1 else said
+            ) from None
 
     @classmethod
     def from_points(cls, t: ArrayLike, voltages: ArrayLike) -> Waveform:
@@ -78,15 +86,22 @@ class Waveform:
         Parameters
         ----------
         t : array_like, shape (n,)
-            Times, s, from 0, never falling; a repeated time is a jump.
+            Times, s, from 0, never falling; a repeated time is a jump, and so is one that falls by
+            no more than sums of times round, 1e-12 of the last.
         voltages : array_like, shape (n, 5)
             V, in the order xp, xm, yp, ym, clamp.
         """
-        return cls([(t, voltages, 1)])
+        times = np.asarray(t, dtype=np.float64)
+        if times.ndim == 1 and times.size and np.isfinite(times).all():
+            risen = np.maximum.accumulate(times)
+            times = np.where(risen - times <= _ROUNDING * risen[-1], risen, times)
+        return cls([(times, voltages, 1)])
 
     @classmethod
     def ramp(cls, duration: float, to: Voltages, start: Voltages = ()) -> Waveform:
         """From `start` (V; all zero by default) straight to `to` (V) within `duration` (s)."""
+        if not 0.0 < duration < math.inf:
+            raise ValueError(f"duration = {duration!r}: allowed is a finite number of s above 0")
         return cls.from_points([0.0, duration], [_five(start), _five(to)])
 
     @classmethod
@@ -226,6 +241,41 @@ class Waveform:
             result[chosen] = _interpolated(local, block_times, block_voltages)
             start += span * repeats
         return result
+
+    def after(self, t: float) -> Waveform:
+        """What is left of the waveform from an instant on, for a run that begins there.
+
+        Parameters
+        ----------
+        t : float
+            From 0 to less than the duration, s. At a jump the rest begins with the voltages after
+            it.
+
+        Raises
+        ------
+        ValueError
+            If `t` is no such instant.
+        """
+        rest, left = [], t
+        for times, voltages, repeats in self._blocks if t >= 0.0 else ():
+            span = float(times[-1])
+            played = min(int(left / span), repeats)
+            into, left = left - played * span, max(left - repeats * span, 0.0)
+            # The end of one tooth is the start of the next, also where a quotient was rounded.
+            begun = played < repeats and _ROUNDING * t < into < span - _ROUNDING * t
+            if begun:
+                later = times > into
+                now = _interpolated(np.array([into]), times, voltages)
+                points = np.r_[0.0, times[later] - into], np.vstack([now, voltages[later]])
+                rest.append((*points, 1))
+            played += begun or into >= span - _ROUNDING * t
+            if played < repeats:
+                rest.append((times, voltages, repeats - played))
+        if not rest:
+            raise ValueError(
+                f"t = {t!r}: allowed is from 0 to less than {highest(self.duration)} s"
+            )
+        return Waveform(rest)
 
     def turned(self) -> Waveform:
         """As a robot turned by 180 degrees about z sees it: what drove to +x drives to -x.

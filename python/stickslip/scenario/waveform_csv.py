@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import math
 from array import array
 from collections.abc import Iterator
 from os import PathLike
@@ -16,7 +15,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
 from stickslip._util.csv_rows import csv_rows
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import nearest, refuse, shown
+from stickslip.scenario.csv_cells import column_order, finite_number
 from stickslip.scenario.sections import COIL_NAMES
 
 if TYPE_CHECKING:
@@ -54,14 +53,17 @@ def _table(rows: Iterator[tuple[int, list[str]]]) -> Array:
     line, header = next(rows, (0, []))
     if not any(header):
         raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
-    order = _column_order(line, header)
+    order = column_order(line, header, COLUMNS)
     table = array("d")
     for line, row in rows:
         if not any(row):
             continue
         if len(row) != len(COLUMNS):
             raise ScenarioError(f"row {line} has {len(row)} cells: allowed are {len(COLUMNS)}")
-        values = [_cell(row[index], name, line) for name, index in zip(COLUMNS, order, strict=True)]
+        values = [
+            finite_number(row[index], f"row {line}, column {name}", _UNITS[name])
+            for name, index in order.items()
+        ]
         _check_time(values[0], table, line)
         table.extend(values)
         if len(table) > _MOST_ROWS * len(COLUMNS):
@@ -72,32 +74,6 @@ def _table(rows: Iterator[tuple[int, list[str]]]) -> Array:
     if points[-1, 0] == 0.0:
         raise ScenarioError(f"row {line}, column t = 0.0: the last time has to be above 0")
     return points
-
-
-def _column_order(line: int, header: list[str]) -> list[int]:
-    expected = "allowed are " + ", ".join(COLUMNS)
-    for name in COLUMNS:
-        if name not in header:
-            near = nearest(name, [each for each in header if each not in COLUMNS])
-            meant = "" if near is None else f", and {shown(near)} may be meant as it"
-            raise ScenarioError(f"row {line}: the column {name} is missing{meant}; {expected}")
-    for index, name in enumerate(header):
-        where = f"row {line}, column"
-        if name not in COLUMNS:
-            raise ScenarioError(f"{where} {shown(name)}: there is no such column; {expected}")
-        if name in header[:index]:
-            raise ScenarioError(f"{where} {name}: is there twice; {expected}")
-    return [header.index(name) for name in COLUMNS]
-
-
-def _cell(text: str, column: str, row: int) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        refuse(f"row {row}, column {column}", text, f"a finite number of {_UNITS[column]}")
-    return value
 
 
 def _check_time(time: float, table: array[float], row: int) -> None:

@@ -170,7 +170,10 @@ def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tupl
 
 
 def _checked(name: str, values: ArrayLike, columns: int, unit: str) -> Array:
-    array = np.asarray(values, dtype=np.float64)
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be numbers of shape (..., {columns}), in {unit}") from None
     if array.ndim == 0 or array.shape[-1] != columns:
         raise ValueError(f"{name} must have shape (..., {columns}), in {unit}; got {array.shape}")
     finite = np.isfinite(array)

@@ -111,7 +111,8 @@ def _of_turning(summary: dict[str, Any]) -> list[str]:
     return [
         "the robot turned while it walked: what turning adds at its contact is not in the model, "
         f"and may change its speed along the path by up to about {1e3 * turning:.2g} mm/s "
-        f"(turning_speed); its mean velocity is {1e3 * speed:.3g} mm/s"
+        f"(turning_speed); straight from the start to the end of the window it made "
+        f"{1e3 * speed:.3g} mm/s"
     ]
 
 

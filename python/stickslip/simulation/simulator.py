@@ -30,10 +30,12 @@ def check_hold(hold: str) -> bool:
     return hold == "linear"
 
 
-def _by_coil(voltages: Any) -> dict[str, float]:
+def _by_coil(name: str, voltages: Any) -> Mapping[str, float]:
+    if isinstance(voltages, Mapping):
+        return voltages
     row = np.asarray(voltages)
     if row.dtype.kind not in "iuf" or row.shape != (len(COIL_NAMES),):
-        raise ValueError(f"voltages = {shown(voltages)}: {_TYPES}")
+        raise ValueError(f"{name} = {shown(voltages)}: {_TYPES}")
     return dict(zip(COIL_NAMES, row.tolist(), strict=True))
 
 
@@ -46,6 +48,9 @@ class Snapshot:
     def to_bytes(self) -> bytes:
         """The snapshot as bytes, for the same version and kind of machine."""
         return self._core.to_bytes()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Snapshot.from_bytes, (self.to_bytes(),)
 
     @staticmethod
     def from_bytes(data: bytes) -> Snapshot:
@@ -97,6 +102,7 @@ class Simulator:
         voltages: Mapping[str, float] | ArrayLike,
         duration: float,
         hold: Hold = "constant",
+        start: Mapping[str, float] | ArrayLike | None = None,
     ) -> State:
         """Play one step.
 
@@ -110,6 +116,9 @@ class Simulator:
         hold : {"constant", "linear"}
             Whether the voltages jump to their new values and stay there, or go there linearly over
             the step.
+        start : mapping of str to float, or array_like of shape (5,), optional
+            With ``hold="linear"`` the voltages to which the coils jump at the beginning of the
+            step, V; without it they begin at those of the step before.
 
         Returns
         -------
@@ -119,13 +128,16 @@ class Simulator:
         Raises
         ------
         ScenarioError
-            If a coil, a voltage or the duration is none.
+            If a coil, a voltage or the duration is none, or if `start` is given to a constant step.
         SimulationError
             If the motion cannot be simulated on; `state` is then where it stopped.
         """
         try:
-            by_coil = voltages if isinstance(voltages, Mapping) else _by_coil(voltages)
-            fields = self._core.step(by_coil, duration, check_hold(hold))
+            linear = check_hold(hold)
+            if start is not None and not linear:
+                raise ValueError('start: allowed with hold = "linear" only')
+            before = None if start is None else _by_coil("start", start)
+            fields = self._core.step(_by_coil("voltages", voltages), duration, linear, before)
         except RuntimeError as error:
             if self.status == "ok":  # of an effect of the user, say
                 raise

@@ -123,7 +123,9 @@ def _netcdf_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     except Exception:  # whatever HDF5 and its readers raise for another file
         raise ScenarioError(f"is no netCDF file; {_ALLOWED}") from None
     if "t" not in columns or "scenario" not in about:
-        raise ScenarioError(f"is no run; {_ALLOWED}")
+        raise ScenarioError(
+            f"is no run; {_ALLOWED}; of a sweep it is opened with xarray.open_dataset"
+        )
     return {**about, "columns": columns, "samples": columns["t"]}
 
 
