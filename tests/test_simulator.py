@@ -287,7 +287,8 @@ def refusals():
     yield lambda: State(theta=math.inf), "initial.theta"
     yield lambda: Simulator(Scenario(), 3), "State"
     yield lambda: sim.step({}, STEP, start={"xp": 1.0}), 'hold = "linear" only'
-    yield lambda: sim.step({}, STEP, "linear", start={"zz": 1.0}), "zz"
+    yield lambda: sim.step({}, STEP, "linear", start={"zz": 1.0}), 'start: "zz"'
+    yield lambda: sim.step({}, STEP, "linear", start={"xp": math.nan}), "start: xp = nan"
     yield lambda: sim.step({}, STEP, "linear", start=3), "start = 3"
     yield lambda: Simulator(3), "Scenario"
     yield lambda: rollout(Scenario(), None, rows[:, :4], STEP), "shape"
@@ -302,7 +303,7 @@ def refusals():
     yield lambda: simulate(turned, until="heading >= 3.2"), "from -pi to pi"
 
 
-@pytest.mark.parametrize("index", range(31))
+@pytest.mark.parametrize("index", range(32))
 def test_what_is_no_step_is_refused_in_one_line(index):
     call, told = list(refusals())[index]
     with pytest.raises(ScenarioError, match=told) as refusal:

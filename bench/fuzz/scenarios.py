@@ -306,7 +306,6 @@ def _allowed_together(keys: Keys) -> Keys:
     limit("contact.adhesion_range", min(get("robot.length"), get("robot.height")))
     limit("effects.restitution.coefficient", 1.0 - get("contact.restitution"))
     if get("drive.mode") == "program":
-        del result["drive.heading"]
         return result
     if get("drive.peak") < get("drive.base"):
         result["drive.peak"], result["drive.base"] = max(get("drive.base"), 0.0), get("drive.peak")

@@ -30,19 +30,19 @@ double duration_of(double seconds) {
     return seconds;
 }
 
-double voltage_of(const char* coil, double volts) {
+double voltage_of(const char* coil, double volts, const std::string& argument = "voltages") {
     if (!std::isfinite(volts)) {
-        throw std::invalid_argument("voltages: " + std::string(coil) + " = " + digits(volts) +
+        throw std::invalid_argument(argument + ": " + coil + " = " + digits(volts) +
                                     ": allowed is a finite number of V");
     }
     return volts;
 }
 
-std::size_t coil_of(const std::string& word) {
+std::size_t coil_of(const std::string& word, const std::string& argument) {
     for (const Coil coil : kAllCoils) {
         if (word == name(coil)) return static_cast<std::size_t>(coil);
     }
-    throw std::invalid_argument("voltages: \"" + word +
+    throw std::invalid_argument(argument + ": \"" + word +
                                 "\" is no coil; allowed are xp, xm, yp, ym and clamp");
 }
 
@@ -67,20 +67,21 @@ struct Stepper {
     py::dict step(const py::dict& changes, double seconds, bool linear,
                   const std::optional<py::dict>& jump) {
         const double duration = duration_of(seconds);
-        const PerCoil start = jump ? changed(voltages, *jump) : voltages;
-        const PerCoil next = changed(start, changes);
+        const PerCoil start = jump ? changed(voltages, *jump, "start") : voltages;
+        const PerCoil next = changed(start, changes, "voltages");
         simulator.step(next, duration, linear, jump ? &start : nullptr);
         voltages = next;
         return fields(simulator.state());
     }
 
-    static PerCoil changed(PerCoil next, const py::dict& changes) {
+    static PerCoil changed(PerCoil next, const py::dict& changes, const std::string& argument) {
         for (const auto& [coil, volts] : changes) {
             try {
                 const auto word = coil.cast<std::string>();
-                next[coil_of(word)] = voltage_of(word.c_str(), volts.cast<double>());
+                next[coil_of(word, argument)] =
+                    voltage_of(word.c_str(), volts.cast<double>(), argument);
             } catch (const py::cast_error&) {
-                throw std::invalid_argument("voltages: " + py::repr(coil).cast<std::string>() +
+                throw std::invalid_argument(argument + ": " + py::repr(coil).cast<std::string>() +
                                             " = " + py::repr(volts).cast<std::string>() +
                                             ": allowed is a number of V for the name of a coil");
             }

@@ -90,15 +90,15 @@ SimulatorSnapshot SimulatorSnapshot::from_bytes(const std::string& bytes) {
         throw std::invalid_argument("these bytes are no snapshot of a simulator");
     }
     std::memcpy(&header, bytes.data(), sizeof header);
-    if (header.version != own.version || header.size != own.size) {
+    if (header.version != own.version) {
         throw std::invalid_argument("the snapshot is of version " + std::to_string(header.version) +
                                     ": allowed is version " + std::to_string(own.version));
     }
-    const std::size_t whole = sizeof header + own.size;
-    if (bytes.size() != whole) {
-        throw std::invalid_argument("the snapshot was cut, or something was added to it: it has " +
-                                    std::to_string(bytes.size()) + " bytes of " +
-                                    std::to_string(whole));
+    if (header.size != own.size) {
+        throw std::invalid_argument("the snapshot is of another kind of machine");
+    }
+    if (bytes.size() != sizeof header + own.size) {
+        throw std::invalid_argument("the snapshot was cut, or something was added to it");
     }
     SimulatorSnapshot result;
     result.scenario = header.scenario;

@@ -49,3 +49,10 @@ def csv_rows(data: bytes) -> Iterator[tuple[int, list[str]]]:
             yield taken.pop(), [cell.strip() for cell in row]
     except csv.Error as error:
         raise ScenarioError(f"cannot be read: {error}") from None
+
+
+def refuse_other_separators(header: list[str]) -> None:
+    """A ScenarioError where what stands between the columns is no comma."""
+    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and separator in header[0]:
+            raise ScenarioError(f"columns are separated by {name}; allowed are commas")

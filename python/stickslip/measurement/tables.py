@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
-from stickslip._util.csv_rows import csv_rows
+from stickslip._util.csv_rows import csv_rows, refuse_other_separators
 from stickslip._util.number_text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
@@ -61,9 +61,7 @@ def _rows(data: bytes) -> Rows:
     if len(rows) < 2:
         raise ScenarioError("has no row of data below a line of column names")
     header = rows[0][1]
-    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
-        if len(header) == 1 and separator in header[0]:
-            raise ScenarioError(f"columns are separated by {name}; allowed are commas")
+    refuse_other_separators(header)
     if len(header) > _MOST_COLUMNS:
         raise ScenarioError(f"{len(header)} columns; allowed are {_MOST_COLUMNS}")
     _refuse_twice(header)

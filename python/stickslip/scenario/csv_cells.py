@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from stickslip._util.csv_rows import refuse_other_separators
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import nearest, refuse, shown
 
@@ -12,8 +13,7 @@ from stickslip.scenario.keys import nearest, refuse, shown
 def column_order(line: int, header: list[str], columns: Sequence[str]) -> dict[str, int]:
     """Where in a header each of the columns stands; a ScenarioError if they are not all there."""
     expected = "allowed are " + ", ".join(columns)
-    if len(header) == 1 and ";" in header[0]:
-        raise ScenarioError(f'row {line}: its cells are separated by ";": allowed is a comma')
+    refuse_other_separators(header)
     for name in columns:
         if name not in header:
             near = nearest(name, [each for each in header if each not in columns])

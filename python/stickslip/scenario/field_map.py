@@ -183,15 +183,17 @@ class FieldMap:
             f"{axis} {1e3 * low:.3g} to {1e3 * high:.3g}"
             for axis, low, high in zip("xyz", self.low, self.high, strict=True)
         )
-        # What a unit that slipped would show: of the strength, not of a component.
+        strength = math.sqrt(3.0)  # of the vector, where `field` and `residual` are of a component
+        left = strength * self.residual[worst]
+        # What a unit that slipped would show.
         sizes = ", ".join(
-            f"{name} {1e3 * math.sqrt(3.0) * size:.3g}"
+            f"{name} {1e3 * strength * size:.3g}"
             for name, size in zip(COIL_NAMES, self.field, strict=True)
         )
         return (
             f"{self.source or 'a map'} (harmonics up to degree {max(self.degrees)}; rms residual "
-            f"{self.residual[worst]:.2g} T/A, {self.relative_residual[worst]:.2g} of the field, at "
-            f"most, coil {COIL_NAMES[worst]}; {box} mm; rms strength of the field {sizes} mT/A)"
+            f"{left:.2g} T/A, {self.relative_residual[worst]:.2g} of the field, at most, "
+            f"coil {COIL_NAMES[worst]}; {box} mm; rms strength of the field {sizes} mT/A)"
         )
 
     def __repr__(self) -> str:

@@ -37,7 +37,7 @@ from stickslip.scenario.sections import (
     Record,
     Robot,
     Solver,
-    refuse_sawtooth,
+    refuse_sawtooth_values,
     refuse_uncertain_geometry,
 )
 from stickslip.scenario.state import State
@@ -107,9 +107,6 @@ class Scenario:
                 f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
                 "by drive.file or a waveform"
             )
-        directing = {"drive.heading": 0.0, "drive.coils": "single"}
-        given = [key for key, default in directing.items() if self.get(key) != default]
-        refuse_sawtooth(self.drive.mode, given)
         if self.uncertain is not None:
             refuse_uncertain_geometry(self.coil, self.uncertain.names)
         try:
@@ -197,7 +194,8 @@ class Scenario:
         ----------
         changes : mapping
             New values by dotted key, of effects also by short name. ``"drive.program"`` takes a
-            `Waveform` or None, and ``"coil.map"`` a `FieldMap` or None.
+            `Waveform` or None, and ``"coil.map"`` a `FieldMap` or None. With a change of
+            ``"drive.mode"`` to ``"program"`` the keys of the sawtooth get their defaults.
 
         Returns
         -------
@@ -213,10 +211,11 @@ class Scenario:
             if key not in OBJECTS:
                 find_key(key, value)
         mode = changes.get("drive.mode", self.drive.mode)
-        refuse_sawtooth(mode, changes)
-        if mode == "program" != self.drive.mode:
-            # What the sawtooth was does not matter any more.
-            changes = {**{key: find_key(key).default for key in SAWTOOTH}, **changes}
+        if mode == "program":
+            sawtooth = {key: changes[key] for key in SAWTOOTH if key in changes}
+            refuse_sawtooth_values(mode, sawtooth)
+            if self.drive.mode != "program":
+                changes |= {key: find_key(key).default for key in SAWTOOTH}
         # The core's scenario checks a value as it takes it. A copy of it and of the sections that
         # change is a tenth of the work of making all of them anew.
         core = self.to_core()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import checked, recorded_fields, refuse
+from stickslip.scenario.keys import checked, field_of, find_key, recorded_fields, refuse
 from stickslip.scenario.path_keys import COIL_MAP, FILE, MAP_HINT, OBJECTS, PROGRAM, PROGRAM_HINT
 
 if TYPE_CHECKING:
@@ -33,9 +33,14 @@ def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
     key = next((key for key in given if key in SAWTOOTH), None)
     if mode == "program" and key is not None:
         raise ScenarioError(
-            f'{key}: not allowed with drive.mode = "program", whose voltages are those of {FILE} '
-            "alone"
+            f'{key}: not allowed with drive.mode = "program", whose voltages ({FILE}, or {PROGRAM} '
+            "in Python) say it all; leave it out"
         )
+
+
+def refuse_sawtooth_values(mode: object, values: Mapping[str, object]) -> None:
+    """The same of those of some keys that differ from their default."""
+    refuse_sawtooth(mode, (key for key in values if values[key] != find_key(key).default))
 
 
 _GEOMETRY = frozenset(
@@ -115,7 +120,8 @@ class Drive(Section):
     ramp_down : float
         Fall of the in-plane coil to zero after the last pulse, s.
     program : Waveform, optional
-        Voltages of the five coils; with ``mode="program"`` only, and then required.
+        Voltages of the five coils; with ``mode="program"`` only, and then required. What is a
+        pulsed drive's then has its default: all but `direction`.
     """
 
     mode: Literal["IPP", "OPP", "program"] = "IPP"
@@ -142,10 +148,7 @@ class Drive(Section):
             if not isinstance(self.program, Waveform):
                 allowed = f"a Waveform; in a file or with --set, {PROGRAM_HINT}"
                 refuse(PROGRAM, self.program, allowed)
-        if self.mode == "program":
-            default = {f"drive.{each.name}": each.default for each in dataclasses.fields(self)}
-            own = {f"drive.{name}": value for name, value in vars(self).items()}
-            refuse_sawtooth(self.mode, (key for key in SAWTOOTH if own[key] != default[key]))
+        refuse_sawtooth_values(self.mode, {key: getattr(self, field_of(key)) for key in SAWTOOTH})
 
     @property
     def facing(self) -> float:

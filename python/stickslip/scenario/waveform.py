@@ -17,14 +17,13 @@ from stickslip._util.number_text import highest
 from stickslip.scenario.keys import meant
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
-from stickslip.scenario.waveform_csv import read_points, write_rows
+from stickslip.scenario.waveform_csv import ROUNDING, read_points, write_rows
 
 _Block = tuple[Array, Array, int]
 
 Voltages = Mapping[str, float] | Sequence[float] | Array
 """Five voltages in the order of `COIL_NAMES`, or the ones that are not zero by coil name."""
 
-_ROUNDING = 1e-12
 # Points that `*` may write out in full where blocks cannot be nested: repeats within repeats.
 # Chosen: some MB of memory.
 _MOST_POINTS = 100_000
@@ -49,7 +48,8 @@ class Waveform:
     Parameters
     ----------
     blocks : sequence of (times, voltages, repeats)
-        `times`, shape (n,), s, from 0, never falling; two points at one time are a jump.
+        `times`, shape (n,), s, from 0, never falling; two points at one time are a jump. A time
+        that falls by no more than sums of times are rounded, 1e-12 of it, is the one before it.
         `voltages`, shape (n, 5), V, in the order xp, xm, yp, ym, clamp.
 
     Raises
@@ -70,14 +70,7 @@ class Waveform:
 
     def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
         self._blocks: tuple[_Block, ...] = tuple(_frozen_block(*block) for block in blocks)
-        try:
-            _core.Scenario().set_program(self.to_core())
-        except ValueError as error:
-            # Who gave one list of points knows of no block.
-            said = str(error)
-            raise ValueError(
-                said.removeprefix("voltage block 1: ") if len(blocks) == 1 else said
-            ) from None
+        _core.Scenario().set_program(self.to_core())
 
     @classmethod
     def from_points(cls, t: ArrayLike, voltages: ArrayLike) -> Waveform:
@@ -86,16 +79,11 @@ class Waveform:
         Parameters
         ----------
         t : array_like, shape (n,)
-            Times, s, from 0, never falling; a repeated time is a jump, and so is one that falls by
-            no more than sums of times round, 1e-12 of the last.
+            Times, s, from 0, never falling; a repeated time is a jump.
         voltages : array_like, shape (n, 5)
             V, in the order xp, xm, yp, ym, clamp.
         """
-        times = np.asarray(t, dtype=np.float64)
-        if times.ndim == 1 and times.size and np.isfinite(times).all():
-            risen = np.maximum.accumulate(times)
-            times = np.where(risen - times <= _ROUNDING * risen[-1], risen, times)
-        return cls([(times, voltages, 1)])
+        return cls([(t, voltages, 1)])
 
     @classmethod
     def ramp(cls, duration: float, to: Voltages, start: Voltages = ()) -> Waveform:
@@ -245,6 +233,9 @@ class Waveform:
     def after(self, t: float) -> Waveform:
         """What is left of the waveform from an instant on, for a run that begins there.
 
+        Such a run goes on as the whole one does, but for what depends on the time since the drive
+        began: `effects.sample_hold`, `effects.coil_heating`, `effects.free_field_time`.
+
         Parameters
         ----------
         t : float
@@ -254,27 +245,36 @@ class Waveform:
         Raises
         ------
         ValueError
-            If `t` is no such instant.
+            If `t` is no such number.
         """
-        rest, left = [], t
-        for times, voltages, repeats in self._blocks if t >= 0.0 else ():
-            span = float(times[-1])
-            played = min(int(left / span), repeats)
-            into, left = left - played * span, max(left - repeats * span, 0.0)
-            # The end of one tooth is the start of the next, also where a quotient was rounded.
-            begun = played < repeats and _ROUNDING * t < into < span - _ROUNDING * t
-            if begun:
-                later = times > into
-                now = _interpolated(np.array([into]), times, voltages)
-                points = np.r_[0.0, times[later] - into], np.vstack([now, voltages[later]])
-                rest.append((*points, 1))
-            played += begun or into >= span - _ROUNDING * t
-            if played < repeats:
-                rest.append((times, voltages, repeats - played))
-        if not rest:
+        try:
+            left = float(t)
+        except (TypeError, ValueError):
+            left = math.nan
+        if not 0.0 <= left < self.duration:
             raise ValueError(
                 f"t = {t!r}: allowed is from 0 to less than {highest(self.duration)} s"
             )
+        near = ROUNDING * left
+        rest: list[tuple[ArrayLike, ArrayLike, int]] = []
+        for times, voltages, repeats in self._blocks:
+            played = 0
+            if left > near:
+                span = float(times[-1])
+                played = min(int(left / span), repeats)
+                into, left = left - played * span, left - repeats * span
+                # Sums of times are rounded: what is meant is the point, on the side after a jump.
+                nearest = float(times[np.argmin(np.abs(times - into))])
+                into = nearest if abs(nearest - into) <= near else into
+                if played < repeats and into > 0.0:
+                    played += 1
+                    if into < span:
+                        later = times > into
+                        now = _interpolated(np.array([into]), times, voltages)
+                        points = np.r_[0.0, times[later] - into], np.vstack([now, voltages[later]])
+                        rest.append((*points, 1))
+            if played < repeats:
+                rest.append((times, voltages, repeats - played))
         return Waveform(rest)
 
     def turned(self) -> Waveform:
@@ -384,6 +384,9 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
         raise ValueError(
             f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
         )
+    with np.errstate(invalid="ignore"):  # what is not finite is refused by the core
+        risen = np.maximum.accumulate(t)
+        t = np.where(risen - t <= ROUNDING * risen, risen, t)
     t.flags.writeable = False
     v.flags.writeable = False
     return t, v, int(repeats)

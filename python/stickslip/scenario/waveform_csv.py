@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 COLUMNS = ("t", *COIL_NAMES)
 
+ROUNDING = 1e-12
+"""Part of a time by which sums of times may be rounded. Chosen: a thousand sums of doubles."""
+
 _MOST_ROWS = 2_000_000  # chosen: a minute of voltages at 30 kHz; 100 MB in memory
 # The longest number has 24 characters, so what is written can be read.
 _MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS) + 1000
@@ -80,7 +83,7 @@ def _check_time(time: float, table: array[float], row: int) -> None:
     if not table:
         if time != 0.0:
             raise ScenarioError(f"row {row}, column t = {time!r}: the first time has to be 0 s")
-    elif time < table[-len(COLUMNS)]:
+    elif time < (1.0 - ROUNDING) * table[-len(COLUMNS)]:
         raise ScenarioError(
             f"row {row}, column t = {time!r}: allowed is {table[-len(COLUMNS)]!r} s, "
             "the time of the row before, or later"

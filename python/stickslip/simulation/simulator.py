@@ -117,8 +117,9 @@ class Simulator:
             Whether the voltages jump to their new values and stay there, or go there linearly over
             the step.
         start : mapping of str to float, or array_like of shape (5,), optional
-            With ``hold="linear"`` the voltages to which the coils jump at the beginning of the
-            step, V; without it they begin at those of the step before.
+            With ``hold="linear"`` the voltages to which coils jump at the beginning of the step, V.
+            A coil that it does not name begins where it was, and one that `voltages` does not name
+            stays where it begins.
 
         Returns
         -------

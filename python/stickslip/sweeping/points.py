@@ -23,7 +23,7 @@ from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
-from stickslip.scenario.sections import refuse_sawtooth
+from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth, refuse_sawtooth_values
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.sweeping.results import NUMBERS
 
@@ -152,6 +152,9 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
     if not rows:
         raise ScenarioError("a sweep needs a point: the list is empty")
     keys = list(dict.fromkeys(key for row in rows for key in row))
+    for row in rows:
+        sawtooth = {key: row[key] for key in SAWTOOTH if key in row}
+        refuse_sawtooth_values(row.get("drive.mode", scenario.drive.mode), sawtooth)
     columns: dict[str, list[Value]] = {}
     # A list may change nothing, but its points need a coordinate.
     for key in keys or ["drive.frequency"]:
