@@ -27,7 +27,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import __main__ as command
 from blind import case
-from blind.case import LAWS_ONLY, SAME_ANSWERS, same_state, state
+from blind.case import CHANGED_RULES, EARLIER, LAWS_ONLY, same_state, state
 from blind.generator import make
 from blind.kinds import KINDS
 from blind.questions import (
@@ -185,6 +185,7 @@ def _row(kind, answer, said, verdict="named", **more):
             "open_set": None,
         },
         "gain": None,
+        "reasons": [],
         "cpu_seconds": 1.0,
     }  # fmt: skip
 
@@ -225,11 +226,24 @@ def test_where_laws_were_looked_for_a_change_there_counts():
         assert same_state(each, now)
         assert same_state(each, {**now, "laws": "m"}) is other_laws
         assert not same_state(each, {**now, "data": "c"})
-    assert not same_state({"said": row["said"]}, now)
-    # A state whose answers are said to be the same stands, but not where laws were looked for.
-    before = {"engine": SAME_ANSWERS[0], "data": "b"}
+    assert not same_state({**row, "state": {}}, now)
+    # What an earlier state said stands, but not where it looked for laws without a sum of them.
+    before = {"engine": EARLIER[0], "data": "b"}
     assert same_state({**row, "state": before}, now)
     assert not same_state({**row, "said": looked, "state": before}, now)
+
+
+def test_what_a_changed_rule_decided_is_made_again():
+    now = {"engine": "a", "laws": "l", "data": "b"}
+    row = {**_row("pair", [], None), "reasons": ["PAIR_NEEDED"]}
+    old, other = ({**now, "engine": each} for each in (EARLIER[-1], "c"))
+    assert same_state({**row, "state": old}, now)
+    assert not same_state({**row, "state": other}, now)
+    for reason in CHANGED_RULES:
+        again = {**row, "reasons": ["CONSTANT_PULLED", reason]}
+        assert same_state({**again, "state": now}, now)
+        assert not same_state({**again, "state": old}, now)
+    assert not same_state({**row, "followed": row["said"], "state": old}, now)
 
 
 def test_kinds_of_a_family_are_counted_together():

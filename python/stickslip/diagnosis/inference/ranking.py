@@ -5,7 +5,7 @@ from __future__ import annotations
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.runner_up import describe_runner_up, rivals
-from stickslip.diagnosis.inference.verdict import MARGIN
+from stickslip.diagnosis.inference.verdict import PAIR_MARGIN
 from stickslip.facts import Code, Fact
 
 # How many single causes and pairs are listed. Chosen: they fit on a screen.
@@ -29,7 +29,7 @@ def set_members(found: Findings) -> list[Fit]:
         if fit is not chosen
         and among.issuperset(cause.name for cause in fit.candidate.causes)
         # Two close pairs have four names, of which other pairs can be made too.
-        and not (pairs and chosen.log_evidence - fit.log_evidence >= MARGIN)
+        and not (pairs and chosen.log_evidence - fit.log_evidence >= PAIR_MARGIN)
     ]
     return [chosen, *others]
 
