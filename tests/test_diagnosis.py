@@ -306,6 +306,21 @@ def test_a_cause_that_changes_on_the_training_subset_is_not_named(monkeypatch):
     assert (said.kind, said.causes) == ("ambiguous", ("wave",))
 
 
+def test_the_training_subset_chooses_among_candidates_of_as_many_causes(monkeypatch):
+    counts = []
+
+    def seen(*arguments):
+        counts.append([len(fit.candidate.causes) for fit in (arguments[4], *arguments[5])])
+        return measure_gain(*arguments)
+
+    monkeypatch.setattr(pipeline, "measure_gain", seen)
+    verdicts = [
+        diagnosis(3, given).verdict for given in ({"wave": 1.0}, {"wave": 1.0, "step": 1.0})
+    ]
+    assert [each.kind for each in verdicts] == ["named", "pair"]
+    assert counts == [[1] * 5, [2] * 3]
+
+
 def test_a_leader_is_judged_at_the_better_minimum_of_its_profile(monkeypatch):
     def moved(problem, fit):
         # As if there were a better place at the end of the range.

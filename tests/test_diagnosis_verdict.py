@@ -10,7 +10,7 @@ import pytest
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.fit.fit_result import Ranking
-from stickslip.diagnosis.inference.cross_validation import measure_gain
+from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.inference.verdict import (
     Table,
     Verdict,
@@ -239,19 +239,22 @@ def test_a_pair_leads_other_pairs_by_its_margin(lead, word):
     assert set(verdict.causes) == {"bend", "wave"} | ({"third"} if word == "ambiguous" else set())
 
 
-def test_a_training_subset_chooses_among_candidates_of_as_many_causes():
-    # A bend of three errors gains 9 / 2 less an amplitude's share, and the price is 6.7.
-    given = problem(X + np.sin(4 * X) + 3.0 * SD * CURVE, (WAVE, BEND), bent)
-    both, wave, bend = (fitted(given, each) for each in ([BEND, WAVE], [WAVE], [BEND]))
-    assert wave.priced_evidence > both.priced_evidence
-    covariance, held_out = SD**2 * np.eye(len(X)), np.arange(0, len(X), 4)
-
-    def choice(chosen, *others):
-        found = measure_gain(given, covariance, held_out, fitted(given), chosen, [*others], 0)
-        return found.choice
-
-    assert choice(both, wave, bend) == "bend + wave"
-    assert choice(wave, both, bend) == choice(bend, both, wave) == "wave"
+def test_a_pair_that_the_training_subset_chooses_is_a_member_of_the_set():
+    third = replace(BEND, name="third")
+    given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND, third))
+    fit = fitted(given, [BEND, WAVE])
+    pairs = tuple(
+        standing(evidence, 20.0, causes, fit)
+        for evidence, causes in (
+            (90.0, (BEND, WAVE)), (88.5, (BEND, third)), (85.0, (third, WAVE))
+        )
+    )  # fmt: skip
+    ranking = Ranking(fitted(given), (), pairs)
+    several = Verdict("ambiguous", ("bend", "wave", "third"), pairs[0], (), {})
+    turned = Fact(Code.TRAINING_SUBSET, {"name": "third + wave"})
+    for reasons, members in (((), pairs[:2]), ((turned,), pairs)):
+        found = SimpleNamespace(verdict=replace(several, reasons=reasons), ranking=ranking)
+        assert set_members(found) == [*members]
 
 
 def judged(wave, bend, both, **first):

@@ -38,7 +38,7 @@ def test_the_smallest_set_gives_its_verdict(tumbler):
 
 def test_the_drops_give_no_confident_wrong_angle():
     found = diagnose_table(height_table, first_impacts(read_drops(scoreboard.DROPS)))
-    # Nineteen heights are too few to choose; of 152 a pair is claimed, with the known offset.
+    # Nineteen heights are too few to choose; of 151 a pair is claimed, with the known offset.
     assert found.verdict.kind == "ambiguous"
     assert scoreboard.judged(found, scoreboard.HEIGHTS) == "open, the truth in the set"
 

@@ -302,8 +302,10 @@ def measure_improvement(state: State) -> None:
     held_out = cross_validation.split(
         len(state.noise.mean), options.seed, options.group, options.singleton_condition
     )
-    # Chosen: without a few conditions, farther candidates would hardly lead.
-    others = [*state.ranking.singles[:4], *state.ranking.pairs[:2]]
+    # It takes all conditions to tell how many causes there are. Numbers chosen: without a few
+    # conditions, farther candidates would hardly lead.
+    pairs = len(fit.candidate.causes) > 1
+    others = [*(state.ranking.pairs[:2] if pairs else state.ranking.singles[:4])]
     state.gain = measure_gain(
         base.problem, base.covariance, held_out, base.null, fit, others, options.seed
     )

@@ -48,8 +48,7 @@ class Gain(OneLine):
         p-value of the extended model's error, weighed by the prediction's own covariance too, and
         beyond what an error that set-ups share lets expect.
     choice : str
-        Name of the candidate that the other conditions alone rank first, of those with as many
-        causes as the extended model: it takes all conditions to tell how many there are.
+        Name of the candidate that the other conditions alone rank first.
     predicted_before, predicted_after : ndarray
         At the held-out conditions.
     """
@@ -190,7 +189,7 @@ def measure_gain(
     null, chosen : Fit
         Fits of all conditions; only where their fits began is taken from them.
     candidates : list of Fit
-        Others that could have been chosen.
+        Others that could have been chosen, with as many causes.
     seed : int
         Seed of the bootstrap.
 
@@ -223,14 +222,10 @@ def measure_gain(
         mae_after=float(np.mean(np.abs(error[1]))),
         interval=(low, high),
         p_value=float(chi2_law.sf(weighed, len(held_out))),
-        choice=ranked([fit for fit in refits[1:] if _causes(fit) == _causes(chosen)])[0].name,
+        choice=ranked(refits[1:])[0].name,
         predicted_before=predicted[0],
         predicted_after=predicted[1],
     )
-
-
-def _causes(fit: Fit) -> int:
-    return len(fit.candidate.causes)
 
 
 def _beyond(

@@ -22,16 +22,20 @@ def set_members(found: Findings) -> list[Fit]:
         return []
     if found.verdict.kind != "ambiguous":
         return [chosen]
-    among, pairs = set(found.verdict.causes), len(chosen.candidate.causes) > 1
-    others = [
+    among, reasons = set(found.verdict.causes), found.verdict.reasons
+    fits = [
         fit
-        for fit in (found.ranking.pairs if pairs else found.ranking.singles)
+        for fit in found.ranking.singles + found.ranking.pairs
         if fit is not chosen
+        and len(fit.candidate.causes) == len(chosen.candidate.causes)
         and among.issuperset(cause.name for cause in fit.candidate.causes)
-        # Two close pairs have four names, of which other pairs can be made too.
-        and not (pairs and chosen.log_evidence - fit.log_evidence >= PAIR_MARGIN)
     ]
-    return [chosen, *others]
+    if len(chosen.candidate.causes) == 1:
+        return [chosen, *fits]
+    # Two close pairs have four names, of which other pairs can be made too.
+    joined = {each.fields["name"] for each in reasons if each.code is Code.TRAINING_SUBSET}
+    near = chosen.log_evidence - PAIR_MARGIN
+    return [chosen, *(fit for fit in fits if fit.log_evidence > near or fit.name in joined)]
 
 
 def leading(found: Findings) -> list[Fit]:
