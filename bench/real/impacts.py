@@ -39,10 +39,11 @@ _FARTHEST = 5.0
 """Errors, beyond which an impact is left out. Chosen: two impacts within a frame, which the flights
 do not always tell, lie ten errors off and more."""
 _ROBUST, _NORMAL = 4.0, 1e9
-"""Degrees of freedom of Student's law for all impacts, and for those that are kept. Chosen: with
-four, one reading in 130 lies beyond five errors."""
-_STARTS = 32
-"""Of a fit. Chosen: of 32 for the 28 drops two end in the likeliest minimum, for the 250 seven."""
+"""Degrees of freedom of Student's law for all impacts, and of the normal law for those that are
+kept. Chosen: with four, one reading in 130 lies beyond five errors."""
+_SCANNED, _STARTS = 4096, 16
+"""Points of the priors that are looked at, and the likeliest of them, where searches begin. Chosen:
+five of the sixteen and more end in the likeliest minimum, of 28 drops and of 250."""
 _ROUNDS, _SETTLED = 20, 1e-3
 """Of fit and errors at most, and the change of the log-likelihood after which there is none."""
 _RANGE, _STEP = 6.0, 1e-3
@@ -236,13 +237,18 @@ def diagnose_table(pose: Callable[[Impacts], Table], impacts: Impacts) -> Diagno
     """The diagnosis, with errors that the fit of all suspects at once leaves.
 
     No impact was repeated. What no suspect explains serves as the error of each kind of observable,
-    after impacts that lie far beyond it were left out.
+    by the normal law, after impacts that lie far beyond it by a robust fit were left out.
     """
-    _, rest = errors_left(pose(impacts), impacts, _ROBUST)
-    inside = np.all(rest.reshape(-1, len(impacts.drop)) < _FARTHEST, axis=0)
+    table = pose(impacts)
+    x, rest = robust_fit(table, impacts)
+    inside = np.all(rest < _FARTHEST, axis=0)
     kept = Impacts(impacts.drop[inside], impacts.before[inside], impacts.after[inside])
     table = pose(kept)
-    sd, _ = errors_left(table, kept, _NORMAL)
+    problem = _problem(table, kept)
+    _, scale, _, _ = _search(problem, x, table.kinds, _NORMAL)
+    # Larger by what the fit of so many suspects takes.
+    taken = len(table.observed) / (len(table.observed) - problem.size)
+    sd = np.repeat(np.sqrt(taken) * scale, len(kept.drop))
     return diagnose_model(
         table.predict,
         kept,
@@ -254,53 +260,73 @@ def diagnose_table(pose: Callable[[Impacts], Table], impacts: Impacts) -> Diagno
     )
 
 
-def errors_left(
-    table: Table, impacts: Impacts, dof: float, seed: int = 0
-) -> tuple[np.ndarray, np.ndarray]:
-    """Standard deviation of each observable, and what all suspects leave of it, over that.
+def robust_fit(table: Table, impacts: Impacts, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates of all suspects at once, and what they leave in errors, shape (kinds, impacts).
 
-    The likeliest errors of each kind of observable by Student's law with `dof` degrees of freedom,
-    whose tails bear odd impacts where these are few. The fit has several minima, and rounding
-    decides where a search from one start ends. So searches begin all over the priors.
+    By Student's law, whose tails bear odd impacts where these are few, with the likeliest error of
+    each kind of observable. The fit has several minima, and rounding decides where a search from
+    one start ends. So searches begin at the likeliest of many points of the priors.
     """
-    count = len(table.observed)
-    problem = Problem(
-        table.predict, impacts, table.observed, np.eye(count), np.inf, table.uncertain, table.causes
+    problem = _problem(table, impacts)
+    points = norm.ppf(qmc.Sobol(problem.size, seed=seed).random(_SCANNED))
+    value, _, _ = _likelihood(problem, points, table.kinds, _ROBUST)
+    likeliest = points[np.argsort(value)[:_STARTS]]
+    found = [_search(problem, each, table.kinds, _ROBUST) for each in likeliest]
+    _, scale, rest, x = min(found, key=lambda each: each[0])
+    return x, np.abs(rest) / scale[:, None]
+
+
+def _problem(table: Table, impacts: Impacts) -> Problem:
+    one = np.eye(len(table.observed))
+    return Problem(
+        table.predict, impacts, table.observed, one, np.inf, table.uncertain, table.causes
     )
-    starts = norm.ppf(qmc.Sobol(problem.size, seed=seed).random(_STARTS))
-    found = [_likeliest(start, problem, table.kinds, dof) for start in starts]
-    _, sd, rest = min(found, key=lambda each: each[0])
-    return sd * np.sqrt(count / (count - problem.size)), np.abs(rest) / sd
 
 
-def _likeliest(
-    start: np.ndarray, problem: Problem, kinds: int, dof: float
-) -> tuple[float, np.ndarray, np.ndarray]:
-    """From one start: negative log-likelihood with the priors', standard deviations, residuals."""
+def _limits(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
+    low, high = (np.clip(end, -_RANGE, _RANGE) for end in problem.limits())
+    return low, high
 
-    def loss(squares: np.ndarray) -> np.ndarray:
-        """Of squared errors, with the first and second derivative."""
-        weight = (dof + 1.0) / (dof + squares)
-        return np.array([(dof + 1.0) * np.log1p(squares / dof), weight, -weight / (dof + squares)])
+
+def _loss(squares: np.ndarray, dof: float) -> np.ndarray:
+    """Twice the negative logarithm of Student's law, of squared errors, and its derivatives."""
+    weight = (dof + 1.0) / (dof + squares)
+    return np.array([(dof + 1.0) * np.log1p(squares / dof), weight, -weight / (dof + squares)])
+
+
+def _likelihood(
+    problem: Problem, x: np.ndarray, kinds: int, dof: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Negative log-likelihood with the priors', likeliest scales and residuals at coordinates x.
+
+    Shapes (points,), (points, kinds) and (points, kinds, impacts). The priors are of Student's law
+    too, so that the search below, which has one loss for all, lowers the same.
+    """
+    rest = problem.residuals(np.clip(x, *_limits(problem))).reshape(len(x), kinds, -1)
+    scale = np.median(np.abs(rest), axis=2, keepdims=True)
+    for _ in range(_ROUNDS):
+        weight = _loss((rest / scale) ** 2, dof)[1]
+        scale = np.sqrt(np.mean(weight * rest**2, axis=2, keepdims=True))
+    value = rest.shape[2] * np.sum(np.log(scale), axis=(1, 2))
+    value += 0.5 * np.sum(_loss((rest / scale) ** 2, dof)[0], axis=(1, 2))
+    return value + 0.5 * np.sum(_loss(x**2, dof)[0], axis=1), scale[..., 0], rest
+
+
+def _search(
+    problem: Problem, x: np.ndarray, kinds: int, dof: float
+) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """The same of the minimum that a search from some coordinates ends in, and where it is."""
 
     def misfit(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([problem.residuals(x[None, :])[0] / sd, x])
+        return np.concatenate([problem.residuals(x[None, :])[0] / error, x])
 
-    low, high = (np.clip(end, -_RANGE, _RANGE) for end in problem.limits())
-    x = np.clip(start, low + _STEP, high - _STEP)
-    by_kind = problem.observed.reshape(kinds, -1)
-    scale = np.std(by_kind, axis=1, keepdims=True) / 3.0
-    value = np.inf
+    low, high = _limits(problem)
+    x = np.clip(x, low + _STEP, high - _STEP)
+    (value,), (scale,), (rest,) = _likelihood(problem, x[None, :], kinds, dof)
     for _ in range(_ROUNDS):
-        sd = np.repeat(scale, by_kind.shape[1])
-        fit = least_squares(misfit, x, bounds=(low, high), loss=loss)
-        x, before = fit.x, value
-        rest = problem.residuals(x[None, :])[0].reshape(kinds, -1)
-        for _ in range(_ROUNDS):
-            weight = loss((rest / scale) ** 2)[1]
-            scale = np.sqrt(np.mean(weight * rest**2, axis=1, keepdims=True))
-        value = rest.shape[1] * float(np.sum(np.log(scale)))
-        value += 0.5 * float(np.sum(loss((rest / scale) ** 2)[0]) + np.sum(loss(x**2)[0]))
+        error, before = np.repeat(scale, rest.shape[1]), value
+        x = least_squares(misfit, x, bounds=(low, high), loss=lambda z: _loss(z, dof)).x
+        (value,), (scale,), (rest,) = _likelihood(problem, x[None, :], kinds, dof)
         if before - value < _SETTLED:
             break
-    return value, np.repeat(scale, by_kind.shape[1]), rest.ravel()
+    return value, scale, rest, x
