@@ -9,6 +9,7 @@ import pytest
 
 from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model
+from stickslip.diagnosis.fit.distinguishability import alike
 from stickslip.diagnosis.fit.fit_result import Ranking
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.inference.verdict import (
@@ -224,8 +225,14 @@ def test_starts_that_disagree_matter_where_a_rival_could_lead(second, word):
     assert (Code.STARTS_DISAGREE in [each.code for each in verdict.reasons]) == (word != "named")
 
 
-@pytest.mark.parametrize(("lead", "word"), [(1.9, "ambiguous"), (2.1, "pair")])
-def test_a_pair_leads_other_pairs_by_its_margin(lead, word):
+@pytest.mark.parametrize(
+    ("lead", "alike", "word"),
+    [
+        (1.9, False, "ambiguous"), (2.1, False, "pair"),
+        (5.9, True, "ambiguous"), (6.1, True, "pair"),
+    ],
+)  # fmt: skip
+def test_a_pair_leads_other_pairs_by_its_margin(lead, alike, word):
     third = replace(BEND, name="third")
     given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND, third))
     fit = fitted(given, [BEND, WAVE])
@@ -234,12 +241,28 @@ def test_a_pair_leads_other_pairs_by_its_margin(lead, word):
     )  # fmt: skip
     ranking = Ranking(fitted(given), (standing(60.0, 60.0, (WAVE,), fitted(given, [WAVE])),), pairs)
     found = SimpleNamespace(found=True)
-    verdict = decide(given, found, ranking, np.eye(3), {}, lambda fit: True)
+    cosines = np.eye(3)
+    cosines[1, 2] = cosines[2, 1] = 0.95 if alike else 0.5
+    verdict = decide(given, found, ranking, cosines, {}, lambda fit: True)
     assert verdict.kind == word
     assert set(verdict.causes) == {"bend", "wave"} | ({"third"} if word == "ambiguous" else set())
 
 
-def test_a_pair_that_the_training_subset_chooses_is_a_member_of_the_set():
+def test_candidates_are_alike_by_the_causes_that_they_do_not_share():
+    third, fourth = replace(BEND, name="third"), replace(BEND, name="fourth")
+    given = problem(X, (WAVE, BEND, third, fourth))
+    cosines = np.eye(4)
+    for one, other, cosine in ((0, 1, 0.95), (1, 2, 0.92), (0, 3, 0.5)):
+        cosines[one, other] = cosines[other, one] = cosine
+    assert alike(given, cosines, (WAVE,), (BEND,))
+    assert alike(given, cosines, (WAVE, BEND), (WAVE, third))
+    # The wave is like the bend, but both have the wave; the bend is not like the fourth.
+    assert not alike(given, cosines, (WAVE, BEND), (WAVE, fourth))
+    assert not alike(given, cosines, (WAVE, third), (BEND, fourth))
+    assert not alike(given, cosines, (WAVE,), (BEND, third))
+
+
+def test_the_reasons_tell_which_pairs_a_set_has():
     third = replace(BEND, name="third")
     given = problem(X + 0.2 * np.sin(4 * X), (WAVE, BEND, third))
     fit = fitted(given, [BEND, WAVE])
@@ -250,11 +273,17 @@ def test_a_pair_that_the_training_subset_chooses_is_a_member_of_the_set():
         )
     )  # fmt: skip
     ranking = Ranking(fitted(given), (), pairs)
-    several = Verdict("ambiguous", ("bend", "wave", "third"), pairs[0], (), {})
+    close = Fact(Code.SEVERAL_PAIRS, {"pairs": ["bend + wave", "bend + third"]})
     turned = Fact(Code.TRAINING_SUBSET, {"name": "third + wave"})
-    for reasons, members in (((), pairs[:2]), ((turned,), pairs)):
-        found = SimpleNamespace(verdict=replace(several, reasons=reasons), ranking=ranking)
-        assert set_members(found) == [*members]
+    for reasons, causes, members in (
+        ((), ("bend", "wave"), pairs[:1]),
+        ((close,), ("bend", "wave", "third"), pairs[:2]),
+        ((turned,), ("bend", "wave", "third"), pairs[::2]),
+        # It does not explain the data, so that it has not joined the set.
+        ((turned,), ("bend", "wave"), pairs[:1]),
+    ):
+        said = Verdict("ambiguous", causes, pairs[0], reasons, {})
+        assert set_members(SimpleNamespace(verdict=said, ranking=ranking)) == [*members]
 
 
 def judged(wave, bend, both, **first):

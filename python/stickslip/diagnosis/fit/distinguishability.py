@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, screen
-from stickslip.diagnosis.model.problem import Array, Problem
+from stickslip.diagnosis.model.problem import Array, Cause, Problem
 
 SAME = 0.9
 """Causes whose projected sensitivities have a larger cosine are one distinguishability class.
@@ -34,6 +36,21 @@ def distinguishability(problem: Problem, sensitivities: Sensitivities, residual:
             row = rows[np.argmin(left[rows])]
             chosen[index] = sensitivities.projected[row] / sensitivities.size[row]
     return np.asarray(np.abs(chosen @ chosen.T))
+
+
+def alike(problem: Problem, cosines: Array, some: Sequence[Cause], others: Sequence[Cause]) -> bool:
+    """Whether data can hardly tell two candidates apart, which have as many causes.
+
+    Each cause that only one of them has looks like one that only the other has. `cosines` are those
+    of `distinguishability`.
+    """
+    number = {cause.name: k for k, cause in enumerate(problem.causes)}
+    own, theirs = (
+        [number[cause.name] for cause in these if cause not in those]
+        for these, those in ((some, others), (others, some))
+    )
+    same = cosines[np.ix_(own, theirs)] > SAME
+    return len(own) == len(theirs) and bool(same.any(axis=0).all() and same.any(axis=1).all())
 
 
 def indistinguishable_causes(problem: Problem, cosines: Array) -> list[tuple[str, ...]]:

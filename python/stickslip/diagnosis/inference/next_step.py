@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stickslip.diagnosis.fit.distinguishability import SAME
+from stickslip.diagnosis.fit.distinguishability import alike
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.experiment_design import DECISIVE, PROPOSED, Experiment
 from stickslip.diagnosis.inference.findings import Findings
@@ -59,9 +59,6 @@ def _needed(found: Findings, rival: Fit) -> float:
     """By how much a rival of what is claimed has to be behind."""
     said = found.verdict.fit
     assert said is not None
-    number = {cause.name: k for k, cause in enumerate(found.problem.causes)}
-    own, theirs = ([number[cause.name] for cause in fit.candidate.causes] for fit in (said, rival))
-    cosines = found.cosines[own][:, theirs] > SAME
-    same = [[one == other for other in theirs] for one in own]
-    alike = len(own) == len(theirs) and bool((cosines | same).any(axis=1).all())
-    return ALIKE_MARGIN if alike else MARGIN
+    own, theirs = said.candidate.causes, rival.candidate.causes
+    same = alike(found.problem, found.cosines, own, theirs)
+    return ALIKE_MARGIN if same else MARGIN

@@ -5,7 +5,6 @@ from __future__ import annotations
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.runner_up import describe_runner_up, rivals
-from stickslip.diagnosis.inference.verdict import PAIR_MARGIN
 from stickslip.facts import Code, Fact
 
 # How many single causes and pairs are listed. Chosen: they fit on a screen.
@@ -22,20 +21,30 @@ def set_members(found: Findings) -> list[Fit]:
         return []
     if found.verdict.kind != "ambiguous":
         return [chosen]
-    among, reasons = set(found.verdict.causes), found.verdict.reasons
-    fits = [
-        fit
-        for fit in found.ranking.singles + found.ranking.pairs
-        if fit is not chosen
-        and len(fit.candidate.causes) == len(chosen.candidate.causes)
-        and among.issuperset(cause.name for cause in fit.candidate.causes)
-    ]
+    among = set(found.verdict.causes)
     if len(chosen.candidate.causes) == 1:
-        return [chosen, *fits]
-    # Two close pairs have four names, of which other pairs can be made too.
-    joined = {each.fields["name"] for each in reasons if each.code is Code.TRAINING_SUBSET}
-    near = chosen.log_evidence - PAIR_MARGIN
-    return [chosen, *(fit for fit in fits if fit.log_evidence > near or fit.name in joined)]
+        return [
+            chosen,
+            *(fit for fit in found.ranking.singles if fit.name in among - {chosen.name}),
+        ]
+    # Of the causes of two close pairs other pairs can be made too, so that the reasons tell.
+    names: set[object] = set()
+    for each in found.verdict.reasons:
+        if each.code is Code.SEVERAL_PAIRS:
+            names.update(each.fields["pairs"])
+        if each.code is Code.TRAINING_SUBSET:
+            names.add(each.fields["name"])
+    return [
+        chosen,
+        *(
+            fit
+            for fit in found.ranking.pairs
+            if fit is not chosen
+            and fit.name in names
+            # What the training subset chooses joins the set only if it explains all the data.
+            and among.issuperset(cause.name for cause in fit.candidate.causes)
+        ),
+    ]
 
 
 def leading(found: Findings) -> list[Fit]:

@@ -11,7 +11,7 @@ from scipy.stats import norm as normal_law
 from scipy.stats import t as student_law
 
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.fit.distinguishability import SAME
+from stickslip.diagnosis.fit.distinguishability import SAME, alike
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy, lack_of_fit_p
 from stickslip.diagnosis.inference.detection import ALPHA, Detection
@@ -30,9 +30,9 @@ PAIR_MARGIN = 2.0
 first 480 data sets of a blind study: of four pairs that led by 2 to 3 there, three were right."""
 
 ALIKE_MARGIN = 2.0 * MARGIN
-"""The same over a cause whose effects on the data are alike: the lead of one over the other then
-rests on small differences of nearly equal fits. Chosen, not derived: odds of four hundred to
-one."""
+"""The same over a cause, or a pair, whose effects on the data are alike: the lead of one over the
+other then rests on small differences of nearly equal fits. Chosen, not derived: odds of four
+hundred to one."""
 
 LEAST_SHARE = 0.7
 """Share of what a smooth function explains that a claimed cause or pair has to explain. Chosen, not
@@ -184,24 +184,16 @@ def _decided(
     singles, null = ranking.singles, ranking.null
     best = next(iter(_adequate(problem, singles)), None)
     if best is None or singles[0].log_evidence > best.log_evidence + MARGIN:
-        return _without_single(problem, ranking, improves_prediction, chance, tables)
+        return _without_single(problem, ranking, cosines, improves_prediction, chance, tables)
     led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
     if _adequate(problem, led):
-        return _without_single(problem, ranking, improves_prediction, chance, tables)
-    index = {cause.name: k for k, cause in enumerate(problem.causes)}
+        return _without_single(problem, ranking, cosines, improves_prediction, chance, tables)
     # A candidate that is not quite adequate itself may still be too near to be dismissed.
-    close = [fit for fit in singles if best.log_evidence - fit.log_evidence < MARGIN]
-    alike = [
-        fit
-        for fit in singles
-        if cosines[index[best.name], index[fit.name]] > SAME
-        and best.log_evidence - fit.log_evidence < ALIKE_MARGIN
-    ]
-    candidates = [fit for fit in singles if fit in close or fit in alike]
+    candidates = _near(problem, cosines, best, singles, MARGIN)
     if len(candidates) > 1:
         names = tuple(fit.name for fit in candidates)
         said = Fact(Code.NOT_SEPARATED, {"causes": list(names), "margin": MARGIN})
-        if all(fit in alike or fit is best for fit in candidates):
+        if all(_alike(problem, cosines, best, fit) for fit in candidates if fit is not best):
             said = Fact(Code.ALIKE, {"causes": list(names), "limit": SAME})
         reasons = (said, *reasons_against(problem, null, best, tables))
         return Verdict("ambiguous", names, best, reasons, chance)
@@ -326,9 +318,26 @@ def _pulls(problem: Problem, fit: Fit) -> dict[str, float]:
     }
 
 
+def _near(
+    problem: Problem, cosines: Array, best: Fit, fits: Sequence[Fit], margin: float
+) -> list[Fit]:
+    """The best of some fits and those it leads by too little: of alike ones by `ALIKE_MARGIN`."""
+    behind = [best.log_evidence - fit.log_evidence for fit in fits]
+    return [
+        fit
+        for fit, lead in zip(fits, behind, strict=True)
+        if lead < margin or (lead < ALIKE_MARGIN and _alike(problem, cosines, best, fit))
+    ]
+
+
+def _alike(problem: Problem, cosines: Array, one: Fit, other: Fit) -> bool:
+    return alike(problem, cosines, one.candidate.causes, other.candidate.causes)
+
+
 def _without_single(
     problem: Problem,
     ranking: Ranking,
+    cosines: Array,
     improves_prediction: Callable[[Fit], bool],
     chance: Mapping[str, float],
     tables: Sequence[Table],
@@ -348,10 +357,12 @@ def _without_single(
             reason = Fact(Code.PAIR_LEADS_TOO_LITTLE, pair)
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
-    close = [fit for fit in ranking.pairs if best.log_evidence - fit.log_evidence < PAIR_MARGIN]
+    close = _near(problem, cosines, best, ranking.pairs, PAIR_MARGIN)
     causes = tuple(sorted({cause.name for fit in close for cause in fit.candidate.causes}))
     if len(close) > 1:
-        several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": PAIR_MARGIN}
+        far = best.log_evidence - close[-1].log_evidence
+        margin = PAIR_MARGIN if far < PAIR_MARGIN else ALIKE_MARGIN
+        several = {"count": len(close), "pairs": [fit.name for fit in close], "margin": margin}
         reasons: tuple[Fact, ...] = (Fact(Code.SEVERAL_PAIRS, several),)
     else:
         others = [ranking.null, *ranking.singles, *ranking.pairs]
