@@ -319,7 +319,10 @@ def test_close_pairs_are_not_combined_to_another():
     pairs = [close("a + b", 50.0), close("c + d", 48.5), close("a + c", 30.0)]
     # Which holds a member of the set and one cause more.
     more = close("a + b + e", 49.0)
-    verdict = SimpleNamespace(kind="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0])
+    several = Fact(Code.SEVERAL_PAIRS, {"pairs": ["a + b", "c + d"]})
+    verdict = SimpleNamespace(
+        kind="ambiguous", causes=("a", "b", "c", "d"), fit=pairs[0], reasons=(several,)
+    )
     found = SimpleNamespace(
         problem=None,
         verdict=verdict,
