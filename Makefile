@@ -124,7 +124,7 @@ bench-steering: install ## a figure of eight, followed through a camera by 100 r
 COST_DATA ?= bench/results/diagnosis-data
 
 bench-diagnosis: install ## CPU time and simulations of diagnoses (COST_DATA=<folder of data sets>)
-	@test -d $(COST_DATA) || PYTHONPATH=bench $(RUN) -m blind --write $(COST_DATA) \
+	@test -d $(COST_DATA) || PYTHONPATH=bench $(RUN) -m blind --first 21000 --write $(COST_DATA) \
 	    --kinds "single;pair;hiding;law" --seeds 3
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/diagnosis.py $(COST_DATA)
 

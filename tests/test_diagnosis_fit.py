@@ -21,7 +21,7 @@ from stickslip.diagnosis.fit.single_cause import (
 from stickslip.diagnosis.fit.start_points import sobol_scan
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
-from stickslip.diagnosis.inference.model_comparison import reweighed
+from stickslip.diagnosis.inference.model_comparison import reweighed, search_beside_last_leader
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Problem
 
@@ -316,6 +316,18 @@ def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
     # Both reproduce the data; they differ in the prior's rows alone, which are 1 + 1.
     assert found["a"].data_chi2 < 0.1
     assert found["b"].data_chi2 < 0.1
+    # Beside a third cause, which explains a part and leaves the constant at 0, only one of the two
+    # can be seen; the other begins where that one has come to lead.
+    push = Cause("c", (CauseParameter("c.size", "-", -1, 1, 1.0),))
+    three = problem(
+        lambda _, p: twins(_, p) + p[:, 3:] * np.eye(16)[1], h + g, causes=[*causes, push]
+    )
+    alone = fit_candidates(three, [make_candidate(three, [push])], [[Start(np.zeros(4))]], 20)[0]
+    assert abs(alone.x[0]) < 1e-6
+    assert {fit.name for fit in search_near_leaders(three, [alone], [alone])} == {"a", "c"}
+    last = {fit.name: fit for fit in search_beside_last_leader(three, [alone], [alone], 0)}
+    assert set(last) == {"a", "b", "c"}
+    assert last["b"].data_chi2 < 0.1
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from made_measurement import write
 from stickslip._util.atomic_files import check_folder
 from stickslip.diagnosis import Cause
 from stickslip.diagnosis.data.conditions import changes, in_words, sorted_by_settings, varied
+from stickslip.diagnosis.inference.discrimination import _candidates
 from stickslip.diagnosis.inference.evidence import pattern, where_it_lives
 from stickslip.diagnosis.inference.ranking import leading, runner_up, set_members
 from stickslip.diagnosis.report.cause_words import against
@@ -331,6 +332,8 @@ def test_close_pairs_are_not_combined_to_another():
         detection=SimpleNamespace(found=True),
     )
     assert [fit.name for fit in set_members(found)] == ["a + b", "c + d"]
+    # Experiments are to tell these two apart, and no combination that is not in doubt.
+    assert [fit.name for fit in _candidates(found)] == ["a + b", "c + d"]
     # 50 less 6.7 for a second cause, against 30 less the same.
     assert runner_up(found) == Fact(Code.RUNNER_UP, {"name": "a + c", "lead": pytest.approx(20.0)})
 

@@ -44,20 +44,6 @@ LAWS_ONLY = (
     "between_knots", "form_curves", "form_starts", "formula_search", "formulas", "free_shapes",
     "free_term_search", "law_prior", "open_set", "simultaneous_band",
 )  # fmt: skip
-# Sums of earlier states whose rows stand where no changed rule decided. What has changed since the
-# first three, besides rules, are files about laws (which have a sum of their own), the report, and
-# messages and methods for models, scenarios and waveforms of one's own. Eleven rows, of as many
-# kinds, were made again at 9e1b4e1 and are equal; so are, but for their law, all twenty that were
-# made again because laws were looked for. The first sum is of all files together. Of twelve kinds
-# one row was made on one machine by the third state and by a later one, and of six kinds by the
-# fourth and a later one: they are equal to the last digit.
-EARLIER = ("dcf83ff1fd8a", "400a5a9b6026", "460f805f0394", "bbec7850877b")
-# Reasons by rules that the fourth state changed.
-CHANGED_RULES = {"SEVERAL_PAIRS", "STARTS_DISAGREE", "TRAINING_SUBSET", "LAW_BESIDE_CAUSES"}
-# Since then a pair has to lead pairs that are alike by more. Reasons that tell of one, and of a set
-# of single causes.
-_OF_PAIRS = {"PAIR_NEEDED", "SEVERAL_PAIRS", "LAW_BESIDE_CAUSES", "SMOOTH_REST"}
-_OF_SINGLES = {"NOT_SEPARATED", "ALIKE"}
 
 
 def state() -> dict[str, str]:
@@ -92,23 +78,7 @@ def same_state(row: dict[str, Any], now: dict[str, str]) -> bool:
     said = [row["said"], *([row["followed"]] if row.get("followed") else [])]
     for_laws = any(each.get("open_set") is not None for each in said)
     there = row.get("state", {})
-    same = all(there.get(key) == now[key] for key in ["data", *(["laws"] if for_laws else [])])
-    engine = there.get("engine")
-    return same and (engine == now["engine"] or (engine in EARLIER and _still_stands(row, engine)))
-
-
-def _still_stands(row: dict[str, Any], engine: str) -> bool:
-    """Whether no rule that has changed since an earlier state can have decided a row of it.
-
-    The reasons of the second diagnosis of near twins are not in a row.
-    """
-    reasons, cause, second = set(row["reasons"]), row["said"]["cause"], row.get("followed")
-    pair = isinstance(cause, list) and len(cause) > 1 and not reasons & _OF_SINGLES
-    if pair or reasons & _OF_PAIRS:
-        return False
-    if engine == EARLIER[-1]:
-        return second is None or second["verdict"] == "named"
-    return second is None and not reasons & CHANGED_RULES
+    return all(there.get(key) == now[key] for key in ["engine", "data", *["laws"] * for_laws])
 
 
 def _generator() -> str:

@@ -12,6 +12,7 @@ from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.fit.fit_result import Fit, ranked
 from stickslip.diagnosis.fit.prediction import predict_with_variance
 from stickslip.diagnosis.inference.findings import Findings
+from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.inference.runner_up import rivals
 from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.model.problem import Array, Indices, Predict
@@ -102,20 +103,12 @@ def _candidates(found: Findings) -> list[Fit]:
     if not found.detection.found:
         return []
     fits = list(ranked([*found.ranking.singles, *found.ranking.pairs], priced=True))
-    chosen = found.verdict.fit
+    chosen, members = found.verdict.fit, set_members(found)
     if chosen is None:
         return fits[:_CANDIDATES]
-    if found.verdict.kind == "ambiguous":
+    if len(members) > 1:
         # Only those that the verdict cannot choose between.
-        names, size = set(found.verdict.causes), len(chosen.candidate.causes)
-        undecided = [
-            fit
-            for fit in fits
-            if len(fit.candidate.causes) == size
-            and {each.name for each in fit.candidate.causes} <= names
-        ]
-        if len(undecided) > 1:
-            return undecided[:_CANDIDATES]
+        return members[:_CANDIDATES]
     others = rivals(chosen, fits)
     # Only the runner-up and those beside it: farther ones are told apart already, however much
     # more they would differ elsewhere.

@@ -17,7 +17,7 @@ from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, wit
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, second_causes, singles_beside
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
-from stickslip.diagnosis.fit.multistart import refit_keeping_starts
+from stickslip.diagnosis.fit.multistart import AGREE, refit_keeping_starts
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
     fit_singles,
@@ -36,8 +36,9 @@ Progress = Callable[[float, str], object]
 # Rounds of random points that fits need where the model is rough, and the sum of its variances, in
 # those of all errors, from which it is. Chosen: it then changes chi-square by about one.
 _RANDOM_RESTARTS, _SMOOTH = 3, 1.0
-# Leaders whose causes are exchanged for others.
-_LEADERS = 2
+# Leaders whose causes are exchanged for others, and how often that begins again where another one
+# has come to lead. Chosen: a third one was not seen to lead.
+_LEADERS, _AGAIN = 2, 3
 # The leader's roughness counts where it is larger than the null's by this factor. Chosen.
 _ROUGHER = 1.2
 
@@ -141,7 +142,7 @@ def compare_candidates(
     centres = with_stated_errors(problem, [] if found.centre is None else [found.centre])
     views = [base.view, *(View.of(problem, fit) for fit in centres)]
     singles = fit_singles(problem, views, found.scanned, local_minima, restarts)
-    singles = search_near_leaders(problem, singles, singles[:_LEADERS], restarts)
+    singles = search_beside_last_leader(problem, singles, singles[:_LEADERS], restarts)
     base, singles = settled(base, data_covariance, singles, seed)
     # A nearly equivalent cause whose starts did not agree may be found from the leader's new end.
     if any(not fit.converged for fit in singles[1:_LEADERS]):
@@ -173,10 +174,28 @@ def compare_candidates(
         views = [base.view, *(View.of(base.problem, fit) for fit in centres)]
         local_minima = with_stated_errors(base.problem, local_minima)
     pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
-    pairs = search_near_leaders(base.problem, pairs, pairs[:1], base.random_restarts)
+    pairs = search_beside_last_leader(base.problem, pairs, pairs[:1], base.random_restarts)
     singles = singles_beside(base.problem, singles, pairs)
     base, fits = settled(base, data_covariance, [*singles, *pairs], seed)
     return base, Ranking.of(base.null, fits)
+
+
+def search_beside_last_leader(
+    problem: Problem, fits: Sequence[Fit], leaders: Sequence[Fit], random_restarts: int
+) -> tuple[Fit, ...]:
+    """Other causes in the place of the leaders', until the one that leads is among those.
+
+    One that has come to lead meanwhile has twins that were looked for near the others only.
+    """
+    found = tuple(fits)
+    for _ in range(_AGAIN):
+        found = search_near_leaders(problem, found, leaders, random_restarts)
+        first = found[:1]
+        known = {fit.name: fit.chi2 for fit in leaders}
+        if all(fit.chi2 > known.get(fit.name, np.inf) - AGREE for fit in first):
+            break
+        leaders = first
+    return found
 
 
 def settled(
