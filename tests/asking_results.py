@@ -6,13 +6,13 @@ import pandas as pd
 
 from stickslip import Measurement, Scenario
 from stickslip.diagnosis import Experiment
-from stickslip.diagnosis.inference.verdict import ALIKE_MARGIN, MARGIN
+from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.facts import Code, Fact
 
 NOMINAL = Scenario().replace({"drive.mode": "OPP", "drive.base": 0.5e-3, "drive.pulses": 5})
 OLD = pd.DataFrame({"frequency": [20.0, 20.0, 40.0, 40.0], "velocity": [1e-3, 1.1e-3, 2e-3, 2e-3]})
 UNSAFE = Fact(Code.NO_SAFE_NAME, {"causes": ["a", "b"]})
-SAFE = Fact(Code.NAME_SAFE, {"name": "a", "margin": MARGIN, "alike_margin": ALIKE_MARGIN})
+SAFE = Fact(Code.NAME_SAFE, {"name": "a", "margin": MARGIN})
 
 
 def measurement(table=OLD):

@@ -21,7 +21,7 @@ from stickslip.diagnosis.fit.single_cause import (
 from stickslip.diagnosis.fit.start_points import sobol_scan
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
-from stickslip.diagnosis.inference.model_comparison import reweighed, search_beside_last_leader
+from stickslip.diagnosis.inference.model_comparison import assess_baseline, explore, reweighed
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Problem
 
@@ -325,7 +325,10 @@ def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
     alone = fit_candidates(three, [make_candidate(three, [push])], [[Start(np.zeros(4))]], 20)[0]
     assert abs(alone.x[0]) < 1e-6
     assert {fit.name for fit in search_near_leaders(three, [alone], [alone])} == {"a", "c"}
-    last = {fit.name: fit for fit in search_beside_last_leader(three, [alone], [alone], 0)}
+    none = fit_candidates(three, [make_candidate(three)], [[Start(np.zeros(4))]], 20)[0]
+    base = assess_baseline(three, np.eye(16), none, 0)
+    _, explored = explore(base, np.eye(16), [alone], [alone], 0)
+    last = {fit.name: fit for fit in explored}
     assert set(last) == {"a", "b", "c"}
     assert last["b"].data_chi2 < 0.1
 

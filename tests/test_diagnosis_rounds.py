@@ -1,7 +1,5 @@
 """Experiments in rounds: what is proposed, how it is filled in and read, and when it ends."""
 
-import dataclasses
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,7 +8,7 @@ from asking_results import NOMINAL, OLD, SAFE, UNSAFE, asking, experiments, meas
 from stickslip import Measurement, Prior, diagnose_in_rounds, simulate
 from stickslip.diagnosis import rounds
 from stickslip.diagnosis.inference import next_step as step
-from stickslip.diagnosis.inference.verdict import ALIKE_MARGIN, MARGIN
+from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.diagnosis.next_trials import trial_table
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code
@@ -22,7 +20,7 @@ def test_a_set_is_no_safe_name_and_one_clear_cause_is():
     found = shared_diagnosis(3, wave=1.0)
     said = step.next_step(found)
     assert said.code is Code.NAME_SAFE
-    assert (said.fields["margin"], said.fields["alike_margin"]) == (MARGIN, ALIKE_MARGIN)
+    assert said.fields["margin"] == MARGIN
 
 
 def test_a_name_is_not_safe_beside_a_near_rival(monkeypatch):
@@ -38,17 +36,6 @@ def test_a_name_is_not_safe_beside_a_near_rival(monkeypatch):
     assert said.fields["needed"] == lead + 1.0
     monkeypatch.setattr(step, "MARGIN", lead - 1.0)
     assert step.next_step(found).code is Code.NAME_SAFE
-
-
-def test_a_rival_with_like_effects_has_to_be_farther_behind(monkeypatch):
-    found = shared_diagnosis(3, wave=1.0)
-    fit = found.verdict.fit
-    singles = [each for each in found.ranking.singles if each is not fit]
-    lead = min(fit.log_evidence - each.log_evidence for each in singles)
-    monkeypatch.setattr(step, "ALIKE_MARGIN", lead + 1.0)
-    assert step.next_step(found).code is Code.NAME_SAFE
-    alike = dataclasses.replace(found, cosines=np.ones_like(found.cosines))
-    assert step.next_step(alike).fields["needed"] == lead + 1.0
 
 
 def test_a_verdict_without_a_candidate_asks_for_nothing():

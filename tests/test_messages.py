@@ -160,6 +160,10 @@ EXAMPLES = {
     Code.ERRORS_CONTRADICTED: (
         {"name": "wave", "errors": 5.25, "level": 1e-3}, r"wave one .* 5\.2 errors .* 0\.001"
     ),
+    Code.MAY_BE_CORRELATED: (
+        {"name": "wave", "correlation": 0.4, "lead": 1.5, "margin": 3.0},
+        r"by 0\.40, .* wave leads .* 1\.5 .* 3 is",
+    ),
     Code.CONSTANT_PULLED: (
         {"name": "wave", "constant": "slope", "pull": -3.25, "limit": 2.5},
         r"wave, slope has to be -3\.2 standard .* 2\.5",
@@ -207,8 +211,8 @@ EXAMPLES = {
     ),
     Code.PAIR_NEEDED: ({"name": "a + b"}, r"a \+ b"),
     Code.NAME_SAFE: (
-        {"name": "a", "margin": 3.0, "alike_margin": 6.0},
-        "a is safe, .* it by at least 3, .* alike by at least 6",
+        {"name": "a", "margin": 3.0},
+        "a is safe, .* it by at least 3",
     ),
     Code.NEAR_RIVAL: (
         {"name": "a", "rival": "b + c", "lead": 1.25, "needed": 3.0},

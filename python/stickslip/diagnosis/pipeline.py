@@ -12,7 +12,10 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
 from stickslip.diagnosis.data.data_quality import find_data_problem, uneven_setups
-from stickslip.diagnosis.data.error_correlation import with_correlation
+from stickslip.diagnosis.data.error_correlation import (
+    as_correlated_as_possible,
+    with_correlation,
+)
 from stickslip.diagnosis.data.trial_noise import NoiseModel, fit_noise, stated_noise, whitener
 from stickslip.diagnosis.data.trials import Trials
 from stickslip.diagnosis.fit.baseline import Recalibration, recalibrate
@@ -21,7 +24,6 @@ from stickslip.diagnosis.fit.fit_result import Fit, Ranking
 from stickslip.diagnosis.fit.multistart import refit_keeping_starts
 from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import linear_evidence
-from stickslip.diagnosis.fit.single_cause import search_near_leaders
 from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.findings import Findings
@@ -30,15 +32,17 @@ from stickslip.diagnosis.inference.model_comparison import (
     Progress,
     assess_baseline,
     compare_candidates,
-    settled,
+    explore,
 )
 from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.smooth_residual import smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import upper_bounds
 from stickslip.diagnosis.inference.verdict import (
+    CorrelatedLead,
     Table,
     Verdict,
     checked_on_training_subset,
+    checked_with_correlation,
     decide,
 )
 from stickslip.diagnosis.input_checks import check_inputs
@@ -264,6 +268,29 @@ def decide_verdict(state: State) -> None:
         state.smooth_bound,
         state.tables,
     )
+    if state.verdict.kind in ("named", "pair"):
+        state.verdict = checked_with_correlation(state.verdict, _led_if_correlated(state))
+
+
+def _led_if_correlated(state: State) -> CorrelatedLead | None:
+    """What is claimed beside its rival, with errors as correlated as repeats leave it open.
+
+    None where the errors are taken as correlated already, or nothing is known of it.
+    """
+    noise, base = as_correlated_as_possible(state.noise, state.trials), state.base
+    fit = state.verdict.fit
+    if noise is None or fit is None:
+        return None
+    m = len(noise.mean)
+    level = base.problem.predicted(base.null.x[None, :])[0, :m]
+    level = np.where(np.isfinite(level), level, noise.mean)
+    covariance = base.covariance.copy()
+    covariance[:m, :m] += noise.covariance_at(level) - state.noise.covariance_at(level)
+    problem = replace(base.problem, whiten=whitener(covariance))
+    rival = base.null if state.verdict.kind == "named" else state.ranking.singles[0]
+    behind, ahead = refit_keeping_starts(problem, [rival, fit])
+    assert noise.correlation is not None
+    return CorrelatedLead(noise.correlation.high, ahead.log_evidence - behind.log_evidence)
 
 
 def find_profiles(state: State) -> None:
@@ -281,8 +308,9 @@ def find_profiles(state: State) -> None:
     # A fit that has moved has to meet the rules there, beside its rivals at its constants and with
     # a recalibrated model that begins there too.
     others = [each for each in (*state.ranking.singles, *state.ranking.pairs) if each is not fit]
-    fits = search_near_leaders(problem, [leader, *others], [leader], state.base.random_restarts)
-    state.base, fits = settled(state.base, state.covariance, fits, state.options.seed)
+    state.base, fits = explore(
+        state.base, state.covariance, [leader, *others], [leader], state.options.seed
+    )
     state.ranking = Ranking.of(state.base.null, fits)
     compare_effects(state)
     decide_verdict(state)
@@ -302,10 +330,14 @@ def measure_improvement(state: State) -> None:
     held_out = cross_validation.split(
         len(state.noise.mean), options.seed, options.group, options.singleton_condition
     )
-    # It takes all conditions to tell how many causes there are. Numbers chosen: without a few
-    # conditions, farther candidates would hardly lead.
+    # It takes all conditions to tell how many causes there are. Three others are chosen: without a
+    # few conditions, farther candidates would hardly lead.
     pairs = len(fit.candidate.causes) > 1
-    others = [*(state.ranking.pairs[:2] if pairs else state.ranking.singles[:4])]
+    others = [
+        each
+        for each in (state.ranking.pairs if pairs else state.ranking.singles)
+        if each.name != fit.name
+    ][:3]
     state.gain = measure_gain(
         base.problem, base.covariance, held_out, base.null, fit, others, options.seed
     )

@@ -107,6 +107,8 @@ class Code(str, Enum):
     #: No single cause is adequate, and a pair leads by too little.
     PAIR_LEADS_TOO_LITTLE = "pair-leads-too-little"
     ERRORS_CONTRADICTED = "errors-contradicted"  #: A residual is too large for the error model.
+    #: With correlated errors, which are not excluded, it would lead by too little.
+    MAY_BE_CORRELATED = "may-be-correlated"
     CONSTANT_PULLED = "constant-pulled"  #: The fit needs a constant far from its prior.
     NOTHING_LEFT = "nothing-left"  #: No second cause is seen beside the named one.
     NO_FREE_SHAPE = "no-free-shape"  #: No law of a free shape explains the data.

@@ -113,6 +113,20 @@ def with_correlation(noise: NoiseModel, trials: Trials) -> NoiseModel:
     )
 
 
+def as_correlated_as_possible(noise: NoiseModel, trials: Trials) -> NoiseModel | None:
+    """Errors that are taken as independent with the largest correlation of its interval instead.
+
+    None where they are taken as correlated already, or nothing is known of it.
+    """
+    found = noise.correlation
+    if found is None or found.used or found.high <= 0.0:
+        return None
+    assert trials.run is not None
+    runs = make_runs(trials.run, trials.order)
+    means = _of_means(noise, trials, runs, found.high)
+    return replace(noise, runs=runs, mean_correlation=means)
+
+
 def _of_means(noise: NoiseModel, trials: Trials, runs: Runs, correlation: float) -> Array:
     """Covariance of the means in units of a trial's error, shape (m, m)."""
     found = np.diag(1.0 / noise.count)

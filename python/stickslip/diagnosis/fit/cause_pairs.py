@@ -8,7 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
-from stickslip.diagnosis.fit.multistart import AGREE, SMALLER_INFLATION, fit_candidates
+from stickslip.diagnosis.fit.multistart import (
+    AGREE,
+    LARGEST_INFLATION,
+    SMALLER_INFLATION,
+    fit_candidates,
+)
 from stickslip.diagnosis.fit.sensitivity import UNSEEN, projected_responses, screen
 from stickslip.diagnosis.fit.single_cause import (
     CAREFUL,
@@ -18,7 +23,7 @@ from stickslip.diagnosis.fit.single_cause import (
     without_cause,
 )
 from stickslip.diagnosis.fit.view import View
-from stickslip.diagnosis.model.problem import Problem
+from stickslip.diagnosis.model.problem import Array, Problem
 
 # The numbers below are chosen, not derived.
 #
@@ -30,6 +35,9 @@ _PAIRS_BESIDE = _PAIRS // 2
 # Pairs of causes that the screen of one view keeps, each at its best amplitudes: twice what is
 # fitted, as the views are ranked together after it.
 _SCREENED = 2 * _PAIRS
+# Pairs that are promised at distant points of the constants, and starts of each: of so many the
+# best are known by a simulation each.
+_DISTANT, _DISTANT_STARTS = 48, 3
 # Pairs that are refitted with care: more than of single causes, as many pairs are nearly
 # equivalent.
 _SURVIVORS = 10
@@ -54,14 +62,16 @@ def fit_pairs(
     problem: Problem,
     views: Sequence[View],
     singles: Sequence[Fit],
+    scanned: Array,
     local_minima: Sequence[Fit] = (),
     random_restarts: int = 0,
 ) -> tuple[Fit, ...]:
     """Screen all pairs with finite amplitudes, and fit the most promising.
 
-    Two screens: the sum of two responses of the recalibrated model, for every pair and pair of
-    amplitudes; and, about the leading single fits, responses simulated again, because causes
-    change each other's effect.
+    Three screens: the sum of two responses of the recalibrated model, for every pair and pair of
+    amplitudes; the same at points all over the constants' priors, `scanned`, because two strong
+    causes draw the recalibrated constants far away; and, about the leading single fits, responses
+    simulated again, because causes change each other's effect.
     """
     found: Pairs = {}
     for base in (*(view.fit for view in views), *local_minima):
@@ -71,6 +81,7 @@ def fit_pairs(
                     found[key] = (left, start)
     added = sorted(found, key=lambda key: found[key][0])[:_PAIRS]
     fits = _tried(problem, [(key, found[key][1]) for key in added], 0)
+    fits += _tried(problem, _distant(problem, views, scanned), 0)
     for single in singles[:_CENTRES]:
         fits += _fits_beside(problem, single)
     fits.sort(key=lambda fit: fit.chi2)
@@ -214,6 +225,39 @@ def _added(view: View) -> Pairs:
         start = _joined(view, multiples)
         result[names[0], names[1]] = (float(left[i, j]), start)
     return result
+
+
+def _distant(
+    problem: Problem, views: Sequence[View], scanned: Array
+) -> list[tuple[tuple[str, str], Start]]:
+    """Starts of the pairs that promise most at points all over the constants' priors.
+
+    What each point leaves is simulated, the responses of the causes are those of the views, and of
+    the starts that are promised the simulated ones with the least misfit are kept.
+    """
+    softer = problem.with_inflated_errors(LARGEST_INFLATION)
+    without = problem.whitened(softer.predicted(scanned))
+    free = views[0].fit.candidate.free
+    promised: dict[tuple[str, str], list[tuple[float, Start]]] = {}
+    for point, data in zip(scanned, without, strict=True):
+        residual = np.concatenate([data, -point[free]])
+        for view in views:
+            base = replace(view.fit, x=point, residual=residual, chi2=float(residual @ residual))
+            for key, each in _added(view.moved_to(base, SMALLER_INFLATION)).items():
+                promised.setdefault(key, []).append(each)
+    for starts in promised.values():
+        starts.sort(key=lambda each: each[0])
+    keys = sorted(promised, key=lambda key: promised[key][0][0])[:_DISTANT]
+    plan = [(key, start) for key in keys for _, start in promised[key][:_DISTANT_STARTS]]
+    if not plan:
+        return []
+    x = np.clip(np.stack([start.x for _, start in plan]), *problem.limits())
+    misfit = np.sum(softer.residuals(x) ** 2, axis=1) + np.sum(x**2, axis=1)
+    best: dict[tuple[str, str], Start] = {}
+    for row in np.argsort(misfit, kind="stable").tolist():
+        key, start = plan[row]
+        best.setdefault(key, start)
+    return list(best.items())[:_PAIRS]
 
 
 def _joined(view: View, multiples: dict[int, float]) -> Start:

@@ -106,10 +106,11 @@ def derive(problem: Problem, searches: Sequence[Search], central: bool = False) 
 
 def _widths(problem: Problem, search: Search) -> Array:
     """Widths of the differences of each free coordinate."""
+    fineness = problem.fineness[search.candidate.free]
     if search.slope is None:
-        return np.full(len(search.candidate.free), _WIDE)
+        return _WIDE * fineness
     spread = 1.0 / np.sqrt(np.sum(search.jacobian(problem) ** 2, axis=0))
-    return np.asarray(np.clip(spread, _NARROW, _WIDE))
+    return np.asarray(np.clip(spread, _NARROW * fineness, _WIDE * fineness))
 
 
 def _sides(place: float, width: float, low: float, high: float) -> tuple[float, float]:

@@ -81,8 +81,8 @@ def separate(
     chi2 = np.zeros(level.shape[1])
     pair = np.zeros((level.shape[1], 2), dtype=np.int64)
     for a, b in itertools.combinations(range(len(candidates)), 2):
-        # What is named is compared with each other candidate, and these not among themselves.
-        if a > 0 and found.verdict.kind in ("named", "pair"):
+        # A single candidate is compared with each other one, and these not among themselves.
+        if a > 0 and len(set_members(found)) == 1:
             continue
         gap = (level[a] - level[b]) ** 2 / (noise + variance[a] + variance[b])
         pair[gap > chi2] = (a, b)

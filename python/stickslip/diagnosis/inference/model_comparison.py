@@ -16,15 +16,18 @@ from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, second_causes, singles_beside
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
-from stickslip.diagnosis.fit.goodness import COMFORTABLE, adequacy
+from stickslip.diagnosis.fit.goodness import ADEQUATE, COMFORTABLE, adequacy
 from stickslip.diagnosis.fit.multistart import AGREE, refit_keeping_starts
+from stickslip.diagnosis.fit.narrow_minima import NarrowScan, fit_narrow, scan_narrow
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
     fit_singles,
     refine,
     refit_null,
     refit_worse_than_null,
+    search_all_over,
     search_near_leaders,
+    search_until_converged,
 )
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.detection import Detection, detect
@@ -142,11 +145,10 @@ def compare_candidates(
     centres = with_stated_errors(problem, [] if found.centre is None else [found.centre])
     views = [base.view, *(View.of(problem, fit) for fit in centres)]
     singles = fit_singles(problem, views, found.scanned, local_minima, restarts)
-    singles = search_beside_last_leader(problem, singles, singles[:_LEADERS], restarts)
-    base, singles = settled(base, data_covariance, singles, seed)
+    base, singles = explore(base, data_covariance, singles, singles[:_LEADERS], seed)
     # A nearly equivalent cause whose starts did not agree may be found from the leader's new end.
     if any(not fit.converged for fit in singles[1:_LEADERS]):
-        singles = search_near_leaders(base.problem, singles, singles[:1], base.random_restarts)
+        base, singles = explore(base, data_covariance, singles, singles[:1], seed)
     if not base.detection.found:
         return base, Ranking(base.null, singles, ())
     if singles and base.random_restarts:
@@ -157,11 +159,22 @@ def compare_candidates(
             larger = np.maximum(base.roughness, more)
             base, singles = _rougher(base, data_covariance, larger, singles)
             singles = refine(base.problem, singles, {}, base.random_restarts)
+            base, singles = settled(base, data_covariance, singles, seed)
     # The best single of two effects is often neither, so adequacy decides and not the rank.
-    sufficient = any(adequacy(base.problem, fit) >= COMFORTABLE for fit in singles[:3])
     if not singles:
         return base, Ranking(base.null, (), ())
-    if sufficient:
+    scans = []
+    if _adequacy(base.problem, singles) < ADEQUATE:
+        leader = singles[0]
+        singles = search_all_over(base.problem, singles, base.random_restarts)
+        if singles[0] is not leader:
+            base, singles = explore(base, data_covariance, singles, singles[:_LEADERS], seed)
+    if _adequacy(base.problem, singles) < ADEQUATE:
+        scans = scan_narrow(base.problem, base.null)
+        singles = _with_narrow(base, scans, singles, [base.null])
+        if any(singles[0].name == scan.cause.name for scan in scans):
+            base, singles = explore(base, data_covariance, singles, singles[:1], seed)
+    if _adequacy(base.problem, singles) >= COMFORTABLE:
         say(0.6, "looking for a second cause")
         pairs = second_causes(base.problem, singles[0], base.random_restarts)
         least = singles[0].log_evidence + PAIR_PRICE
@@ -173,29 +186,62 @@ def compare_candidates(
         centres = with_stated_errors(base.problem, centres)
         views = [base.view, *(View.of(base.problem, fit) for fit in centres)]
         local_minima = with_stated_errors(base.problem, local_minima)
-    pairs = fit_pairs(base.problem, views, singles, local_minima, base.random_restarts)
-    pairs = search_beside_last_leader(base.problem, pairs, pairs[:1], base.random_restarts)
-    singles = singles_beside(base.problem, singles, pairs)
-    base, fits = settled(base, data_covariance, [*singles, *pairs], seed)
+    pairs = fit_pairs(
+        base.problem, views, singles, found.scanned, local_minima, base.random_restarts
+    )
+    pairs = _with_narrow(base, scans, pairs, singles)
+    base, fits = explore(base, data_covariance, [*singles, *pairs], pairs[:1], seed)
+    ranking = Ranking.of(base.null, fits)
+    singles = singles_beside(base.problem, ranking.singles, ranking.pairs)
+    base, fits = settled(base, data_covariance, [*singles, *ranking.pairs], seed)
     return base, Ranking.of(base.null, fits)
 
 
-def search_beside_last_leader(
-    problem: Problem, fits: Sequence[Fit], leaders: Sequence[Fit], random_restarts: int
-) -> tuple[Fit, ...]:
-    """Other causes in the place of the leaders', until the one that leads is among those.
+def _adequacy(problem: Problem, singles: Sequence[Fit]) -> float:
+    """The best p-value of the leading single causes."""
+    return max(adequacy(problem, fit) for fit in singles[:3])
 
-    One that has come to lead meanwhile has twins that were looked for near the others only.
+
+def _with_narrow(
+    base: AssessedBaseline, scans: Sequence[NarrowScan], fits: Sequence[Fit], models: Sequence[Fit]
+) -> tuple[Fit, ...]:
+    """Fits, and where they are better those of causes with narrow minima, beside some models."""
+    known = {fit.name: fit for fit in fits}
+    for fit in fit_narrow(base.problem, scans, models, base.random_restarts):
+        if fit.name not in known or fit.chi2 < known[fit.name].chi2:
+            # Its starts may be of one minimum, so that they agree says nothing.
+            known[fit.name] = replace(fit, converged=False)
+    ordered = ranked(list(known.values()))
+    if ordered == ranked(fits):
+        return ordered
+    return ranked(search_until_converged(base.problem, ordered, base.random_restarts))
+
+
+def explore(
+    base: AssessedBaseline,
+    data_covariance: Array,
+    fits: Sequence[Fit],
+    leaders: Sequence[Fit],
+    seed: int,
+) -> tuple[AssessedBaseline, tuple[Fit, ...]]:
+    """Other causes in the place of the leaders', and the null from the constants of the best.
+
+    Until the one that leads, of those with as many causes as the leaders, is the one beside which
+    others were sought: of one that has come to lead meanwhile, the twins were sought near the
+    others only.
     """
     found = tuple(fits)
-    for _ in range(_AGAIN):
-        found = search_near_leaders(problem, found, leaders, random_restarts)
-        first = found[:1]
-        known = {fit.name: fit.chi2 for fit in leaders}
-        if all(fit.chi2 > known.get(fit.name, np.inf) - AGREE for fit in first):
+    for _ in range(1 + _AGAIN):
+        if not leaders:
             break
-        leaders = first
-    return found
+        last = leaders[0]
+        found = search_near_leaders(base.problem, found, leaders, base.random_restarts)
+        base, found = settled(base, data_covariance, found, seed)
+        count = len(last.candidate.causes)
+        leaders = [fit for fit in found if len(fit.candidate.causes) == count][:1]
+        if leaders[0].name == last.name and leaders[0].chi2 > last.chi2 - AGREE:
+            break
+    return base, found
 
 
 def settled(

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stickslip.diagnosis.fit.distinguishability import alike
-from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.experiment_design import DECISIVE, PROPOSED, Experiment
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.runner_up import rivals
-from stickslip.diagnosis.inference.verdict import ALIKE_MARGIN, MARGIN
+from stickslip.diagnosis.inference.verdict import MARGIN
 from stickslip.facts import Code, Fact
 
 LEAST_WORTH = DECISIVE / PROPOSED
@@ -20,9 +18,8 @@ row tell two candidates apart together."""
 def next_step(found: Findings) -> Fact:
     """Whether another experiment is needed, and why.
 
-    A named cause or pair is safe if it leads, in log-evidence, all candidates that lack it: those
-    whose effects on these data are alike, which are of one distinguishability class with it, by
-    ``ALIKE_MARGIN``, all others by ``MARGIN``.
+    A named cause or pair is safe if it leads all candidates that lack it by ``MARGIN`` in
+    log-evidence. Of those whose effects on these data are alike the verdict asks more already.
 
     Returns
     -------
@@ -37,15 +34,13 @@ def next_step(found: Findings) -> Fact:
         return Fact(Code.NOTHING_TO_SEPARATE, {"verdict": verdict.kind})
     said = verdict.fit
     others = rivals(said, [*found.ranking.singles, *found.ranking.pairs])
-    leads = [(said.priced_evidence - fit.priced_evidence, _needed(found, fit)) for fit in others]
-    lacking = [lead - needed for lead, needed in leads]
-    if lacking and min(lacking) < 0.0:
-        nearest = lacking.index(min(lacking))
-        lead, needed = leads[nearest]
-        rival = {"rival": others[nearest].name, "lead": lead, "needed": needed}
-        return Fact(Code.NEAR_RIVAL, {"name": said.name, **rival})
-    margins = {"margin": MARGIN, "alike_margin": ALIKE_MARGIN}
-    return Fact(Code.NAME_SAFE, {"name": said.name, **margins})
+    nearest = max(others, key=lambda fit: fit.priced_evidence, default=None)
+    if nearest is not None:
+        lead = said.priced_evidence - nearest.priced_evidence
+        if lead < MARGIN:
+            rival = {"rival": nearest.name, "lead": lead, "needed": MARGIN}
+            return Fact(Code.NEAR_RIVAL, {"name": said.name, **rival})
+    return Fact(Code.NAME_SAFE, {"name": said.name, "margin": MARGIN})
 
 
 def worth_measuring(step: Fact, experiments: Sequence[Experiment]) -> list[Experiment]:
@@ -53,12 +48,3 @@ def worth_measuring(step: Fact, experiments: Sequence[Experiment]) -> list[Exper
     if step.code not in (Code.NEAR_RIVAL, Code.NO_SAFE_NAME):
         return []
     return [each for each in experiments if each.separation >= LEAST_WORTH]
-
-
-def _needed(found: Findings, rival: Fit) -> float:
-    """By how much a rival of what is claimed has to be behind."""
-    said = found.verdict.fit
-    assert said is not None
-    own, theirs = said.candidate.causes, rival.candidate.causes
-    same = alike(found.problem, found.cosines, own, theirs)
-    return ALIKE_MARGIN if same else MARGIN

@@ -32,19 +32,9 @@ def set_members(found: Findings) -> list[Fit]:
     for each in found.verdict.reasons:
         if each.code is Code.SEVERAL_PAIRS:
             names.update(each.fields["pairs"])
-        if each.code is Code.TRAINING_SUBSET:
+        if each.code is Code.TRAINING_SUBSET and each.fields["joins"]:
             names.add(each.fields["name"])
-    return [
-        chosen,
-        *(
-            fit
-            for fit in found.ranking.pairs
-            if fit is not chosen
-            and fit.name in names
-            # What the training subset chooses joins the set only if it explains all the data.
-            and among.issuperset(cause.name for cause in fit.candidate.causes)
-        ),
-    ]
+    return [chosen, *(fit for fit in found.ranking.pairs if fit.name in names - {chosen.name})]
 
 
 def leading(found: Findings) -> list[Fit]:

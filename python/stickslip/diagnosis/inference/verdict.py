@@ -185,7 +185,8 @@ def _decided(
     best = next(iter(_adequate(problem, singles)), None)
     if best is None or singles[0].log_evidence > best.log_evidence + MARGIN:
         return _without_single(problem, ranking, cosines, improves_prediction, chance, tables)
-    led = [fit for fit in ranking.pairs if fit.log_evidence > best.log_evidence + PAIR_PRICE]
+    least = singles[0].log_evidence + PAIR_PRICE
+    led = [fit for fit in ranking.pairs if fit.log_evidence > least]
     if _adequate(problem, led):
         return _without_single(problem, ranking, cosines, improves_prediction, chance, tables)
     # A candidate that is not quite adequate itself may still be too near to be dismissed.
@@ -198,7 +199,10 @@ def _decided(
         reasons = (said, *reasons_against(problem, null, best, tables))
         return Verdict("ambiguous", names, best, reasons, chance)
     others = [null, *singles, *ranking.pairs]
-    reasons = reasons_against(problem, null, best, tables, improves_prediction, others)
+    reasons = reasons_against(
+        problem, null, best, tables, improves_prediction, others,
+        lambda fit: _needed(problem, cosines, best, fit, MARGIN),
+    )  # fmt: skip
     if reasons:
         return Verdict("ambiguous", (best.name,), best, reasons, chance)
     second = describe_runner_up(problem, best, null, others)
@@ -217,14 +221,35 @@ def checked_on_training_subset(
     fit = verdict.fit
     if fit is None or choice == fit.name:
         return verdict
-    said = Fact(Code.TRAINING_SUBSET, {"name": choice})
-    if verdict.kind not in ("named", "pair"):
-        return replace(verdict, reasons=(*verdict.reasons, said))
     fits = [*ranking.singles, *ranking.pairs]
     other = next((each for each in fits if each.name == choice), fit)
-    joins = other.candidate.causes if adequacy(problem, other) >= ADEQUATE else ()
-    also = sorted({cause.name for cause in joins} - set(verdict.causes))
-    return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=(said,))
+    joins = adequacy(problem, other) >= ADEQUATE
+    said = Fact(Code.TRAINING_SUBSET, {"name": choice, "joins": joins})
+    reasons = (said,) if verdict.kind in ("named", "pair") else (*verdict.reasons, said)
+    others = {cause.name for cause in other.candidate.causes} if joins else set()
+    also = sorted(others - set(verdict.causes))
+    return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=reasons)
+
+
+@dataclass(frozen=True)
+class CorrelatedLead(OneLine):
+    """Log-evidence of what is claimed above its rival, with the largest correlation of errors.
+
+    The rival of a cause is no cause, that of a pair the best single cause.
+    """
+
+    correlation: float
+    lead: float
+
+
+def checked_with_correlation(verdict: Verdict, led: CorrelatedLead | None) -> Verdict:
+    """A claim stands if it leads too where errors are as correlated as the interval allows."""
+    needed = MARGIN if verdict.kind == "named" else PAIR_PRICE
+    if led is None or verdict.fit is None or led.lead >= needed:
+        return verdict
+    said = {"name": verdict.fit.name, "correlation": led.correlation, "lead": led.lead}
+    reason = Fact(Code.MAY_BE_CORRELATED, {**said, "margin": needed})
+    return replace(verdict, kind="ambiguous", reasons=(reason,))
 
 
 def reasons_against(
@@ -234,8 +259,9 @@ def reasons_against(
     tables: Sequence[Table],
     improves_prediction: Callable[[Fit], bool] | None = None,
     others: Sequence[Fit] = (),
+    needed: Callable[[Fit], float] = lambda fit: MARGIN,
 ) -> tuple[Fact, ...]:
-    """Why a candidate that leads all `others` is not claimed all the same.
+    """Why a candidate that leads each of `others` by what is `needed` is not claimed all the same.
 
     Without `others`, starts that do not agree are a reason, however little they differ.
     """
@@ -244,7 +270,7 @@ def reasons_against(
     lead = best.log_evidence - null.log_evidence
     if lead < MARGIN:
         reasons.append(Fact(Code.LITTLE_EVIDENCE, {**name, "lead": lead, "margin": MARGIN}))
-    if not best.converged and _can_be_led(best, others):
+    if not best.converged and _can_be_led(best, others, needed):
         reasons.append(Fact(Code.STARTS_DISAGREE, name))
     # A relaxed constant adds no shape: the recalibrated model has moved it most of the way.
     shaped = any(cause.relaxes_prior is None for cause in best.candidate.causes)
@@ -272,16 +298,18 @@ def reasons_against(
     return tuple(reasons)
 
 
-def _can_be_led(best: Fit, others: Sequence[Fit]) -> bool:
-    """Whether another candidate could come within `MARGIN` of one whose starts do not agree.
+def _can_be_led(best: Fit, others: Sequence[Fit], needed: Callable[[Fit], float]) -> bool:
+    """Whether one whose starts do not agree could lead another candidate by too little.
 
     A better minimum would only add to its lead. But the searches of its rivals may have missed
     theirs by as much as the second best of its own has missed the best. Where there are no others,
     nothing is known of them.
     """
     second = best.starts[1] if len(best.starts) > 1 else np.inf
-    behind = [best.priced_evidence - fit.priced_evidence for fit in rivals(best, others)]
-    return min(behind, default=-np.inf) - 0.5 * (second - best.starts[0]) < MARGIN
+    spare = [
+        best.priced_evidence - fit.priced_evidence - needed(fit) for fit in rivals(best, others)
+    ]
+    return min(spare, default=-np.inf) < 0.5 * (second - best.starts[0])
 
 
 def _chance(off: Array, tables: Sequence[Table], dof: float) -> Array:
@@ -321,13 +349,17 @@ def _pulls(problem: Problem, fit: Fit) -> dict[str, float]:
 def _near(
     problem: Problem, cosines: Array, best: Fit, fits: Sequence[Fit], margin: float
 ) -> list[Fit]:
-    """The best of some fits and those it leads by too little: of alike ones by `ALIKE_MARGIN`."""
-    behind = [best.log_evidence - fit.log_evidence for fit in fits]
+    """The best of some fits and those it leads by too little."""
     return [
         fit
-        for fit, lead in zip(fits, behind, strict=True)
-        if lead < margin or (lead < ALIKE_MARGIN and _alike(problem, cosines, best, fit))
+        for fit in fits
+        if best.log_evidence - fit.log_evidence < _needed(problem, cosines, best, fit, margin)
     ]
+
+
+def _needed(problem: Problem, cosines: Array, best: Fit, fit: Fit, margin: float) -> float:
+    """By how much a candidate has to lead another one: `margin`, or more of an alike one."""
+    return ALIKE_MARGIN if _alike(problem, cosines, best, fit) else margin
 
 
 def _alike(problem: Problem, cosines: Array, one: Fit, other: Fit) -> bool:
@@ -357,6 +389,9 @@ def _without_single(
             reason = Fact(Code.PAIR_LEADS_TOO_LITTLE, pair)
         return Verdict("unexplained", (), None, (reason,), chance)
     best = adequate[0]
+    if ranking.pairs[0].log_evidence > best.log_evidence + MARGIN:
+        names = {"explaining": best.name, "name": ranking.pairs[0].name}
+        return Verdict("unexplained", (), None, (Fact(Code.LESS_LIKELY, names),), chance)
     close = _near(problem, cosines, best, ranking.pairs, PAIR_MARGIN)
     causes = tuple(sorted({cause.name for fit in close for cause in fit.candidate.causes}))
     if len(close) > 1:
@@ -366,7 +401,10 @@ def _without_single(
         reasons: tuple[Fact, ...] = (Fact(Code.SEVERAL_PAIRS, several),)
     else:
         others = [ranking.null, *ranking.singles, *ranking.pairs]
-        reasons = reasons_against(problem, ranking.null, best, tables, improves_prediction, others)
+        reasons = reasons_against(
+            problem, ranking.null, best, tables, improves_prediction, others,
+            lambda fit: _needed(problem, cosines, best, fit, MARGIN),
+        )  # fmt: skip
     if reasons:
         return Verdict("ambiguous", causes, best, reasons, chance)
     return Verdict("pair", causes, best, (Fact(Code.PAIR_NEEDED, {"name": best.name}),), chance)

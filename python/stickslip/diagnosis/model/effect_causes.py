@@ -47,6 +47,8 @@ _SHAPES = {"adhesion_ageing.time": 0.01, "friction_patches.period": 5e-4}
 # A controller that is this fast, s, cannot be told from one without steps, but takes long to
 # simulate.
 _NEGLIGIBLE = {"sample_hold.period": 1e-4}
+# How its steps fall into some hundred pulses changes with parts in a thousand of the period.
+_FINENESS = {"sample_hold.period": 0.01}
 # What pushes or turns a robot out of the plane y = 0, in which the data of a diagnosis are.
 _ACROSS = {"effects.ambient_field.By", "effects.surface_tilt.azimuth"}
 # Shares of the largest voltage, for the amplifier's limit: the scale of its prior, and the lowest
@@ -99,4 +101,7 @@ def _parameter(key: Key, volts: float) -> CauseParameter:
     absent = float(key.default)
     widest = max(key.high - absent, absent - key.low)
     scale, low, high = _SIZES.get(name, (widest / _SCALES_IN_RANGE, key.low, key.high))
-    return CauseParameter(*named, low, high, scale, absent, negligible=_NEGLIGIBLE.get(name, 0.0))
+    negligible, fineness = _NEGLIGIBLE.get(name, 0.0), _FINENESS.get(name, 1.0)
+    return CauseParameter(
+        *named, low, high, scale, absent, negligible=negligible, fineness=fineness
+    )

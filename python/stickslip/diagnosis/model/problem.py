@@ -76,11 +76,15 @@ class CauseParameter:
     downward : bool
         The cause grows as the parameter falls from `high`, at which it begins to act; at `absent`
         (a limit that is not there) it does nothing.
+    fineness : float
+        Share of the coordinate's unit over which predictions change as they do over the whole unit
+        of other parameters. Below 1, minima are narrow, and their places are found by a scan.
 
     Raises
     ------
     ScenarioError
-        If the range is empty or without `absent`, or the scale is not above 0.
+        If the range is empty or without `absent`, the scale is not above 0, or the fineness is out
+        of its range.
     """
 
     name: str
@@ -92,6 +96,7 @@ class CauseParameter:
     shape: bool = False
     downward: bool = False
     negligible: float = 0.0
+    fineness: float = 1.0
 
     def __post_init__(self) -> None:
         low, high, absent, scale = self.low, self.high, self.absent, self.scale
@@ -102,6 +107,10 @@ class CauseParameter:
                 f"absent = {absent}: allowed is {low} to {high}",
             ),
             (self.shape or 0.0 < scale < np.inf, f"scale = {scale}: allowed is a number above 0"),
+            (
+                1e-4 <= self.fineness <= 1.0,
+                f"fineness = {self.fineness}: allowed is 0.0001 to 1",
+            ),
         )
         for sound, said in checks:
             if not sound:
@@ -239,6 +248,11 @@ class Problem(OneLine):
                 result += list(range(at, at + len(cause.parameters)))
             at += len(cause.parameters)
         return result
+
+    @cached_property
+    def fineness(self) -> Array:
+        """Share of each coordinate's unit over which predictions change, shape (size,)."""
+        return np.array([1.0] * self.base_count + [each.fineness for each in self.parameters])
 
     def limits(self) -> tuple[Array, Array]:
         """Lowest and highest value of every coordinate."""
