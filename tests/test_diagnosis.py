@@ -297,7 +297,7 @@ def test_a_model_without_any_prediction_is_reported_as_a_problem_of_the_data():
 
 def test_a_cause_that_changes_on_the_training_subset_is_not_named(monkeypatch):
     def turned(*arguments):
-        return replace(measure_gain(*arguments), choice="ripple")
+        return replace(measure_gain(*arguments), choice="ripple", lead=4.0)
 
     assert diagnosis(3, {"wave": 1.0}).verdict.kind == "named"
     monkeypatch.setattr(pipeline, "measure_gain", turned)

@@ -149,19 +149,24 @@ def test_a_verdict_that_changes_on_the_training_subset_is_ambiguous():
     fits = tuple(fitted(given, causes) for causes in ([WAVE], [BEND], [WAVE, BEND]))
     ranking = Ranking(fitted(given), fits[:2], fits[2:])
     said = Verdict("named", ("wave",), fits[0], ("why",), {})
-    assert checked_on_training_subset(given, said, ranking, "wave") is said
-    other = checked_on_training_subset(given, said, ranking, "bend")
+    apart = np.eye(2)
+    assert checked_on_training_subset(given, said, ranking, apart, "wave", 0.0) is said
+    other = checked_on_training_subset(given, said, ranking, apart, "bend", 3.1)
     assert (other.kind, other.causes, other.fit) == ("ambiguous", ("wave",), fits[0])
     assert other.reasons == (Fact(Code.TRAINING_SUBSET, {"name": "bend", "joins": False}),)
     # It joins the set if it explains the data, which here it does where nothing is hidden.
     plain = problem(X, (WAVE, BEND))
     alike = Ranking(fitted(plain), tuple(fitted(plain, [each]) for each in (WAVE, BEND)), ())
-    joined = checked_on_training_subset(plain, said, alike, "bend")
+    joined = checked_on_training_subset(plain, said, alike, apart, "bend", 3.1)
     assert (joined.kind, joined.causes) == ("ambiguous", ("wave", "bend"))
     # And the set of a verdict that was ambiguous before.
     doubtful = replace(said, kind="ambiguous")
-    again = checked_on_training_subset(plain, doubtful, alike, "bend")
+    again = checked_on_training_subset(plain, doubtful, alike, apart, "bend", 3.1)
     assert (again.causes, again.reasons) == (("wave", "bend"), ("why", *joined.reasons))
+    # A small lead says that the subset tells nothing of the cause, but not where the two are alike.
+    assert checked_on_training_subset(given, said, ranking, apart, "bend", 2.9) is said
+    twins = np.array([[1.0, 0.95], [0.95, 1.0]])
+    assert checked_on_training_subset(given, said, ranking, twins, "bend", 0.1) == other
 
 
 # The bend, and not the pair that has the wave and the bend: it says the same of the wave.

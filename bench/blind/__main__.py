@@ -29,7 +29,7 @@ def main() -> None:
     """Run the study, or write its data sets."""
     parser = argparse.ArgumentParser(prog="python -m blind", description=__doc__)
     parser.add_argument("--seeds", type=int, default=1000, help="data sets of a kind, at most")
-    parser.add_argument("--first", type=int, default=22000, help="first seed")
+    parser.add_argument("--first", type=int, default=23000, help="first seed")
     parser.add_argument("--kinds", default=";".join(KINDS), help="separated by semicolons")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="data sets at a time")
     parser.add_argument("--minutes", type=float, default=600.0, help="begin none after this time")

@@ -322,7 +322,7 @@ def find_profiles(state: State) -> None:
 def measure_improvement(state: State) -> None:
     """How much better the extended model predicts conditions that its fit has not seen.
 
-    A cause that changes on the training subset is not named.
+    A cause that another one clearly leads on the training subset is not named.
     """
     base, options, fit = state.base, state.options, state.verdict.fit
     if fit is None:
@@ -342,8 +342,10 @@ def measure_improvement(state: State) -> None:
         base.problem, base.covariance, held_out, base.null, fit, others, options.seed
     )
     if state.gain is not None:
-        fits, choice = state.ranking, state.gain.choice
-        state.verdict = checked_on_training_subset(base.problem, state.verdict, fits, choice)
+        first = state.gain.choice, state.gain.lead
+        state.verdict = checked_on_training_subset(
+            base.problem, state.verdict, state.ranking, state.cosines, *first
+        )
 
 
 def note_roughness(state: State) -> None:

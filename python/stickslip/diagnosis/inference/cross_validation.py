@@ -49,6 +49,8 @@ class Gain(OneLine):
         beyond what an error that set-ups share lets expect.
     choice : str
         Name of the candidate that the other conditions alone rank first.
+    lead : float
+        Its log-evidence from them above that of the chosen candidate.
     predicted_before, predicted_after : ndarray
         At the held-out conditions.
     """
@@ -61,6 +63,7 @@ class Gain(OneLine):
     interval: tuple[float, float]
     p_value: float
     choice: str
+    lead: float
     predicted_before: Array
     predicted_after: Array
 
@@ -211,6 +214,7 @@ def measure_gain(
     draws = random.integers(0, len(held_out), (_RESAMPLES, len(held_out)))
     fall = np.mean((before - after)[draws], axis=1)
     missed = problem.observed - everywhere[1]
+    first = ranked(refits[1:])[0]
     own, spread = _beyond(missed, covariance, held_out, keep, chosen.slope, refits[1])
     weighed = float(own @ np.linalg.solve(spread, own))
     low, high = (float(np.quantile(fall, end)) for end in _ENDS)
@@ -222,7 +226,8 @@ def measure_gain(
         mae_after=float(np.mean(np.abs(error[1]))),
         interval=(low, high),
         p_value=float(chi2_law.sf(weighed, len(held_out))),
-        choice=ranked(refits[1:])[0].name,
+        choice=first.name,
+        lead=first.log_evidence - refits[1].log_evidence,
         predicted_before=predicted[0],
         predicted_after=predicted[1],
     )

@@ -138,8 +138,7 @@ class OpenSet(OneLine):
         explains = self.first.p_value >= ADEQUATE and not self.against
         if self.gain is None:
             return False
-        same = self.gain.choice == self.first.fit.name
-        return explains and same and self.gain.interval[1] > 0.0
+        return explains and self.gain.lead < MARGIN and self.gain.interval[1] > 0.0
 
     def is_too_coarse(self, null: Fit) -> bool:
         """Whether the first takes most of the recalibrated model's misfit, but not all of it."""

@@ -211,18 +211,21 @@ def _decided(
 
 
 def checked_on_training_subset(
-    problem: Problem, verdict: Verdict, ranking: Ranking, choice: str
+    problem: Problem, verdict: Verdict, ranking: Ranking, cosines: Array, choice: str, lead: float
 ) -> Verdict:
     """The verdict beside the candidate that ranks first on the training subset of the conditions.
 
-    A cause that changes on the training subset is not named. The other candidate, which has as many
-    causes, joins the set if it explains all the data.
+    A cause is not named that is led there by `MARGIN`, or at all by an alike one: a smaller lead of
+    another says that the subset tells nothing of the cause, which may act in the others alone. The
+    other candidate, which has as many causes, joins the set if it explains all the data.
     """
     fit = verdict.fit
-    if fit is None or choice == fit.name:
-        return verdict
     fits = [*ranking.singles, *ranking.pairs]
     other = next((each for each in fits if each.name == choice), fit)
+    if fit is None or other is None or other.name == fit.name:
+        return verdict
+    if lead < MARGIN and not _alike(problem, cosines, fit, other):
+        return verdict
     joins = adequacy(problem, other) >= ADEQUATE
     said = Fact(Code.TRAINING_SUBSET, {"name": choice, "joins": joins})
     reasons = (said,) if verdict.kind in ("named", "pair") else (*verdict.reasons, said)
