@@ -1,6 +1,5 @@
 """Where no cause explains the data: which law has another shape, its curve, and a formula."""
 
-import itertools
 import json
 import math
 from dataclasses import fields
@@ -8,114 +7,22 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.stats import norm
 
 from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, simulate_batch
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
-from stickslip.diagnosis.fit.fit_result import Fitted
-from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import explore_terms
-from stickslip.diagnosis.inference.law_prior import with_learned_prior
 from stickslip.diagnosis.inference.open_set import Curve
-from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
 from stickslip.diagnosis.inference.verdict import Verdict, reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
-from stickslip.diagnosis.model.problem import CauseParameter, Problem
+from stickslip.diagnosis.model.problem import Problem
 from stickslip.diagnosis.observables import Combined
 from stickslip.diagnosis.posed_problem import PosedProblem
 from stickslip.facts import Code, Fact
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
 HOOK = {hook.effect: hook for hook in HOOKS}
-
-
-def test_a_smooth_law_lies_about_its_curve_as_far_as_is_said():
-    # Laws drawn from the processes that are averaged over, which normal bands of 90 % must hold.
-    hook, span, sd = HOOK["free_drag_speed"], 0.01, 0.01
-    argument = np.linspace(0.0, span, 61)
-    design = curve_design(BASE, hook, span, argument)
-    project, covariance = np.linalg.pinv(design), sd**2 * np.eye(5)
-    random = np.random.default_rng(1)
-    held, without = [], []
-    for length, size in itertools.product((0.15, 0.3, 0.6, 1.5), (0.1, 0.5, 2.0)):
-        distance = (argument[:, None] - argument) / span
-        process = size**2 * np.exp(-0.5 * (distance / length) ** 2)
-        for _ in range(10):
-            law = random.multivariate_normal(np.zeros(61), process, method="svd")
-            knots = project @ law + sd * random.standard_normal(5)
-            between = covariance_between_knots(argument, design, knots, covariance, 0.3)
-            of_knots = np.sum((design @ covariance) * design, axis=1)
-            off = np.abs(law - design @ knots)
-            held.append(np.mean(off < 1.645 * np.sqrt(of_knots + np.diag(between))))
-            without.append(np.mean(off < 1.645 * np.sqrt(of_knots)))
-    # Points of a law go together: of 120 laws the mean has a deviation of about 0.02.
-    assert np.mean(held) == pytest.approx(0.9, abs=0.05)
-    assert np.mean(without) < 0.8
-
-
-def test_a_law_may_be_as_large_where_nothing_is_known_as_it_is_elsewhere():
-    # Of knots that are seen by themselves, y = k + noise, everything is known in closed form: with
-    # a prior covariance C of k, y has C + sd^2, and k the mean C (C + sd^2)^-1 y.
-    size, y, sd = 0.3, np.array([0.9, -1.2, 1.5, 0.0]), np.array([0.1, 0.2, 0.1, 30.0])
-    parameters = [CauseParameter(f"k{i}", "-", -9.0, 9.0, size) for i in range(4)]
-
-    def slope(p, x):
-        return size * np.cosh(x) / np.sinh(1.0)
-
-    # Where the fit ends: the derivative of its chi-square by the coordinate is zero.
-    x = [
-        brentq(lambda u, p=p, a=a, b=b: (a - p.value(u)) / b**2 * slope(p, u) - u, -9.0, 9.0)
-        for p, a, b in zip(parameters, y, sd, strict=True)
-    ]
-    g = np.array([slope(p, u) for p, u in zip(parameters, x, strict=True)])
-    fit = SimpleNamespace(x=np.array(x), covariance=np.diag(1.0 / ((g / sd) ** 2 + 1.0)))
-    knots = [Fitted(p, i, i) for i, p in enumerate(parameters)]
-    shift, covariance = with_learned_prior(fit, [], knots, size)
-    weights, means, squares = [], [], []
-    place = np.linspace(0.0, 1.0, 4)
-    for factor, length in itertools.product(np.geomspace(1.0, 10.0, 7), (1e-3, 0.25, 0.5)):
-        prior = (factor * size) ** 2 * np.exp(-0.5 * ((place[:, None] - place) / length) ** 2)
-        total = prior + np.diag(sd**2)
-        likely = -0.5 * (y @ np.linalg.solve(total, y) + np.linalg.slogdet(total)[1])
-        weights.append(np.exp(likely - 0.5 * np.log(factor) ** 2))
-        means.append(prior @ np.linalg.solve(total, y))
-        inside = prior - prior @ np.linalg.solve(total, prior)
-        squares.append(inside + np.outer(means[-1], means[-1]))
-    mean = np.average(means, axis=0, weights=weights)
-    expected = np.average(squares, axis=0, weights=weights) - np.outer(mean, mean)
-    at = np.array([p.value(u) for p, u in zip(parameters, x, strict=True)])
-    # The fit's slopes are differences over 0.02 of a coordinate: right to 2e-5.
-    assert at + shift == pytest.approx(mean, abs=1e-3)
-    assert covariance == pytest.approx(expected, abs=1e-3)
-    # The knot that nothing is known of may be about as large as the others.
-    assert np.sqrt(covariance[3, 3]) > 2.0 * size
-
-
-def test_a_band_holds_a_whole_curve_with_its_probability():
-    # Of independent points the largest deviation has a law of its own, of equal ones that of one.
-    # The quantile of 4000 draws has a standard deviation of at most 0.023.
-    for count in (1, 5, 40):
-        one = norm.ppf(0.5 + 0.5 * 0.9 ** (1.0 / count))
-        sizes = np.diag(np.linspace(1e-3, 2.0, count)) ** 2
-        assert reach_of_band(sizes, 0.9) == pytest.approx(one, abs=0.07)
-        equal = 1e-12 * np.ones((count, count))
-        assert reach_of_band(equal, 0.9) == pytest.approx(norm.ppf(0.95), abs=0.07)
-    # A point that is known for sure is no deviation.
-    assert reach_of_band(np.diag([0.0, 1.0]), 0.9) == pytest.approx(norm.ppf(0.95), abs=0.07)
-    assert reach_of_band(np.zeros((2, 2)), 0.9) == 0.0
-
-
-def test_where_a_law_is_zero_for_sure_nothing_lies_about_its_curve():
-    hook, span = HOOK["free_friction_speed"], 0.01
-    argument = np.linspace(0.0, span, 61)
-    design = curve_design(BASE, hook, span, argument)
-    knots = np.array([0.3, -0.1, 0.4, 0.1, 0.2])
-    between = np.diag(covariance_between_knots(argument, design, knots, 1e-4 * np.eye(5), 0.3))
-    assert between[0] == pytest.approx(0.0, abs=1e-12)
-    assert between[3] > 1e-5
 
 
 def test_the_curve_of_the_report_is_the_law_of_the_core():

@@ -42,7 +42,7 @@ _ENGINE = ("diagnosis", "measurement", "scenario")
 # Files that decide only about the law that is said in the place of a cause.
 LAWS_ONLY = (
     "between_knots", "form_curves", "form_starts", "formula_search", "formulas", "free_shapes",
-    "free_term_search", "law_prior", "open_set", "simultaneous_band",
+    "free_term_search", "law_posterior", "law_prior", "open_set", "simultaneous_band",
 )  # fmt: skip
 
 

@@ -33,9 +33,9 @@ from stickslip.diagnosis.inference.between_knots import covariance_between_knots
 from stickslip.diagnosis.inference.cross_validation import measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.formula_search import find_formulas
-from stickslip.diagnosis.inference.law_prior import with_learned_prior
+from stickslip.diagnosis.inference.law_posterior import linear_draws, posterior_draws
 from stickslip.diagnosis.inference.open_set import BAND, Curve, FreeShape, OpenSet
-from stickslip.diagnosis.inference.simultaneous_band import reach_of_band
+from stickslip.diagnosis.inference.simultaneous_band import simultaneous_band
 from stickslip.diagnosis.inference.verdict import contradictions, reasons_against, smooth_rest
 from stickslip.diagnosis.model.free_terms import Term
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
@@ -164,7 +164,8 @@ def explore_terms(
     found = OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, ())
     if not found.accepted:
         return found
-    return replace(found, formulas=find_formulas(problem, first.term, first.fit))
+    curve = _curve(problem, first.term, first.fit, sampled=True)
+    return replace(found, curve=curve, formulas=find_formulas(problem, first.term, first.fit))
 
 
 def _of_both(one: Fit, other: Fit | None) -> Fit:
@@ -204,30 +205,34 @@ def _fits(
     return refine(problem, list(best.values()), others, 1, within=np.inf)
 
 
-def _curve(problem: Problem, term: Term, fit: Fit) -> Curve:
-    """The curve of a fit with its band."""
+def _curve(problem: Problem, term: Term, fit: Fit, sampled: bool = False) -> Curve:
+    """The curve of a fit with its band, of the linear model about the fit or of the posterior."""
     values = problem.physical(fit.x[None, :])[0]
     free = free_parameters(problem, fit)
     knots = [each for each in free if each.name in term.knots]
     own = [each for each in free if each.name == term.constant]
     argument = np.linspace(term.low, term.high, _POINTS)
     design = term.design(argument)
-    change = values[[each.column for each in knots]]
     without = term.without(dict(zip(problem.names, values.tolist(), strict=True)))
     factor = without if term.relative else 1.0
-    law = without + factor * (design @ change)
+    law = without + factor * (design @ values[[each.column for each in knots]])
     size = term.cause.parameters[0].scale
-    shift, spread = with_learned_prior(fit, own, knots, size)
-    count = len(own)
+    if sampled:
+        draws = posterior_draws(problem, fit, own, knots, size)
+    else:
+        draws = linear_draws(fit, own, knots, size)
+    drawn, knot = draws[:, : len(own)], draws[:, len(own) :]
+    constant = drawn if own else np.full((len(draws), 1), without)
     between = covariance_between_knots(
-        argument, design, change + shift[count:], spread[count:, count:], size
+        argument, design, np.mean(knot, axis=0), np.cov(knot.T), size
     )
     # Of what the curve cannot follow the constants take a share, the same at all points.
     missed = between + np.mean(np.diag(between))
-    slopes = np.hstack([*((1.0 + design @ change)[:, None] for _ in own), factor * design])
-    covariance = slopes @ spread @ slopes.T + factor**2 * missed
-    reach = reach_of_band(covariance, BAND)
-    middle, width = law + slopes @ shift, reach * np.sqrt(np.diag(covariance))
+    random = np.random.default_rng(37)
+    bends = random.multivariate_normal(np.zeros(_POINTS), missed, len(draws), "ignore")
+    laws = constant + (constant if term.relative else 1.0) * (knot @ design.T + bends)
+    middle, sd, reach = simultaneous_band(laws, BAND)
+    ends = middle - reach * sd, middle + reach * sd
     least = 0.0 if term.cut else -np.inf
-    law, low, high = (np.maximum(each, least) for each in (law, middle - width, middle + width))
+    law, low, high = (np.maximum(each, least) for each in (law, *ends))
     return Curve(argument, law, low, high, without, abs(factor) * size * reach, term.law_unit)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from scipy.special import logsumexp
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fit.fit_result import Fit, Fitted, physical_covariance
@@ -50,26 +51,52 @@ def with_learned_prior(
     precision = np.linalg.inv(physical_covariance(fit, every))
     # The prior of the fit is normal in the coordinates.
     precision[of_knots, of_knots] -= np.diag(1.0 / slope**2)
-    place = np.linspace(0.0, 1.0, len(knots))
     weights, shifts, covariances = [], [], []
-    for factor, length in itertools.product(_SIZES, _LENGTHS):
-        alike = np.eye(len(knots))
-        if length:
-            alike = np.exp(-0.5 * ((place[:, None] - place) / length) ** 2)
-        prior = np.linalg.inv((factor * size) ** 2 * alike)
+    for weight, prior in _priors(len(knots), size):
         with_prior, pull = precision.copy(), np.zeros(len(every))
         with_prior[of_knots, of_knots] += prior
         pull[of_knots] = u / slope - prior @ values
         covariance = np.linalg.inv(with_prior)
         shift = covariance @ pull
         determinants = np.linalg.slogdet(prior)[1] - np.linalg.slogdet(with_prior)[1]
-        squares = pull @ shift - values @ prior @ values - (np.log(factor) / _WIDTH) ** 2
-        weights.append(0.5 * (squares + determinants))
+        squares = pull @ shift - values @ prior @ values
+        weights.append(weight + 0.5 * (squares + determinants))
         shifts.append(shift)
         covariances.append(covariance)
-    weight = np.exp(np.array(weights) - np.max(weights))
-    weight /= weight.sum()
-    mean = weight @ np.array(shifts)
+    share = np.exp(np.array(weights) - np.max(weights))
+    share /= share.sum()
+    mean = share @ np.array(shifts)
     apart = np.array(shifts) - mean
-    spread = np.tensordot(weight, covariances, 1) + (apart.T * weight) @ apart
+    spread = np.tensordot(share, covariances, 1) + (apart.T * share) @ apart
     return mean, np.asarray(spread)
+
+
+def log_prior(knots: Array, size: float) -> Array:
+    """Logarithm of the prior's density at the knots of some laws, but for a constant.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (laws, knots)
+    size : float
+        What would not surprise of a knot, in its unit.
+
+    Returns
+    -------
+    ndarray, shape (laws,)
+    """
+    parts = [
+        weight + 0.5 * np.linalg.slogdet(prior)[1] - 0.5 * np.sum((knots @ prior) * knots, axis=1)
+        for weight, prior in _priors(knots.shape[1], size)
+    ]
+    return np.asarray(logsumexp(parts, axis=0))
+
+
+def _priors(knots: int, size: float) -> Iterator[tuple[float, Array]]:
+    """Log-weight and inverse covariance of each of the normal priors."""
+    place = np.linspace(0.0, 1.0, knots)
+    for factor, length in itertools.product(_SIZES, _LENGTHS):
+        alike = np.eye(knots)
+        if length:
+            alike = np.exp(-0.5 * ((place[:, None] - place) / length) ** 2)
+        weight = -0.5 * (np.log(factor) / _WIDTH) ** 2
+        yield weight, np.linalg.inv((factor * size) ** 2 * alike)
