@@ -168,7 +168,7 @@ def test_a_term_that_is_a_force_has_its_unit():
     level = Formula("a exp(-|u| / b)", 0.5, 0.25, 0.0, 0.3, 1.0, 0.5)
     said = level.in_numbers("friction", "m/s", "-", relative=True)
     assert said == "friction = 0.3 (1 + a exp(-|u| / b)) with a = 0.5, b = 0.25 m/s"
-    root = Formula("a sqrt(|u|)", 0.5, np.nan, 0.0, 0.3, 1.0, 0.5)
+    root = Formula("a sqrt(|u|)", 0.5, (), 0.0, 0.3, 1.0, 0.5)
     said = root.in_numbers("drag", "rad", "N s/m", relative=True)
     assert said == "drag = 0.3 N s/m (1 + a sqrt(|u|)) with a = 0.5 per rad^0.5"
 

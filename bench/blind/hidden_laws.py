@@ -24,9 +24,9 @@ FORMULAS = {
     "saturation": (*_BELL, *_LEVELLING),
     "gaussian": _BELL,
     "rational": _BELL,
-    "hump": ("a (u / b) exp(1 - |u| / b)",),
+    "hump": ("a (u / b) exp(1 - |u| / b)", "a exp(-((|u| - b) / c)^2)"),
     # Of the size of a sine, which begins with a corner: no square of one does.
-    "sine": _LEVELLING,
+    "sine": ("a |sin(u)|", *_LEVELLING),
 }
 """Formulas that a diagnosis may propose and that are a law's form, or bend as it does.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -14,8 +15,8 @@ from stickslip.diagnosis.inference.formulas import Form
 from stickslip.diagnosis.model.free_terms import Term
 from stickslip.diagnosis.model.problem import Problem
 
-# Coordinates of a place that are looked at, and how many of them a fit begins at, so far from each
-# other. Chosen: three standard deviations of its prior.
+# Coordinates of a place that are looked at, of two places every other one, and how many of them a
+# fit begins at, so far from each other. Chosen: three standard deviations of its prior.
 _SCANNED, _BEGINS, _APART = np.linspace(-3.0, 3.0, 31), 3, 0.5
 # Largest step of a constant to a start, as that is a linear matter; and half the width of the
 # difference of a place, in coordinates. Chosen.
@@ -97,25 +98,26 @@ def form_starts(
     cause = formed.causes[curves.forms.index(form)]
     base, size = formed.base_count, cause.parameters[0].scale
 
-    def response(u: float) -> Array:
-        place = float(PLACE.value(np.array(u))) if form.place else 1.0
-        return linear.by_knots @ (curves.project @ curves.values(form, place))
+    def response(u: Array) -> Array:
+        places = PLACE.value(u).tolist()
+        return linear.by_knots @ (curves.project @ curves.values(form, *places))
 
-    def left(u: float) -> float:
-        return linear.beside(response(u), size)[0] + u**2
+    def left(u: Array) -> float:
+        return linear.beside(response(u), size)[0] + float(u @ u)
 
-    places = sorted(_SCANNED.tolist() if form.place else [0.0], key=left)
+    scanned = _SCANNED[:: form.places or 1]
+    places = [np.array(each) for each in product(scanned, repeat=form.places)]
     starts = []
-    for u in well_separated(places, np.atleast_1d, _APART, _BEGINS):
+    for u in well_separated(sorted(places, key=left), np.asarray, _APART, _BEGINS):
         _, factor, step = linear.beside(response(u), size)
         factor = float(np.clip(factor, -LARGEST * size, LARGEST * size))
         coordinate = float(np.arcsinh(factor / size * np.sinh(1.0)))
         x = np.zeros(formed.size)
         x[:base] = linear.constants + np.clip(step, -_FAR, _FAR)
-        x[formed.columns([cause])] = [coordinate, u][: 1 + form.place]
-        # By the coordinates of the factor and of the place.
-        per_factor = response(u) * size * np.cosh(coordinate) / np.sinh(1.0)
-        per_place = factor * (response(u + _ASIDE) - response(u - _ASIDE)) / (2.0 * _ASIDE)
-        own = [per_factor, per_place][: 1 + form.place]
+        x[formed.columns([cause])] = [coordinate, *u]
+        # By the coordinates of the factor and of the places.
+        own = [response(u) * size * np.cosh(coordinate) / np.sinh(1.0)]
+        for aside in _ASIDE * np.eye(form.places):
+            own.append(factor * (response(u + aside) - response(u - aside)) / (2.0 * _ASIDE))
         starts.append(Start(x, np.column_stack([linear.slope, *own])))
     return starts

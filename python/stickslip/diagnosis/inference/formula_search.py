@@ -81,7 +81,7 @@ def _formula(formed: Problem, curves: FormCurves, form: Form, fit: Fit, of_curve
     return Formula(
         text=form.text,
         a=float(own[0]) / scale**form.power,
-        b=float(own[1]) * scale if form.place else np.nan,
+        places=tuple(float(each) * scale for each in own[1:]),
         origin=curves.term.origin,
         without=curves.term.without(dict(zip(formed.names, values.tolist(), strict=True))),
         lead=fit.log_evidence - of_curve.log_evidence,

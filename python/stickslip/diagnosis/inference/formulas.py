@@ -12,43 +12,50 @@ from stickslip._util.arrays import Array
 
 @dataclass(frozen=True)
 class Form:
-    """A family of laws f(u; a, b): `a` is a factor, and `b` a place where there is one.
+    """A family of laws f(u; a, b, c): `a` is a factor, `b` and `c` are places where there are some.
 
     Attributes
     ----------
     text : str
         With `u` for the argument.
     shape : callable
-        ``shape(u, b)``, with a number or an array for b; f is `a` times it.
-    place : bool
-        Whether there is a `b`.
+        ``shape(u, *places)``, with numbers or arrays for the places; f is `a` times it.
+    places : int
+        How many of `b` and `c` there are: 0, 1 or 2.
     power : float
         Of the argument, where the form is one.
     angle : bool
         Whether the argument is an angle in rad.
+    even : bool
+        Whether it is another form only where the argument has both signs. Angles, over which a
+        law is periodic, have a sine in its place.
     """
 
     text: str
-    shape: Callable[[Array, Array | float], Array]
-    place: bool = False
+    shape: Callable[..., Array]
+    places: int = 0
     power: float = 0.0
     angle: bool = False
+    even: bool = False
 
 
 FORMS = (
-    Form("a", lambda u, b: np.ones_like(u)),
-    Form("a u", lambda u, b: u, power=1.0),
-    Form("a u^2", lambda u, b: u**2, power=2.0),
-    Form("a sqrt(|u|)", lambda u, b: np.sqrt(np.abs(u)), power=0.5),
-    Form("a sin(u)^2", lambda u, b: np.sin(u) ** 2, angle=True),
-    Form("a cos(u)^2", lambda u, b: np.cos(u) ** 2, angle=True),
-    Form("a u / (b + |u|)", lambda u, b: u / (b + np.abs(u)), True),
-    Form("a exp(-|u| / b)", lambda u, b: np.exp(-np.abs(u) / b), True),
-    Form("a exp(-(u / b)^2)", lambda u, b: np.exp(-((u / b) ** 2)), True),
-    Form("a (1 - exp(-|u| / b))", lambda u, b: 1.0 - np.exp(-np.abs(u) / b), True),
-    Form("a (1 - exp(-(u / b)^2))", lambda u, b: 1.0 - np.exp(-((u / b) ** 2)), True),
-    Form("a (u / b) exp(1 - |u| / b)", lambda u, b: u / b * np.exp(1.0 - np.abs(u) / b), True),
-    Form("a ln(1 + |u| / b)", lambda u, b: np.log1p(np.abs(u) / b), True),
+    Form("a", lambda u: np.ones_like(u)),
+    Form("a u", lambda u: u, power=1.0),
+    Form("a |u|", np.abs, power=1.0, even=True),
+    Form("a u^2", lambda u: u**2, power=2.0),
+    Form("a sqrt(|u|)", lambda u: np.sqrt(np.abs(u)), power=0.5),
+    Form("a |sin(u)|", lambda u: np.abs(np.sin(u)), angle=True),
+    Form("a sin(u)^2", lambda u: np.sin(u) ** 2, angle=True),
+    Form("a cos(u)^2", lambda u: np.cos(u) ** 2, angle=True),
+    Form("a u / (b + |u|)", lambda u, b: u / (b + np.abs(u)), 1),
+    Form("a exp(-|u| / b)", lambda u, b: np.exp(-np.abs(u) / b), 1),
+    Form("a exp(-(u / b)^2)", lambda u, b: np.exp(-((u / b) ** 2)), 1),
+    Form("a (1 - exp(-|u| / b))", lambda u, b: 1.0 - np.exp(-np.abs(u) / b), 1),
+    Form("a (1 - exp(-(u / b)^2))", lambda u, b: 1.0 - np.exp(-((u / b) ** 2)), 1),
+    Form("a (u / b) exp(1 - |u| / b)", lambda u, b: u / b * np.exp(1.0 - np.abs(u) / b), 1),
+    Form("a ln(1 + |u| / b)", lambda u, b: np.log1p(np.abs(u) / b), 1),
+    Form("a exp(-((|u| - b) / c)^2)", lambda u, b, c: np.exp(-(((np.abs(u) - b) / c) ** 2)), 2),
 )
 
 
@@ -59,9 +66,10 @@ class Formula:
     Attributes
     ----------
     text : str
-        With `u` for the argument less its `origin`, `a` and `b`.
-    a, b : float
-        `b`, in the argument's unit, is NaN where the formula has none.
+        With `u` for the argument less its `origin`, `a`, `b` and `c`.
+    a : float
+    places : tuple of float
+        `b` and `c` as far as the formula has them, in the argument's unit.
     origin : float
         Argument from which `u` is counted, in its unit.
     without : float
@@ -74,7 +82,7 @@ class Formula:
 
     text: str
     a: float
-    b: float
+    places: tuple[float, ...]
     origin: float
     without: float
     lead: float
@@ -83,7 +91,7 @@ class Formula:
     def at(self, argument: Array) -> Array:
         """Its values at arguments in their unit."""
         form = next(each for each in FORMS if each.text == self.text)
-        return np.asarray(self.a * form.shape(argument - self.origin, self.b))
+        return np.asarray(self.a * form.shape(argument - self.origin, *self.places))
 
     def in_numbers(self, law: str, unit: str, own: str, relative: bool) -> str:
         """The law by the formula, with its numbers.
@@ -103,6 +111,7 @@ class Formula:
         per = f" per {of_argument}{to}" if power else ""
         in_own = "" if own == "-" else f" {own}"
         of_a = per if relative else in_own + per
-        place = "" if np.isnan(self.b) else f", b = {self.b:.3g} {unit}"
+        named = zip("bc", self.places, strict=False)
+        places = "".join(f", {name} = {each:.3g} {unit}" for name, each in named)
         right = f"{self.without:.3g}{in_own} (1 + {self.text})" if relative else self.text
-        return f"{law} = {right} with a = {self.a:.3g}{of_a}{place}"
+        return f"{law} = {right} with a = {self.a:.3g}{of_a}{places}"

@@ -201,8 +201,9 @@ class OpenSet(OneLine):
             "curve": {name: getattr(curve, name).tolist()
                       for name in ("argument", "law", "low", "high")} | {"unit": curve.unit},
             "formula": None if formula is None else {
-                "text": formula.text, "a": formula.a, "b": formula.b, "origin": formula.origin,
-                "without": formula.without,
+                "text": formula.text, "a": formula.a,
+                **dict(zip("bc", [*formula.places, None, None], strict=False)),
+                "origin": formula.origin, "without": formula.without,
                 "lead": formula.lead, "p_value": formula.p_value,
                 "others": [each.text for each in self.formulas[1:]],
             },
