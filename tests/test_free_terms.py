@@ -165,7 +165,7 @@ def test_a_term_that_is_a_force_has_its_unit():
     said = formula.in_numbers("f of wind", "m/s", "uN", relative=False)
     assert said.startswith("f of wind = a u^2 with a = ")
     assert said.endswith(" uN per (m/s)^2")
-    level = Formula("a exp(-|u| / b)", 0.5, 0.25, 0.0, 0.3, 1.0, 0.5)
+    level = Formula("a exp(-|u| / b)", 0.5, (0.25,), 0.0, 0.3, 1.0, 0.5)
     said = level.in_numbers("friction", "m/s", "-", relative=True)
     assert said == "friction = 0.3 (1 + a exp(-|u| / b)) with a = 0.5, b = 0.25 m/s"
     root = Formula("a sqrt(|u|)", 0.5, (), 0.0, 0.3, 1.0, 0.5)
