@@ -4,18 +4,15 @@ The study itself, `make blind`, has hundreds. These seeds are fixed and the verd
 they were chosen, so this guards against falling back and gives no rate.
 """
 
-import fcntl
 import itertools
 import json
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-import stickslip
 from stickslip import Scenario
 from stickslip.diagnosis import measurement_problem
 from stickslip.diagnosis.api import diagnose
@@ -25,31 +22,11 @@ from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
-from blind import __main__ as command
-from blind import case
-from blind.case import LAWS_ONLY, same_state, state
 from blind.generator import make
 from blind.kinds import KINDS
-from blind.questions import (
-    band_holds,
-    band_holds_all,
-    form_right,
-    form_said,
-    halved,
-    halved_by_truth,
-    hook_right,
-    instrument_said,
-    physical_claimed,
-    right_shape,
-    second_said,
-)
-from blind.report import misses, report, table
-from blind.scoring import by_cause, calibration, interval, judged, read
 from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
-from blind.writing import KEYS, write_case, write_more
+from blind.writing import write_case, write_more
 
-ROOT = Path(__file__).resolve().parents[1]
-RECORD = ROOT / "bench" / "blind" / "measured.jsonl"
 DATA = Path(__file__).with_name("data") / "blind"
 TWINS = 20002  # seed of near twins
 SINGLES = [(20018, "surface_tilt"), (20009, "stribeck_friction")]
@@ -173,234 +150,3 @@ def test_an_effect_outside_the_library_is_not_named(monkeypatch):
     _, said, _ = _said("unknown", 20001)
     assert said["verdict"] == "unexplained"
     assert said["parameters"] == {}
-
-
-def _row(kind, answer, said, verdict="named", **more):
-    hidden = {"strength": 30.0, "answer": answer, "effects": {}, **more}
-    chance = {"none": 1.0}
-    return {
-        "answer": {"kind": kind, "seed": 7, **hidden},
-        "said": {
-            "verdict": verdict, "cause": said, "probabilities": chance, "gain": None,
-            "open_set": None,
-        },
-        "gain": None,
-        "reasons": [],
-        "cpu_seconds": 1.0,
-    }  # fmt: skip
-
-
-def test_an_interrupted_study_is_continued(tmp_path, monkeypatch, capsys):
-    record = tmp_path / command.RECORD
-    now = {"engine": "a", "laws": "l", "data": "b", "commit": "c", "version": "d"}
-    monkeypatch.setattr(command, "state", lambda: now)
-    # Another commit may have the same files, and where none was looked for laws may have changed.
-    done = json.dumps({**_row("none", [], None, "none"), "state": {**now, "laws": "m"}})
-    # Of other files nothing is taken over.
-    other = json.dumps({**_row("none", [], "x"), "state": {**now, "engine": "e"}})
-    law = _row("law", [], None, "unexplained", hook="friction_speed")
-    law["said"]["open_set"] = {"accepted": False, "gain": None}
-    law = json.dumps({**law, "state": now})
-    record.write_text(f"{other}\n{done}\n{law}\n{done[:50]}")
-    arguments = ["blind", "--first", "7", "--seeds", "1", "--kinds", "none;law", "--jobs", "1"]
-    monkeypatch.setattr(sys, "argv", [*arguments, "--out", str(tmp_path)])
-    command.main()
-    # The row that was cut off is gone, the other one was not made again.
-    assert record.read_text() == f"{other}\n{done}\n{law}\n"
-    assert "| none | false alarm | 0 of 1 |" in capsys.readouterr().out
-    with (tmp_path / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        with pytest.raises(SystemExit):
-            command.main()
-    assert "another study is at work there" in capsys.readouterr().err
-
-
-def test_where_laws_were_looked_for_a_change_there_counts():
-    now = {"engine": "a", "laws": "l", "data": "b"}
-    row = {**_row("law", [], None), "state": now}
-    looked = {**row["said"], "open_set": {"accepted": False}}
-    for each, other_laws in (
-        (row, True), ({**row, "said": looked}, False), ({**row, "followed": looked}, False),
-        ({**row, "followed": row["said"]}, True), ({**row, "followed": None}, True),
-    ):  # fmt: skip
-        assert same_state(each, now)
-        assert same_state(each, {**now, "laws": "m"}) is other_laws
-        assert not same_state(each, {**now, "data": "c"})
-    assert not same_state({**row, "state": {}}, now)
-    assert not same_state({**row, "state": {**now, "engine": "c"}}, now)
-
-
-def test_kinds_of_a_family_are_counted_together():
-    rows = [_row("none", [], None, "none"), _row("none, film", [], None, "unexplained")]
-    assert [each["total"] for each in judged(rows)] == [1, 1]
-    (pooled,) = judged(rows, pooled=True)
-    assert (pooled["kind"], pooled["count"], pooled["total"]) == ("none", 1, 2)
-
-
-def test_a_state_has_a_sum_of_what_decides_about_laws():
-    deciding = Path(stickslip.diagnosis.__file__).parent
-    assert set(LAWS_ONLY) <= {path.stem for path in deciding.rglob("*.py")}
-    assert len(set(state().values())) == len(state())
-
-
-def test_data_sets_are_written_with_their_answers_apart(tmp_path, monkeypatch):
-    arguments = ["blind", "--first", "2", "--seeds", "2", "--kinds", "none, fields"]
-    monkeypatch.setattr(sys, "argv", [*arguments, "--write", str(tmp_path)])
-    command.main()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["0000", "0001", "answers"]
-    answer = json.loads((tmp_path / "answers" / "0001.json").read_text())
-    assert (answer["kind"], answer["seed"]) == ("none, fields", 3)
-
-
-def test_shares_come_with_the_interval_of_wilson():
-    # Its ends are the shares p of which the count is 1.96 standard deviations away.
-    for count, total in ((0, 20), (3, 20), (20, 20)):
-        for end in interval(count, total):
-            if 0.0 < end < 1.0:
-                away = (count / total - end) / np.sqrt(end * (1.0 - end) / total)
-                assert abs(away) == pytest.approx(1.959964)
-    assert interval(0, 20)[0] == 0.0
-    assert interval(20, 20)[1] == 1.0
-    rows = [_row("none", [], None, verdict) for verdict in ("none", "none", "none", "unexplained")]
-    (counted,) = judged(rows)
-    assert (counted["count"], counted["total"], counted["met"]) == (1, 4, False)
-    assert counted["missed"] == [7]
-
-
-def test_a_law_is_judged_by_where_it_acts():
-    law = {"hook": "friction_speed"}
-    for said, right in (
-        ("free_friction_speed", True),
-        ("stribeck_friction", True),
-        (["free_friction_speed", "viscous_friction"], True),
-        (["free_friction_speed", "free_drag_speed"], False),
-        ("surface_tilt", False),
-        (None, False),
-    ):
-        assert hook_right(_row("law", [], said, **law)) is right
-    unexplained = _row("law", [], None, "unexplained", **law)
-    for effect, accepted in (("free_friction_speed", True), ("free_drag_speed", True),
-                             ("free_friction_speed", False)):  # fmt: skip
-        shape = {"accepted": accepted, "effect": effect, "formula": None, "gain": None}
-        unexplained["said"]["open_set"] = shape
-        assert hook_right(unexplained) is (accepted and effect == "free_friction_speed")
-    rows = [_row("law", [], "surface_tilt", **law), _row("law", [], "free_friction_speed", **law)]
-    rows[1]["answer"]["seed"] = 8
-    found = {each["what"]: each["count"] for each in judged(rows)}
-    assert (found["hook right"], found["false terms"]) == (1, 1)
-    (cause,) = by_cause(rows)
-    assert (cause["cause"], cause["in_set"], cause["wrong"]) == ("friction_speed", 1, 1)
-    assert "| law | 7 | friction_speed | 30.0 | named surface_tilt |" in misses(rows)
-
-
-def test_a_curve_is_judged_by_its_band_and_its_form():
-    words = {"target": "sliding", "argument": "slip_speed", "form": "hump"}
-    law = {**words, "amplitude": 0.3, "scale": 0.01, "exponent": 0.5}
-    constants = {"contact.kinetic_friction": 0.1}
-    row = _row("law", [], None, "unexplained", hook="friction_speed", effects={"law": law},
-               constants=constants)  # fmt: skip
-    # mu (1 + 0.3 exp(-2 ln(u / 0.01)^2)), by hand at u of 0, 0.01 and 0.02 m/s.
-    true = np.array([0.1, 0.13, 0.1 * (1.0 + 0.3 * np.exp(-2.0 * np.log(2.0) ** 2))])
-    for holds, right in ((3, True), (2, False)):
-        high = true + np.where(np.arange(3) < holds, 0.001, -0.0005)
-        curve = {"argument": [0.0, 0.01, 0.02], "low": true - 0.001, "high": high}
-        shape = {"accepted": True, "effect": "free_friction_speed", "curve": curve}
-        row["said"]["open_set"] = {**shape, "gain": {"mae_before": 3.0, "mae_after": 1.0}}
-        forms = ("a (u / b) exp(1 - |u| / b)", "a u")
-        first, second = forms if right else forms[::-1]
-        row["said"]["open_set"] |= {"formula": first, "others": [second]}
-        assert band_holds(row) is right
-        assert band_holds_all(row) is right
-        assert form_right(row) is right
-        assert form_said(row)
-        row["said"]["open_set"]["others"] = []
-        assert form_said(row) is right
-        assert right_shape(row)
-        assert halved(row)
-        for error, reachable in ((1.5, True), (1.6, False)):
-            assert halved_by_truth({**row, "truth_error": error}) is reachable
-    # The truth at 4 of 5 points.
-    at = [0.0, 0.0, 0.01, 0.01, 0.02]
-    low = np.array([0.1, 0.1, 0.13, 0.13, true[2] + 0.01]) - 0.001
-    row["said"]["open_set"]["curve"] = {"argument": at, "low": low, "high": low + 0.002}
-    assert (band_holds(row), band_holds_all(row)) == (True, False)
-    row["said"]["open_set"]["accepted"] = False
-    assert not any(question(row) for question in (band_holds, form_right, right_shape, halved))
-
-
-def test_the_error_of_the_truth_is_over_what_was_held_out(monkeypatch):
-    answer = _row("law", [], None, hook="friction_speed")["answer"]
-    problem = SimpleNamespace(
-        conditions=[{f"drive.{key}": float(k) for key in KEYS} for k in range(4)],
-        observed=np.array([0.0, 1.5, 0.0, 2.0]),
-    )
-    monkeypatch.setattr(case, "gain_of", lambda found: SimpleNamespace(held_out=np.array([1, 3])))
-    monkeypatch.setattr(case, "Truth", SimpleNamespace(of=lambda each: each))
-    # The truth is at 1 and 3, where 1.5 and 2 were measured.
-    monkeypatch.setattr(
-        case, "velocities", lambda truth, drives: np.array([each["frequency"] for each in drives])
-    )
-    result = SimpleNamespace(findings=SimpleNamespace(problem=problem))
-    assert case._truth_error(result, answer) == pytest.approx(0.75)
-    monkeypatch.setattr(case, "gain_of", lambda found: None)
-    assert case._truth_error(result, answer) is None
-
-
-def test_a_distortion_is_judged_by_what_is_blamed_for_it():
-    scale = _row("instrument", ["length_scale"], "clock_scale")
-    assert instrument_said(scale)
-    assert not physical_claimed(scale)
-    offset = _row("instrument", ["velocity_offset"], "surface_tilt")
-    assert not instrument_said(offset)
-    assert physical_claimed(offset)
-    assert not physical_claimed(_row("instrument", ["velocity_offset"], ["a"], "ambiguous"))
-
-
-def test_a_hidden_second_cause_may_be_said_in_three_ways():
-    answer = ["misalignment", "ambient_field"]
-    assert second_said(_row("hiding", answer, answer, "pair"))
-    assert second_said(_row("hiding", answer, answer, "ambiguous"))
-    alone = _row("hiding", answer, "misalignment")
-    assert not second_said(alone)
-    assert second_said({**alone, "reasons": ["SMOOTH_REST"]})
-
-
-def test_causes_that_cannot_be_as_strong_as_asked_for_are_not_counted():
-    weak = _row("single", ["restitution"], "restitution")
-    weak["answer"]["strength"] = 2.0
-    assert judged([weak]) == []
-    assert "Not counted: 1 data sets" in report([weak])
-
-
-def test_calibration_counts_answers_by_their_probability():
-    def row(kind, answer, chance):
-        return {"answer": {"kind": kind, "answer": answer}, "said": {"probabilities": chance}}
-
-    rows = [
-        row("none", [], {"none": 0.9, "a": 0.1}),
-        row("single", ["a"], {"none": 0.1, "a": 0.85, "b": 0.05}),
-        row("single", ["a"], {"none": 0.1, "b": 0.9}),
-        row("unknown", [], {"unknown": 1.0}),
-        row("pair", ["a", "b"], {"a": 0.9, "none": 0.1}),
-    ]
-    high, sure = calibration(rows)
-    assert (high["count"], high["total"]) == (2, 3)
-    assert high["mean"] == pytest.approx((0.9 + 0.85 + 0.9) / 3)
-    assert (sure["count"], sure["total"]) == (1, 1)
-
-
-def test_the_documentation_has_the_numbers_of_the_record():
-    rows = read(RECORD)
-    assert table(rows) in (ROOT / "docs" / "theory" / "diagnosis.md").read_text()
-    counts = {(each["kind"], each["what"]): each for each in judged(rows)}
-    said = " ".join((ROOT / "README.md").read_text().split())
-    for kind, what, words in (
-        ("single", "first in rank", "first in rank in {count} of {total}"),
-        ("single", "named", "named in {count}"),
-        ("single", "right when named", "rightly in {count}"),
-        ("none", "false alarm", "a false alarm came in {count} of {total}"),
-        ("pair", "exact pair", "pairs were found in {count} of {total}"),
-        ("weak", "detected", "were detected in {count} of {total}"),
-    ):
-        assert words.format(**counts[kind, what]) in said, (kind, what)
-    assert f"{len(rows)} data sets" in said

@@ -18,9 +18,30 @@ from blind.scoring import by_cause, calibration, counted, judged, read
 _MEDIAN, _MOST = 20.0, 240.0
 
 
+# Families of kinds in a reader's words.
+FAMILY_WORDS = {
+    "none": "nothing",
+    "none, hard": "nothing, hard noise",
+    "none, correlated": "nothing, errors correlated",
+    "constant 3 sd": "a constant 3 sd off",
+    "constant 5 sd": "a constant 5 sd off",
+    "single": "one cause, S of 6 or more",
+    "single, correlated": "one cause, errors correlated",
+    "weak": "one cause, S = 4",
+    "near twins": "one of near twins",
+    "exact twins": "one of exact twins",
+    "pair": "two causes",
+    "hiding": "two, of which one hides the other",
+    "unknown": "a wave that no cause has",
+    "law": "a law outside the library",
+    "instrument": "an instrument",
+    "shuffled": "nothing, readings shuffled",
+}
+
+
 def table(rows: Sequence[Row]) -> str:
-    """Counts beside what is asked, the calibration of the probabilities, and the cost."""
-    lines = _counts(rows)
+    """Counts of each family beside what is asked, calibration of the probabilities, and cost."""
+    lines = _counts(rows, pooled=True)
     lines += ["", "| most likely, thought to be so by | on average | true |", "| --- | --- | --- |"]
     lines += [
         f"| {each['from']:.0%} to {each['to']:.0%} | {each['mean']:.0%} "
@@ -30,7 +51,7 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join([*lines, *_cost(rows)])
 
 
-def _counts(rows: Sequence[Row], pooled: bool = False) -> list[str]:
+def _counts(rows: Sequence[Row], pooled: bool) -> list[str]:
     """Counts beside what is asked, by kind or pooled by family."""
     lines = [
         "| hidden | counted | count | share | 95 % interval | asked | met |",
@@ -41,9 +62,9 @@ def _counts(rows: Sequence[Row], pooled: bool = False) -> list[str]:
         asked = "-" if each["asked"] is None else f"{bound} {each['asked']:.0%}"
         met = {None: "-", True: "yes", False: "no"}[each["met"]]
         lines.append(
-            f"| {each['kind']} | {each['what']} | {each['count']} of {each['total']} "
-            f"| {each['count'] / each['total']:.0%} | {each['low']:.0%} to {each['high']:.0%} "
-            f"| {asked} | {met} |"
+            f"| {FAMILY_WORDS[each['kind']] if pooled else each['kind']} | {each['what']} "
+            f"| {each['count']} of {each['total']} | {each['count'] / each['total']:.0%} "
+            f"| {each['low']:.0%} to {each['high']:.0%} | {asked} | {met} |"
         )
     return lines
 
@@ -107,8 +128,8 @@ def report(rows: Sequence[Row]) -> str:
         )
     states = {tuple(sorted(row.get("state", {}).items())) for row in rows}
     parts += [", ".join(f"{key} {value}" for key, value in each) for each in sorted(states) if each]
-    pooled = "\n".join(["All kinds of a family together:", "", *_counts(rows, pooled=True)])
-    return "\n\n".join([*parts, pooled, cause_table(rows), misses(rows)])
+    kinds = "\n".join(["Each kind by itself:", "", *_counts(rows, pooled=False)])
+    return "\n\n".join([*parts, kinds, cause_table(rows), misses(rows)])
 
 
 if __name__ == "__main__":
