@@ -48,7 +48,8 @@ def test_a_curve_is_known_where_its_band_is_narrow(width, told):
     # Half as wide as before the data is 0.5 to both sides.
     u = np.linspace(-1.0, 1.0, 21)
     law, half = 1.0 + 0.0 * u, width(u)
-    curve = Curve(u, 2.0 * law, 2.0 * (law - half), 2.0 * (law + half), 2.0, 2.0, "-")
+    ends = 2.0 * (law - half), 2.0 * (law + half)
+    curve = Curve(u, 2.0 * law, *ends, 2.0 * half, 2.0, 2.0, "-")
     assert curve.told == (told if told is None else pytest.approx(told))
 
 

@@ -162,7 +162,7 @@ EXAMPLES = {
     ),
     Code.MAY_BE_CORRELATED: (
         {"name": "wave", "correlation": 0.4, "lead": 1.5, "margin": 3.0},
-        r"by 0\.40, .* wave leads .* 1\.5 .* 3 is",
+        r"by 0\.40, .* of wave .* \+1\.5, .* needs \+3",
     ),
     Code.CONSTANT_PULLED: (
         {"name": "wave", "constant": "slope", "pull": -3.25, "limit": 2.5},

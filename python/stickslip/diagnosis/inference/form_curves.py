@@ -50,7 +50,7 @@ class FormCurves:
     @staticmethod
     def near(problem: Problem, term: Term, fit: Fit) -> FormCurves:
         """Those near the curve of a fit; what the data tell of it more exactly weighs more."""
-        angle, both_signs = term.unit == "rad", term.low < term.origin
+        angle, both_signs = term.unit == "rad", term.low < term.origin < term.high
         forms = [form for form in FORMS if angle or not form.angle]
         forms = [form for form in forms if (both_signs and not angle) or not form.even]
         points = np.linspace(term.low, term.high, _POINTS)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -160,11 +161,11 @@ def explore_terms(
     gain = measure_gain(
         problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
     )
-    curve = _curve(problem, first.term, first.fit)
+    curve = _curve(problem, first.term, first.fit, linear_draws)
     found = OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, ())
     if not found.accepted:
         return found
-    curve = _curve(problem, first.term, first.fit, sampled=True)
+    curve = _curve(problem, first.term, first.fit, partial(posterior_draws, problem))
     return replace(found, curve=curve, formulas=find_formulas(problem, first.term, first.fit))
 
 
@@ -205,8 +206,8 @@ def _fits(
     return refine(problem, list(best.values()), others, 1, within=np.inf)
 
 
-def _curve(problem: Problem, term: Term, fit: Fit, sampled: bool = False) -> Curve:
-    """The curve of a fit with its band, of the linear model about the fit or of the posterior."""
+def _curve(problem: Problem, term: Term, fit: Fit, draws_of: Callable[..., Array]) -> Curve:
+    """The curve of a fit with its band, out of draws of its constant and its knots."""
     values = problem.physical(fit.x[None, :])[0]
     free = free_parameters(problem, fit)
     knots = [each for each in free if each.name in term.knots]
@@ -217,10 +218,7 @@ def _curve(problem: Problem, term: Term, fit: Fit, sampled: bool = False) -> Cur
     factor = without if term.relative else 1.0
     law = without + factor * (design @ values[[each.column for each in knots]])
     size = term.cause.parameters[0].scale
-    if sampled:
-        draws = posterior_draws(problem, fit, own, knots, size)
-    else:
-        draws = linear_draws(fit, own, knots, size)
+    draws = draws_of(fit, own, knots, size)
     drawn, knot = draws[:, : len(own)], draws[:, len(own) :]
     constant = drawn if own else np.full((len(draws), 1), without)
     between = covariance_between_knots(
@@ -232,7 +230,10 @@ def _curve(problem: Problem, term: Term, fit: Fit, sampled: bool = False) -> Cur
     bends = random.multivariate_normal(np.zeros(_POINTS), missed, len(draws), "ignore")
     laws = constant + (constant if term.relative else 1.0) * (knot @ design.T + bends)
     middle, sd, reach = simultaneous_band(laws, BAND)
-    ends = middle - reach * sd, middle + reach * sd
+    half = reach * sd
+    # A band about the mean of a skew posterior may leave out its mode, which the fit is.
+    ends = np.minimum(law, middle - half), np.maximum(law, middle + half)
     least = 0.0 if term.cut else -np.inf
     law, low, high = (np.maximum(each, least) for each in (law, *ends))
-    return Curve(argument, law, low, high, without, abs(factor) * size * reach, term.law_unit)
+    before = abs(factor) * size * reach
+    return Curve(argument, law, low, high, half, without, before, term.law_unit)

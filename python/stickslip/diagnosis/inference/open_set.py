@@ -58,15 +58,18 @@ class Curve(OneLine):
     ----------
     argument : ndarray
     law, low, high : ndarray
-        The law, in `unit`, and the ends between which all of it lies with a probability of 90 %.
-        The constant that belongs to it is in them, as the data often tell their product alone.
+        The law of the fit, in `unit`, and the ends between which all of the law lies with a
+        probability of 90 %. The constant that belongs to it is in them, as the data often tell
+        their product alone.
     without : float
         The law without f: that constant in the fit; 1 for the field, whose law is over that of the
         model; 0 where the law is f alone: the place of the contact, and a term of one's own that
         has no `factor_of`.
+    half : ndarray, shape (points,)
+        Half the width of the band before an end is cut off at zero.
     before : float
-        Half the width of a band that reaches as far about a law of which only its usual size is
-        known, in `unit`.
+        The same of a band that reaches as far about a law of which only its usual size is known, in
+        `unit`.
     unit : str
     """
 
@@ -74,6 +77,7 @@ class Curve(OneLine):
     law: Array
     low: Array
     high: Array
+    half: Array
     without: float
     before: float
     unit: str
@@ -82,11 +86,10 @@ class Curve(OneLine):
     def told(self) -> tuple[float, float] | None:
         """Ends of the widest range of the argument that the data tell something of, or None.
 
-        There the law has a band less than half as wide as before them, by its upper half.
-        Chosen: the data then tell more than was known.
+        There the law has a band less than half as wide as before them. Chosen: the data then tell
+        more than was known.
         """
-        # Not both halves: the lower one may be cut off at zero.
-        narrow = (self.high - self.law) < 0.5 * self.before
+        narrow = self.half < 0.5 * self.before
         edges = np.flatnonzero(np.diff(np.concatenate([[0], narrow, [0]])))
         runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         if not runs:

@@ -153,6 +153,7 @@ def _details(found: Findings, posed: PosedProblem, unit: str) -> dict[str, Any]:
             "cosines": found.cosines.tolist(),
         },
         "choice_without_held_out": None if gain is None else gain.choice,
+        "choice_lead": None if gain is None else gain.lead,
         "held_out_level": _level(found, unit),
         "held_out_p_value": None if gain is None else gain.p_value,
         "conditions": _condition_rows(found, posed),
