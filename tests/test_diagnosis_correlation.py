@@ -7,7 +7,7 @@ import pytest
 
 from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.data.data_quality import find_data_problem
-from stickslip.diagnosis.data.error_correlation import with_correlation
+from stickslip.diagnosis.data.error_correlation import as_correlated_as_possible, with_correlation
 from stickslip.diagnosis.data.trial_noise import fit_noise, stated_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
 from stickslip.diagnosis.fit.goodness import lack_of_fit_p
@@ -263,6 +263,64 @@ def test_a_diagnosis_uses_and_reports_the_correlation():
     )
     assert stated.findings.noise.correlation is None
     assert stated.findings.notes == ()
+
+
+def as_correlated(correlation):
+    """Correlation of readings of the same curve."""
+    apart = np.abs(np.subtract.outer(np.arange(SIZE), np.arange(SIZE)))
+    return np.where(CURVE[:, None] == CURVE, correlation**apart, 0.0)
+
+
+def test_errors_may_be_as_correlated_as_the_end_of_the_interval_says():
+    values = (LEVEL[:, None] + SD * errors(np.random.default_rng(4), 0.0)).ravel()
+    trials = Trials(values, CONDITION, None, None, RUN)
+    alone, noise = noise_of(values)
+    most = as_correlated_as_possible(noise, trials)
+    sd = np.sqrt(np.diag(alone.covariance))
+    expected = np.outer(sd, sd) * as_correlated(noise.correlation.high)
+    assert noise.correlation.high > 0.05
+    assert most.covariance == pytest.approx(expected, abs=1e-12)
+    # Nothing is known without runs; and what is taken as correlated has been averaged over.
+    assert as_correlated_as_possible(alone, trials) is None
+    values = (LEVEL[:, None] + SD * errors(np.random.default_rng(5), 0.6)).ravel()
+    assert as_correlated_as_possible(noise_of(values)[1], trials) is None
+
+
+def log_evidence(observed, covariance, wave):
+    """Of a level and, if asked for, a wave, by a sum over a grid of their priors."""
+    u, v = np.linspace(-1.0, 1.0, 401), np.linspace(-1.0, 1.0, 201) if wave else np.zeros(1)
+    # Coordinates are normal: of the height the hyperbolic sine, 0.5 at 1.
+    columns = [1.0 + 0.5 * u, 0.5 * np.sinh(v) / math.sinh(1.0)]
+    grid = np.stack(np.meshgrid(*columns, indexing="ij"), axis=-1).reshape(-1, 2)
+    white = np.linalg.inv(np.linalg.cholesky(covariance))
+    squares = np.sum(((waves(None, grid) - observed) @ white.T) ** 2, axis=1)
+    squares += np.add.outer(u**2, v**2).ravel()
+    steps = (u[1] - u[0]) * ((v[1] - v[0]) / math.sqrt(2.0 * math.pi) if wave else 1.0)
+    least = squares.min()
+    return math.log(steps * np.sum(np.exp(-0.5 * (squares - least)))) - 0.5 * least
+
+
+def test_a_name_is_withheld_that_leads_too_little_where_errors_may_be_correlated():
+    # Independent errors, of which repeats cannot exclude that they are correlated by 0.22.
+    draws = SD * errors(np.random.default_rng(4), 0.0)
+    values = (LEVEL[:, None] + 0.03 * np.sin(3.0 * X)[:, None] + draws).ravel()
+    slope = Uncertain("slope", Prior("normal", 1.0, 0.5), suspect=False)
+    wave = Cause("wave", (CauseParameter("wave.height", "-", -5.0, 5.0, 0.5),))
+    options = {"condition": CONDITION, "seed": 1}
+    without = diagnose_model(waves, None, values, [slope], [wave], **options)
+    assert (without.verdict.kind, without.verdict.causes) == ("named", ("wave",))
+    found = diagnose_model(waves, None, values, [slope], [wave], run=RUN, **options)
+    assert (found.verdict.kind, found.verdict.causes) == ("ambiguous", ("wave",))
+    (reason,) = found.verdict.reasons
+    assert reason.code == Code.MAY_BE_CORRELATED
+    noise = found.findings.noise
+    assert reason.fields["correlation"] == noise.correlation.high
+    sd = np.sqrt(np.diag(noise.covariance))
+    covariance = np.outer(sd, sd) * as_correlated(noise.correlation.high)
+    with_wave, alone = (log_evidence(noise.mean, covariance, each) for each in (True, False))
+    # Only the height is no linear coordinate: asinh has a relative curvature of (0.03 / 0.5)^2 / 2,
+    # of a lead of 2.3.
+    assert reason.fields["lead"] == pytest.approx(with_wave - alone, abs=0.01)
 
 
 @pytest.mark.parametrize("run", [[0, 1], np.full(len(RUN), 0.5)])

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain
+from stickslip.diagnosis import Cause, CauseParameter, Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.cause_pairs import beside_a_released_constant
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
@@ -20,6 +20,7 @@ from stickslip.diagnosis.fit.single_cause import (
 )
 from stickslip.diagnosis.fit.start_points import sobol_scan
 from stickslip.diagnosis.fit.view import View
+from stickslip.diagnosis.inference import model_comparison
 from stickslip.diagnosis.inference.cross_validation import folds, predictive_gain
 from stickslip.diagnosis.inference.model_comparison import assess_baseline, explore, reweighed
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
@@ -218,6 +219,33 @@ def test_a_distant_start_is_the_best_sum_of_two_responses():
     softer = given.with_inflated_errors(LARGEST_INFLATION)
     misfit = np.sum(softer.residuals(every) ** 2, axis=1) + np.sum(every**2, axis=1)
     assert start.x == pytest.approx(every[np.argmin(misfit)])
+
+
+@pytest.mark.parametrize("searched", [True, False])
+def test_a_cause_that_acts_far_from_the_recalibrated_constants_is_sought_all_over(
+    searched, monkeypatch
+):
+    # A wave that the model has only at slopes near 0. Without it the slope is drawn to -0.4, where
+    # the wave's response is exp(-16) of its height. The test without the search shows that it is
+    # needed.
+    if not searched:
+        monkeypatch.setattr(model_comparison, "search_all_over", lambda _, fits, *a: tuple(fits))
+    wave, bend = (
+        Cause(name, (CauseParameter(f"{name}.height", "-", -9.0, 9.0, 1.0),))
+        for name in ("wave", "bend")
+    )
+
+    def model(_, p):
+        near = np.exp(-((p[:, :1] / 0.1) ** 2))
+        return p[:, :1] * X + p[:, 1:2] * near * np.sin(2 * X) + p[:, 2:] * (X - 2.0) ** 2
+
+    noise = SD * np.random.default_rng(1).standard_normal(len(X))
+    slope = Uncertain("slope", Prior("normal", 0.0, 0.5), suspect=False)
+    found = diagnose_model(
+        model, X, 2.0 * np.sin(2 * X) + noise, [slope], [wave, bend], sd=np.full(len(X), SD)
+    )
+    assert slope.prior.value(found.findings.null.x[0]) == pytest.approx(-0.4, abs=0.03)
+    assert ((found.verdict.kind, found.verdict.causes) == ("named", ("wave",))) is searched
 
 
 def test_a_second_cause_begins_where_a_pulled_constant_was():
