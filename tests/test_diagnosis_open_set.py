@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +12,7 @@ from stickslip import Drive, Measurement, Scenario, diagnose, load, simulate, si
 from stickslip.diagnosis import Prior, Uncertain, measurement_problem
 from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws
 from stickslip.diagnosis.inference.findings import Findings
-from stickslip.diagnosis.inference.free_term_search import explore_terms
+from stickslip.diagnosis.inference.free_term_search import _with_own_constant, explore_terms
 from stickslip.diagnosis.inference.open_set import Curve
 from stickslip.diagnosis.inference.verdict import Verdict, reasons_against
 from stickslip.diagnosis.model.free_shapes import HOOKS, curve_design, find_spans
@@ -70,11 +70,11 @@ X = np.linspace(1.0, 3.0, 24)
 WAVES = np.sin(np.outer(np.arange(4, 9), X))
 
 
-def against(problem, null, fit):
-    return reasons_against(problem, null, fit, ())
+def against(problem, null, shape, others):
+    return reasons_against(problem, null, _with_own_constant(shape), (), None, others)
 
 
-def explored(observed, against=against, sd=0.05):
+def explored(observed, against=against, sd=0.05, constant=None):
     """The law of a model whose knots are waves on a line, from data of known noise."""
     hook = HOOK["free_drag_speed"]
     problem = Problem(
@@ -82,7 +82,7 @@ def explored(observed, against=against, sd=0.05):
         None, observed, np.eye(len(X)) / sd, math.inf,
         (Uncertain("slope", Prior("normal", 1.0, 0.5)),), (hook.cause,),
     )  # fmt: skip
-    terms = [hook.term(BASE, 0.01)]
+    terms = [replace(hook.term(BASE, 0.01), constant=constant)]
     held_out, covariance = np.arange(0, len(X), 3), sd**2 * np.eye(len(X))
     return explore_terms(problem, covariance, np.zeros(1), terms, held_out, 0, against)
 
@@ -116,10 +116,30 @@ def test_a_law_is_withheld_for_what_withholds_a_name(observed, code):
     assert code in [each.code for each in found.facts()]
 
 
+def test_the_pull_of_its_own_constant_is_a_part_of_the_law():
+    observed = (1.0 + 4.0 * 0.5) * X + LAW
+    assert not explored(observed).accepted
+    assert explored(observed, constant="slope").accepted
+
+
+@pytest.mark.parametrize(("beyond", "accepted"), [(-0.1, True), (0.1, False)])
+def test_starts_of_a_law_have_to_agree_where_another_could_lead(beyond, accepted):
+    # Half of what a search has missed, others may have missed as well; they have to stay 3 behind.
+    lead = explored(X + LAW).first.lead
+
+    def disagreeing(problem, null, shape, others):
+        starts = (0.0, 2.0 * (lead - 3.0) + beyond)
+        fit = replace(shape.fit, converged=False, starts=starts)
+        return against(problem, null, replace(shape, fit=fit), others)
+
+    assert explored(X + LAW, disagreeing).accepted is accepted
+
+
 def test_a_law_that_leaves_something_smooth_is_withheld():
-    def smooth(problem, null, fit):
-        assert null.chi2 > fit.chi2
-        return (Fact(Code.SMOOTH_REST, {"name": fit.name, "percent": 50.0, "needed": 70.0}),)
+    def smooth(problem, null, shape, others):
+        assert null.chi2 > shape.fit.chi2
+        said = {"name": shape.fit.name, "percent": 50.0, "needed": 70.0}
+        return (Fact(Code.SMOOTH_REST, said),)
 
     found = explored(X + LAW, smooth)
     assert not found.accepted

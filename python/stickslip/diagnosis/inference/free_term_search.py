@@ -90,11 +90,13 @@ def search_terms(
     )
     inverse = np.linalg.inv(problem.whiten)
 
-    def against(problem: Problem, null: Fit, fit: Fit) -> tuple[Fact, ...]:
+    def against(
+        problem: Problem, null: Fit, shape: FreeShape, others: Sequence[Fit]
+    ) -> tuple[Fact, ...]:
         return (
-            *reasons_against(problem, null, fit, found.tables),
-            *smooth_rest(null, fit, found.smooth_bound),
-            *contradictions(fit, found.tables),
+            *reasons_against(problem, null, _with_own_constant(shape), found.tables, None, others),
+            *smooth_rest(null, shape.fit, found.smooth_bound),
+            *contradictions(shape.fit, found.tables),
         )
 
     constants = found.null.x[: problem.base_count]
@@ -109,7 +111,7 @@ def explore_terms(
     terms: Sequence[Term],
     held_out: Indices,
     seed: int,
-    against: Callable[[Problem, Fit, Fit], tuple[Fact, ...]],
+    against: Callable[[Problem, Fit, FreeShape, Sequence[Fit]], tuple[Fact, ...]],
 ) -> OpenSet | None:
     """Fit a free curve at each place, and rank them.
 
@@ -127,7 +129,8 @@ def explore_terms(
     seed : int
         Of the bootstrap of the gain.
     against : callable
-        ``against(problem, null, fit)`` is what speaks against a fit, beside the recalibrated model.
+        ``against(problem, null, shape, others)`` is what speaks against a law, beside the
+        recalibrated model and all other fits, of which that model is one.
 
     Returns
     -------
@@ -162,11 +165,23 @@ def explore_terms(
         problem, covariance, held_out, null, first.fit, [each.fit for each in shapes[1:3]], seed
     )
     curve = _curve(problem, first.term, first.fit, linear_draws)
-    found = OpenSet(problem, shapes, against(problem, null, first.fit), gain, curve, ())
+    others = [null, *(each.fit for each in shapes[1:])]
+    found = OpenSet(problem, shapes, against(problem, null, first, others), gain, curve, ())
     if not found.accepted:
         return found
     curve = _curve(problem, first.term, first.fit, partial(posterior_draws, problem))
     return replace(found, curve=curve, formulas=find_formulas(problem, first.term, first.fit))
+
+
+def _with_own_constant(shape: FreeShape) -> Fit:
+    """The fit of a law as one in which the law's own constant is suspected too.
+
+    Its pull then says nothing against the law: of the two the data often tell their product alone,
+    and that product is what is claimed.
+    """
+    candidate = shape.fit.candidate
+    own = tuple(replace(each, relaxes_prior=shape.term.constant) for each in candidate.causes)
+    return replace(shape.fit, candidate=replace(candidate, causes=own))
 
 
 def _of_both(one: Fit, other: Fit | None) -> Fit:
