@@ -64,6 +64,7 @@ $(VENV)/.build-tools: pyproject.toml $(VENV)/.created
 $(VENV)/.installed: $(PACKAGE_SOURCES) $(VENV)/.build-tools
 	@echo "Building and installing stickslip (some minutes the first time)"
 	@$(RUN) -m pip install --quiet --no-build-isolation ".[test]"
+	@echo "Installed in $(VENV): try $(VENV)/bin/stickslip run"
 	@touch $@
 
 install: $(VENV)/.installed ## build the package into .venv

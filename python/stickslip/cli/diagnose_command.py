@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.results import Diagnosis
     from stickslip.measurement.reading import Measurement
 
+# Lines about what was left out that are said before the work; the report has all.
+_SAID_FIRST = 3
+
 
 @click.command(
     "diagnose",
@@ -74,11 +77,11 @@ def command(
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed is --budget beside --next")
     data = read_measurement(measurement)
-    if data.left_out:
-        # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
-        more = len(data.left_out) - 1
-        also = f" ({more} more are left out)" if more else ""
-        say(f"stickslip: left out: {data.left_out[0]}{also}", err=True)
+    # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
+    for said in data.left_out[:_SAID_FIRST]:
+        say(f"stickslip: left out: {said}", err=True)
+    if len(data.left_out) > _SAID_FIRST:
+        say("stickslip: left out: more, which the report lists", err=True)
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None
