@@ -56,6 +56,32 @@ def test_without_it_the_minimum_is_missed():
     assert diagnosed(1.0).verdict.kind != "named"
 
 
+@pytest.mark.parametrize("size", [0.8, -1.7])
+def test_a_narrow_minimum_is_found_of_a_cause_whose_size_is_not_known(size):
+    # The size is not that of the scan's responses, and may be below zero.
+    height = CauseParameter("wave.height", "-", -9.0, 9.0, 1.0)
+    period = CauseParameter(
+        "wave.period", "s", 0.1, 10.0, 1.0, absent=1.0, shape=True, fineness=0.01
+    )
+    wave = Cause("wave", (height, period), "a wave of an unknown size")
+
+    def model(when, parameters):
+        level, slope, bend, size, period = parameters.T[:, :, None]
+        flat = predict(when, np.hstack([parameters[:, :3], np.zeros((len(parameters), 1))]))
+        return flat + size * RIPPLE * np.sin(2.0 * np.pi * when / period)
+
+    truth = model(WHEN, np.array([[0.2, -0.4, 0.0, size, PERIOD]]))[0]
+    noise = np.random.default_rng(11).normal(0.0, SD, len(WHEN))
+    sd = np.full(len(WHEN), SD)
+    found = diagnose_model(model, WHEN, truth + noise, LINE, [BEND, wave], sd=sd)
+    assert (found.verdict.kind, found.verdict.causes) == ("named", ("wave",))
+    values = found.findings.problem.physical(found.verdict.fit.x[None, :])[0]
+    # The mean square of a sine is a half.
+    error = SD * np.sqrt(2.0 / len(WHEN)) / RIPPLE
+    assert abs(values[3] - size) < 4.0 * error
+    assert values[4] == pytest.approx(PERIOD, rel=1e-3)
+
+
 def test_a_narrow_minimum_is_found_beside_another_cause():
     found = diagnosed(0.01, bend=2.0)
     assert (found.verdict.kind, found.verdict.causes) == ("pair", ("bend", "ripple"))

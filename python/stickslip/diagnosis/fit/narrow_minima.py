@@ -8,6 +8,7 @@ estimate, is taken off; and the best places are simulated more closely.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -40,6 +41,8 @@ _STARTS = 6
 _HOPELESS = 30.0
 # Longest step of a constant by linear estimate.
 _LARGEST_STEP = 2.0
+# Least and largest multiple of a response that is taken: beyond, it is not in proportion any more.
+_MULTIPLES = (0.1, 5.0)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -51,17 +54,21 @@ class NarrowScan(OneLine):
     cause : Cause
     column : int
         Coordinate of the parameter.
-    place : ndarray, shape (places,)
-        Values of the coordinate.
     spacing : float
+        Of its places.
+    amplitudes : tuple of int
+        Coordinates of how strong the cause is besides, 1 or -1 at the places.
+    place : ndarray, shape (places, size)
+        All coordinates, of which the constants are those of the recalibrated model.
     gap : ndarray, shape (places, m)
         Change of the prediction by the cause, in the observable's unit.
     """
 
     cause: Cause
     column: int
-    place: Array
     spacing: float
+    amplitudes: tuple[int, ...]
+    place: Array
     gap: Array
 
 
@@ -70,18 +77,23 @@ def scan_narrow(problem: Problem, null: Fit) -> list[NarrowScan]:
     low, high = problem.limits()
     result = []
     for cause in problem.causes:
-        for column, parameter in zip(problem.columns([cause]), cause.parameters, strict=True):
-            if parameter.fineness == 1.0 or cause in null.candidate.causes:
+        columns = list(zip(problem.columns([cause]), cause.parameters, strict=True))
+        for column, parameter in columns:
+            if parameter.fineness == 1.0:
                 continue
+            others = [at for at, each in columns if at != column and not each.shape]
             spacing = _SPACING * parameter.fineness
             ends = max(low[column], -_FARTHEST), min(high[column], _FARTHEST)
-            place = np.arange(*ends, spacing)
-            place = place[parameter.value(place) != parameter.absent]
-            x = np.tile(null.x, (len(place) + 1, 1))
-            x[1:, column] = place
+            values = np.arange(*ends, spacing)
+            values = values[parameter.value(values) != parameter.absent]
+            signs = list(itertools.product((1.0, -1.0), repeat=len(others)))
+            x = np.tile(null.x, (len(signs) * len(values) + 1, 1))
+            x[1:, column] = np.tile(values, len(signs))
+            x[1:, others] = np.repeat(signs, len(values), axis=0)
+            x = np.clip(x, low, high)
             predicted = problem.predicted(x)
             gap = predicted[1:] - predicted[0]
-            result.append(NarrowScan(cause, column, place, spacing, gap))
+            result.append(NarrowScan(cause, column, spacing, tuple(others), x[1:], gap))
     return result
 
 
@@ -120,13 +132,21 @@ def fit_narrow(
 def _promised(problem: Problem, scan: NarrowScan, fit: Fit) -> tuple[float, Array]:
     """What the best place would leave of chi-square, and coordinates of the best places."""
     gap = np.where(np.isfinite(scan.gap), scan.gap, 0.0) @ problem.whiten.T
-    rest = np.tile(fit.residual, (len(gap), 1))
-    rest[:, : gap.shape[1]] -= gap
-    left, step = _absorbed(fit, rest)
+    gap = np.pad(gap, ((0, 0), (0, len(fit.residual) - gap.shape[1])))
+    multiple = np.ones((len(gap), 1))
+    if scan.amplitudes:
+        basis = np.linalg.qr(fit.jacobian)[0]
+        own = gap - (gap @ basis) @ basis.T
+        power = np.maximum(np.sum(own**2, axis=1), np.finfo(float).tiny)
+        multiple[:, 0] = np.clip(own @ fit.residual / power, *_MULTIPLES)
+    left, step = _absorbed(fit, fit.residual - multiple * gap)
     best = np.argsort(left, kind="stable")[:_PLACES]
     x = np.tile(fit.x, (len(best), 1))
     x[:, fit.candidate.free] += step[best]
-    x[:, scan.column] = scan.place[best]
+    x[:, scan.column] = scan.place[best, scan.column]
+    strong = list(scan.amplitudes)
+    # As `CauseParameter.value`, whose coordinate is 1 at the scale.
+    x[:, strong] = np.arcsinh(multiple[best] * np.sinh(scan.place[np.ix_(best, strong)]))
     return float(left[best[0]]), np.clip(x, *problem.limits())
 
 
