@@ -66,7 +66,7 @@ def test_a_narrow_minimum_is_found_of_a_cause_whose_size_is_not_known(size):
     wave = Cause("wave", (height, period), "a wave of an unknown size")
 
     def model(when, parameters):
-        level, slope, bend, size, period = parameters.T[:, :, None]
+        size, period = parameters.T[3:, :, None]
         flat = predict(when, np.hstack([parameters[:, :3], np.zeros((len(parameters), 1))]))
         return flat + size * RIPPLE * np.sin(2.0 * np.pi * when / period)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -88,8 +89,7 @@ class Waveform:
     @classmethod
     def ramp(cls, duration: float, to: Voltages, start: Voltages = ()) -> Waveform:
         """From `start` (V; all zero by default) straight to `to` (V) within `duration` (s)."""
-        if not 0.0 < duration < math.inf:
-            raise ValueError(f"duration = {duration!r}: allowed is a finite number of s above 0")
+        _check_time("duration", duration)
         return cls.from_points([0.0, duration], [_five(start), _five(to)])
 
     @classmethod
@@ -121,7 +121,8 @@ class Waveform:
         """
         if edge not in ("rise", "fall"):
             raise ValueError(f'edge = {edge!r}: allowed is one of "rise", "fall"')
-        if not 0.0 <= edge_time < period:
+        _check_time("period", period)
+        if not _is_real(edge_time) or not 0.0 <= edge_time < period:
             raise ValueError(
                 f"edge_time = {edge_time!r}: allowed is from 0 to less than {highest(period)}"
             )
@@ -247,10 +248,7 @@ class Waveform:
         ValueError
             If `t` is no such number.
         """
-        try:
-            left = float(t)
-        except (TypeError, ValueError):
-            left = math.nan
+        left = float(t) if _is_real(t) else math.nan
         if not 0.0 <= left < self.duration:
             raise ValueError(
                 f"t = {t!r}: allowed is from 0 to less than {highest(self.duration)} s"
@@ -370,11 +368,24 @@ def _five(voltages: Voltages) -> list[float]:
             name, allowed = min(unknown), ", ".join(map(repr, COIL_NAMES))
             hint = meant(name, COIL_NAMES)
             raise ValueError(f"coil {name!r}: allowed is one of {allowed}{hint}")
-        return [float(voltages.get(name, 0.0)) for name in COIL_NAMES]
-    values = [float(value) for value in voltages] or [0.0] * len(COIL_NAMES)
+        return _five([voltages.get(name, 0.0) for name in COIL_NAMES])
+    given = list(voltages) if isinstance(voltages, Iterable) else [voltages]
+    values = given or [0.0] * len(COIL_NAMES)
+    wrong = [value for value in values if not _is_real(value)]
+    if wrong:
+        raise ValueError(f"voltages: {wrong[0]!r}: allowed are finite numbers of V")
     if len(values) != len(COIL_NAMES):
         raise ValueError(f"{len(values)} voltages: allowed are {len(COIL_NAMES)}, one a coil")
     return values
+
+
+def _is_real(value: object) -> TypeGuard[float]:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _check_time(name: str, value: float) -> None:
+    if not _is_real(value) or not 0.0 < value < math.inf:
+        raise ValueError(f"{name} = {value!r}: allowed is a finite number of s above 0")
 
 
 def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:

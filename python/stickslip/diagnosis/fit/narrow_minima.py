@@ -146,7 +146,7 @@ def _promised(problem: Problem, scan: NarrowScan, fit: Fit) -> tuple[float, Arra
     x[:, scan.column] = scan.place[best, scan.column]
     strong = list(scan.amplitudes)
     # As `CauseParameter.value`, whose coordinate is 1 at the scale.
-    x[:, strong] = np.arcsinh(multiple[best] * np.sinh(scan.place[np.ix_(best, strong)]))
+    x[:, strong] = np.arcsinh(multiple[best] * np.sinh(scan.place[best][:, strong]))
     return float(left[best[0]]), np.clip(x, *problem.limits())
 
 
