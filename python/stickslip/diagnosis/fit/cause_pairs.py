@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stickslip.diagnosis.fit.careful_fit import CAREFUL, refine, search_until_converged
 from stickslip.diagnosis.fit.fit_result import Fit, Start, make_candidate, ranked
 from stickslip.diagnosis.fit.multistart import (
     AGREE,
@@ -15,13 +16,7 @@ from stickslip.diagnosis.fit.multistart import (
     fit_candidates,
 )
 from stickslip.diagnosis.fit.sensitivity import UNSEEN, projected_responses, screen
-from stickslip.diagnosis.fit.single_cause import (
-    CAREFUL,
-    quick_fits,
-    refine,
-    search_until_converged,
-    without_cause,
-)
+from stickslip.diagnosis.fit.single_cause import quick_fits, without_cause
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.model.problem import Array, Problem
 

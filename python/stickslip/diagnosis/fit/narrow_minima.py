@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fit.careful_fit import CAREFUL
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Start, make_candidate
 from stickslip.diagnosis.fit.multistart import fit_candidates
-from stickslip.diagnosis.fit.single_cause import CAREFUL
 from stickslip.diagnosis.model.problem import Array, Cause, Problem
 
 # The numbers below are chosen, not derived. Lengths are in coordinates, of which 1 is a standard

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fit.careful_fit import search_until_converged
 from stickslip.diagnosis.fit.fit_result import Candidate, Fit, Fitted, Start, fitted_parameters
 from stickslip.diagnosis.fit.multistart import AGREE, fit_candidates
-from stickslip.diagnosis.fit.single_cause import search_until_converged
 from stickslip.diagnosis.model.problem import Array, Problem
 
 FAR = 9.0

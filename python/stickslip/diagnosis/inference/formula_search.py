@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip.diagnosis.fit.careful_fit import CAREFUL, refine
 from stickslip.diagnosis.fit.fit_result import Fit, make_candidate
 from stickslip.diagnosis.fit.goodness import ADEQUATE, adequacy
 from stickslip.diagnosis.fit.multistart import fit_candidates
-from stickslip.diagnosis.fit.single_cause import CAREFUL, refine
 from stickslip.diagnosis.inference.form_curves import FormCurves
 from stickslip.diagnosis.inference.form_starts import LinearModel, form_starts
 from stickslip.diagnosis.inference.formulas import Form, Formula

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 
 from stickslip._util.arrays import Array, Indices
+from stickslip.diagnosis.fit.careful_fit import refine
 from stickslip.diagnosis.fit.fit_result import (
     Fit,
     Start,
@@ -22,12 +23,7 @@ from stickslip.diagnosis.fit.fit_result import (
 )
 from stickslip.diagnosis.fit.goodness import adequacy
 from stickslip.diagnosis.fit.multistart import AGREE, LARGEST_INFLATION, fit_candidates
-from stickslip.diagnosis.fit.single_cause import (
-    quick_fits,
-    refine,
-    refit_null,
-    refit_worse_than_null,
-)
+from stickslip.diagnosis.fit.single_cause import quick_fits, refit_null, refit_worse_than_null
 from stickslip.diagnosis.fit.start_points import sobol_scan, well_separated
 from stickslip.diagnosis.inference import cross_validation
 from stickslip.diagnosis.inference.between_knots import covariance_between_knots

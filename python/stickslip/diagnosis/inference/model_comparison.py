@@ -14,6 +14,7 @@ import numpy as np
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.trial_noise import whitener
 from stickslip.diagnosis.fit.baseline import Recalibration, model_roughness, with_stated_errors
+from stickslip.diagnosis.fit.careful_fit import refine, search_until_converged
 from stickslip.diagnosis.fit.cause_pairs import fit_pairs, second_causes, singles_beside
 from stickslip.diagnosis.fit.fit_result import PAIR_PRICE, Fit, Ranking, ranked
 from stickslip.diagnosis.fit.goodness import ADEQUATE, COMFORTABLE, adequacy
@@ -22,12 +23,10 @@ from stickslip.diagnosis.fit.narrow_minima import NarrowScan, fit_narrow, scan_n
 from stickslip.diagnosis.fit.sensitivity import Sensitivities, find_sensitivities
 from stickslip.diagnosis.fit.single_cause import (
     fit_singles,
-    refine,
     refit_null,
     refit_worse_than_null,
     search_all_over,
     search_near_leaders,
-    search_until_converged,
 )
 from stickslip.diagnosis.fit.view import View
 from stickslip.diagnosis.inference.detection import Detection, detect
