@@ -11,13 +11,15 @@ from line_model import BEND, SD, SLOPE, WAVE, X, fitted, line, problem
 from stickslip.diagnosis import Prior, Uncertain, diagnose_model
 from stickslip.diagnosis.fit.distinguishability import alike
 from stickslip.diagnosis.fit.fit_result import Ranking
-from stickslip.diagnosis.inference.ranking import set_members
-from stickslip.diagnosis.inference.verdict import (
+from stickslip.diagnosis.inference.claim_checks import (
     CorrelatedLead,
-    Table,
-    Verdict,
     checked_on_training_subset,
     checked_with_correlation,
+)
+from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.inference.verdict import (
+    Table,
+    Verdict,
     contradictions,
     decide,
     most_pulled,

@@ -25,6 +25,11 @@ from stickslip.diagnosis.fit.multistart import refit_keeping_starts
 from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 from stickslip.diagnosis.fit.sensitivity import linear_evidence
 from stickslip.diagnosis.inference import cross_validation
+from stickslip.diagnosis.inference.claim_checks import (
+    CorrelatedLead,
+    checked_on_training_subset,
+    checked_with_correlation,
+)
 from stickslip.diagnosis.inference.cross_validation import Gain, measure_gain
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.model_comparison import (
@@ -37,14 +42,7 @@ from stickslip.diagnosis.inference.model_comparison import (
 from stickslip.diagnosis.inference.probabilities import prior_probabilities
 from stickslip.diagnosis.inference.smooth_residual import smooth_residual_bound
 from stickslip.diagnosis.inference.upper_bounds import upper_bounds
-from stickslip.diagnosis.inference.verdict import (
-    CorrelatedLead,
-    Table,
-    Verdict,
-    checked_on_training_subset,
-    checked_with_correlation,
-    decide,
-)
+from stickslip.diagnosis.inference.verdict import Table, Verdict, decide
 from stickslip.diagnosis.input_checks import check_inputs
 from stickslip.diagnosis.model.prediction_cache import PredictionCache
 from stickslip.diagnosis.model.problem import Array, Cause, Predict, Problem, Uncertain

@@ -210,51 +210,6 @@ def _decided(
     return Verdict("named", (best.name,), best, (second, *look), chance)
 
 
-def checked_on_training_subset(
-    problem: Problem, verdict: Verdict, ranking: Ranking, cosines: Array, choice: str, lead: float
-) -> Verdict:
-    """The verdict beside the candidate that ranks first on the training subset of the conditions.
-
-    A cause is not named that is led there by `MARGIN`, or at all by an alike one: a smaller lead of
-    another says that the subset tells nothing of the cause, which may act in the others alone. The
-    other candidate, which has as many causes, joins the set if it explains all the data.
-    """
-    fit = verdict.fit
-    fits = [*ranking.singles, *ranking.pairs]
-    other = next((each for each in fits if each.name == choice), fit)
-    if fit is None or other is None or other.name == fit.name:
-        return verdict
-    if lead < MARGIN and not _alike(problem, cosines, fit, other):
-        return verdict
-    joins = adequacy(problem, other) >= ADEQUATE
-    said = Fact(Code.TRAINING_SUBSET, {"name": choice, "joins": joins})
-    reasons = (said,) if verdict.kind in ("named", "pair") else (*verdict.reasons, said)
-    others = {cause.name for cause in other.candidate.causes} if joins else set()
-    also = sorted(others - set(verdict.causes))
-    return replace(verdict, kind="ambiguous", causes=(*verdict.causes, *also), reasons=reasons)
-
-
-@dataclass(frozen=True)
-class CorrelatedLead(OneLine):
-    """Log-evidence of what is claimed above its rival, with the largest correlation of errors.
-
-    The rival of a cause is no cause, that of a pair the best single cause.
-    """
-
-    correlation: float
-    lead: float
-
-
-def checked_with_correlation(verdict: Verdict, led: CorrelatedLead | None) -> Verdict:
-    """A claim stands if it leads too where errors are as correlated as the interval allows."""
-    needed = MARGIN if verdict.kind == "named" else PAIR_PRICE
-    if led is None or verdict.fit is None or led.lead >= needed:
-        return verdict
-    said = {"name": verdict.fit.name, "correlation": led.correlation, "lead": led.lead}
-    reason = Fact(Code.MAY_BE_CORRELATED, {**said, "margin": needed})
-    return replace(verdict, kind="ambiguous", reasons=(reason,))
-
-
 def reasons_against(
     problem: Problem,
     null: Fit,
