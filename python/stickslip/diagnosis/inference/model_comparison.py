@@ -163,17 +163,17 @@ def compare_candidates(
     if not singles:
         return base, Ranking(base.null, (), ())
     scans = []
-    if _adequacy(base.problem, singles) < ADEQUATE:
+    if _best_adequacy(base.problem, singles) < ADEQUATE:
         leader = singles[0]
         singles = search_all_over(base.problem, singles, base.random_restarts)
         if singles[0] is not leader:
             base, singles = explore(base, data_covariance, singles, singles[:_LEADERS], seed)
-    if _adequacy(base.problem, singles) < ADEQUATE:
+    if _best_adequacy(base.problem, singles) < ADEQUATE:
         scans = scan_narrow(base.problem, base.null)
         singles = _with_narrow(base, scans, singles, [base.null])
         if any(singles[0].name == scan.cause.name for scan in scans):
             base, singles = explore(base, data_covariance, singles, singles[:1], seed)
-    if _adequacy(base.problem, singles) >= COMFORTABLE:
+    if _best_adequacy(base.problem, singles) >= COMFORTABLE:
         say(0.6, "looking for a second cause")
         pairs = second_causes(base.problem, singles[0], base.random_restarts)
         least = singles[0].log_evidence + PAIR_PRICE
@@ -196,7 +196,7 @@ def compare_candidates(
     return base, Ranking.of(base.null, fits)
 
 
-def _adequacy(problem: Problem, singles: Sequence[Fit]) -> float:
+def _best_adequacy(problem: Problem, singles: Sequence[Fit]) -> float:
     """The best p-value of the leading single causes."""
     return max(adequacy(problem, fit) for fit in singles[:3])
 

@@ -26,8 +26,8 @@ MARGIN = 3.0
 """Log-evidence by which a named cause leads. Chosen: odds of twenty to one."""
 
 PAIR_MARGIN = 2.0
-"""The same of a pair over other pairs, as it has paid its price over all of them. Chosen on the
-first 480 data sets of a blind study: of four pairs that led by 2 to 3 there, three were right."""
+"""The same of a pair over other pairs, as it has paid its price over all of them. Chosen on the 480
+data sets that the rules were made with: of four pairs that led by 2 to 3, three were right."""
 
 ALIKE_MARGIN = 2.0 * MARGIN
 """The same over a cause, or a pair, whose effects on the data are alike: the lead of one over the
