@@ -59,6 +59,8 @@ def _line(x, p):
         (lambda x, p: (p[:, :1] * x).T, UNCERTAIN[:1], [], r"shape \(12, 1\)"),
         (lambda x, p: p[:, :1], UNCERTAIN[:1], [], r"shape \(1, 1\)"),
         (lambda x, p: p[:, :1] * x * math.nan, UNCERTAIN[:1], [], "computes no observable"),
+        (lambda p: p, UNCERTAIN[:1], [], r"takes \(p\): .* function of \(conditions, parameters\)"),
+        (3, UNCERTAIN[:1], [], r"predict = 3: allowed is a function of \(conditions, param"),
         (_line, [UNCERTAIN[0], UNCERTAIN[0]], [], "comes twice"),
         (_line, UNCERTAIN[:1], [CAUSES[0], CAUSES[0]], "causes: .* comes twice"),
         (_line, UNCERTAIN[:1], CAUSES[0], "allowed is a list of Cause"),

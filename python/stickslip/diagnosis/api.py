@@ -14,7 +14,7 @@ from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws, looks
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import search_terms
 from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.input_checks import check_terms
+from stickslip.diagnosis.input_checks import check_predict, check_terms
 from stickslip.diagnosis.measurement_problem import diagnose_measurement
 from stickslip.diagnosis.model.free_terms import (
     FreeTerm,
@@ -148,6 +148,10 @@ def diagnose_model(
     """
     chosen = changed(options, changes)
     check_terms(free_terms, uncertain, causes)
+    arguments = ("conditions", "parameters", *(["curves"] if free_terms else []))
+    check_predict("predict", predict, *arguments)
+    if chosen.low_fidelity is not None:
+        check_predict("low_fidelity", chosen.low_fidelity, *arguments)
     flat, low = predict, chosen.low_fidelity
     if free_terms:
         flat = with_flat_curves(predict, free_terms)

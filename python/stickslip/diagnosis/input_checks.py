@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.one_line import brief
 from stickslip.diagnosis.data.trials import Trials
 from stickslip.diagnosis.model.free_terms import FreeTerm
 from stickslip.diagnosis.model.problem import Cause, Uncertain
@@ -70,6 +72,27 @@ def check_terms(
             said = f"factor_of = {each.factor_of}: allowed is the name of an uncertain parameter"
             hint = meant(each.factor_of, constants)
             raise ScenarioError(f"free term {each.name}: {said}{hint}")
+
+
+def check_predict(name: str, predict: object, *arguments: str) -> None:
+    """Refuse a model that does not take the arguments that it is called with.
+
+    Raises
+    ------
+    ScenarioError
+        With the arguments that it takes, and those that it is given.
+    """
+    wanted = f"allowed is a function of ({', '.join(arguments)})"
+    if not callable(predict):
+        raise ScenarioError(f"{name} = {brief(predict)}: {wanted}")
+    try:
+        taken = inspect.signature(predict)
+    except (TypeError, ValueError):  # some compiled functions do not say
+        return
+    try:
+        taken.bind(*arguments)
+    except TypeError:
+        raise ScenarioError(f"{name} takes {taken}: {wanted}") from None
 
 
 def _check_lengths(trials: Trials, options: Options) -> None:
