@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import ScenarioError, instruments
+from stickslip import Prior, ScenarioError, Uncertain, diagnose_model, instruments
 from swinging_body import CAUSES, result
 
 SEEDS = (0, 1, 2)
@@ -123,3 +123,13 @@ def test_what_the_model_cannot_compute_stays_so():
 def test_what_does_not_fit_is_refused(make, said):
     with pytest.raises(ScenarioError, match=said):
         make()
+
+
+@pytest.mark.parametrize("order", [(1, 0), (0,), ()])
+def test_causes_that_are_not_the_instruments_of_the_model_are_refused(order):
+    meters = [instruments.scale(), instruments.offset("m", 1.0)]
+    model = instruments.with_instruments(line, meters)
+    slope = [Uncertain("slope", Prior("normal", 0.5, 0.1))]
+    said = r"last ones are .*; allowed are, in this order, .*: scale, offset"
+    with pytest.raises(ScenarioError, match=said):
+        diagnose_model(model, TIMES, np.ones(6), slope, [meters[k] for k in order], sd=np.ones(6))

@@ -45,6 +45,20 @@ def test_a_table_in_memory_is_read_like_a_file(tmp_path):
     assert one.block.tolist() == [0, 1, -1] * 4
 
 
+@pytest.mark.parametrize("levels", [["frequency"], ["mode", "frequency", "trial"]])
+def test_settings_in_the_index_are_read_as_columns(levels):
+    nominal = Scenario().replace({"drive.base": 0.5e-3})
+    (plain,) = Measurement.from_dataframe(TABLE, nominal).velocity
+    (moved,) = Measurement.from_dataframe(TABLE.set_index(levels), nominal).velocity
+    assert moved.conditions == plain.conditions
+    np.testing.assert_array_equal(moved.velocity, plain.velocity)
+    # A level of another name says what a row is called.
+    named = TABLE.assign(velocity=[None, *TABLE["velocity"][1:]]).set_axis(
+        pd.Index([f"film {k}" for k in range(12)], name="film")
+    )
+    assert "film 0" in str(Measurement.from_dataframe(named, nominal).left_out[-1])
+
+
 def test_unusable_rows_are_left_out_and_reported():
     table = TABLE.astype({"velocity": object, "frequency": object})
     table.loc[1, "velocity"] = None

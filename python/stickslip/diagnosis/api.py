@@ -14,7 +14,7 @@ from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws, looks
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import search_terms
 from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.input_checks import check_predict, check_terms
+from stickslip.diagnosis.input_checks import check_instruments, check_predict, check_terms
 from stickslip.diagnosis.measurement_problem import diagnose_measurement
 from stickslip.diagnosis.model.free_terms import (
     FreeTerm,
@@ -152,6 +152,7 @@ def diagnose_model(
     check_predict("predict", predict, *arguments)
     if chosen.low_fidelity is not None:
         check_predict("low_fidelity", chosen.low_fidelity, *arguments)
+    check_instruments(predict, causes)
     flat, low = predict, chosen.low_fidelity
     if free_terms:
         flat = with_flat_curves(predict, free_terms)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.one_line import brief
 from stickslip.diagnosis.data.trials import Trials
 from stickslip.diagnosis.model.free_terms import FreeTerm
+from stickslip.diagnosis.model.instruments import Instrument, ReadModel
 from stickslip.diagnosis.model.problem import Cause, Uncertain
 from stickslip.diagnosis.options import Options
 from stickslip.errors import ScenarioError
@@ -93,6 +94,30 @@ def check_predict(name: str, predict: object, *arguments: str) -> None:
         taken.bind(*arguments)
     except TypeError:
         raise ScenarioError(f"{name} takes {taken}: {wanted}") from None
+
+
+def check_instruments(predict: object, causes: Sequence[Cause]) -> None:
+    """Refuse causes that are not the instruments that read a model, in their order, at the end.
+
+    The columns of the parameters are in the order of the causes, so that others would be mistaken
+    for them.
+
+    Raises
+    ------
+    ScenarioError
+        With the instruments of the model and those of the causes.
+    """
+    if not isinstance(predict, ReadModel):
+        return
+    read = [each.name for each in predict.instruments]
+    last = [each.name for each in causes[max(len(causes) - len(read), 0) :]]
+    other = [each.name for each in causes[: -len(read)] if isinstance(each, Instrument)]
+    if last != read or (read and other):
+        listed = [*other, *last]
+        raise ScenarioError(
+            f"causes: the last ones are {', '.join(listed) or 'none'}; allowed are, in this order, "
+            f"the instruments that read the model: {', '.join(read)}"
+        )
 
 
 def _check_lengths(trials: Trials, options: Options) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.tables import Line, index_labels
-from stickslip.measurement.velocity import NOT_SETTINGS
+from stickslip.measurement.velocity import NOT_SETTINGS, with_index_columns
 from stickslip.scenario.keys import Value, in_allowed_case, known_keys, shown, suggestion
 from stickslip.scenario.scenario import Scenario
 
@@ -46,7 +46,8 @@ def _rows(given: Any) -> list[tuple[Line, Mapping[Any, Any]]]:
     labels: Sequence[Line] = range(len(given)) if isinstance(given, Sequence) else ()
     rows = given
     if isinstance(given, pd.DataFrame):
-        labels, rows = index_labels(given), given.to_dict("records")
+        table = with_index_columns(given)
+        labels, rows = index_labels(table), table.to_dict("records")
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
         said = "allowed is a DataFrame or a list of dicts of settings"
         raise ScenarioError(f"conditions = {shown(given)}: {said}")

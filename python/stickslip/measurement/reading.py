@@ -25,7 +25,7 @@ from stickslip.measurement.tables import (
     stated_number,
 )
 from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import VelocityData, read_velocity
+from stickslip.measurement.velocity import VelocityData, read_velocity, with_index_columns
 from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
@@ -137,7 +137,7 @@ class Measurement(OneLine):
         if not isinstance(scenario, Scenario):
             refuse("scenario", scenario, "a Scenario")
         path = Path("DataFrame")
-        rows = rows_of_frame(table)
+        rows = rows_of_frame(with_index_columns(table))
         data, left_out = read_velocity(path, rows, scenario, _relative_sd(velocity_sd), "row")
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
@@ -162,7 +162,7 @@ class Measurement(OneLine):
         path, word = Path("DataFrame"), "row"
         if isinstance(table, str | PathLike):
             path, word = Path(table), "line"
-        rows = read_rows(path) if word == "line" else rows_of_frame(table)
+        rows = read_rows(path) if word == "line" else rows_of_frame(with_index_columns(table))
         no_sd = _relative_sd(None)  # what the other tables state counts for all
         data, lost = read_new_trials(path, rows, self.scenario, no_sd, self.velocity, word)
         return replace(self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost))

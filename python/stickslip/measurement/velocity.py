@@ -89,6 +89,17 @@ class _Trial(NamedTuple):
     line: Line
 
 
+def with_index_columns(table: Any) -> Any:
+    """A table in memory whose index levels that are columns of velocities have become columns.
+
+    They are what ``set_index`` and ``groupby`` leave there; other levels stay what rows are called.
+    """
+    drive = {key.removeprefix("drive.") for key in known_keys() if key.startswith("drive.")}
+    names = getattr(getattr(table, "index", None), "names", ())
+    known = [name for name in names if name in {*NOT_SETTINGS, *drive} and name not in table]
+    return table.reset_index(known) if known else table
+
+
 def read_velocity(
     path: Path, table: Rows, scenario: Scenario, relative_sd: float, word: str = "line"
 ) -> tuple[VelocityData, list[Fact]]:

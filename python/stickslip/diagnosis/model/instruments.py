@@ -67,23 +67,32 @@ def with_instruments(predict: Predict, instruments: Sequence[Instrument]) -> Pre
     ScenarioError
         If something else than an `Instrument` is given.
     """
-    instruments = tuple(instruments)
+    if not isinstance(instruments, Sequence):
+        raise ScenarioError("instruments: allowed is a list of what instruments.offset(...) makes")
     for each in instruments:
         if not isinstance(each, Instrument):
             raise ScenarioError(f"instruments: {each!r} is none; instruments.offset(...) makes one")
-    counts = [len(each.parameters) for each in instruments]
+    return ReadModel(predict, tuple(instruments))
 
-    def read(conditions: Any, parameters: Array, *curves: Curves) -> Array:
-        own = parameters.shape[1] - sum(counts)
+
+@dataclass(frozen=True)
+class ReadModel:
+    """What `with_instruments` returns: a model, and the instruments that read it."""
+
+    predict: Predict
+    instruments: tuple[Instrument, ...]
+
+    def __call__(self, conditions: Any, parameters: Array, *curves: Curves) -> Array:
+        """Readings, shape (vectors, m)."""
+        own = parameters.shape[1] - sum(len(each.parameters) for each in self.instruments)
         # Derivatives by an instrument's parameter share the physics.
-        predicted = predicted_once(predict, conditions, parameters[:, :own], *curves)
+        predicted = predicted_once(self.predict, conditions, parameters[:, :own], *curves)
         reading = predicted
-        for each, count in zip(instruments, counts, strict=True):
-            reading = each.read(reading, predicted, parameters[:, own : own + count])
-            own += count
+        for each in self.instruments:
+            values = parameters[:, own : own + len(each.parameters)]
+            reading = each.read(reading, predicted, values)
+            own += len(each.parameters)
         return reading
-
-    return read
 
 
 def scale(
