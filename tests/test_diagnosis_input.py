@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from stickslip.diagnosis import Cause, CauseParameter, Prior, Settings, diagnose, diagnose_model
+from stickslip.diagnosis import (
+    Cause,
+    CauseParameter,
+    Prior,
+    Settings,
+    Uncertain,
+    diagnose,
+    diagnose_model,
+)
 from stickslip.errors import ScenarioError
 from toy_model import CAUSES, UNCERTAIN
 
@@ -89,6 +97,10 @@ def test_an_invalid_model_is_refused(model, uncertain, causes, said):
         (lambda: Prior("log-uniform", -1.0, 2.0), "0 < low < high"),
         (lambda: Prior("log-uniform", 3.0, 2.0), "0 < low < high"),
         (lambda: CauseParameter("a", "-", 2.0, -2.0, 0.5), "low < high"),
+        (lambda: CauseParameter("a", "-", "b", 2.0, 0.5), "parameter a: low = .*: .* a number"),
+        (lambda: CauseParameter("a", "-", -2.0, 2.0, True), "parameter a: scale = .*: .* a number"),
+        (lambda: Uncertain("a", 0.1), "parameter a: prior = 0.1: allowed is a Prior"),
+        (lambda: Uncertain(5, Prior("normal", 2.0, 0.2)), "name = 5: allowed is a text"),
         (lambda: CauseParameter("a", "-", -2.0, 2.0, 0.0), "scale = 0.0"),
         (lambda: Cause("a", CauseParameter("a.b", "-", -2.0, 2.0, 0.5)), "needs a comma"),
     ],

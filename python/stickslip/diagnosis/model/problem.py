@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip._util.one_line import OneLine
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import refuse
 from stickslip.scenario.priors import Prior
 
 Array = NDArray[np.float64]
@@ -45,12 +47,25 @@ class Uncertain:
     unit : str
     suspect : bool
         Whether it may be named itself, as other than stated.
+
+    Raises
+    ------
+    ScenarioError
+        If the name is no text, or the prior no `Prior`.
     """
 
     name: str
     prior: Prior
     unit: str = "-"
     suspect: bool = True
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            refuse("name", self.name, "a text")
+        if not isinstance(self.prior, Prior):
+            refuse(
+                f"parameter {self.name}: prior", self.prior, 'a Prior, as Prior("normal", 1, 0.1)'
+            )
 
 
 @dataclass(frozen=True)
@@ -99,6 +114,10 @@ class CauseParameter:
     fineness: float = 1.0
 
     def __post_init__(self) -> None:
+        for field in ("low", "high", "scale", "absent", "negligible", "fineness"):
+            value = getattr(self, field)
+            if not isinstance(value, Real) or isinstance(value, bool):
+                refuse(f"parameter {self.name}: {field}", value, "a number")
         low, high, absent, scale = self.low, self.high, self.absent, self.scale
         checks = (
             (low < high, f"low = {low}, high = {high}: allowed is low < high"),
