@@ -299,3 +299,20 @@ def test_another_instrument_is_named_where_it_would_split_a_set():
 )
 def test_values_are_rounded_to_the_second_digit_of_their_error(value, sd, said):
     assert rounded(value, sd) == said
+
+
+def test_a_cause_that_changes_no_prediction_is_noted():
+    causes = [
+        Cause(name, (CauseParameter(f"{name}.size", "-", -3.0, 3.0, 0.3),))
+        for name in ("wave", "unread")
+    ]
+    level = Uncertain("level", Prior("normal", 1.0, 0.1))
+    observed = 1.0 + 0.1 * np.random.default_rng(4).standard_normal(len(X))
+
+    def predict(_, p):
+        return p[:, :1] + p[:, 1:2] * np.sin(5 * X)
+
+    notes = diagnose_model(predict, None, observed, [level], causes, sd=0.1).findings.notes
+    assert [each.fields["causes"] for each in notes if each.code is Code.NO_RESPONSE] == [
+        ["unread"]
+    ]

@@ -96,6 +96,7 @@ EXAMPLES = {
         {"setup": 3, "ratio": 2.5, "p_value": 1e-5}, r"set-up 3.* 2\.5 times .* 1e-05"
     ),
     Code.MODEL_JUMPS: ({"count": 2}, "2 conditions"),
+    Code.NO_RESPONSE: ({"causes": ["slip", "lag"]}, "changes with slip and lag: they say nothing"),
     Code.FEW_PULSES: ({"count": 2, "needed": 4}, "2 conditions .* fewer than 4 pulses"),
     Code.STANDS_STILL: (
         {"count": 6, "speed": 1e-3, "conditions": ["f 20 Hz", "f 21 Hz"]},

@@ -125,6 +125,7 @@ def run_steps(
     find_profiles(state)
     measure_improvement(state)
     note_roughness(state)
+    note_causes_without_response(state)
     say(1.0, "done")
     return _findings(state)
 
@@ -354,6 +355,17 @@ def note_roughness(state: State) -> None:
     rough = int(np.sum(roughness > measured))
     if rough:
         state.notes.append(Fact(Code.MODEL_JUMPS, {"count": rough}))
+
+
+def note_causes_without_response(state: State) -> None:
+    """A note of the causes that change no prediction, such as one that `predict` does not read."""
+    if state.data_problem is not None:
+        return
+    size = np.max(np.abs(state.base.sensitivities.raw), axis=1, initial=0.0)
+    responds = set(state.base.sensitivities.cause[size > 0.0])
+    silent = [each.name for k, each in enumerate(state.base.problem.causes) if k not in responds]
+    if silent:
+        state.notes.append(Fact(Code.NO_RESPONSE, {"causes": silent}))
 
 
 def _findings(state: State) -> Findings:

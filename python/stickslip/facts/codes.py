@@ -53,6 +53,7 @@ class Code(str, Enum):
     CURVES_NOT_SMOOTH = "curves-not-smooth"  #: Nor do runs that smooth curves do not follow.
     UNEVEN_SETUP = "uneven-setup"  #: The trials of one set-up scatter more than all others.
     MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
+    NO_RESPONSE = "no-response"  #: Causes that change no prediction.
     FEW_PULSES = "few-pulses"  #: Drives so short that their velocities include the start-up.
     STANDS_STILL = "stands-still"  #: Conditions that read zero where the stated model moves.
     READING_NOISE = "reading-noise"  #: Noise of an angle or a field, widened as it is an estimate.
