@@ -87,7 +87,7 @@ ANSWERS = {
     Code.SURE_OF_LAW: ({"lead": 20.0, "band": 90.0}, "more than a million times .* 90 %"),
     Code.SURE_OF_REST: (
         {"where": "after the fit", "p_value": 0.002, "level": 0.05},
-        r"left after the fit .* only 0\.002; from 0\.05 on",
+        r"left after the fit .* only 0\.002, and less than 0\.05 is taken",
     ),
     Code.SURE_OF_REFUSAL: ({}, "checks of the data"),
     Code.DO_REMEDY: ({"remedy": "Level it"}, "Level it"),

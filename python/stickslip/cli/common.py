@@ -13,6 +13,19 @@ from stickslip.cli.completion import setting, settings
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
+
+class WholeNumber(click.IntRange):
+    """A whole number of an option, refused with the ones that are allowed."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number, or a usage error."""
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter:
+            allowed = f"from {self.min}" if self.max is None else f"from {self.min} to {self.max}"
+            self.fail(f"{value!r}; allowed is a whole number {allowed}.", param, ctx)
+
+
 PATH = click.Path(path_type=Path)
 
 SET = click.option(
@@ -48,7 +61,7 @@ THREADS = click.option(
     "--threads",
     "--jobs",
     "threads",
-    type=click.IntRange(1),
+    type=WholeNumber(1),
     help="Simulations at a time; default: processors.",
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

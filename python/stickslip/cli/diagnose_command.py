@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, THREADS, say
+from stickslip.cli.common import JSON, PATH, THREADS, WholeNumber, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 
@@ -38,18 +38,18 @@ _SAID_FIRST = 3
 @click.option(
     "--next",
     "most",
-    type=click.IntRange(1),
+    type=WholeNumber(1),
     metavar="N",
     help="Where no name is safe, write up to N drives to measure into next.csv in the folder of "
     "--out. The velocities that were filled in there are read by the next call.",
 )
 @click.option(
     "--budget",
-    type=click.IntRange(1),
+    type=WholeNumber(1),
     help="With --next: experiments that may be measured in all.  [default: 3]",
 )
 @JSON
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
+@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of all draws.")
 @click.option(
     "--free-shapes",
     is_flag=True,

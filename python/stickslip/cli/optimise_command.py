@@ -9,7 +9,7 @@ import click
 
 from stickslip._util.plain_text import printable_lines
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, say
+from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, WholeNumber, say
 from stickslip.cli.completion import coils, figure_after, settings
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import by_key, parse_value, read_with, with_uncertain_file
@@ -61,7 +61,7 @@ Examples:
 )
 @click.option(
     "--knots",
-    type=click.IntRange(2, 200),
+    type=WholeNumber(2, 200),
     help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
 )
 @click.option(
@@ -79,23 +79,23 @@ Examples:
     help="What of the draws counts: q10 for the 10 % quantile, mean or worst.",
 )
 @click.option(
-    "--draws", type=click.IntRange(1), default=8, show_default=True, help="Draws in the search."
+    "--draws", type=WholeNumber(1), default=8, show_default=True, help="Draws in the search."
 )
 @click.option(
     "--fresh",
-    type=click.IntRange(1),
+    type=WholeNumber(1),
     default=64,
     show_default=True,
     help="Other draws, to judge what was found.",
 )
 @click.option(
     "--evaluations",
-    type=click.IntRange(1),
+    type=WholeNumber(1),
     default=10_000,
     show_default=True,
     help="Simulations of the search.",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws.")
+@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of all draws.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),

@@ -7,7 +7,17 @@ from pathlib import Path
 import click
 
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, draw, say, vary_option
+from stickslip.cli.common import (
+    JSON,
+    PATH,
+    SET,
+    THREADS,
+    UNCERTAIN,
+    WholeNumber,
+    draw,
+    say,
+    vary_option,
+)
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
 from stickslip.cli.tables import prediction_as_dict, prediction_failures, prediction_table
@@ -30,12 +40,12 @@ from stickslip.sweeping.points import Points
 @SET
 @click.option(
     "--draws",
-    type=click.IntRange(2),
+    type=WholeNumber(2),
     default=DRAWS,
     show_default=True,
     help="Simulations of each point, all with other values of what is uncertain.",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the draws.")
+@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of the draws.")
 @THREADS
 @click.option("--out", type=PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv.")
 @click.option("--plot", type=PATH, help="Draw velocities with bands: .png, .pdf, .svg and others.")

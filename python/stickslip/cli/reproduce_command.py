@@ -9,7 +9,7 @@ import click
 
 from stickslip._util.plain_text import printable
 from stickslip._util.strict_json import json_text
-from stickslip.cli.common import JSON, PATH, THREADS, say
+from stickslip.cli.common import JSON, PATH, THREADS, WholeNumber, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target
 from stickslip.errors import ScenarioError
@@ -43,10 +43,10 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--pairs",
-    type=click.IntRange(1),
+    type=WholeNumber(1),
     help="Pairs of settings that --search tries.  [default: 2400, some six minutes]",
 )
-@click.option("--seed", type=click.IntRange(0), help="Of the draws of --search.  [default: 0]")
+@click.option("--seed", type=WholeNumber(0), help="Of the draws of --search.  [default: 0]")
 @THREADS
 @JSON
 def command(
