@@ -302,18 +302,14 @@ LocalField make_local_field(const Scenario& scenario, const VoltageProgram& prog
 }
 
 PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& program,
-                                  const CoilSet& coils, const StepperOptions& options,
-                                  Dynamics& upright) {
+                                  const CoilSet& coils, Dynamics& upright) {
     const Effects& e = s.effects;
     const SurfaceDirection downhill = surface_direction(e.surface_tilt_azimuth);
     const double weight = s.robot.mass * s.gravity * std::sin(e.surface_tilt_angle);
-    // Slips that are slower change the motion by less than the steps' own error.
-    constexpr double kLeastSlip = 0.1;
     PlaneDynamics plane(upright,
                         SpatialField(coils, driven_gain(s, program),
                                      {e.ambient_field_bx, e.ambient_field_by, e.ambient_field_bz}),
-                        {weight * downhill.x, weight * downhill.y},
-                        kLeastSlip * options.tolerance * options.scales.velocity);
+                        {weight * downhill.x, weight * downhill.y});
     plane.watch().set_state({.heading = start_heading(s)});
     return plane;
 }

@@ -54,8 +54,7 @@ LocalField make_local_field(const Scenario& scenario, const VoltageProgram& prog
 /// What turns the robot and what is across, where it moves in the whole plane. `upright` and
 /// `coils` have to outlive it.
 PlaneDynamics make_plane_dynamics(const Scenario& scenario, const VoltageProgram& program,
-                                  const CoilSet& coils, const StepperOptions& options,
-                                  Dynamics& upright);
+                                  const CoilSet& coils, Dynamics& upright);
 
 /// How accurate the steps are to be, from the natural scales of the motion. `stop` may be nullptr.
 StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,

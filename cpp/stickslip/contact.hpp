@@ -6,6 +6,13 @@
 
 namespace stickslip {
 
+/// Below this approach speed (m/s) a touch-down does not rebound and a rocking face comes to rest;
+/// a corner that separates faster takes no impulse and leaves; a slip along a vector that slows
+/// down to it sticks if static friction can hold it.
+/// It ends the infinite sequences of ever smaller impacts; the energy it removes, m v^2/2 of a 25
+/// ug robot, is 1e-20 J, a billionth of its weight times its height.
+inline constexpr double kCaptureSpeed = 1e-6;
+
 /// What touches the surface: nothing, the quadrant's lowest corner, or the face of which that
 /// corner is the front end (at angle 0).
 enum class Touch { none, corner, face };

@@ -58,14 +58,10 @@ void ContactTransitions::react(Event event, double tau) {
     switch (event) {
         case Event::none:
             break;
-        case Event::slip_slows:
-            state_.slips_slowly = true;
-            state_.slowed_along = state_.slip_velocity;
-            break;
         case Event::slip_quickens:
-            state_.slips_slowly = false;
-            // A slip along a vector need not stop to go on the other way: it passes zero closely.
-            if (state_.slowed_along * state_.slip_velocity < 0.0) count(EventKind::reversal);
+            break;
+        case Event::slip_slows:
+            settle(state_.mode.touch, slip(), 0, tau);
             break;
         case Event::lift_off:
             settle(Touch::none, {}, 0, tau);
@@ -200,18 +196,18 @@ void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double
     PlaneResolution found;
     if (plane_) {
         found = resolve_plane_contact(*plane_, tau, state_.body, touch, slip, onset != 0);
-        state_.slips_slowly = found.slip.size() <= plane_->slow_slip();
+        // Of a slip along a vector the mode does not say which way.
         const bool goes_on = before.slip != 0 && found.upright.mode.slip != 0;
-        if (goes_on && touch != Touch::none && slip.size() == 0.0 &&
-            state_.slowed_along * found.slip.along < 0.0) {
-            count(EventKind::reversal);
-        }
-        state_.slowed_along = found.slip.along;
+        if (goes_on && onset == 0 && slip.size() == 0.0) count(EventKind::reversal);
     } else {
         found.upright = resolve_contact(dynamics_, tau, state_.body, touch, slip.along, onset);
         found.slip = slip;
     }
     if (found.upright.quadrant != state_.body.quadrant) pivot_on_rear_end();
+    const bool is_captured = plane_ && slip.size() > 0.0 && found.upright.mode.slip == 0;
+    if (is_captured && found.upright.mode.touch == Touch::corner) {
+        stop_slip_by_impulse(model(), pose(), slip.along, state_.body);
+    }
     state_.slip_velocity = found.slip.along;
     state_.slip_y = found.slip.across;
     state_.mode = found.upright.mode;

@@ -37,7 +37,7 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
     result_.most_steps = scenario.solver.max_steps;
     result_.map = scenario.map;
     if (turns(scenario)) {
-        plane_ = make_plane_dynamics(scenario, program_, coils_, options_, dynamics_);
+        plane_ = make_plane_dynamics(scenario, program_, coils_, dynamics_);
         transitions_.set_plane(*plane_);
     }
     const Start start = initial_state(scenario, model_);

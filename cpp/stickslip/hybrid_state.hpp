@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "stickslip/face_slide.hpp"
 #include "stickslip/phases.hpp"
 #include "stickslip/plane_corner.hpp"
@@ -18,8 +20,6 @@ struct HybridState {
     // Of a robot that moves in the whole plane: what is above is along x, this along y.
     double contact_y = 0.0;  ///< m
     double slip_y = 0.0;     ///< m/s
-    bool slips_slowly = false;
-    double slowed_along = 0.0;  ///< m/s, along the heading, as a slip became slow
 
     bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
 };
@@ -42,16 +42,19 @@ void with_phase(Dynamics& dynamics, const HybridState& state, auto&& use) {
 void with_plane_phase(PlaneDynamics& plane, const HybridState& state, auto&& use) {
     if (state.mode.touch == Touch::none) {
         use(PlaneFlight(plane));
-    } else if (state.mode.touch == Touch::face) {
-        use(PlaneFaceSlide(plane, state.slip_velocity, state.slip_y));
-    } else if (state.mode.slip == 0) {
+    } else if (state.mode.touch == Touch::corner && state.mode.slip == 0) {
         use(PlaneCornerStick(plane, state.contact_x, state.contact_y));
-    } else if (!state.slips_slowly) {
-        use(PlaneCornerFastSlip(plane, state.contact_x, state.contact_y, state.slip_velocity,
-                                state.slip_y));
     } else {
-        use(PlaneCornerSlowSlip(plane, state.contact_x, state.contact_y, state.slip_velocity,
-                                state.slip_y));
+        const Slip slip = {state.slip_velocity, state.slip_y};
+        const auto use_slip = [&](auto slow) {
+            constexpr bool kSlow = decltype(slow)::value;
+            if (state.mode.touch == Touch::face) {
+                use(PlaneFaceSlide<kSlow>(plane, slip));
+            } else {
+                use(PlaneCornerSlip<kSlow>(plane, state.contact_x, state.contact_y, slip));
+            }
+        };
+        is_captured(slip) ? use_slip(std::true_type()) : use_slip(std::false_type());
     }
 }
 

@@ -4,12 +4,6 @@
 
 namespace stickslip {
 
-/// Below this approach speed (m/s) a touch-down does not rebound and a rocking face comes to rest;
-/// a corner that separates faster takes no impulse and leaves.
-/// It ends the infinite sequences of ever smaller impacts; the energy it removes, m v^2/2 of a 25
-/// ug robot, is 1e-20 J, a billionth of its weight times its height.
-inline constexpr double kCaptureSpeed = 1e-6;
-
 /// Which corner of a face meets the surface newly in an impact. The other one, if any, touched
 /// before.
 enum class Arrival { ahead, behind, both };

@@ -22,8 +22,8 @@ enum class Event {
     opposite_touches,  ///< in flight, the corner opposite to it does
     // In the whole plane:
     breaks_loose,   ///< friction holds no more, whichever way
-    slip_slows,     ///< a slip becomes so slow that it is integrated in another way
-    slip_quickens,  ///< the reverse
+    slip_slows,     ///< a slip slows down to the capture speed
+    slip_quickens,  ///< a slow slip has left the capture speed behind
 };
 
 /// Sizes that make the tolerances relative: a length, and velocities of the free swing.

@@ -13,8 +13,7 @@
 /// cannot penetrate. A phase offers
 ///   kDim, kEvents      number of coordinates and of event functions
 ///   kSlips, kFlies     whether a contact slips, whether nothing touches
-///   kTurns, kStiff     whether it is of a robot that moves in the whole plane (plane_phase.hpp),
-///                      and whether its equations are stiff (rosenbrock.hpp)
+///   kTurns             whether it is of a robot that moves in the whole plane (plane_phase.hpp)
 ///   kEvent             what each event function is; it fires when its function falls through zero
 ///   field_at(tau)      the field's expansion, apart from the state
 ///   rates(field, y, dydt, g)   rates and event functions
@@ -42,7 +41,6 @@ class PhaseBase {
 public:
     using Real = typename D::Real;
     static constexpr bool kTurns = false;
-    static constexpr bool kStiff = false;
 
     explicit PhaseBase(D& dynamics) : dynamics_(&dynamics) {}
 

@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "stickslip/event_location.hpp"
+#include "stickslip/plane_phase.hpp"
 
 namespace stickslip {
 namespace {
 
-// Slip of the least size, the way `angle` rad to the left of the heading.
-Slip least_slip(const PlaneDynamics& plane, double angle) {
-    return {plane.least_slip() * std::cos(angle), plane.least_slip() * std::sin(angle)};
+// Slip that has only begun, the way `angle` rad to the left of the heading.
+Slip least_slip(double angle) {
+    return {kLeastSlip * std::cos(angle), kLeastSlip * std::sin(angle)};
 }
 
 class Resolver {
@@ -21,7 +22,7 @@ public:
         pose_at(quadrant, angle);
         const PlaneLoad load =
             plane_.load(field_, tau_, pose_, {body_.vx, body_.vy}, body_.vz, body_.omega, 0.0);
-        if (slip.size() > plane_.least_slip()) return sliding(quadrant, load, slip);
+        if (!is_captured(slip)) return sliding(quadrant, load, slip);
         const CornerStick stick = corner_stick(upright_.robot(), pose_, body_.omega, load.along);
         // Friction that would hold it; it would slip the other way.
         const Slip friction = {stick.reaction.friction, -load.across};
@@ -32,13 +33,14 @@ public:
                 upright_.static_limit(way, contact_x(), pose_, normal, tau_) * normal;
             if (size <= limit) return {{{Touch::corner, 0}, quadrant}, {}};
         }
+        if (slip.size() > kLeastSlip) return sliding(quadrant, load, slip);
         return breaking_loose(quadrant, load, std::atan2(-friction.across, -friction.along));
     }
 
     PlaneResolution face(int quadrant, Slip slip, bool is_loose) {
         pose_at(quadrant, 0.0);
         const PlaneLoad load = plane_.load_of_face(field_, tau_, pose_, {body_.vx, body_.vy});
-        bool slips = slip.size() > plane_.least_slip();
+        bool slips = !is_captured(slip);
         FaceReaction reaction = face_reaction(model(), quadrant, load.along, true, 0.0);
         const double normal = reaction.normal();
         if (!slips) {
@@ -47,7 +49,11 @@ public:
             const double size = force.size(), way = size > 0.0 ? force.along / size : 1.0;
             const double limit = upright_.static_limit(way, body_.x, pose_, normal, tau_) * normal;
             slips = is_loose || size > limit;
-            slip = slips ? least_slip(plane_, std::atan2(force.across, force.along)) : Slip{};
+            if (!slips) {
+                slip = {};
+            } else if (slip.size() <= kLeastSlip) {
+                slip = least_slip(std::atan2(force.across, force.along));
+            }
         }
         if (slips) {
             const double speed = slip.size(), way = slip.along / speed;
@@ -107,7 +113,7 @@ private:
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{{Touch::none, 0}, quadrant}, {}};
         }
-        return {{{Touch::corner, 1}, quadrant}, least_slip(plane_, way)};
+        return {{{Touch::corner, 1}, quadrant}, least_slip(way)};
     }
 
     // Of a contact that begins to slip at `angle` to the heading: along that way and across it.

@@ -5,11 +5,10 @@
 namespace stickslip {
 
 PlaneDynamics::PlaneDynamics(Dynamics& upright, SpatialField field,
-                             const std::array<double, 2>& weight, double least_slip)
+                             const std::array<double, 2>& weight)
     : upright_(&upright),
       field_(std::move(field)),
       weight_(weight),
-      least_slip_(least_slip),
       gradient_scale_(1.0 + upright.model().gradient_excess),
       extended_(upright.model().has_force_effects()),
       watch_(upright.model()) {

@@ -31,10 +31,8 @@ struct PlaneLoad {
 /// that turns that plane.
 class PlaneDynamics {
 public:
-    /// weight: components in the surface, N. least_slip: m/s, a contact that slips no faster
-    /// sticks, or is about to slip.
-    PlaneDynamics(Dynamics& upright, SpatialField field, const std::array<double, 2>& weight,
-                  double least_slip);
+    /// weight: components in the surface, N.
+    PlaneDynamics(Dynamics& upright, SpatialField field, const std::array<double, 2>& weight);
 
     /// A copy that looks elsewhere, with the copy of its upright dynamics.
     PlaneDynamics(const PlaneDynamics& other, Dynamics& upright) : PlaneDynamics(other) {
@@ -44,12 +42,6 @@ public:
     Dynamics& upright() const { return *upright_; }
     SpatialField& field() { return field_; }
     const SpatialField& field() const { return field_; }
-    double least_slip() const { return least_slip_; }
-    /// Slip velocities, m/s, at which a slip that loses speed counts as slow, and one that gains it
-    /// no longer does. A direction follows the force within v / (mu g), which at these is about the
-    /// time of a step.
-    double slow_slip() const { return kSlowSlip; }
-    double quick_slip() const { return 2.0 * kSlowSlip; }
 
     /// The field as a robot at a place feels it, which faces the way of the horizontal field, or
     /// as it did when that became too weak to turn it.
@@ -140,12 +132,9 @@ private:
     double correct_drag(const Pose& pose, const Slip& velocity, double vz, double omega,
                         Load& load) const;
 
-    static constexpr double kSlowSlip = 3e-5;  // m/s
-
     Dynamics* upright_;
     SpatialField field_;
     std::array<double, 2> weight_;
-    double least_slip_;
     double gradient_scale_;
     bool extended_;
     HeadingWatch watch_;

@@ -1,47 +1,57 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "stickslip/plane_phase.hpp"
 
 namespace stickslip {
 
-/// A face slides: y = (x and y of the centre of mass, slip speed, its way from the x axis).
+/// A face slides along a vector: y = (x and y of the centre of mass, slip velocity along x and y).
+/// kSlow: friction keeps the way of the slip with which the phase begins, see is_captured.
+template <bool kSlow>
 class PlaneFaceSlide : public PlanePhase {
 public:
     static constexpr int kDim = 4;
-    static constexpr int kEvents = 3;
+    static constexpr int kEvents = kSlow ? 4 : 3;
     static constexpr bool kSlips = true;
-    static constexpr bool kStiff = true;
     static constexpr bool kFlies = false;
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
-    static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
-                                                          Event::slip_stops};
+    static constexpr std::array<Event, kEvents> kEvent = [] {
+        std::array<Event, kEvents> result = {Event::ahead_lifts, Event::behind_lifts,
+                                             kSlow ? Event::slip_stops : Event::slip_slows};
+        if constexpr (kSlow) result[3] = Event::slip_quickens;
+        return result;
+    }();
 
-    PlaneFaceSlide(PlaneDynamics& plane, double slip_x, double slip_y)
-        : PlanePhase(plane), slip_x_(slip_x), slip_y_(slip_y) {}
+    /// slip: m/s, along x and y.
+    PlaneFaceSlide(PlaneDynamics& plane, const Slip& slip)
+        : PlanePhase(plane), slip_(slip), way_(way_of(slip)) {}
 
     void rates(const SpatialExpansion& field, const State& y, State& dydt, Values& g) const {
         const Motion motion = solve(field, y);
-        dydt = {y[2] * motion.way.cosine, y[2] * motion.way.sine, motion.acceleration.along,
-                motion.acceleration.across / std::max(y[2], plane_->least_slip())};
-        g = {motion.reaction.ahead, motion.reaction.behind, y[2]};
+        const Heading& h = motion.heading;
+        dydt = {y[2], y[3], h.x(motion.acceleration), h.y(motion.acceleration)};
+        g[0] = motion.reaction.ahead;
+        g[1] = motion.reaction.behind;
+        g[2] = slip_left(y);
+        if constexpr (kSlow) g[3] = 2.0 * kCaptureSpeed - slip_of(y).size();
     }
     double event(std::size_t i, double tau, const auto& y) const {
-        if (i == 2) return y[2];
+        if (i == 2) return slip_left(y);
+        if (i == 3) return 2.0 * kCaptureSpeed - slip_of(y).size();
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to_face(y[0], y[1]); }
     State begin(const BodyState& body) const {
-        return {body.x, body.y, std::hypot(slip_x_, slip_y_), std::atan2(slip_y_, slip_x_)};
+        return {body.x, body.y, slip_.along, slip_.across};
     }
     BodyState body(double tau, const State& y) const {
         const Heading h = plane_->headed(field_at(tau), y[0], y[1], height()).heading;
-        return {y[0], height(),   0.0,  slip_velocity(y), 0.0,
-                0.0,  quadrant(), y[1], slip_y(y),        h.angle()};
+        return {y[0], height(),   0.0,  y[2], 0.0,
+                0.0,  quadrant(), y[1], y[3], h.angle()};
     }
     Snapshot snapshot(double tau, const State& y) const {
         const Motion motion = solve(field_at(tau), y);
@@ -55,13 +65,11 @@ public:
                 motion.friction.across,
                 motion.slip.across};
     }
-    State scale(const Scales& s, const State& y) const {
-        return {s.length, s.length, s.velocity, way_scale(s, y[2])};
-    }
-    State nudge(const Scales& s) const { return {s.length, s.length, s.velocity, 1.0}; }
-    double speed(const State& y) const { return std::abs(y[2]); }
+    State scale(const Scales& s) const { return {s.length, s.length, s.velocity, s.velocity}; }
+    double speed(const State& y) const { return slip_of(y).size(); }
     double longest_step(const State& y, const State& rates) const {
-        return slip_time(y[2], rates[2], kMostOfStiff);
+        if constexpr (kSlow) return std::numeric_limits<double>::infinity();
+        return time_of_slip(slip_of(y), {rates[2], rates[3]});
     }
     double angle(const State&) const { return 0.0; }
     double omega(const State&) const { return 0.0; }
@@ -69,47 +77,51 @@ public:
     double contact_x(const State& y) const { return y[0]; }
     double contact_y(const State& y) const { return y[1]; }
     double place_along(const State& y) const { return along_front(y[0], y[1]); }
-    double slip_velocity(const State& y) const { return y[2] * std::cos(y[3]); }
-    double slip_y(const State& y) const { return y[2] * std::sin(y[3]); }
-    double slip_along(const State& y) const { return along_front(slip_velocity(y), slip_y(y)); }
-    double slip_acceleration(const State& y, const State& rates) const {
-        const double cosine = std::cos(y[3]), sine = std::sin(y[3]), turning = y[2] * rates[3];
-        return along_front(rates[2] * cosine - turning * sine, rates[2] * sine + turning * cosine);
+    double slip_velocity(const State& y) const { return y[2]; }
+    double slip_y(const State& y) const { return y[3]; }
+    double slip_along(const State& y) const { return along_front(y[2], y[3]); }
+    double slip_acceleration(const State&, const State& rates) const {
+        return along_front(rates[2], rates[3]);
     }
 
 private:
+    // Along the heading and across.
     struct Motion {
         Heading heading;
-        Heading way;        // of the slip, in the world
         Slip slip;          // m/s
         Slip friction;      // N
-        Slip acceleration;  // m/s^2, along the slip and to its left
+        Slip acceleration;  // m/s^2
         FaceReaction reaction;
     };
     double height() const { return model().face(quadrant()).height; }
     Motion solve(const SpatialExpansion& field, const State& y) const {
         const Pose pose = upright().pose(0.0);
         const HeadedField headed = plane_->headed(field, y[0], y[1], height());
+        const Heading front = kSlow ? way_ : way_of(slip_of(y));
+        const Slip way = headed.heading.seen(front.cosine, front.sine);
         Motion motion;
         motion.heading = headed.heading;
-        motion.way = Heading::of_angle(y[3]);
-        const Slip way = headed.heading.seen(motion.way.cosine, motion.way.sine);
-        motion.slip = {y[2] * way.along, y[2] * way.across};
+        motion.slip = headed.heading.seen(y[2], y[3]);
         const PlaneLoad load = plane_->load_of_face(headed, field.tau, pose, motion.slip);
         const double normal = load.along.contact_adhesion - load.along.fz;
         const double coefficient =
-            upright().kinetic(way.along, y[2], y[0], pose, normal, field.tau);
+            upright().kinetic(way.along, motion.slip.size(), y[0], pose, normal, field.tau);
         motion.reaction =
             face_reaction(model(), quadrant(), load.along, false, way.along * coefficient);
         motion.friction = {motion.reaction.friction, -way.across * coefficient * normal};
-        const double along = (load.along.fx + motion.friction.along) * robot().per_mass;
-        const double across = (load.across + motion.friction.across) * robot().per_mass;
-        motion.acceleration = {way.along * along + way.across * across,
-                               way.along * across - way.across * along};
+        motion.acceleration = {(load.along.fx + motion.friction.along) * robot().per_mass,
+                               (load.across + motion.friction.across) * robot().per_mass};
         return motion;
     }
+    static Slip slip_of(const auto& y) { return {y[2], y[3]}; }
+    // As of PlaneCornerSlip.
+    double slip_left(const auto& y) const {
+        if constexpr (kSlow) return way_.cosine * y[2] + way_.sine * y[3];
+        return slip_of(y).size() - kCaptureSpeed;
+    }
 
-    double slip_x_, slip_y_;
+    Slip slip_;
+    Heading way_;
 };
 
 /// A face that lies still: its middle stays where it is, also when the heading turns.

@@ -13,12 +13,21 @@
 /// stuck edge keeps its middle, a body in flight its centre of mass, a face its middle.
 namespace stickslip {
 
+/// Slip velocity (m/s) of a contact that has just broken loose: it says which way.
+inline constexpr double kLeastSlip = 1e-9;
+
+/// Whether a slip is so slow that it sticks if static friction can hold it, with room for rounding.
+/// One that cannot stick, or has only begun, keeps its way until it has left the capture speed
+/// behind, and its friction is that of one plane: the way of a vector follows the force within
+/// v / (mu g), less than 1 us, which only an integrator of stiff equations would leap over.
+inline bool is_captured(const Slip& slip) {
+    return slip.size() <= kCaptureSpeed * (1.0 + 1e-9);
+}
+
 class PlanePhase {
 public:
     using Real = double;
     static constexpr bool kTurns = true;
-    /// Whether its equations are stiff, see Rosenbrock.
-    static constexpr bool kStiff = false;
 
     explicit PlanePhase(PlaneDynamics& plane) : plane_(&plane) {}
 
@@ -76,31 +85,22 @@ protected:
                 vy + turning * h.sine, h.angle()};
     }
 
-    /// What the way of a slip counts is the velocity that it turns, which is little while it is
-    /// slow.
-    double way_scale(const Scales& s, double speed) const {
-        return s.velocity / std::max(speed, plane_->least_slip());
-    }
-
-    /// The longest step (s) of a slip of `speed` m/s that changes by `gain` m/s^2. Where it ends
-    /// its friction has no way, so that a step which leaps over the end, and not only from next to
-    /// it, is rejected again and again; `most`: the part of the time to the end that it may take.
-    /// One that begins turns the faster the slower it is, beyond what an error estimate sees.
-    double slip_time(double speed, double gain, double most) const {
-        constexpr double kLeast = 30.0, kOver = 2.0, kBegin = 0.2;
-        const double least = plane_->least_slip();
-        const bool is_least = speed <= kLeast * least;
-        if (gain < 0.0) return (is_least ? kOver : most) * std::max(speed, least) / -gain;
-        return is_least ? kBegin * plane_->slow_slip() / gain
-                        : std::numeric_limits<double>::infinity();
-    }
-
-    /// Parts of the time to the end of a slip which a step of the two integrators takes with few
-    /// rejections at rtol from 1e-6 to 1e-8; measured.
-    static constexpr double kMostOfExplicit = 0.7, kMostOfStiff = 0.85;
-
     /// Of a vector of the world, along the front.
     double along_front(double x, double y) const { return front_.cosine * x + front_.sine * y; }
+
+    // Which way a slip goes.
+    static Heading way_of(const Slip& slip) {
+        const double speed = slip.size();
+        return speed > 0.0 ? Heading{slip.along / speed, slip.across / speed} : Heading{};
+    }
+    // The longest step (s) of a slip (m/s, m/s^2). Where a slip ends its friction has no way, so
+    // that a step which leaps over the end is rejected again and again.
+    static double time_of_slip(const Slip& slip, const Slip& acceleration) {
+        constexpr double kMost = 0.7;  // of the time to the end; measured
+        const double change = slip.along * acceleration.along + slip.across * acceleration.across;
+        return change < 0.0 ? kMost * slip.size() * slip.size() / -change
+                            : std::numeric_limits<double>::infinity();
+    }
 
     PlaneDynamics* plane_;
     Heading front_;

@@ -48,7 +48,6 @@ struct StepCounts {
 struct IntegratorMemory {
     double width = 0.0;  ///< s
     double log_error = 0.0;
-    double stiff_width = 0.0;  ///< s, of stiff phases
 };
 
 /// What an observer of steps answers while the run goes on: a fraction of the step at which it is

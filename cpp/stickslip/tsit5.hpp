@@ -20,7 +20,7 @@ public:
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
 
-    IntegratorMemory memory() const { return {width_, log_error_, 0.0}; }
+    IntegratorMemory memory() const { return {width_, log_error_}; }
     void restore(const IntegratorMemory& memory) {
         width_ = memory.width;
         log_error_ = memory.log_error;
