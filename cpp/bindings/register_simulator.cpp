@@ -60,17 +60,17 @@ std::string shape_of(const py::array& array) {
     return text + ")";
 }
 
-/// A simulator, and the voltages that its coils keep.
+/// Steps whose voltages are named.
 struct Stepper {
     explicit Stepper(const Scenario& scenario) : simulator(scenario) {}
 
     py::dict step(const py::dict& changes, double seconds, bool linear,
                   const std::optional<py::dict>& jump) {
         const double duration = duration_of(seconds);
-        const PerCoil start = jump ? changed(voltages, *jump, "start") : voltages;
-        const PerCoil next = changed(start, changes, "voltages");
-        simulator.step(next, duration, linear, jump ? &start : nullptr);
-        voltages = next;
+        const PerCoil before = simulator.voltages();
+        const PerCoil start = jump ? changed(before, *jump, "start") : before;
+        simulator.step(changed(start, changes, "voltages"), duration, linear,
+                       jump ? &start : nullptr);
         return fields(simulator.state());
     }
 
@@ -90,28 +90,7 @@ struct Stepper {
     }
 
     Simulator simulator;
-    PerCoil voltages = {};
 };
-
-/// A snapshot, and the voltages that its simulator's coils keep.
-struct StepperSnapshot {
-    SimulatorSnapshot snapshot;
-    PerCoil voltages;
-};
-
-py::bytes to_bytes(const StepperSnapshot& self) {
-    std::string bytes = self.snapshot.to_bytes();
-    bytes.append(reinterpret_cast<const char*>(self.voltages.data()), sizeof(PerCoil));
-    return bytes;
-}
-
-StepperSnapshot from_bytes(const std::string& bytes) {
-    StepperSnapshot result{};
-    const std::size_t tail = std::min(bytes.size(), sizeof(PerCoil));
-    result.snapshot = SimulatorSnapshot::from_bytes(bytes.substr(0, bytes.size() - tail));
-    bytes.copy(reinterpret_cast<char*>(result.voltages.data()), tail, bytes.size() - tail);
-    return result;
-}
 
 void set_state(Scenario& scenario, const double* row) {
     for (std::size_t k = 0; k < kStateColumns.size(); ++k) {
@@ -212,15 +191,21 @@ struct Steppers {
         return status_array(all);
     }
 
+    std::size_t checked(std::size_t run) const {
+        if (run >= batch.size()) throw py::index_error("there is no such run");
+        return run;
+    }
+
     SimulatorBatch batch;
 };
 
 }  // namespace
 
 void register_simulator(py::module_& module) {
-    py::class_<StepperSnapshot>(module, "Snapshot")
-        .def("to_bytes", &to_bytes)
-        .def_static("from_bytes", &from_bytes);
+    py::class_<RunSnapshot>(module, "Snapshot")
+        .def("to_bytes", [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); })
+        .def_static("from_bytes",
+                    [](const py::bytes& bytes) { return RunSnapshot::from_bytes(bytes); });
 
     py::class_<Stepper>(module, "Simulator")
         .def(py::init<const Scenario&>())
@@ -228,18 +213,15 @@ void register_simulator(py::module_& module) {
              py::arg("start") = py::none())
         .def_property_readonly("time", [](const Stepper& self) { return self.simulator.time(); })
         .def("state", [](const Stepper& self) { return fields(self.simulator.state()); })
-        .def_property_readonly("voltages", [](const Stepper& self) { return self.voltages; })
+        .def_property_readonly("voltages",
+                               [](const Stepper& self) { return self.simulator.voltages(); })
         .def_property_readonly("status",
                                [](const Stepper& self) { return name(self.simulator.status()); })
         .def_property_readonly("message",
                                [](const Stepper& self) { return self.simulator.message(); })
-        .def("snapshot",
-             [](const Stepper& self) {
-                 return StepperSnapshot{self.simulator.snapshot(), self.voltages};
-             })
-        .def("restore", [](Stepper& self, const StepperSnapshot& snapshot) {
-            self.simulator.restore(snapshot.snapshot);
-            self.voltages = snapshot.voltages;
+        .def("snapshot", [](const Stepper& self) { return self.simulator.snapshot(); })
+        .def("restore", [](Stepper& self, const RunSnapshot& snapshot) {
+            self.simulator.restore(snapshot);
         });
 
     py::class_<Steppers>(module, "SimulatorBatch")
@@ -247,9 +229,16 @@ void register_simulator(py::module_& module) {
         .def("step", &Steppers::step)
         .def("states", &Steppers::states, py::arg("out").noconvert())
         .def("statuses", &Steppers::statuses)
+        .def("snapshot",
+             [](const Steppers& self, std::size_t run) {
+                 return self.batch.snapshot(self.checked(run));
+             })
+        .def("restore",
+             [](Steppers& self, std::size_t run, const RunSnapshot& snapshot) {
+                 self.batch.restore(self.checked(run), snapshot);
+             })
         .def("reset", [](Steppers& self, std::size_t run, const Scenario& scenario) {
-            if (run >= self.batch.size()) throw py::index_error("there is no such run");
-            self.batch.reset(run, scenario);
+            self.batch.reset(self.checked(run), scenario);
         });
 
     module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),

@@ -42,8 +42,6 @@ public:
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
 
-    IntegratorMemory memory() const { return {}; }
-    void restore(const IntegratorMemory&) {}
     void reset_counts() {
         counts_ = {};
         begun_ = 0;
@@ -128,7 +126,7 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
                                 typename Phase::State y, Observer&& observe) {
     ArkodeLook<Phase> look(phase, tau, y);
     typename Phase::Values g = look.events;
-    if (memory.fresh) memory.begin(g, phase.event_rounding());
+    memory.begin(g, phase.event_rounding());
     ArkodeSession session = begin(phase, memory.stalled, tau, tau_end, y);
     ArkodeStep<Phase> step;
     step.session = &session;

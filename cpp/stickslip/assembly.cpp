@@ -282,9 +282,12 @@ namespace {
 PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
     PerCoil gain = field_gain(scenario);
     const PerCoil current = initial_currents(scenario);
+    const PerCoil& world = scenario.initial.field_lag;
+    const PerCoil lag = frame_sign(scenario) > 0.0 ? world : turned(world);
     // Coupled coils all have current.
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
+                            lag[k] != 0.0 ||
                             scenario.effects.mutual_inductance_coupling != 0.0;
         if (!driven) gain[k] = 0.0;
     }

@@ -5,22 +5,33 @@
 
 namespace stickslip {
 
-void ContactTransitions::begin(bool touches_down) {
+// What throws leaves the state as it was, and not with velocities of another frame.
+template <class How>
+void ContactTransitions::change(double tau, How&& how) {
     changes_.clear();
-    enter_heading(0.0);
-    if (touches_down) {
-        touch_down(0, 0.0);
-    } else {
-        settle(state_.mode.touch, slip(), state_.mode.slip, 0.0);
+    const HybridState before = state_;
+    try {
+        enter_heading(tau);
+        how();
+        leave_heading();
+    } catch (...) {
+        state_ = before;
+        throw;
     }
-    leave_heading();
+}
+
+void ContactTransitions::begin(bool touches_down) {
+    change(0.0, [&] {
+        if (touches_down) {
+            touch_down(0, 0.0);
+        } else {
+            settle(state_.mode.touch, slip(), state_.mode.slip, 0.0);
+        }
+    });
 }
 
 void ContactTransitions::handle(Event event, double tau) {
-    changes_.clear();
-    enter_heading(tau);
-    react(event, tau);
-    leave_heading();
+    change(tau, [&] { react(event, tau); });
 }
 
 void ContactTransitions::enter_heading(double tau) {

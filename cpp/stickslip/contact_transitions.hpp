@@ -35,6 +35,8 @@ public:
     const std::array<std::int64_t, kEventKinds>& counts() const { return counts_; }
 
 private:
+    template <class How>
+    void change(double tau, How&& how);
     // Velocities along the heading and across while an event is handled; the world's after it.
     void enter_heading(double tau);
     void leave_heading();

@@ -111,20 +111,12 @@ public:
 
     void set_quadrant(int quadrant);
 
-    /// What goes on from stretch to stretch.
-    struct Memory {
-        BasePose<double> base;
-        int quadrant = 0;
-        double contact_age = 0.0, start = 0.0;  ///< s
-        LocalField::Memory field;
-    };
-    Memory memory() const { return {robot_.base, quadrant_, age_, start_, field_.memory()}; }
-    void restore(const Memory& memory) {
-        set_quadrant(memory.quadrant);
-        robot_.base = memory.base;
-        age_ = memory.contact_age;
-        start_ = memory.start;
-        field_.restore(memory.field);
+    /// Begins a stretch of voltage with the centre of mass at (x, z) m: field and pose are had
+    /// there, and nothing of the stretch before.
+    void begin_stretch(const CurrentSegment& segment, double x, double z) {
+        start_ = segment.start;
+        robot_.base.turns = PlainDynamics<double>::kMostTurns;
+        field_.begin_stretch(segment, x, z);
     }
 
     /// Takes `angle` as the base of the next step; the robot's pose there.

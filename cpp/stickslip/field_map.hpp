@@ -46,6 +46,8 @@ public:
     /// Where points were measured. The field beyond is an extrapolation.
     const Box& box() const { return box_; }
 
+    const PerCoilOf<std::vector<double>>& coefficients() const { return coefficients_; }
+
     /// Field (T/A) and gradient (T/m/A) of one coil at `point` (m), also beyond the box.
     FieldAndGradient unit_field(Coil coil, const Eigen::Vector3d& point) const;
 

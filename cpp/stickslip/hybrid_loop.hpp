@@ -52,15 +52,6 @@ public:
         integrator_.reset_counts();
         HybridRun::reset_counts();
     }
-    LoopMemory loop_memory() const {
-        LoopMemory result = HybridRun::loop_memory();
-        result.integrator = integrator_.memory();
-        return result;
-    }
-    void restore(const LoopMemory& memory) {
-        integrator_.restore(memory.integrator);
-        HybridRun::restore(memory);
-    }
 
 private:
     Integrator integrator_;

@@ -125,12 +125,14 @@ std::array<double, 3> HybridRun::field(double tau, const BodyState& body) const 
     return {b.bx, 0.0, b.bz};
 }
 
-// Coils that the scenario's drive does not use, and a step does.
+// Coils that the scenario's drive does not use, and a step does, or did.
 void HybridRun::drive_further_coils() {
+    const PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
     PerCoil gain = plane_ ? plane_->field().gain() : dynamics_.field().gain();
     const PerCoil before = gain;
     for (std::size_t k = 0; k < kCoilCount; ++k) {
-        if (voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0) gain[k] = field_gain_[k];
+        const bool driven = voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0;
+        if (driven || current[k] != 0.0 || lag[k] != 0.0) gain[k] = field_gain_[k];
     }
     if (gain == before) return;
     if (plane_) {
@@ -218,39 +220,41 @@ void HybridRun::take_over(const PlaneHandover& handover) {
     result_.summary.simulated_time = source_.steps().time();
 }
 
-LoopMemory HybridRun::loop_memory() const {
-    return {circuit_.memory(),
-            dynamics_.memory(),
-            {},
-            memory_,
-            state_,
-            watch_,
-            source_.steps().memory(),
-            segment_.duration,
-            begun_,
-            plane_.has_value(),
-            plane_ ? plane_->field().memory() : SpatialField::Memory{},
-            plane_          ? plane_->watch().state()
-            : planar_watch_ ? planar_watch_->state()
-                            : HeadingWatch::State{}};
+RunSnapshot HybridRun::snapshot() const {
+    RunSnapshot result;
+    result.state = state_;
+    result.contact_age = dynamics_.contact_age() + tau_;
+    result.circuit = circuit_.memory();
+    result.steps = source_.steps().memory();
+    result.heading = plane_ ? plane_->watch().state() : planar_watch_->state();
+    result.begun = begun_;
+    result.in_whole_plane = in_whole_plane();
+    result.status = result_.status;
+    result.end = result_.summary.simulated_time;
+    return result;
 }
 
-void HybridRun::restore(const LoopMemory& memory) {
-    circuit_.restore(memory.circuit);
-    dynamics_.restore(memory.dynamics);
-    if (plane_) {
-        plane_->field().restore(memory.plane_field);
-        plane_->watch().set_state(memory.heading);
-    }
-    if (planar_watch_) planar_watch_->set_state(memory.heading);
-    memory_ = memory.phase;
-    state_ = memory.state;
-    watch_ = memory.watch;
-    source_.restore(memory.steps);
-    segment_.duration = tau_ = memory.stretch;
-    begun_ = memory.begun;
+void HybridRun::restore(const RunSnapshot& snapshot) {
+    state_ = snapshot.state;
+    dynamics_.set_quadrant(state_.body.quadrant);
+    dynamics_.set_contact_age(snapshot.contact_age);
+    circuit_.restore(snapshot.circuit);
+    source_.restore(snapshot.steps);
+    (plane_ ? plane_->watch() : *planar_watch_).set_state(snapshot.heading);
+    begun_ = snapshot.begun;
+    result_.status = snapshot.status;
+    result_.summary.simulated_time = snapshot.end;
+    segment_.duration = tau_ = 0.0;
     stretch_is_open_ = false;
-    result_.status = Status::ok;
+}
+
+void HybridRun::stay_there() {
+    const SimulationState there = state();
+    const auto own = [this](const PerCoil& world) { return sign_ > 0.0 ? world : turned(world); };
+    circuit_.set_currents(own(there.current), own(there.field_lag));
+    dynamics_.set_contact_age(dynamics_.contact_age() + tau_);
+    segment_.duration = tau_ = 0.0;
+    stretch_is_open_ = false;
 }
 
 void HybridRun::begin_segment(const VoltageSegment& voltages) {
@@ -258,8 +262,9 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
     dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
     segment_ = circuit_.advance(voltages);
     tau_ = 0.0;
-    dynamics_.set_start(segment_.start);
-    dynamics_.field().set_segment(segment_);
+    memory_ = {.born = false};
+    watch_.begin();
+    dynamics_.begin_stretch(segment_, state_.body.x, state_.body.z);
     if (plane_) plane_->begin_stretch(segment_, place(state_.body));
     fastest_decay_ =
         *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);

@@ -18,29 +18,13 @@
 #include "stickslip/lane_numbers.hpp"
 #include "stickslip/progress_watch.hpp"
 #include "stickslip/recording.hpp"
+#include "stickslip/run_snapshot.hpp"
 #include "stickslip/simulation.hpp"
 #include "stickslip/steady_pulses.hpp"
 #include "stickslip/stepping.hpp"
 #include "stickslip/stretch_source.hpp"
 
 namespace stickslip {
-
-/// All that a run takes from one stretch of voltage to the next: restored, it goes on with the same
-/// bits.
-struct LoopMemory {
-    Circuit::Memory circuit;
-    Dynamics::Memory dynamics;
-    IntegratorMemory integrator;
-    PhaseMemory phase;
-    HybridState state;
-    ProgressWatch watch{0.0};
-    ControlSteps::Memory steps;
-    double stretch = 0.0;  ///< s, duration of the last one
-    bool begun = false;
-    bool in_whole_plane = false;
-    SpatialField::Memory plane_field;
-    HeadingWatch::State heading;
-};
 
 /// What a run that is stepped in one plane hands over to one that goes on in the whole plane.
 struct PlaneHandover {
@@ -69,6 +53,11 @@ public:
     /// back reversed: in its one plane the robot has then gone over its back.
     PlaneHandover hand_over() const;
     void take_over(const PlaneHandover& handover);
+    /// Between two steps, or where one has failed; without the scenario's fingerprint and message.
+    RunSnapshot snapshot() const;
+    void restore(const RunSnapshot& snapshot);
+    /// Where a step has failed: the currents are from now on those of that instant.
+    void stay_there();
     Status status() const { return result_.status; }
     /// Up to which it was played, s, or failed.
     double time() const { return result_.summary.simulated_time; }
@@ -122,8 +111,6 @@ protected:
 
     const StepperOptions& options() const { return options_; }
     void reset_counts() { segment_count_ = 0; }
-    LoopMemory loop_memory() const;
-    void restore(const LoopMemory& memory);
     RunResult take_result(const StepCounts& counts);
 
     /// Goes on from where a phase has ended. accepted: steps of the integrator so far.

@@ -79,14 +79,6 @@ void LocalField::set_gain(const PerCoil& gain) {
     if (expanded_) expand(stretch_.centre_x, stretch_.centre_z);
 }
 
-void LocalField::restore(const Memory& memory) {
-    gain_ = memory.gain;
-    set_workspace();
-    expanded_ = memory.expanded;
-    outside_ = memory.outside;
-    if (expanded_) expand(memory.centre_x, memory.centre_z);
-}
-
 void LocalField::set_segment(const CurrentSegment& segment) {
     // Without the currents in the coils and what is zero: stretches may be short.
     segment_.start = segment.start;

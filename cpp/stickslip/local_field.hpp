@@ -133,16 +133,12 @@ public:
     /// For a coil that had none.
     void set_gain(const PerCoil& gain);
 
-    /// What goes on from stretch to stretch; the next `set_segment` completes a restored one.
-    struct Memory {
-        PerCoil gain = {};
-        double centre_x = 0.0, centre_z = 0.0;  ///< m
-        bool expanded = false, outside = false;
-    };
-    Memory memory() const {
-        return {gain_, stretch_.centre_x, stretch_.centre_z, expanded_, outside_};
+    /// `set_segment` with the field had anew about (x, z) m.
+    void begin_stretch(const CurrentSegment& segment, double x, double z) {
+        expanded_ = false;
+        set_segment(segment);
+        rebase(x, z);
     }
-    void restore(const Memory& memory);
 
     /// Moves the centre to the robot where it has left half the reach.
     void rebase(double x, double z);

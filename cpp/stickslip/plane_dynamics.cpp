@@ -17,8 +17,7 @@ PlaneDynamics::PlaneDynamics(Dynamics& upright, SpatialField field,
 
 void PlaneDynamics::begin_stretch(const CurrentSegment& segment, const Place& place) {
     segment_ = &segment;
-    field_.set_segment(segment);
-    field_.rebase(place);
+    field_.begin_stretch(segment, place);
     watched_ = field_.centre();
     watch_.watch(horizontal(place));
 }

@@ -10,6 +10,9 @@ public:
     /// burst_span: s, in which only so many events may follow each other.
     explicit ProgressWatch(double burst_span) : burst_span_(burst_span) {}
 
+    /// Of a stretch of voltage.
+    void begin() { *this = ProgressWatch(burst_span_); }
+
     /// An event at `now` s.
     void event(double now) {
         stalls_ = now - last_event_ < 10.0 * kShortestStep ? stalls_ + 1 : 0;

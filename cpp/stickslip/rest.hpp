@@ -88,7 +88,7 @@ RestEnd end_of_rest(const Rest& rest, PhaseMemory& memory, double tau, double ta
                     const std::atomic<bool>* stop = nullptr) {
     using Finder = EventFinder<Rest::kEvents>;
     typename Rest::Values start = rest.values(tau);
-    if (memory.fresh) memory.begin(start, 0.0);
+    memory.begin(start, 0.0);
     while (tau < tau_end) {
         if (stop && stop->load(std::memory_order_relaxed)) return {Event::none, tau};
         const double usual = std::min(rest_look(tau, fastest), longest);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stickslip/assembly.hpp"
+#include "stickslip/simulator.hpp"
 
 namespace stickslip {
 namespace {
@@ -149,6 +150,22 @@ std::unique_ptr<Lane> SimulatorBatch::make_lane(std::size_t run, const Scenario&
 void SimulatorBatch::reset(std::size_t run, const Scenario& scenario) {
     lanes_[run] = make_lane(run, scenario);
     scenarios_[run] = scenario;
+}
+
+RunSnapshot SimulatorBatch::snapshot(std::size_t run) const {
+    RunSnapshot result = lanes_[run]->loop.snapshot();
+    result.scenario = fingerprint(scenarios_[run]);
+    return result;
+}
+
+void SimulatorBatch::restore(std::size_t run, const RunSnapshot& snapshot) {
+    if (snapshot.scenario != fingerprint(scenarios_[run])) {
+        throw std::invalid_argument("the snapshot is of another scenario");
+    }
+    const Scenario& own = scenarios_[run];
+    lanes_[run] =
+        make_lane(run, snapshot.in_whole_plane ? in_whole_plane(own, {}) : without_start(own));
+    lanes_[run]->loop.restore(snapshot);
 }
 
 // A run that a step turns goes on in the whole plane.

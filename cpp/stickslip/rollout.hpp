@@ -8,6 +8,7 @@
 
 #include "stickslip/batch.hpp"
 #include "stickslip/lanes.hpp"
+#include "stickslip/run_snapshot.hpp"
 
 namespace stickslip {
 
@@ -47,6 +48,10 @@ public:
     void step(const double* voltages, double duration, bool linear, int threads);
     /// Begins one run anew.
     void reset(std::size_t run, const Scenario& scenario);
+
+    /// As of a Simulator; `restore` takes one of the run's own scenario.
+    RunSnapshot snapshot(std::size_t run) const;
+    void restore(std::size_t run, const RunSnapshot& snapshot);
 
     StateRow state(std::size_t run) const { return row_of(lanes_[run]->loop.state()); }
     Status status(std::size_t run) const { return lanes_[run]->loop.status(); }

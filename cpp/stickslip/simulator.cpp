@@ -1,12 +1,11 @@
 #include "stickslip/simulator.hpp"
 
-#include <bit>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
-#include <type_traits>
 
 #include "stickslip/assembly.hpp"
+#include "stickslip/field_map.hpp"
+#include "stickslip/hash.hpp"
 #include "stickslip/parameters.hpp"
 #include "stickslip/tsit5.hpp"
 #ifdef STICKSLIP_WITH_ARKODE
@@ -14,41 +13,6 @@
 #endif
 
 namespace stickslip {
-namespace {
-
-static_assert(std::is_trivially_copyable_v<LoopMemory>);
-
-/// What stands before the memory in the bytes of a snapshot.
-struct Header {
-    char magic[8] = {'s', 't', 'k', 's', 'l', 'i', 'p', '\0'};
-    std::uint32_t version = 3;  // goes up with every change of LoopMemory
-    std::uint32_t size = sizeof(LoopMemory);
-    std::uint64_t scenario = 0;
-};
-static_assert(std::is_trivially_copyable_v<Header>);
-
-/// FNV-1a.
-class Hash {
-public:
-    void add(const void* data, std::size_t size) {
-        const auto* bytes = static_cast<const unsigned char*>(data);
-        for (std::size_t i = 0; i < size; ++i) {
-            value_ = (value_ ^ bytes[i]) * 0x100000001b3ULL;
-        }
-    }
-    void add(double value) {
-        const auto bits = std::bit_cast<std::uint64_t>(value);
-        add(&bits, sizeof bits);
-    }
-    void add(const std::string& text) { add(text.data(), text.size() + 1); }
-    std::uint64_t value() const { return value_; }
-
-private:
-    std::uint64_t value_ = 0xcbf29ce484222325ULL;
-};
-
-}  // namespace
-
 std::uint64_t fingerprint(const Scenario& scenario) {
     Hash hash;
     const auto is_start = [](const std::string& key) { return key.starts_with("initial."); };
@@ -69,41 +33,19 @@ std::uint64_t fingerprint(const Scenario& scenario) {
             for (const double voltage : point.voltage) hash.add(voltage);
         }
     }
-    hash.add(turns(without_start(scenario)) ? 1.0 : 0.0);  // a map may say so
+    if (scenario.map) {
+        const Box& box = scenario.map->box();
+        for (const double edge : {box.low.x(), box.low.y(), box.low.z(), box.high.x(),
+                                  box.high.y(), box.high.z()}) {
+            hash.add(edge);
+        }
+        for (const std::vector<double>& coil : scenario.map->coefficients()) {
+            hash.add(static_cast<double>(coil.size()));
+            for (const double coefficient : coil) hash.add(coefficient);
+        }
+    }
+    hash.add(turns(without_start(scenario)) ? 1.0 : 0.0);
     return hash.value();
-}
-
-std::string SimulatorSnapshot::to_bytes() const {
-    Header header;
-    header.scenario = scenario;
-    std::string result(sizeof header + sizeof memory, '\0');
-    std::memcpy(result.data(), &header, sizeof header);
-    std::memcpy(result.data() + sizeof header, &memory, sizeof memory);
-    return result;
-}
-
-SimulatorSnapshot SimulatorSnapshot::from_bytes(const std::string& bytes) {
-    const Header own;
-    Header header;
-    if (bytes.size() < sizeof header ||
-        bytes.compare(0, sizeof own.magic, own.magic, sizeof own.magic) != 0) {
-        throw std::invalid_argument("these bytes are no snapshot of a simulator");
-    }
-    std::memcpy(&header, bytes.data(), sizeof header);
-    if (header.version != own.version) {
-        throw std::invalid_argument("the snapshot is of version " + std::to_string(header.version) +
-                                    ": allowed is version " + std::to_string(own.version));
-    }
-    if (header.size != own.size) {
-        throw std::invalid_argument("the snapshot is of another kind of machine");
-    }
-    if (bytes.size() != sizeof header + own.size) {
-        throw std::invalid_argument("the snapshot was cut, or something was added to it");
-    }
-    SimulatorSnapshot result;
-    result.scenario = header.scenario;
-    std::memcpy(&result.memory, bytes.data() + sizeof header, sizeof result.memory);
-    return result;
 }
 
 /// Either integrator's loop.
@@ -114,8 +56,9 @@ struct Simulator::Runner {
     virtual double time() = 0;
     virtual SimulationState state() const = 0;
     virtual Status status() const = 0;
-    virtual LoopMemory memory() const = 0;
-    virtual void restore(const LoopMemory& memory) = 0;
+    virtual PerCoil voltages() const = 0;
+    virtual RunSnapshot snapshot() const = 0;
+    virtual void restore(const RunSnapshot& snapshot) = 0;
 
     std::string failure;  // what to do about the last step, if it failed
 };
@@ -142,34 +85,39 @@ struct Simulator::RunnerOf : Simulator::Runner {
         if (start) loop->steps().jump(*start);
         loop->steps().give(voltages.data(), 1, duration, linear);
         loop->go();
-        if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
+        if (loop->status() == Status::ok) return;
+        loop->stay_there();
+        failure = stickslip::message(loop->take_result());
     }
     double time() override { return status() == Status::ok ? loop->steps().time() : loop->time(); }
     SimulationState state() const override { return loop->state(); }
     Status status() const override { return loop->status(); }
-    LoopMemory memory() const override { return loop->loop_memory(); }
-    void restore(const LoopMemory& memory) override {
-        if (memory.in_whole_plane != loop->in_whole_plane()) {
+    PerCoil voltages() const override { return loop->steps().world_memory().last; }
+    RunSnapshot snapshot() const override { return loop->snapshot(); }
+    void restore(const RunSnapshot& snapshot) override {
+        if (snapshot.in_whole_plane != loop->in_whole_plane()) {
             // One plane may be left by the initial state alone, which a snapshot replaces.
-            begin(memory.in_whole_plane ? in_whole_plane(scenario, {}) : without_start(scenario));
+            begin(snapshot.in_whole_plane ? in_whole_plane(scenario, {}) : without_start(scenario));
         }
-        loop->restore(memory);
+        loop->restore(snapshot);
     }
 
     Scenario scenario;
     std::optional<HybridLoop<Integrator>> loop;
 };
 
+Simulator::~Simulator() = default;
+
 Simulator::Simulator(const Scenario& scenario) : fingerprint_(fingerprint(scenario)) {
     check(scenario);
     Scenario bare = scenario;
     bare.record = {};
     if (scenario.solver.method == Method::tsit5) {
-        runner_ = std::make_shared<RunnerOf<Tsit5>>(bare);
+        runner_ = std::make_unique<RunnerOf<Tsit5>>(bare);
         return;
     }
 #ifdef STICKSLIP_WITH_ARKODE
-    runner_ = std::make_shared<RunnerOf<Arkode>>(bare);
+    runner_ = std::make_unique<RunnerOf<Arkode>>(bare);
 #else
     RunResult none;
     none.status = Status::no_arkode;
@@ -195,16 +143,22 @@ Status Simulator::status() const {
 const std::string& Simulator::message() const {
     return runner_->failure;
 }
-SimulatorSnapshot Simulator::snapshot() const {
-    return {fingerprint_, runner_->memory()};
+PerCoil Simulator::voltages() const {
+    return runner_->voltages();
+}
+RunSnapshot Simulator::snapshot() const {
+    RunSnapshot result = runner_->snapshot();
+    result.scenario = fingerprint_;
+    result.message = message();
+    return result;
 }
 
-void Simulator::restore(const SimulatorSnapshot& snapshot) {
+void Simulator::restore(const RunSnapshot& snapshot) {
     if (snapshot.scenario != fingerprint_) {
         throw std::invalid_argument("the snapshot is of another scenario");
     }
-    runner_->restore(snapshot.memory);
-    runner_->failure.clear();
+    runner_->restore(snapshot);
+    runner_->failure = snapshot.message;
 }
 
 }  // namespace stickslip

@@ -9,16 +9,6 @@
 
 namespace stickslip {
 
-/// All that a simulator goes on from, as bytes that hold no address.
-struct SimulatorSnapshot {
-    std::uint64_t scenario = 0;  ///< fingerprint
-    LoopMemory memory;
-
-    std::string to_bytes() const;
-    /// Throws std::invalid_argument for what is no snapshot, or of another version of stickslip.
-    static SimulatorSnapshot from_bytes(const std::string& bytes);
-};
-
 /// A number for all that moves the robot, of its initial state and its drive's record apart: two
 /// scenarios of one number can exchange snapshots.
 std::uint64_t fingerprint(const Scenario& scenario);
@@ -29,6 +19,7 @@ class Simulator {
 public:
     /// Begins at `scenario.initial`. Throws std::invalid_argument as `simulate` does.
     explicit Simulator(const Scenario& scenario);
+    ~Simulator();
 
     /// Plays `duration` s (above zero) with these voltages (V, world's frame), held, or linear from
     /// `start`, to which they jump, or without it from those of the step before.
@@ -41,9 +32,12 @@ public:
     Status status() const;
     const std::string& message() const;
 
-    SimulatorSnapshot snapshot() const;
+    /// That the coils keep, in the world's frame, V.
+    PerCoil voltages() const;
+
+    RunSnapshot snapshot() const;
     /// Throws std::invalid_argument for a snapshot of another scenario.
-    void restore(const SimulatorSnapshot& snapshot);
+    void restore(const RunSnapshot& snapshot);
 
 private:
     struct Runner;
@@ -51,7 +45,7 @@ private:
     struct RunnerOf;
 
     std::uint64_t fingerprint_;
-    std::shared_ptr<Runner> runner_;
+    std::unique_ptr<Runner> runner_;
 };
 
 }  // namespace stickslip

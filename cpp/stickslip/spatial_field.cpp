@@ -39,14 +39,6 @@ void SpatialField::set_gain(const PerCoil& gain) {
     if (expanded_) expand(centre_);
 }
 
-void SpatialField::restore(const Memory& memory) {
-    gain_ = memory.gain;
-    set_workspace();
-    expanded_ = memory.expanded;
-    outside_ = memory.outside;
-    if (expanded_) expand(memory.centre);
-}
-
 void SpatialField::set_segment(const CurrentSegment& segment) {
     segment_ = segment;
     min_time_constant_ =

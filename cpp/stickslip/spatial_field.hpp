@@ -125,14 +125,12 @@ public:
     /// The horizontal field at a place in the course of the stretch, but for its segment.
     HorizontalField horizontal(const Place& place) const;
 
-    /// What goes on from stretch to stretch; the next `set_segment` completes a restored one.
-    struct Memory {
-        PerCoil gain = {};
-        Place centre;
-        bool expanded = false, outside = false;
-    };
-    Memory memory() const { return {gain_, centre_, expanded_, outside_}; }
-    void restore(const Memory& memory);
+    /// `set_segment` with the field had anew about a place.
+    void begin_stretch(const CurrentSegment& segment, const Place& place) {
+        expanded_ = false;
+        set_segment(segment);
+        rebase(place);
+    }
 
 private:
     using Terms = SpatialExpansion::Terms;

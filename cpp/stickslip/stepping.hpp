@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -44,28 +45,25 @@ struct StepCounts {
     std::int64_t evaluations = 0;
 };
 
-/// What an integrator takes along from one stretch of voltage to the next.
-struct IntegratorMemory {
-    double width = 0.0;  ///< s
-    double log_error = 0.0;
-};
-
 /// What an observer of steps answers while the run goes on: a fraction of the step at which it is
 /// to stop is between 0 and 1.
 inline constexpr double kGoesOn = 2.0;
 
-/// Event functions that have been positive since the phase began; kept while a phase goes on from
-/// one stretch of voltage to the next.
+/// Event functions that have been positive since the phase, or its part within a stretch of voltage,
+/// began.
 struct PhaseMemory {
     static constexpr std::size_t kMost = 8;
     std::array<bool, kMost> armed = {};
-    bool fresh = true;
+    bool born = true;      ///< by an event; else the phase goes on in a new stretch
     bool stalled = false;  ///< the last events hardly brought the time further
 
-    /// `least`: what a value has to exceed to be positive by more than rounding.
+    /// `least`: what a value has to exceed to be positive by more than rounding. In a phase that
+    /// goes on, a function below it has fallen with the forces, which may jump between stretches.
     void begin(const auto& values, double least) {
-        for (std::size_t i = 0; i < values.size(); ++i) armed[i] = values[i] > least;
-        fresh = false;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            armed[i] = (born ? values[i] : std::abs(values[i])) > least;
+        }
+        born = false;
     }
 };
 

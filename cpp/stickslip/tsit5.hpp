@@ -19,12 +19,6 @@ public:
 
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
-
-    IntegratorMemory memory() const { return {width_, log_error_}; }
-    void restore(const IntegratorMemory& memory) {
-        width_ = memory.width;
-        log_error_ = memory.log_error;
-    }
     /// Counts anew, and with that what is left of options().most_steps.
     void reset_counts() { counts_ = {}; }
 
@@ -65,17 +59,13 @@ private:
         const auto accepted = static_cast<std::int64_t>(progress.accepted);
         counts_.accepted += accepted;
         counts_.evaluations += 6 * accepted;
-        width_ = progress.control.proposal;
-        log_error_ = progress.control.log_error;
         return end;
     }
 
     StepperOptions options_;
     StepCounts counts_;
-    double first_width_;  // s, of a phase: a part of a free swing that the tolerance allows
-    // Carried along a phase from one stretch of voltage to the next.
-    double width_ = 0.0;  // s
-    double log_error_ = WidthControl<double>::kLeastLogError;
+    double first_width_;  // s, of a phase and of a stretch: a part of a free swing that the
+                          // tolerance allows
 };
 
 template <class Phase>
@@ -90,20 +80,13 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
     phase.rebase(y);
     phase.rates(phase.field_at(tau), y, step.slope[0], progress.samples.start);
     ++counts_.evaluations;
-    if (memory.fresh) {
-        // A step carried over from another phase can leap over the whole of a short one.
-        width_ = first_width_;
-        log_error_ = WidthControl<double>::kLeastLogError;
-        memory.begin(progress.samples.start, phase.event_rounding());
-        // Each of two modes sends the body to the other without time going on: the mode is kept for
-        // the shortest step that is far above the resolution of time.
-        if (memory.stalled) width_ = std::min(width_, kShortestStep);
-    } else {
-        // The same phase over a kink of the voltage, which excites the swing anew.
-        width_ = std::min(width_, 2.0 * first_width_);
-    }
+    memory.begin(progress.samples.start, phase.event_rounding());
+    // A step carried over from another phase can leap over the whole of a short one. Each of two
+    // modes may send the body to the other without time going on: the mode is kept for the shortest
+    // step that is far above the resolution of time.
+    const double width = memory.stalled ? std::min(first_width_, kShortestStep) : first_width_;
     progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
-    progress.control = {width_, log_error_, 0.0};
+    progress.control = {width, WidthControl<double>::kLeastLogError, 0.0};
     progress.tau = tau;
     progress.tau_end = tau_end;
     progress.accepted = 0.0;

@@ -328,7 +328,7 @@ TEST_CASE("plane: a run that is stepped goes over to the plane where a step turn
     // From a snapshot of either kind the same bits follow.
     for (const std::size_t from : {2U, 7U}) {
         Simulator again(scenario);
-        again.restore(SimulatorSnapshot::from_bytes(snapshots[from]));
+        again.restore(RunSnapshot::from_bytes(snapshots[from]));
         for (std::size_t step = from; step < states.size(); ++step) {
             again.step(voltages(static_cast<int>(step)), kStep, false);
             const StateRow expected = row_of(states[step]), found = row_of(again.state());

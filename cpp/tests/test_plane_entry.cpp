@@ -59,7 +59,7 @@ TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages th
     const auto stepped = [&] {
         Simulator simulator(scenario);
         for (int n = 0; n < 20; ++n) simulator.step(kCancelling, kStep, false);
-        return simulator.snapshot().memory.in_whole_plane ? simulator.state().heading : 0.0;
+        return simulator.snapshot().in_whole_plane ? simulator.state().heading : 0.0;
     };
     CHECK(stepped() == 0.0);
     scenario.effects.own_coils[2].distance = 1e-3;

@@ -117,7 +117,7 @@ TEST_CASE("simulator: a restored snapshot goes on with the same bits, in another
         for (int trial = 0; trial < 6 && !states.empty(); ++trial) {
             const auto from =
                 static_cast<std::size_t>(random.integer(0, static_cast<int>(states.size()) - 1));
-            other.restore(SimulatorSnapshot::from_bytes(snapshots[from]));
+            other.restore(RunSnapshot::from_bytes(snapshots[from]));
             CHECK(other.time() == kStep * static_cast<double>(from));
             for (std::size_t step = from; step < states.size() && step < from + 5; ++step) {
                 other.step(rows[step], kStep, false);
@@ -134,7 +134,7 @@ TEST_CASE("simulator: a restored snapshot goes on with the same bits after a ste
     Simulator whole(scenario), failing(scenario);
     whole.step(allowed, 5e-3, false);
     failing.step(allowed, 5e-3, false);
-    const SimulatorSnapshot before = failing.snapshot();
+    const RunSnapshot before = failing.snapshot();
     failing.step(refused, 50e-3, false);
     REQUIRE(failing.status() == Status::heading_lost);
     failing.restore(before);
@@ -159,7 +159,7 @@ TEST_CASE("simulator: a coil that the drive does not use may be stepped") {
     const Scenario scenario;  // xp and clamp
     Simulator simulator(scenario);
     simulator.step({0.0, 0.0, 0.0, 0.0, -10.0}, 0.05, false);
-    const SimulatorSnapshot before = simulator.snapshot();
+    const RunSnapshot before = simulator.snapshot();
     simulator.step({0.0, -20.0, 0.0, 0.0, -10.0}, 0.05, false);
     const SimulationState reached = simulator.state();
     // 50 ms are seven time constants of 7 ms; the current is that of the voltage.
@@ -174,14 +174,14 @@ TEST_CASE("simulator: what is refused") {
     const Scenario scenario;
     Scenario other = scenario;
     other.contact.adhesion *= 1.5;
-    const SimulatorSnapshot snapshot = Simulator(scenario).snapshot();
+    const RunSnapshot snapshot = Simulator(scenario).snapshot();
     CHECK_THROWS_AS(Simulator(other).restore(snapshot), std::invalid_argument);
     std::string bytes = snapshot.to_bytes();
-    CHECK_THROWS_AS(SimulatorSnapshot::from_bytes("stickslip"), std::invalid_argument);
-    CHECK_THROWS_AS(SimulatorSnapshot::from_bytes(bytes.substr(0, bytes.size() - 1)),
+    CHECK_THROWS_AS(RunSnapshot::from_bytes("stickslip"), std::invalid_argument);
+    CHECK_THROWS_AS(RunSnapshot::from_bytes(bytes.substr(0, bytes.size() - 1)),
                     std::invalid_argument);
     bytes[8] = 99;  // the version
-    CHECK_THROWS_AS(SimulatorSnapshot::from_bytes(bytes), std::invalid_argument);
+    CHECK_THROWS_AS(RunSnapshot::from_bytes(bytes), std::invalid_argument);
 }
 
 TEST_CASE("initial state: what is not given is at rest on the lowest corner") {

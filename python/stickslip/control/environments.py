@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     An action of another shape, or with a value that is not finite, is a ``ScenarioError``, before
     anything has moved.
 
-    The same seed gives the same bits for any number of threads.
+    The same seed gives the same bits for any number of threads. Copies (`copy`, `pickle`) are
+    independent environments that go on with the same bits.
 
     Parameters
     ----------
@@ -169,11 +171,25 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.observation_space = batched(self.single_observation_space, num_envs)
         self.action_space = batched(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
+        self._robots = [self.scenario] * num_envs  # each with its draw of what is uncertain
         self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs)
         self._states = np.zeros((num_envs, len(STATE_COLUMNS)))
         self._heading = np.zeros(num_envs)  # of the field along the surface, rad
         self._steps = np.zeros(num_envs, dtype=np.int64)
         self._over = np.zeros(num_envs, dtype=bool)  # the episode, and not begun anew
+
+    def __copy__(self) -> RobotVectorEnv:
+        return deepcopy(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        snapshots = [self._batch.snapshot(i).to_bytes() for i in range(self.num_envs)]
+        return {**self.__dict__, "_batch": snapshots}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._batch = _core.SimulatorBatch([robot.to_core() for robot in self._robots])
+        for i, snapshot in enumerate(state["_batch"]):
+            self._batch.restore(i, _core.Snapshot.from_bytes(snapshot))
 
     def reset(
         self,
@@ -222,7 +238,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     def _begin(self, mask: NDArray[np.bool_]) -> None:
         robots = np.flatnonzero(mask)
         for i in robots:
-            self._batch.reset(int(i), self._drawn(self._random[i]).to_core())
+            self._robots[i] = self._drawn(self._random[i])
+            self._batch.reset(int(i), self._robots[i].to_core())
         self._batch.states(self._states)
         for i in robots:
             self._targets.begin(int(i), self._states[i, PLACE], self._random[i])
@@ -302,6 +319,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
 
 class RobotEnv(gymnasium.Env[Array, Array]):
     """One robot; parameters are those of `RobotVectorEnv` without `num_envs`."""
+
+    def __copy__(self) -> RobotEnv:
+        return deepcopy(self)
 
     def __init__(self, render_mode: None = None, **options: Any) -> None:
         self.render_mode = render_mode

@@ -40,13 +40,13 @@ def _by_coil(name: str, voltages: Any) -> Mapping[str, float]:
 
 
 class Snapshot:
-    """All that a `Simulator` goes on from: restored, it goes on with the same bits."""
+    """State, time and voltages of a `Simulator`: restored, it goes on with the same bits."""
 
     def __init__(self, core: _core.Snapshot) -> None:
         self._core = core
 
     def to_bytes(self) -> bytes:
-        """The snapshot as bytes, for the same version and kind of machine."""
+        """The snapshot as numbers of eight bytes with a checksum, for the same version."""
         return self._core.to_bytes()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -61,6 +61,8 @@ class Snapshot:
 
 class Simulator:
     """A scenario that is played step by step, for controllers and for what a controller learns.
+
+    Copies (`copy`, `pickle`) are independent simulators that go on with the same bits.
 
     The voltages are those of the steps. The scenario's own drive is not played; it says how strong
     the fields are, to which the tolerance is relative, and how warm the coils get with
@@ -185,6 +187,14 @@ class Simulator:
         check_kind("snapshot", snapshot, Snapshot)
         with prefixed("", ValueError):
             self._core.restore(snapshot._core)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_core": self.snapshot()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._core = _core.Simulator(self.scenario.to_core())
+        self.restore(state["_core"])
 
     def __repr__(self) -> str:
         return f"<Simulator: {self.status}, t = {self.time:.6g} s>"
