@@ -68,3 +68,12 @@ def test_the_field_across_is_recorded():
     expected = Coils().field(at, [0, 0, 1.0, 0, 0])[0, 1] * run.current[-1, 2]
     assert run.by[-1] == pytest.approx(expected, rel=1e-9)
     assert not simulate(held({"xp": 10.0}, **RECORDED)).by.any()
+
+
+def test_the_power_of_a_run_that_ends_between_stretches_is_that_of_its_window():
+    # A held field: after its rise the power is constant, and a stop must not count a stretch twice.
+    scenario = Scenario(drive=Drive(mode="IPP", frequency=40.0, pulses=20))
+    stop = scenario.window[0] + 5.0 / 40.0
+    short = simulate(scenario.replace({"drive.pulses": 8}))
+    ended = simulate(scenario, until=f"time >= {stop!r}")
+    assert ended.summary()["power_mean"] == pytest.approx(short.summary()["power_mean"], rel=1e-9)

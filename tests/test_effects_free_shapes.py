@@ -283,16 +283,6 @@ def test_a_drive_of_voltages_from_a_file_has_no_frequency():
     assert np.ptp(plain.theta) > 0.1
 
 
-@pytest.mark.parametrize("name", ["free_friction_age", "free_adhesion_age", "free_field_time"])
-def test_what_changes_late_is_not_extrapolated_from_steady_pulses(name):
-    # Nothing until the second knot, at a quarter of a run of 0.55 s.
-    late = shaped(name, [0.0, 0.0, 0.5, 0.5, 0.5], 0.6)
-    drive = {"mode": "OPP", "hold": 2.0e-3, "base": 0.5e-3, "pulses": 50}
-    sloppy = {"solver.velocity_error": 1e-3}
-    assert run(late, sloppy, **drive).mean_velocity == run(late, **drive).mean_velocity
-    assert run(sloppy, **drive).mean_velocity != run(**drive).mean_velocity
-
-
 def test_turned_robot_mirrors_the_motion():
     keys = {key: value for name in SHAPES for key, value in shaped(name, KNOTS).items()}
     one = run(keys, rate=2e3, **DRIVES["OPP"])

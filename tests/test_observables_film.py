@@ -1,6 +1,7 @@
 """Films: observables and their errors, and what `diagnose` makes of them."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.observables.tracking.camera import Camera, record
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.diagnosis.observables.tracking.folding import fold
-from stickslip.diagnosis.observables.tracking.force_residuals import force_view
+from stickslip.diagnosis.observables.tracking.smoothed_motion import smoothed_motion
+from stickslip.diagnosis.report.film_figure import traces
+from stickslip.diagnosis.report.film_section import drift_lines
 from stickslip.diagnosis.report.html import report_sections
 from stickslip.diagnosis.report.parameters import extended_parameters
 from stickslip.facts import Code
@@ -157,7 +160,7 @@ def test_a_program_of_voltages_is_binned_in_time():
     left = whitened(observable)
     assert len(left) == 24 + 23  # levels of theta; of x all but the origin
     assert np.mean(left**2) < 1.0 + norm.ppf(0.999) * np.sqrt(2.0 / len(left))
-    assert force_view(observable, NAMES, VALUES[0]) is None
+    assert smoothed_motion(observable, NAMES, VALUES[0]) is None
 
 
 @pytest.mark.parametrize(("rate", "frames"), [(1000.0, slice(150, 175)), (70.0, slice(None))])
@@ -171,6 +174,57 @@ def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
     held_out = np.zeros(len(observable.observed), dtype=bool)
     comparison = observable.comparison(NAMES, VALUES[0], None, held_out)
     assert report_sections([comparison])[0].lines
+
+
+# The motion over a pulse, as the report shows it.
+
+
+def test_nothing_drifts_where_the_model_is_true():
+    drifts = []
+    for seed in range(6):
+        seen = smoothed_motion(FilmObservable(tracking_run({}, 1000.0, seed)), NAMES, VALUES[0])
+        assert [each.code for each in drift_lines(seen)] == [Code.NO_DRIFT_OF_PERIODS]
+        drifts += [value / sd for value, sd in (seen.drift_theta, seen.drift_advance)]
+    # Twelve numbers of variance one: the mean square is within 1 +- 3.3 sqrt(2 / 12).
+    assert np.mean(np.square(drifts)) < 1.0 + 3.3 * np.sqrt(2 / 12)
+
+
+def test_a_tilt_that_grows_from_period_to_period_drifts():
+    run = tracking_run({}, 1000.0, 0)
+    rate = 2e-3
+    theta = run.columns["theta"] + rate * ROBOT.drive.frequency * run.columns["t"]
+    grown = replace(run, columns={**run.columns, "theta": theta})
+    seen = smoothed_motion(FilmObservable(grown), NAMES, VALUES[0])
+    value, sd = seen.drift_theta
+    assert abs(value - rate) < 3.5 * sd
+    assert [each.code for each in drift_lines(seen)] == [Code.DRIFT_OF_TILT]
+
+
+def test_the_drawn_motion_lies_on_the_readings_if_the_cause_is_right():
+    tilt = "effects.surface_tilt.angle"
+    observable = FilmObservable(tracking_run({tilt: 0.06}, 1000.0, 0))
+    before = smoothed_motion(observable, NAMES, VALUES[0])
+    after = smoothed_motion(observable, [*NAMES, tilt], np.append(VALUES[0], 0.06))
+    place = traces(before, after)[1]
+    # A fit of 2 n + 1 harmonics to so many frames of this noise.
+    frames = 1000.0 * 9 / 30.0  # nine periods: three of twelve settle
+    noise = 1e6 * NOISE["x"] * np.sqrt((2 * before.orders + 1) / frames)
+    error = {
+        stage: np.std(place.measured - getattr(place, stage))
+        for stage in ("recalibrated", "extended")
+    }
+    # An rms of 2 n + 1 numbers is within a quarter of its mean; a half for what the cause's own
+    # error adds. What the tilt does not do is many times the noise.
+    assert error["extended"] < 1.5 * noise
+    assert error["recalibrated"] > 3.0 * noise
+
+
+def test_the_camera_of_another_model_moves_no_drawn_curve():
+    before = smoothed_motion(FilmObservable(tracking_run({}, 1000.0, 0)), NAMES, VALUES[0])
+    moved = {"theta": 0.02, "theta_model": 0.02, "place": 3e-6, "place_model": 3e-6}
+    after = replace(before, **{key: getattr(before, key) + by for key, by in moved.items()})
+    for trace in traces(before, after):
+        np.testing.assert_allclose(trace.extended, trace.recalibrated, atol=1e-12)
 
 
 # From films to a verdict.

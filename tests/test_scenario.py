@@ -45,7 +45,6 @@ def every_key_changed():
             "contact.tangential_restitution": 0.3,
             "solver.method": "arkode",
             "solver.max_step": 1e-3,
-            "solver.velocity_error": 1e-6,
             "record.rate": 1234.5,
             "record.from": 0.1,
             "record.fields": "x, theta",

@@ -18,5 +18,4 @@ PYBIND11_MODULE(_core, module) {
     register_simulation(module);
     register_simulator(module);
     register_statics(module);
-    register_balance(module);
 }

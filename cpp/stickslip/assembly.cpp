@@ -80,12 +80,6 @@ FieldShape make_field_shape(const Effects& e) {
     return {.time = FreeCurve(e.free_field_time), .amplitude = FreeCurve(e.free_field_amplitude)};
 }
 
-// Whether a free shape may change the motion of pulses that have been steady so far.
-bool has_shape_of_time(const Effects& e) {
-    return !FreeCurve(e.free_friction_age).absent() || !FreeCurve(e.free_adhesion_age).absent() ||
-           !FreeCurve(e.free_field_time).absent();
-}
-
 PerCoil field_gain_at(const Scenario& s, double factor) {
     const double in_plane = (1.0 + s.effects.field_gain_in_plane) * factor;
     const double clamp = (1.0 + s.effects.field_gain_clamp) * factor;
@@ -367,14 +361,6 @@ Window measuring_window(const Scenario& s) {
     if (drive.mode == DriveMode::program) return {0.0, s.program.duration()};
     return {drive.ramp + static_cast<double>(settling_pulses(drive)) / drive.frequency,
             drive.ramp + pulsing_time(drive)};
-}
-
-SteadyPulses make_steady_pulses(const Scenario& s, bool is_stopped) {
-    const bool whole = is_stopped || turns(s) || s.drive.mode == DriveMode::program ||
-                       s.record.kind != RecordKind::none || has_shape_of_time(s.effects);
-    return SteadyPulses(
-        s.drive.ramp, 1.0 / s.drive.frequency, static_cast<std::size_t>(settling_pulses(s.drive)),
-        static_cast<std::size_t>(s.drive.pulses), whole ? 0.0 : s.solver.velocity_error);
 }
 
 }  // namespace stickslip

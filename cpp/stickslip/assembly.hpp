@@ -9,7 +9,6 @@
 #include "stickslip/plane_assembly.hpp"
 #include "stickslip/plane_dynamics.hpp"
 #include "stickslip/scenario.hpp"
-#include "stickslip/steady_pulses.hpp"
 #include "stickslip/stepping.hpp"
 
 /// From the values of a scenario to the parts of its simulation, each effect put where it acts.
@@ -66,10 +65,6 @@ double duration(const Scenario& scenario);
 
 /// Time from pulse to pulse, s; zero for a free program.
 double pulse_period(const Scenario& scenario);
-
-/// What extrapolates steady pulses, in a run that records nothing and is not stopped before its
-/// end.
-SteadyPulses make_steady_pulses(const Scenario& scenario, bool is_stopped);
 
 /// Times (s) between which the mean velocity is taken: from the end of the third pulse (of the
 /// ramp, with three pulses or fewer) to the end of the last (section VII); all of a free program.

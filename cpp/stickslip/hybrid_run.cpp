@@ -24,7 +24,6 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
                                     control ? &control->stop : nullptr)),
       recorder_(scenario.record, chain_, sign_, turns(scenario)),
       observer_(pulse_period(scenario)),
-      pulses_(make_steady_pulses(scenario, stop.has_value())),
       drive_(circuit_),
       control_(control),
       stop_(stop),
@@ -151,13 +150,6 @@ void HybridRun::watch_window(double time) {
         if (plane_) turned_before_ = plane_->watch().state().turned;
     }
     if (observer_.is_open()) observer_.pass(time, state_.body);
-    pulses_.pass(time, state_.body.x);
-    if (const auto displacement = pulses_.displacement()) {
-        close_window(time);
-        result_.summary.mean_velocity = sign_ * *displacement / (window_.end - window_.start);
-        extrapolated_ = true;
-        return;
-    }
     if (observer_.is_open() && time >= window_.end - slack) {
         close_window(time);
     }
@@ -271,7 +263,6 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
 }
 
 void HybridRun::finish() {
-    if (extrapolated_) return;
     if (result_.stopped) {
         // Where a stretch ends, it was looked at as a whole.
         if (stretch_is_open_ && tau_ > 0.0) {

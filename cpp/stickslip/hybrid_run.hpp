@@ -20,7 +20,6 @@
 #include "stickslip/recording.hpp"
 #include "stickslip/run_snapshot.hpp"
 #include "stickslip/simulation.hpp"
-#include "stickslip/steady_pulses.hpp"
 #include "stickslip/stepping.hpp"
 #include "stickslip/stretch_source.hpp"
 
@@ -142,7 +141,7 @@ private:
     template <class Rest>
     void run_rest(const Rest& rest, bool outside);
     bool goes_on() const {
-        return result_.status == Status::ok && !result_.stopped && !extrapolated_;
+        return result_.status == Status::ok && !result_.stopped;
     }
     void handle(Event event, double tau);
     void after_event(double tau);
@@ -173,7 +172,6 @@ private:
     std::optional<HeadingWatch> planar_watch_;  // of one that a later step may turn
     Recorder recorder_;
     SummaryObserver observer_;
-    SteadyPulses pulses_;
     DriveObserver drive_;
     RunControl* control_;
     const std::optional<StopCondition> stop_;
@@ -186,7 +184,6 @@ private:
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
-    bool extrapolated_ = false;              // whether the rest of the window was
     bool touches_down_ = false;              // as the run begins
     double turned_before_ = 0.0;             // rad, of the heading before the measuring window
     HybridState state_;

@@ -97,10 +97,6 @@ std::vector<Parameter> make_parameters() {
         {.key = "solver.max_steps", .unit = "-", .low = 1, .high = 1e15, .integer = true,
          .meaning = "most steps of a run; one that needs more ends with a status that says why",
          STICKSLIP_MEMBER(solver.max_steps)},
-        {.key = "solver.velocity_error", .unit = "m/s", .low = 0, .high = 1,
-         .meaning = "error of the mean velocity up to which steady pulses are extrapolated where "
-                    "nothing is recorded; 0: all are simulated",
-         STICKSLIP_MEMBER(solver.velocity_error)},
         {.key = "initial.x", .unit = "m", .low = -100, .high = 100,
          .meaning = "position along the surface at the start", STICKSLIP_MEMBER(initial.x)},
         {.key = "initial.z", .unit = "m", .low = 0, .high = 100,

@@ -121,7 +121,6 @@ struct SolverSettings {
     double rtol = 1e-8;
     double max_step = 0.0;  ///< s, zero: no limit
     std::int64_t max_steps = 1'000'000'000;
-    double velocity_error = 0.0;  ///< m/s, see SteadyPulses; zero: every pulse is simulated
 };
 
 enum class RecordKind { none, events, uniform };

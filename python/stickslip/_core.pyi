@@ -83,14 +83,6 @@ class _Recording(TypedDict):
     contact: NDArray[int8]
     event: NDArray[int8]
 
-class _Balances(TypedDict):
-    torque: NDArray[float64]
-    force: NDArray[float64]
-    friction_ratio: NDArray[float64]
-    contact_velocity: NDArray[float64]
-    torque_scale: float
-    weight: float
-
 _Block = tuple[NDArray[float64], NDArray[float64], int]
 
 def parameters() -> list[_Parameter]: ...
@@ -151,9 +143,6 @@ def probe_readings(
     points: NDArray[float64],
     currents: NDArray[float64],
 ) -> NDArray[float64]: ...
-def corner_balances(
-    scenario: Scenario, points: NDArray[float64], motions: NDArray[float64]
-) -> _Balances: ...
 def surface_directions(
     angles: NDArray[float64],
 ) -> tuple[NDArray[float64], NDArray[float64]]: ...

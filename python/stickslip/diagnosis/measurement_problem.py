@@ -19,7 +19,6 @@ from stickslip.diagnosis.data.plausibility import (
 )
 from stickslip.diagnosis.data.trial_noise import fit_noise
 from stickslip.diagnosis.data.trials import Trials, pooled_velocities
-from stickslip.diagnosis.fit.multistart import SMALLER_INFLATION
 from stickslip.diagnosis.inference.cause_or_law import judged_beside_laws, looks_for_laws
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.free_term_search import search_terms
@@ -29,12 +28,7 @@ from stickslip.diagnosis.inference.smooth_residual import Settings
 from stickslip.diagnosis.model.effect_causes import library
 from stickslip.diagnosis.model.free_shapes import HOOKS, find_spans
 from stickslip.diagnosis.model.problem import Array, Cause, Uncertain
-from stickslip.diagnosis.model.simulator import (
-    TOLERANCES,
-    Simulator,
-    loosest_tolerances,
-    with_extrapolation,
-)
+from stickslip.diagnosis.model.simulator import TOLERANCES, Simulator, loosest_tolerances
 from stickslip.diagnosis.observables import Combined, find_observables
 from stickslip.diagnosis.observables.combined import pooled_observables
 from stickslip.diagnosis.observables.observable import Observable
@@ -105,11 +99,10 @@ def diagnose_measurement(
     if walks.conditions:
         trials = walks.trials
         noise = fit_noise(trials.value, trials.condition, trials.block, options.relative_sd)
-        cheaper = with_extrapolation(walks.conditions, noise)
-        rtol = loosest_tolerances(simulator, cheaper, shared, causes, noise, seed)
+        rtol = loosest_tolerances(simulator, walks.conditions, shared, causes, noise, seed)
         finest = {"solver.rtol": float(np.min(rtol))}
         simulator = Simulator(scenario.replace(finest), columns, threads)
-        pairs = zip(cheaper, rtol, strict=True)
+        pairs = zip(walks.conditions, rtol, strict=True)
         conditions = [{**each, "solver.rtol": float(r)} for each, r in pairs]
         believed = [float(scenario.get(name)) for name in columns]
         given = simulator(conditions, np.array([believed]))[0]
@@ -249,13 +242,7 @@ def _low_fidelity(scenario: Scenario, condition: Mapping[str, Value]) -> dict[st
     """A condition that is computed sooner and less exactly."""
     pulses = float(condition.get("drive.pulses", scenario.get("drive.pulses")))
     fewer = min(pulses, _LOW_FIDELITY_PULSES)
-    looser = SMALLER_INFLATION * float(condition["solver.velocity_error"])
-    return {
-        **condition,
-        "solver.rtol": TOLERANCES[0],
-        "solver.velocity_error": looser,
-        "drive.pulses": fewer,
-    }
+    return {**condition, "solver.rtol": TOLERANCES[0], "drive.pulses": fewer}
 
 
 def _driven(measurement: Measurement) -> list[Scenario]:

@@ -156,28 +156,16 @@ class Code(str, Enum):
     ANGLE_MODEL = "angle-model"  #: What an angle of the model is.
     NO_ANGLE_WITHOUT_FIELD = "no-angle-without-field"  #: No angle was read without a field.
     FIELD_MISFIT = "field-misfit"  #: Errors of the models' fields.
-    NO_FORCE_VIEW = "no-force-view"  #: A film that shows no forces.
+    NO_SMOOTHED_MOTION = "no-smoothed-motion"  #: A film whose motion over a pulse is not drawn.
     ADVANCE = "advance"  #: Distance that the robot moves in a pulse, measured and of the models.
-    TOO_FEW_PHASES = "too-few-phases"  #: A film with too few phases of the drive for forces.
-    TORQUE_NOT_JUDGED = "torque-not-judged"  #: The contact never sticks for long enough.
-    TORQUE_CLEAN = "torque-clean"  #: No torque is missing while the contact sticks.
-    TORQUE_RESIDUAL = "torque-residual"  #: A torque is missing while the contact sticks.
-    FORCE_NOT_JUDGED = "force-not-judged"  #: The contact never slips for long enough.
-    FORCE_CLEAN = "force-clean"  #: No force is missing while the contact slips.
-    FORCE_RESIDUAL = "force-residual"  #: A force is missing while the contact slips.
-    ONSET_SAME = "onset-same"  #: Friction over normal force at the onset of slip is the model's.
-    ONSET_DIFFERS = "onset-differs"  #: At the onset of slip this ratio differs.
     #: Nothing drifts from period to period beyond the simulation.
     NO_DRIFT_OF_PERIODS = "no-drift-of-periods"
     DRIFT_OF_TILT = "drift-of-tilt"  #: The tilt drifts from period to period beyond the simulation.
     #: The advance drifts from period to period beyond the simulation.
     DRIFT_OF_ADVANCE = "drift-of-advance"
-    FORCE_WITH_CAUSE = "force-with-cause"  #: How the mean missing force changes with the cause.
     DIRECTIONS_TOO_SHORT = "directions-too-short"  #: A film of two directions shows no advance.
     DIRECTIONS_CANCEL = "directions-cancel"  #: Advances of two directions are equal and opposite.
     DIRECTIONS_DIFFER = "directions-differ"  #: The advances of two directions do not cancel.
-    #: Missing forces that are fixed to the world, and that turn with the robot.
-    FORCES_OF_DIRECTIONS = "forces-of-directions"
 
     # What the page of a diagnosis says first, and its five answers.
     HEADLINE_NAMED = "headline-named"  #: One cause is named.

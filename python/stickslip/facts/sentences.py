@@ -40,17 +40,6 @@ _ORIGINS = {
     "smoothness": "how smoothly the readings follow the field",
     "free-fit": "what a free gain of each coil and a free uniform field leave over",
 }
-_TORQUES = {
-    "constant": "It is constant, as from the gain of a coil, an ambient field or a turned moment.",
-    "theta": "It goes with the tilt, as from the strength or direction of moment and field.",
-    "rate": "It goes with the rate of the tilt, as from drag on turning or a field that lags.",
-}
-_FORCES = {
-    "constant": "It is constant, as from a tilted surface, an ambient gradient or other friction.",
-    "theta": "It goes with the tilt, as from adhesion or drag that depends on the angle.",
-    "rate": "It goes with the rate of the tilt, as from another normal force.",
-    "contact velocity": "It goes with the contact's velocity, as from drag or viscous friction.",
-}
 
 
 def mismatch(f: Fields, whose: str = "what the stated model gives") -> str:
@@ -112,13 +101,6 @@ def _uneven_parts(f: Fields) -> str:
 def _extended(template: str) -> Callable[[Fields], str]:
     """What is said of the extended model, if there is one."""
     return lambda f: "" if f["extended"] is None else _FORMATTER.vformat(template, (), f)
-
-
-def _residual(f: Fields) -> str:
-    what = "in the mean"
-    if f["variable"] != "constant":
-        what = f"for one standard deviation of the {f['variable']}"
-    return f"{f['value']:+.2g} {f['unit']} {what} (t = {f['t']:.1f})."
 
 
 def two_digits(value: float) -> str:
@@ -275,7 +257,6 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "origin_of_u": lambda f: f" less {f['origin']:g} {f['unit']}" if f["origin"] else "",
     "also": lambda f: f"; nearly as likely: {_listed(f['others'])}" if f["others"] else "",
     "gain_certainty": lambda f: "" if f["certain"] else "; its interval includes no gain",
-    "residual": _residual,
     "in_own_unit": lambda f: "" if f["own"] == "-" else f" in {f['own']}",
     "improvement": _improvement,
     "in_unit": lambda f: "" if f["unit"] == "-" else f" {f['unit']}",
@@ -296,8 +277,6 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "meaning_of": lambda f: f": {f['meaning']}" if f["meaning"] else "",
     "go_on": lambda f: "Go on" if f["first"] else "Or go on",
     "distance": lambda f: f"{abs(f['lead']):.1f} {'behind' if f['lead'] >= 0.0 else 'ahead'}",
-    "torque_meaning": lambda f: _TORQUES[f["variable"]],
-    "force_meaning": lambda f: _FORCES[f["variable"]],
 }
 """What a template can name beside the fields."""
 

@@ -289,17 +289,12 @@ class Solver(Section):
     max_steps : int
         Most steps of a run. One that needs more ends with the status "too_many_steps", whose
         message names the key that makes the steps short.
-    velocity_error : float
-        Error of the mean velocity, m/s, up to which pulses are extrapolated instead of simulated,
-        once the displacements of those before them go on steadily; 0: every pulse is simulated.
-        Only in a run that records nothing, in whose `mean_velocity` alone they are counted.
     """
 
     method: Literal["tsit5", "arkode"] = "tsit5"
     rtol: float = 1e-8
     max_step: float = 0.0
     max_steps: int = 1_000_000_000
-    velocity_error: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

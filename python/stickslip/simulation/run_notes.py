@@ -61,12 +61,6 @@ def _of_end(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
     )
     if not finished or finished == pulses:
         return []
-    if not math.isnan(summary["mean_velocity"]):
-        return [
-            f"mean_velocity is extrapolated from {finished} of the {pulses} pulses of the "
-            "measuring window, which went on steadily (solver.velocity_error); all other numbers "
-            "are over these alone"
-        ]
     return [
         f"the run ended after {finished} of the {pulses} pulses of the measuring window: there is "
         "no mean_velocity; over the pulses that were finished it is "

@@ -139,8 +139,7 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
     that the model does not have at all.
     """
     recorded = [
-        each.replace({"record.rate": _SAMPLES * each.drive.frequency, "solver.velocity_error": 0.0})
-        for each in scenarios
+        each.replace({"record.rate": _SAMPLES * each.drive.frequency}) for each in scenarios
     ]
     runs = [run for run in simulate_batch(recorded, threads=threads) if run.ok]
     if not runs:

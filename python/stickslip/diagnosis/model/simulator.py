@@ -62,18 +62,6 @@ class Simulator:
         return float(value)
 
 
-def with_extrapolation(conditions: Conditions, noise: NoiseModel) -> list[dict[str, Value]]:
-    """The conditions, whose steady pulses are extrapolated as far as the noise allows.
-
-    Half of the model's allowed error; the other half is for the tolerance.
-    """
-    allowed = 0.5 * _MODEL_ERROR * np.sqrt(np.diag(noise.covariance))
-    return [
-        {**each, "solver.velocity_error": float(error)}
-        for each, error in zip(conditions, allowed, strict=True)
-    ]
-
-
 def loosest_tolerances(
     simulator: Simulator,
     conditions: Conditions,
@@ -85,10 +73,9 @@ def loosest_tolerances(
     """For each condition the largest tolerance whose error is far below the noise, (conditions,).
 
     The error is judged at draws of the uncertain parameters, against a tolerance a hundred times
-    finer than the finest that is tried and every pulse simulated. A twentieth of the noise is
-    allowed, because derivatives are taken over steps whose effect is about the noise. Where the
-    motion is so sensitive that no tolerance reaches that, one suffices whose error is at most 1.5
-    times that of the finest.
+    finer than the finest that is tried. A twentieth of the noise is allowed, because derivatives
+    are taken over steps whose effect is about the noise. Where the motion is so sensitive that no
+    tolerance reaches that, one suffices whose error is at most 1.5 times that of the finest.
     """
     random = np.random.default_rng([seed, 31])
     absent = [each.value(np.zeros(1))[0] for cause in causes for each in cause.parameters]
@@ -100,15 +87,12 @@ def loosest_tolerances(
     finest = min(float(base.get("solver.rtol")), TOLERANCES[-1])
     tried = np.array([each for each in TOLERANCES if each > finest] + [finest])
 
-    def velocities(conditions: Conditions, rtol: float) -> Array:
+    def velocities(rtol: float) -> Array:
         scenario = base.replace({"solver.rtol": rtol})
         return Simulator(scenario, simulator.parameters, threads)(conditions, np.array(draws))
 
-    whole = [{**each, "solver.velocity_error": 0.0} for each in conditions]
-    truth = velocities(whole, max(0.01 * finest, 1e-11))
-    errors = np.array(
-        [_typical_largest(np.abs(velocities(conditions, rtol) - truth)) for rtol in tried]
-    )
+    truth = velocities(max(0.01 * finest, 1e-11))
+    errors = np.array([_typical_largest(np.abs(velocities(rtol) - truth)) for rtol in tried])
     allowed = _MODEL_ERROR * np.sqrt(np.diag(noise.covariance))
     allowed = np.maximum(allowed, 1.5 * errors[-1])
     good = errors <= allowed

@@ -97,12 +97,12 @@ def table_figure(found: Comparison, name: str) -> LargeFigure:
 
 def film_difference(found: FilmComparison, name: str) -> LargeFigure | None:
     """Tilt and place over the phase of the drive; None where a film shows no phases."""
-    if found.view is None:
+    if found.recalibrated is None:
         return None
     panels = []
-    step = max(1, len(found.view.phase) // _SAMPLES)
-    phase = found.view.phase
-    for each in traces(found.view, found.after):
+    phase = found.recalibrated.phase
+    step = max(1, len(phase) // _SAMPLES)
+    for each in traces(found.recalibrated, found.extended):
         change = None if each.extended is None else each.extended - each.recalibrated
         rows = Rows(each.measured, each.recalibrated, change, None,
                     np.full(len(phase), found.held_out), name)  # fmt: skip
@@ -115,7 +115,7 @@ def film_difference(found: FilmComparison, name: str) -> LargeFigure | None:
                             f"difference of {each.label}", points, tuple(lines)))  # fmt: skip
     return LargeFigure(
         f"{found.file}: measured minus recalibrated model", tuple(panels),
-        "" if found.after is None else name, "measured (smoothed) minus recalibrated",
+        "" if found.extended is None else name, "measured (smoothed) minus recalibrated",
         (), found.held_out,
     )  # fmt: skip
 

@@ -1,1 +1,1 @@
-"""Films of one run: frames folded on the drive's phase, and the forces that they show."""
+"""Films of one run: frames folded on the drive's phase, and their motion over a pulse."""

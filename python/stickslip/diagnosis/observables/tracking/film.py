@@ -32,7 +32,7 @@ from stickslip.diagnosis.observables.tracking.folding import (
     reduce,
     undrifted,
 )
-from stickslip.diagnosis.observables.tracking.force_residuals import ForceView, force_view
+from stickslip.diagnosis.observables.tracking.smoothed_motion import SmoothedMotion, smoothed_motion
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.tracking import FEWEST, TrackingRun
@@ -93,16 +93,16 @@ class FilmComparison:
     advance : dict of float, optional
         Advance per pulse in the world, m: ``measured``, its error ``sd``, and what the models make
         of it, ``recalibrated`` and ``extended``; None where no two periods show it.
-    view, after : ForceView, optional
-        With the recalibrated and with the extended model; None where there is none.
+    recalibrated, extended : SmoothedMotion, optional
+        The motion beside each model; None where there is none.
     held_out : bool
     """
 
     file: str
     scenario: Scenario
     advance: dict[str, float] | None
-    view: ForceView | None
-    after: ForceView | None
+    recalibrated: SmoothedMotion | None
+    extended: SmoothedMotion | None
     held_out: bool
 
 
@@ -176,17 +176,17 @@ class FilmObservable(Observable):
     def comparison(
         self, names: Sequence[str], recalibrated: Array, extended: Array | None, held_out: Mask
     ) -> FilmComparison:
-        """Advance and forces of this run beside both models."""
-        view = force_view(self, names, recalibrated)
-        after = None if view is None or extended is None else force_view(self, names, extended)
-        advance = None
-        if view is not None and self.advance is not None:
+        """Advance and motion of this run beside both models."""
+        seen, after, advance = smoothed_motion(self, names, recalibrated), None, None
+        if seen is not None and extended is not None:
+            after = smoothed_motion(self, names, extended)
+        if seen is not None and self.advance is not None:
             advance = dict(zip(("measured", "sd"), self.advance, strict=True))
             advance["recalibrated"] = self._predicted_advance(names, recalibrated)
             if after is not None and extended is not None:
                 advance["extended"] = self._predicted_advance(names, extended)
         held = bool(held_out.all())
-        return FilmComparison(self.run.file, self.run.scenario, advance, view, after, held)
+        return FilmComparison(self.run.file, self.run.scenario, advance, seen, after, held)
 
     @property
     def advance(self) -> tuple[float, float] | None:

@@ -1,17 +1,15 @@
-"""The motion of a film, smoothed by a Fourier series, and the core's balances of its forces."""
+"""The motion of a film over the phase of its drive, smoothed by a Fourier series."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip import _core
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.observables.tracking.camera import Camera, Recording
-from stickslip.scenario.scenario import Scenario
+from stickslip.diagnosis.observables.tracking.camera import Camera, Recording, record
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.observables.tracking.film import FilmObservable
@@ -24,21 +22,60 @@ _GRID = 240
 
 
 @dataclass(frozen=True, eq=False)
-class Kinematics:
-    """Motion over a grid of phases, shape (..., g), in the robot's own frame, SI units.
+class SmoothedMotion:
+    """A film's steady motion beside that of a simulation.
 
-    The tilt, nose-down positive, with its derivatives, and the centre of mass with its own.
+    Attributes
+    ----------
+    phase : ndarray, shape (g,)
+        Phase of the drive, 0 to 1.
+    theta, theta_model : ndarray, shape (g,)
+        Measured and simulated, rad; without the camera's offset and scale.
+    place, place_model : ndarray, shape (g,)
+        x less its drift, along the robot's own +x, m.
+    orders : int
+        Harmonics of the smoothing.
+    drift_theta, drift_advance : tuple of float
+        Change from period to period that the simulation lacks, and its error: rad, and m of the
+        advance.
     """
 
+    phase: Array
     theta: Array
-    omega: Array
-    alpha: Array
-    x: Array
-    vx: Array
-    ax: Array
+    theta_model: Array
+    place: Array
+    place_model: Array
+    orders: int
+    drift_theta: tuple[float, float]
+    drift_advance: tuple[float, float]
 
 
-class Folds:
+def smoothed_motion(
+    observable: FilmObservable, names: Sequence[str], values: Array
+) -> SmoothedMotion | None:
+    """The motion of a film, and that of a simulation with `values`, shape (names,).
+
+    `names` are scenario keys and what is uncertain or suspect of the film. None where the
+    simulation fails, the drive has no phase, or the frames are too few.
+    """
+    run, at = observable.run, observable.keys(names)
+    if run.scenario.drive.mode == "program":
+        return None
+    keys = [names[k] for k in at]
+    motion = next(record(run.scenario, keys, values[None, at], observable.rate, 1))
+    if motion is None:
+        return None
+    folds = _Folds(observable, motion, observable.camera(names, values))
+    if folds.orders == 0:
+        return None
+    measured, simulated = folds.smooth(folds.measured), folds.smooth(folds.simulated)
+    return SmoothedMotion(
+        folds.grid, measured["theta"], simulated["theta"], measured["x"], simulated["x"],
+        folds.orders, folds.drift("theta", 1), folds.drift("x", 2),
+    )  # fmt: skip
+
+
+class _Folds:
     """Steady frames of theta and x, and the Fourier series through them.
 
     `motion` is the recording of the simulation that is compared, `camera` the fitted one.
@@ -54,37 +91,22 @@ class Folds:
         folded = theta.folded
         self.phase, self.cycle = folded.phase[inside], folded.cycle[inside]
         self.whole = folded.cycles[inside].astype(float)
-        self.period, self.distinct = folded.period, folded.distinct()
         times = run.columns["t"][both]
-        self.count = len(times)
         self.sd = {"theta": theta.sd / camera.angle_scale, "x": x.sd}
         self.sign = run.scenario.drive.facing
         frames = camera.frames(motion, times)
         raw = {"theta": run.columns["theta"][both], "x": run.columns["x"][both]}
         self.measured, self.simulated = self._true(raw, camera), self._true(frames, camera)
         self.grid = (np.arange(_GRID) + 0.5) / _GRID
-        self.orders = self._best_order()
-        middle = np.floor(0.5 * float(self.whole.max(initial=0.0)))
-        start = run.scenario.window[0]
-        self.true_times = start + (middle + self.grid) * self.period + camera.trigger
-        self.trigger = camera.trigger / self.period
+        # A harmonic is two numbers: chosen are a third more phases and three times as many frames.
+        self.orders = self._best_order(min(folded.distinct() // 3, len(times) // 6, _MOST_ORDERS))
 
     def _true(self, frames: Mapping[str, Array], camera: Camera) -> dict[str, Array]:
         theta = (frames["theta"] - camera.angle_offset) / camera.angle_scale
         return {"theta": theta, "x": self.sign * (frames["x"] - camera.marker(theta)[0])}
 
-    def _series(self, phase: Array, orders: int, derivative: int = 0) -> Array:
-        """Columns 1, cos and sin of the phase, or their derivatives by time."""
-        k = np.arange(1, orders + 1)
-        angle = 2.0 * np.pi * phase[:, None] * k + 0.5 * np.pi * derivative
-        scale = (2.0 * np.pi * k / self.period) ** derivative
-        first = np.full((len(phase), 1), 1.0 if derivative == 0 else 0.0)
-        return np.hstack([first, scale * np.cos(angle), scale * np.sin(angle)])
-
-    def _best_order(self) -> int:
-        """Order by the Bayesian information criterion, where the film's phases allow it."""
-        # A harmonic is two numbers: chosen are a third more phases and three times as many frames.
-        most = min(self.distinct // 3, self.count // 6, _MOST_ORDERS)
+    def _best_order(self, most: int) -> int:
+        """Order by the Bayesian information criterion; 0 where not two are allowed."""
         scores = {}
         for orders in range(2, most + 1):
             design = self._design(orders)
@@ -93,79 +115,33 @@ class Folds:
                 y = self.measured[name]
                 left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
                 misfit += float(left @ left) / sd**2
-            scores[orders] = misfit + 2 * design.shape[1] * np.log(self.count)
+            scores[orders] = misfit + 2 * design.shape[1] * np.log(len(self.phase))
         return min(scores, key=lambda orders: scores[orders]) if scores else 0
 
     def _design(self, orders: int) -> Array:
-        return np.hstack([self.cycle[:, None], self._series(self.phase, orders)])
+        return np.hstack([self.cycle[:, None], _series(self.phase, orders)])
 
-    def smooth(self, frames: Mapping[str, Array]) -> Kinematics:
-        """Series through frames of shape (n,) or (draws, n), on the grid."""
-        inverse = np.linalg.pinv(self._design(self.orders))
-        found = {name: y @ inverse.T for name, y in frames.items()}
-        bases = [self._series(self.grid, self.orders, k) for k in range(3)]
-        theta, omega, alpha = (found["theta"][..., 1:] @ basis.T for basis in bases)
-        x, vx, ax = (found["x"][..., 1:] @ basis.T for basis in bases)
-        drift = found["x"][..., :1] / self.period
-        return Kinematics(theta, omega, alpha, x - x.mean(-1, keepdims=True), vx + drift, ax)
+    def smooth(self, frames: Mapping[str, Array]) -> dict[str, Array]:
+        """Series through frames, on the grid: theta, and x less its drift and mean."""
+        design, basis = self._design(self.orders), _series(self.grid, self.orders)
+        theta, x = (
+            basis @ np.linalg.lstsq(design, frames[name], rcond=None)[0][1:]
+            for name in ("theta", "x")
+        )
+        return {"theta": theta, "x": x - x.mean()}
 
     def drift(self, name: str, power: int) -> tuple[float, float]:
         """Slow change of measured minus simulated frames, for each period, and its error."""
         y = self.measured[name] - self.simulated[name]
-        slow = np.stack([self.whole**k for k in range(1, power + 1)], axis=1)
-        design = np.hstack([slow[:, ::-1], self._series(self.phase, max(self.orders, 2))])
+        slow = np.stack([self.whole**k for k in range(power, 0, -1)], axis=1)
+        design = np.hstack([slow, _series(self.phase, self.orders)])
         found = np.linalg.lstsq(design, y, rcond=None)[0]
         covariance = np.linalg.pinv(design.T @ design) * self.sd[name] ** 2
         factor = float(power)  # the advance changes by twice the square's coefficient
         return factor * float(found[0]), factor * float(np.sqrt(covariance[0, 0]))
 
 
-@dataclass(frozen=True, eq=False)
-class Balances:
-    """Inertia of a motion less all forces of a scenario, Eqs. (8)-(14), (18), (19), shape (..., g).
-
-    `torque` is about a pinned corner, N m; `force` along the surface while the corner slips, N;
-    `friction_ratio` friction over normal force while it is pinned; `contact_velocity` that of the
-    corner along the surface, m/s. The largest torque of the field, `torque_scale`, N m, and the
-    `weight` with adhesion, N, are for judging sizes.
-    """
-
-    torque: Array
-    force: Array
-    friction_ratio: Array
-    contact_velocity: Array
-    torque_scale: float
-    weight: float
-
-
-class Balance:
-    """The forces of a simulated run at given `times`, shape (g,), s, with all its effects.
-
-    The recording `motion` says where the robot is and which of its corners touches; `direction`,
-    shape (g,), is the way in which the corner slips, +1 or -1 in the robot's own frame.
-    """
-
-    def __init__(
-        self, scenario: Scenario, motion: Recording, times: Array, direction: Array
-    ) -> None:
-        self._core = scenario.to_core()
-        t = motion["t"]
-        touched = np.maximum.accumulate(np.where(motion["contact"] == 0, t, t[0]))
-        age = times - touched[np.searchsorted(t, times, side="right") - 1]
-        place = [np.interp(times, t, motion[name]) for name in ("x", "z", "theta")]
-        self._points = np.stack([times, *place, age, direction], axis=1)
-
-    def __call__(self, moving: Kinematics) -> Balances:
-        """Balances of motions at these times."""
-        shape = moving.theta.shape
-        columns = (moving.theta, moving.omega, moving.alpha, moving.vx, moving.ax)
-        motions = np.stack(columns, axis=-1).reshape(-1, shape[-1], len(columns))
-        found = _core.corner_balances(self._core, self._points, motions)
-        return Balances(
-            found["torque"].reshape(shape),
-            found["force"].reshape(shape),
-            found["friction_ratio"].reshape(shape),
-            found["contact_velocity"].reshape(shape),
-            found["torque_scale"],
-            found["weight"],
-        )
+def _series(phase: Array, orders: int) -> Array:
+    """Columns 1, cos and sin of the phase."""
+    angle = 2.0 * np.pi * phase[:, None] * np.arange(1, orders + 1)
+    return np.hstack([np.ones((len(phase), 1)), np.cos(angle), np.sin(angle)])
