@@ -53,6 +53,10 @@ struct PlaneHandover {
 /// and measured of them. Between these lie the phases, which a HybridLoop integrates.
 class HybridRun {
 public:
+    // Members point to members.
+    HybridRun(const HybridRun&) = delete;
+    HybridRun& operator=(const HybridRun&) = delete;
+
     // The parts of a run that is stepped.
 
     /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only

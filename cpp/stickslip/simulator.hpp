@@ -29,6 +29,8 @@ class Simulator {
 public:
     /// Begins at `scenario.initial`. Throws std::invalid_argument as `simulate` does.
     explicit Simulator(const Scenario& scenario);
+    Simulator(const Simulator&) = delete;  // a copy would share the run
+    Simulator& operator=(const Simulator&) = delete;
 
     /// Plays `duration` s (above zero) with these voltages (V, world's frame), held, or linear from
     /// `start`, to which they jump, or without it from those of the step before.
