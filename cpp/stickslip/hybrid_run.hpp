@@ -101,7 +101,8 @@ public:
     /// What is called for each step of a phase, see Tsit5::advance.
     template <class Phase>
     auto observer(Phase& phase);
-    void interrupt() { result_.status = Status::interrupted; }
+    /// Ends the run where it is.
+    void give_up(Status status) { result_.status = status; }
     /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
     /// steps.
     bool fits_packs() const {
