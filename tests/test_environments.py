@@ -154,18 +154,33 @@ def test_a_bad_action_is_refused_before_anything_changes(task, bad):
         assert one[1:] == other[1:]
 
 
-def test_of_many_robots_the_one_with_a_bad_action_is_named():
-    envs = RobotVectorEnv(3, "reach")
-    envs.reset(seed=1)
-    bad = np.zeros((3, 3))
-    bad[1, 2] = np.nan
-    told = r"^actions\[1\] = \[0.0, 0.0, nan\]: allowed is shape \(3, 3\)"
-    with pytest.raises(ScenarioError, match=told):
-        envs.step(bad)
-    with pytest.raises(ScenarioError, match=r"of shape \(3, 2\): allowed is shape \(3, 3\)"):
-        envs.step(bad[:, :2])
-    observations, *_ = envs.step(np.zeros((3, 3)))
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("task", ["walk", "reach"])
+def test_of_many_robots_only_the_one_without_an_action_fails(task, threads):
+    # Nine robots, so that the others are stepped as a pack.
+    envs = RobotVectorEnv(9, task, threads=threads)
+    twins = RobotVectorEnv(9, task)
+    for each in (envs, twins):
+        each.reset(seed=1)
+    values = envs.values
+    good = np.full((9, values), 0.3)
+    with pytest.raises(ScenarioError, match=rf"of shape \(9, 1\): allowed is shape \(9, {values}\)"):
+        envs.step(good[:, :1])
+    bad, others = good.copy(), np.arange(9) != 4
+    bad[4, 1] = np.nan
+    observations, _, terminations, truncations, info = envs.step(bad)
+    expected, *_ = twins.step(good)
+    assert terminations.tolist() == (~others).tolist()
+    assert not truncations.any()
+    assert info["failure"][4] == "not_finite"
     assert np.isfinite(observations).all()
+    assert np.array_equal(observations[others], expected[others])
+    # What is over begins anew with the next step, whatever its action is.
+    for _ in range(3):
+        observations, _, terminations, *_ = envs.step(bad)
+        expected, *_ = twins.step(good)
+        assert np.array_equal(observations[others], expected[others])
+        assert not terminations[others].any()
 
 
 @pytest.mark.parametrize("task", ["walk", "reach"])

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from measured_maps import (
+    COUNT,
+    HALF,
     UNIT_FIELD,
     by,
     formula_fields,
@@ -15,8 +17,10 @@ from measured_maps import (
     with_map,
 )
 from stickslip import (
+    COIL_NAMES,
     Coil,
     Coils,
+    Drive,
     FieldMap,
     Scenario,
     ScenarioError,
@@ -104,6 +108,40 @@ def test_a_run_with_the_map_of_the_formula_goes_as_with_the_formula(exact, case)
     found = simulate(Scenario(coil=Coil(map=exact)).replace(RUNS[case]))
     assert found.ok
     assert found.mean_velocity == pytest.approx(expected.mean_velocity, rel=1e-4)
+
+
+UNEQUAL = [510.0, 400.0, 510.0, 510.0, 450.0]  # turns of the coils
+
+
+@pytest.mark.parametrize("half", [HALF, (8e-3, 0.0, 3e-3)], ids=["solid", "flat"])
+@pytest.mark.parametrize(
+    ("direction", "heading"), [("+x", 0.0), ("-x", 0.0), ("+x", math.pi), ("-x", math.pi)]
+)
+@pytest.mark.parametrize("mode", ["IPP", "program"])
+def test_unequal_coils_are_the_same_as_a_map_whichever_way_the_robot_faces(
+    half, direction, heading, mode
+):
+    # A solid map makes the run one in the whole plane, in the world's frame; a flat one leaves it
+    # in the robot's own. The map's residual is 1e-7, and the velocity follows the field by some 1.
+    points = grid(half, tuple(n if h else 1 for n, h in zip(COUNT, half, strict=True)))
+    coils = Coils(turns=UNEQUAL)
+    fields = np.stack([coils.field(points, one) for one in np.eye(5)], axis=1)
+    made = Coil(map=FieldMap.from_points(points, fields))
+    if mode == "IPP":
+        drive = Drive(base=0.5e-3, pulses=10, direction=direction, heading=heading)
+    else:
+        pulses = Waveform.ipp(base=0.5e-3, pulses=10)
+        pulses = pulses.turned() if direction == "-x" else pulses
+        drive = Drive(mode="program", program=pulses, direction=direction)
+    own = Scenario(drive=drive).replace(
+        {f"effects.coil_{name}.turns": n for name, n in zip(COIL_NAMES, UNEQUAL, strict=True)}
+    )
+    expected = simulate(own)
+    found = simulate(Scenario(drive=drive, coil=made))
+    assert found.ok
+    assert found.mean_velocity == pytest.approx(expected.mean_velocity, rel=1e-4)
+    for name in ("field_max", "current_max", "voltage_max"):
+        assert found.summary()[name] == pytest.approx(expected.summary()[name], rel=1e-4)
 
 
 def test_batches_sweeps_and_steps_give_the_bits_of_single_runs():

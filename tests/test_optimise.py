@@ -177,7 +177,9 @@ def test_ctrl_c_keeps_the_best_so_far(few, monkeypatch):
         return judge_all(goal, draws, drives, *more)
 
     monkeypatch.setattr(module, "judge_all", interrupted)
-    found = optimise(START, **WALK, **LITTLE)
+    with pytest.raises(KeyboardInterrupt) as interrupt:
+        optimise(START, **WALK, **LITTLE)
+    found = interrupt.value.best
     assert found.interrupted
     assert found.runs == sum(map(len, batches[:3]))
     best = max(
@@ -200,10 +202,30 @@ def test_ctrl_c_while_fresh_draws_are_made_keeps_the_best(few, monkeypatch):
 
     given = Scenario.draws
     monkeypatch.setattr(Scenario, "draws", draws)
-    found = optimise(START.with_uncertain(SURFACE), **WALK, **LITTLE)
+    with pytest.raises(KeyboardInterrupt) as interrupt:
+        optimise(START.with_uncertain(SURFACE), **WALK, **LITTLE)
+    found = interrupt.value.best
     assert found.interrupted
     assert np.isfinite(found.judged.score)
     assert not found.fresh
+
+
+@pytest.mark.parametrize(("batch", "limits"), [(1, {}), (3, {"voltage_max": 1.0})])
+def test_ctrl_c_before_a_drive_within_the_limits_was_found_has_no_best(
+    batch, limits, few, monkeypatch
+):
+    batches = []
+
+    def interrupted(*arguments):
+        batches.append(arguments)
+        if len(batches) == batch:
+            raise KeyboardInterrupt
+        return judge_all(*arguments)
+
+    monkeypatch.setattr(module, "judge_all", interrupted)
+    with pytest.raises(KeyboardInterrupt) as interrupt:
+        optimise(START, **{**WALK, "limits": limits}, **LITTLE)
+    assert interrupt.value.best is None
 
 
 def refusal(limits, free):

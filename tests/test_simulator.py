@@ -3,11 +3,15 @@
 import copy
 import math
 import pickle
+import signal
+import threading
+import time
 
 import numpy as np
 import pytest
 
 import stickslip
+from own_effects import register
 from stickslip import (
     STATE_COLUMNS,
     STATE_UNITS,
@@ -23,8 +27,10 @@ from stickslip import (
     Snapshot,
     State,
     Waveform,
+    _core,
     rollout,
     simulate,
+    unregister_effect,
 )
 
 STEP = 1.0 / 1024  # s; a power of two, so that the times of a program are exact
@@ -270,6 +276,127 @@ def test_a_run_that_fails_in_a_rollout_is_a_status_and_no_number():
     with pytest.raises(SimulationError, match="has ended"):
         sim.step({}, 1e-3)
     assert sim.status == "left_workspace"
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_row_that_is_not_finite_fails_alone(threads):
+    # Thirteen robots, which are stepped as packs: one that an earlier rollout left as a failure, one
+    # of whose state one number is missing, and two whose voltages end, of which one turns before.
+    rows = np.stack([random_rows(seed) for seed in range(13)])
+    states = np.stack([Scenario().initial.row] * 13)
+    states[3], states[5, 2] = np.nan, np.inf
+    rows[7, 10:, 0], rows[9, 25, 4] = np.nan, np.inf
+    rows[9, :, 0], rows[9, 12:, 2] = 15.0, 3.0
+    found = rollout(Scenario(), states, rows, STEP, record=STATE_COLUMNS, threads=threads)
+    failed = {3: 0, 5: 0, 7: 10, 9: 25}  # the step in which each does
+    for run in range(13):
+        end = failed.get(run, len(rows[run]))
+        assert found.status_names[found.status[run]] == ("not_finite" if run in failed else "ok")
+        assert np.isnan(found.states[run, end:]).all()
+        expected = [state.row for state in stepped(Scenario(), rows[run, :end])]
+        assert found.states[run, :end].tolist() == [list(row) for row in expected]
+    # The next one goes on with those that are left.
+    again = rollout(Scenario(), found.states[:, -1], rows[:, :5], STEP, threads=threads)
+    assert np.flatnonzero(again.status).tolist() == list(failed)
+    assert np.isfinite(again.states[again.status == 0]).all()
+    assert np.isnan(again.states[again.status != 0]).all()
+
+
+def test_voltages_for_all_runs_have_to_be_finite():
+    rows = random_rows(1)
+    rows[3, 1] = np.nan
+    with pytest.raises(ScenarioError, match="^voltages: xm = nan: allowed is a finite number of V$"):
+        rollout([Scenario()] * 3, None, rows, STEP)
+
+
+def batch_states(batch, count):
+    out = np.zeros((count, len(STATE_COLUMNS)))
+    batch.states(out)
+    return out
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_batch_goes_on_with_those_whose_voltages_are_finite(threads):
+    rows = np.stack([random_rows(seed) for seed in range(9)])
+    batch = _core.SimulatorBatch([Scenario().to_core()] * 9)
+    for step in range(20):
+        volts = rows[:, step].copy()
+        if step >= 7:
+            volts[2, 3] = np.nan
+        batch.step(volts, STEP, False, threads)
+    found = batch_states(batch, 9)
+    for run in range(9):
+        expected = stepped(Scenario(), rows[run, : 7 if run == 2 else 20])[-1]
+        assert found[run].tolist() == list(expected.row)
+    names = [_core.status_names[each] for each in batch.statuses()]
+    assert names == ["not_finite" if run == 2 else "ok" for run in range(9)]
+    batch.reset(2, Scenario().to_core())
+    batch.step(rows[:, 0], STEP, False, threads)
+    assert not batch.statuses().any()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_batch_is_usable_after_an_effect_that_raised(threads):
+    raises = {"now": False}
+
+    def pushed(state, parameters):
+        if raises["now"] and state.x > 0.5e-3:
+            raise RuntimeError("once")
+        return (0.0, 0.0, 0.0)
+
+    register(pushed, name="raises_once")
+    try:
+        one = Scenario().replace({"effects.raises_once.k": 1.0})
+        away = one.replace({"initial.x": 1e-3})  # the only one that raises
+        batch = _core.SimulatorBatch([one.to_core(), away.to_core(), one.to_core()])
+        volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
+        batch.step(volts, STEP, False, threads)
+        raises["now"] = True
+        with pytest.raises(RuntimeError, match="once"):
+            batch.step(volts, STEP, False, threads)
+        raises["now"] = False
+        names = [_core.status_names[each] for each in batch.statuses()]
+        assert names[1] == "interrupted"
+        assert set(names) <= {"ok", "interrupted"}
+        # Those that came to the end of the step are there, and go on.
+        twin = _core.SimulatorBatch([one.to_core()])
+        for _ in range(2):
+            twin.step(volts[:1], STEP, False, 1)
+        done = [run for run in (0, 2) if names[run] == "ok"]
+        for run in done:
+            assert batch_states(batch, 3)[run].tolist() == batch_states(twin, 1)[0].tolist()
+        for run in range(3):
+            if run not in done:
+                batch.reset(run, (away if run == 1 else one).to_core())
+        before = batch_states(batch, 3)
+        batch.step(volts, STEP, False, threads)
+        assert not batch.statuses().any()
+        current = STATE_COLUMNS.index("current_xp")
+        assert (batch_states(batch, 3)[:, current] > before[:, current]).all()
+    finally:
+        unregister_effect("raises_once")
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_a_long_step_of_a_batch_and_leaves_it_usable(threads):
+    batch = _core.SimulatorBatch([Scenario().to_core()] * 3)
+    volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
+    slow = Scenario().replace({"solver.max_step": 1e-6, "solver.max_steps": 10**9})
+    batch.reset(1, slow.to_core())
+    for _ in range(2):
+        batch.step(volts, STEP, False, threads)  # after which it is known what a step takes
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        batch.step(volts, 100.0, False, threads)  # 1e8 steps of the second robot take minutes
+    assert time.monotonic() - begun < 10.0  # a busy machine
+    timer.join()
+    assert _core.status_names[batch.statuses()[1]] == "interrupted"
+    for run in range(3):
+        batch.reset(run, Scenario().to_core())
+    batch.step(volts, STEP, False, threads)
+    assert not batch.statuses().any()
 
 
 CONDITIONS = {

@@ -1,7 +1,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -108,6 +110,11 @@ void set_state(Scenario& scenario, const double* row) {
     }
 }
 
+bool are_finite(const double* state) {
+    return std::all_of(state, state + kStateColumns.size(),
+                       [](double value) { return std::isfinite(value); });
+}
+
 void require_states(const Array& states, std::size_t runs) {
     const bool fits = states.ndim() == 2 && static_cast<std::size_t>(states.shape(0)) == runs &&
                       static_cast<std::size_t>(states.shape(1)) == kStateColumns.size();
@@ -134,17 +141,21 @@ py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, st
                                       const std::vector<std::size_t>& columns, Output out,
                                       int threads, const py::object& progress) {
     const double duration = duration_of(seconds);
-    require_finite(voltages);
     if (states) require_states(*states, runs);
     const bool shared = voltages.ndim() == 2;
+    if (shared) require_finite(voltages);  // else a run fails where its own are not
     const auto steps = static_cast<std::size_t>(voltages.shape(shared ? 0 : 1));
     const ControlRows rows = {voltages.data(), steps, shared ? 0 : steps * kCoilCount, duration,
                               linear};
     const double* first_state = states ? states->data() : nullptr;
-    const auto scenario = [&](std::size_t run) {
+    const auto scenario = [&](std::size_t run) -> std::optional<Scenario> {
         Scenario result = scenarios[scenarios.size() == 1 ? 0 : run];
         try {
-            if (first_state) set_state(result, first_state + run * kStateColumns.size());
+            if (first_state) {
+                const double* state = first_state + run * kStateColumns.size();
+                if (!are_finite(state)) return std::nullopt;  // as a run that failed leaves it
+                set_state(result, state);
+            }
             check(result);
         } catch (const std::invalid_argument& refusal) {
             throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
@@ -173,9 +184,12 @@ struct Steppers {
             throw std::invalid_argument("voltages of shape " + shape_of(voltages) +
                                         ": allowed is (" + std::to_string(batch.size()) + ", 5)");
         }
-        require_finite(voltages);
+        const auto poll = [] {
+            const py::gil_scoped_acquire acquire;
+            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        };
         const py::gil_scoped_release release;
-        batch.step(voltages.data(), duration, linear, threads);
+        batch.step(voltages.data(), duration, linear, threads, poll);
     }
     void states(Output out) const {
         require_states(out, batch.size());

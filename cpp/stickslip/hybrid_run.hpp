@@ -36,6 +36,10 @@ struct PlaneHandover {
 /// and measured of them. Between these lie the phases, which a HybridLoop integrates.
 class HybridRun {
 public:
+    // Members point to members.
+    HybridRun(const HybridRun&) = delete;
+    HybridRun& operator=(const HybridRun&) = delete;
+
     // The parts of a run that is stepped.
 
     /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
@@ -85,7 +89,8 @@ public:
     /// What is called for each step of a phase, see Tsit5::advance.
     template <class Phase>
     auto observer(Phase& phase);
-    void interrupt() { result_.status = Status::interrupted; }
+    /// Ends the run where it is.
+    void give_up(Status status) { result_.status = status; }
     /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
     /// steps.
     bool fits_packs() const {

@@ -74,7 +74,7 @@ public:
     /// Ends all runs where they are.
     void interrupt() {
         for (Lane* lane : lanes_) {
-            lane->loop.interrupt();
+            lane->loop.give_up(Status::interrupted);
             done_(*lane);
         }
         lanes_.clear();

@@ -94,13 +94,24 @@ void LocalField::set_segment(const CurrentSegment& segment) {
     if (expanded_) combine();
 }
 
+void LocalField::begin_stretch(const CurrentSegment& segment, double x, double z) {
+    if (expanded_ && workspace_.holds(x, z)) {
+        const double centre_x = on_grid(x, reach_), centre_z = on_grid(z, reach_);
+        if (centre_x != stretch_.centre_x || centre_z != stretch_.centre_z) {
+            expand(centre_x, centre_z);
+        }
+    }
+    set_segment(segment);
+    rebase(x, z);
+}
+
 void LocalField::rebase(double x, double z) {
     outside_ = !workspace_.holds(x, z);
     if (outside_) return;
     const double half = 0.5 * reach_;
     if (!expanded_ || std::abs(x - stretch_.centre_x) > half ||
         std::abs(z - stretch_.centre_z) > half) {
-        expand(x, z);
+        expand(on_grid(x, reach_), on_grid(z, reach_));
         combine();
     }
 }

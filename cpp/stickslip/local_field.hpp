@@ -99,6 +99,13 @@ struct WorkspaceOf {
 };
 using Workspace = WorkspaceOf<double>;
 
+/// The coordinate (m) of a centre for a robot at `place`: a point of a grid that is fine beside the
+/// reach.
+inline double on_grid(double place, double reach) {
+    const double spacing = 0.25 * reach;
+    return spacing * std::round(place / spacing);
+}
+
 /// How far from its centre an expansion of the field of these coils holds, m, and where the model
 /// of the set-up does.
 double reach_of(const CoilSet& coils);
@@ -133,14 +140,11 @@ public:
     /// For a coil that had none.
     void set_gain(const PerCoil& gain);
 
-    /// `set_segment` with the field had anew about (x, z) m.
-    void begin_stretch(const CurrentSegment& segment, double x, double z) {
-        expanded_ = false;
-        set_segment(segment);
-        rebase(x, z);
-    }
+    /// The same with the robot at (x, z) m, which alone says where the centre is.
+    void begin_stretch(const CurrentSegment& segment, double x, double z);
 
-    /// Moves the centre to the robot where it has left half the reach.
+    /// Moves the centre to the robot where it has left half the reach: to the next point of a grid,
+    /// so that many stretches have one expansion.
     void rebase(double x, double z);
 
     /// How far from its centre an expansion holds, m.

@@ -160,9 +160,8 @@ CoilSet world_coil_set(const Scenario& scenario) {
 }
 
 CoilSet robot_coil_set(const Scenario& scenario) {
-    const bool is_turned = scenario.drive.direction == Direction::minus_x;
     return CoilSet(geometry_of(robot_coils(scenario)),
-                   scenario.map && is_turned
+                   scenario.map && frame_sign(scenario) < 0.0
                        ? std::make_shared<const FieldMap>(scenario.map->turned())
                        : scenario.map);
 }

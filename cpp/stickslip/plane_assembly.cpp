@@ -70,7 +70,7 @@ bool turns(const Scenario& s) {
     if (s.whole_plane || pushed || start.y != 0.0 || start.vy != 0.0) return true;
     // In one plane a robot faces the drive's direction, and a state that it has left says so.
     constexpr double kRounding = 1e-9;
-    const double faced = s.drive.direction == Direction::plus_x ? 0.0 : std::numbers::pi;
+    const double faced = drive_direction(s).x < 0.0 ? std::numbers::pi : 0.0;
     const double off = std::remainder(start.heading - faced, 2.0 * std::numbers::pi);
     if (start.heading != 0.0 && std::abs(off) > kRounding) return true;
     // A field that was measured has a part across everywhere; one that was measured in the plane of

@@ -59,7 +59,8 @@ std::vector<double> probe_readings(const Scenario& base, const std::vector<std::
             shares = coil_shares(coils, places, currents);
         }
         const Effects& effects = scenario->effects;
-        const double ambient[kAxes] = {effects.ambient_field_bx, 0.0, effects.ambient_field_bz};
+        const double ambient[kAxes] = {effects.ambient_field_bx, effects.ambient_field_by,
+                                       effects.ambient_field_bz};
         for (std::size_t place = 0; place < places.size() / kAxes; ++place) {
             PerCoil held;
             std::copy_n(&currents[place * kCoilCount], kCoilCount, held.begin());

@@ -1,6 +1,8 @@
 #include "stickslip/rollout.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -12,8 +14,9 @@
 namespace stickslip {
 namespace {
 
-/// Plays lanes on threads, as many at a time as are quickest. Without `poll` one thread is this
-/// one: starting another would take longer than a step.
+/// Plays lanes on threads, as many at a time as are quickest; `lane` gives none for a run that
+/// there is nothing to play of. Without `poll` one thread is this one: starting another would take
+/// longer than a step.
 void play_all(std::size_t count, int threads, RunControl& control,
               const std::function<Lane*(std::size_t)>& lane, const std::function<void(Lane&)>& done,
               const std::function<void()>* poll) {
@@ -22,8 +25,10 @@ void play_all(std::size_t count, int threads, RunControl& control,
     const std::size_t lanes = lanes_a_thread(count, workers);
     std::atomic<std::size_t> taken = 0;
     const auto next = [&]() -> Lane* {
-        const std::size_t index = taken++;
-        return index < count ? lane(index) : nullptr;
+        for (std::size_t index = taken++; index < count; index = taken++) {
+            if (Lane* found = lane(index)) return found;
+        }
+        return nullptr;
     };
     const auto work = [&] { play_in_lanes(lane_kernels(), lanes, next, done, control); };
     if (poll == nullptr && workers == 1) {
@@ -47,16 +52,31 @@ void require_tsit5(const Scenario& scenario) {
     }
 }
 
-/// The number of steps of a run that are played in one plane: up to the first that turns its robot.
-std::size_t planar_steps(const Scenario& scenario, const ControlRows& rows, std::size_t run) {
-    if (turns(scenario)) return 0;
+bool is_finite(const double* row) {
+    return std::all_of(row, row + kCoilCount, [](double volts) { return std::isfinite(volts); });
+}
+
+/// The number of steps of a run up to the first whose voltages are not finite.
+std::size_t finite_steps(const ControlRows& rows, std::size_t run) {
     const double* row = rows.voltages + run * rows.run_stride;
     for (std::size_t k = 0; k < rows.steps; ++k, row += kCoilCount) {
+        if (!is_finite(row)) return k;
+    }
+    return rows.steps;
+}
+
+/// The number of `steps` of a run that are played in one plane: up to the first that turns its
+/// robot.
+std::size_t planar_steps(const Scenario& scenario, const ControlRows& rows, std::size_t run,
+                         std::size_t steps) {
+    if (turns(scenario)) return 0;
+    const double* row = rows.voltages + run * rows.run_stride;
+    for (std::size_t k = 0; k < steps; ++k, row += kCoilCount) {
         PerCoil voltages;
         std::copy_n(row, voltages.size(), voltages.begin());
         if (turns(scenario, voltages)) return k;
     }
-    return rows.steps;
+    return steps;
 }
 
 void give(Lane& lane, const ControlRows& rows, std::size_t first, std::size_t last) {
@@ -78,9 +98,10 @@ void write_states(Lane& lane, const ControlRows& rows, std::size_t first,
 
 }  // namespace
 
-std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std::size_t)>& scenario,
-                            const ControlRows& rows, const StateOutput& output, int threads,
-                            RunControl& control, const std::function<void()>& poll) {
+std::vector<Status> rollout(
+    std::size_t count, const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+    const ControlRows& rows, const StateOutput& output, int threads, RunControl& control,
+    const std::function<void()>& poll) {
     std::vector<Status> result(count, Status::interrupted);
     if (count == 0) return result;
     std::mutex mutex;
@@ -90,16 +111,22 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
         write_states(*lane, rows, first, output);
         return lane;
     };
-    std::vector<std::size_t> planar(count);
+    std::vector<std::size_t> finite(count), planar(count);
     const auto last_step = [&](const Lane& lane) {
-        return lane.loop.in_whole_plane() ? rows.steps : planar[lane.index];
+        return lane.loop.in_whole_plane() ? finite[lane.index] : planar[lane.index];
     };
     const auto begin = [&](std::size_t index) -> Lane* {
-        const Scenario own = without_record(scenario(index));
+        const std::optional<Scenario> given = scenario(index);
+        if (!given) {
+            result[index] = Status::not_finite;
+            return nullptr;
+        }
+        const Scenario own = without_record(*given);
         require_tsit5(own);
         check(own);
-        planar[index] = planar_steps(own, rows, index);
-        if (planar[index] < rows.steps) check(in_whole_plane(own, own.initial));
+        finite[index] = finite_steps(rows, index);
+        planar[index] = planar_steps(own, rows, index, finite[index]);
+        if (planar[index] < finite[index]) check(in_whole_plane(own, own.initial));
         auto lane = make_lane(index, own, 0);
         give(*lane, rows, 0, last_step(*lane));
         Lane* const key = lane.get();
@@ -110,17 +137,19 @@ std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std:
     // A run that a step turns goes on in the whole plane, as that of a simulator does.
     const auto go_on = [&](const Lane& before, std::size_t first) {
         const PlaneHandover handover = before.loop.hand_over();
-        const Scenario own = without_record(scenario(before.index));
+        const Scenario own = without_record(*scenario(before.index));
         const auto lane = make_lane(before.index, in_whole_plane(own, handover.state), first);
         lane->loop.take_over(handover);
-        give(*lane, rows, first, rows.steps);
+        give(*lane, rows, first, finite[before.index]);
         lane->loop.go();
         return lane->loop.status();
     };
     const auto done = [&](Lane& lane) {
-        const std::size_t played = last_step(lane);
-        const bool is_whole = lane.loop.status() != Status::ok || played == rows.steps;
-        result[lane.index] = is_whole ? lane.loop.status() : go_on(lane, played);
+        const std::size_t played = last_step(lane), steps = finite[lane.index];
+        const bool is_whole = lane.loop.status() != Status::ok || played == steps;
+        Status& status = result[lane.index];
+        status = is_whole ? lane.loop.status() : go_on(lane, played);
+        if (status == Status::ok && steps < rows.steps) status = Status::not_finite;
         const std::lock_guard lock(mutex);
         lanes.erase(&lane);
     };
@@ -175,10 +204,15 @@ void SimulatorBatch::enter_plane(std::size_t run) {
     lanes_[run]->loop.take_over(handover);
 }
 
-void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads) {
+void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads,
+                          const std::function<void()>& poll) {
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
         if (lanes_[run]->loop.status() != Status::ok) continue;
         const double* row = voltages + run * kCoilCount;
+        if (!is_finite(row)) {
+            lanes_[run]->loop.give_up(Status::not_finite);
+            continue;
+        }
         PerCoil asked;
         std::copy_n(row, asked.size(), asked.begin());
         if (!lanes_[run]->loop.in_whole_plane() && turns(scenarios_[run], asked)) enter_plane(run);
@@ -186,9 +220,30 @@ void SimulatorBatch::step(const double* voltages, double duration, bool linear, 
         loop.reset_counts();
         loop.steps().give(row, 1, duration, linear);
     }
-    play_all(
-        lanes_.size(), threads, control_, [&](std::size_t run) { return lanes_[run].get(); },
-        [](Lane&) {}, nullptr);
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point begin = Clock::now();
+    played_.assign(lanes_.size(), 0);
+    const auto lane = [this](std::size_t run) { return lanes_[run].get(); };
+    const auto done = [this](Lane& each) { played_[each.index] = 1; };
+    try {
+        play_all(lanes_.size(), threads, control_, lane, done,
+                 is_short(duration) ? nullptr : &poll);
+    } catch (...) {
+        for (std::size_t run = 0; run < lanes_.size(); ++run) {
+            Lane::Loop& loop = lanes_[run]->loop;
+            if (!played_[run] && loop.status() == Status::ok) loop.give_up(Status::interrupted);
+        }
+        control_.stop = false;
+        throw;
+    }
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    cost_ = seconds / (duration * static_cast<double>(lanes_.size()));
+}
+
+// Whether a step as the last one is over before anybody misses a poll.
+bool SimulatorBatch::is_short(double duration) const {
+    constexpr double kLong = 0.05;  // s
+    return cost_ * duration * static_cast<double>(lanes_.size()) < kLong;
 }
 
 }  // namespace stickslip

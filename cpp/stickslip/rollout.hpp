@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "stickslip/batch.hpp"
@@ -30,10 +32,13 @@ struct StateOutput {
 
 /// Plays `count` runs from their scenarios' initial states through the same number of steps each,
 /// and writes the state at the end of each step; what a failed run does not reach stays as it was.
-/// Statuses in the order of the runs, bit-identical results for any number of threads.
-std::vector<Status> rollout(std::size_t count, const std::function<Scenario(std::size_t)>& scenario,
-                            const ControlRows& rows, const StateOutput& output, int threads,
-                            RunControl& control, const std::function<void()>& poll);
+/// A run fails (`Status::not_finite`) where `scenario` gives none, as its start is not finite, or at
+/// the first voltage that is not. Statuses in the order of the runs, bit-identical results for any
+/// number of threads.
+std::vector<Status> rollout(
+    std::size_t count, const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+    const ControlRows& rows, const StateOutput& output, int threads, RunControl& control,
+    const std::function<void()>& poll);
 
 /// Many runs that are stepped together.
 class SimulatorBatch {
@@ -44,8 +49,12 @@ public:
 
     std::size_t size() const { return lanes_.size(); }
     /// One step of all runs, whose rows are those of `voltages` (size() x 5). A run that has failed
-    /// stays where it is.
-    void step(const double* voltages, double duration, bool linear, int threads);
+    /// stays where it is, whatever its row is; one whose row is not finite fails before the step.
+    /// `poll` is called about every 50 ms of a step that takes long. Where it, or an effect of the
+    /// user, throws, runs that have not come to the step's end are `Status::interrupted`, and all
+    /// can be begun anew.
+    void step(const double* voltages, double duration, bool linear, int threads,
+              const std::function<void()>& poll);
     /// Begins one run anew.
     void reset(std::size_t run, const Scenario& scenario);
 
@@ -59,10 +68,14 @@ public:
 private:
     std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);
     void enter_plane(std::size_t run);
+    bool is_short(double duration) const;
 
     std::vector<Scenario> scenarios_;
     RunControl control_;
     std::vector<std::unique_ptr<Lane>> lanes_;
+    std::vector<unsigned char> played_;  // whether each run is at the end of the step
+    // Of the last step, s a simulated second; none was made yet.
+    double cost_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace stickslip

@@ -46,13 +46,24 @@ void SpatialField::set_segment(const CurrentSegment& segment) {
     if (expanded_) combine();
 }
 
+void SpatialField::begin_stretch(const CurrentSegment& segment, const Place& place) {
+    if (expanded_ && workspace_.holds(Eigen::Vector3d(place.x, place.y, place.z))) {
+        const Place centre = centre_for(place);
+        if (centre.x != centre_.x || centre.y != centre_.y || centre.z != centre_.z) {
+            expand(centre);
+        }
+    }
+    set_segment(segment);
+    rebase(place);
+}
+
 void SpatialField::rebase(const Place& place) {
     outside_ = !workspace_.holds(Eigen::Vector3d(place.x, place.y, place.z));
     if (outside_) return;
     const double half = 0.5 * reach_;
     if (!expanded_ || std::abs(place.x - centre_.x) > half ||
         std::abs(place.y - centre_.y) > half || std::abs(place.z - centre_.z) > half) {
-        expand(place);
+        expand(centre_for(place));
         combine();
     }
 }

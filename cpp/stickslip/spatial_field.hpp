@@ -125,12 +125,8 @@ public:
     /// The horizontal field at a place in the course of the stretch, but for its segment.
     HorizontalField horizontal(const Place& place) const;
 
-    /// `set_segment` with the field had anew about a place.
-    void begin_stretch(const CurrentSegment& segment, const Place& place) {
-        expanded_ = false;
-        set_segment(segment);
-        rebase(place);
-    }
+    /// The same with the robot at a place, which alone says where the centre is.
+    void begin_stretch(const CurrentSegment& segment, const Place& place);
 
 private:
     using Terms = SpatialExpansion::Terms;
@@ -138,6 +134,9 @@ private:
     void set_workspace();
     void expand(const Place& place);
     void combine();
+    Place centre_for(const Place& place) const {
+        return {on_grid(place.x, reach_), on_grid(place.y, reach_), on_grid(place.z, reach_)};
+    }
 
     const CoilSet* coils_;
     const FieldShape* shape_ = nullptr;

@@ -319,7 +319,7 @@ TEST_CASE("plane: a run that is stepped goes over to the plane where a step turn
         states.push_back(one.state());
         std::array<double, 2 * kCoilCount> rows = {};
         std::copy(row.begin(), row.end(), rows.begin() + kCoilCount);
-        batch.step(rows.data(), kStep, false, 1);
+        batch.step(rows.data(), kStep, false, 1, [] {});
         const StateRow expected = row_of(states.back()), found = batch.state(1);
         for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == expected[k]);
     }

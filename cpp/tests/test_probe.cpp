@@ -13,8 +13,8 @@ using stickslip::test::Random;
 namespace {
 
 const std::vector<std::string> kKeys = {"effects.field_gain.in_plane", "effects.field_gain.clamp",
-                                        "effects.ambient_field.Bx", "effects.ambient_field.Bz",
-                                        "coil.side"};
+                                        "effects.ambient_field.Bx", "effects.ambient_field.By",
+                                        "effects.ambient_field.Bz", "coil.side"};
 
 }  // namespace
 
@@ -22,6 +22,7 @@ TEST_CASE("readings of a probe are the superposed field of coils with other gain
     Random random(3);
     for (int i = 0; i < 200; ++i) {
         const std::vector<double> values = {random.between(-0.5, 0.5), random.between(-0.5, 0.5),
+                                            random.between(-1e-4, 1e-4),
                                             random.between(-1e-4, 1e-4),
                                             random.between(-1e-4, 1e-4), random.between(0.1, 0.2)};
         std::vector<double> place, current;
@@ -32,10 +33,10 @@ TEST_CASE("readings of a probe are the superposed field of coils with other gain
             driven[k] = current.back() * (1.0 + values[k == 4 ? 1 : 0]);
         }
         CoilGeometry geometry;
-        geometry.side = values[4];
+        geometry.side = values[5];
         const Eigen::Vector3d expected =
             CoilSet(geometry).field({place[0], place[1], place[2]}, driven).field +
-            Eigen::Vector3d(values[2], 0.0, values[3]);
+            Eigen::Vector3d(values[2], values[3], values[4]);
         const auto found = probe_readings(Scenario{}, kKeys, values, place, current);
         REQUIRE(found.size() == 3);
         // Ten products and sums of fields of some mT.

@@ -334,7 +334,7 @@ TEST_CASE("rollout: the bits of one simulator each, for any number of threads") 
                 std::copy_n(rows[run][step].begin(), kCoilCount,
                             step_voltages.begin() + static_cast<long>(run * kCoilCount));
             }
-            together.step(step_voltages.data(), kStep, false, threads);
+            together.step(step_voltages.data(), kStep, false, threads, [] {});
             for (std::size_t run = 0; run < kRuns; ++run) {
                 if (together.status(run) != Status::ok) continue;
                 for (std::size_t c = 0; c < columns.size(); ++c) {

@@ -127,7 +127,7 @@ def command(
     Ctrl-C ends the search, and writes the best so far.
     """
     from stickslip.control.optimise import optimise
-    from stickslip.control.optimum import FILES
+    from stickslip.control.optimum import FILES, SearchInterrupted
 
     base = with_uncertain_file(read_with(scenario, settings), uncertain, settings)
     options["free"] = by_key("--free", free, _FREE, _values)
@@ -138,7 +138,12 @@ def command(
     if out is not None:
         check_folder_target(out, FILES, input_files(scenario, settings, uncertain))
     with ProgressBar("searching") as bar:
-        found = optimise(base, progress=bar, **options)
+        try:
+            found = optimise(base, progress=bar, **options)
+        except SearchInterrupted as interrupt:
+            if interrupt.best is None:
+                raise
+            found = interrupt.best
         if out is not None:
             bar(1.0, "report")
             found.save_report(out)

@@ -36,20 +36,20 @@ def numbers_of(name: str, values: object, allowed: str) -> Array:
 def checked_actions(name: str, actions: object, shape: tuple[int, ...]) -> Array:
     """Actions of that shape, (values,) or (robots, values), clipped to -1 to 1; else refuse them.
 
-    Of many robots the error names the first whose values are not finite.
+    Those of one robot have to be finite. Of many, a row that is not comes out as NaN: it is for its
+    robot alone to fail.
     """
     allowed = f"shape {shape} of finite numbers, which are clipped to -1 to 1"
     given = _array_of(name, actions, allowed)
     if given.dtype.kind not in _NUMBERS or given.shape != shape:
         told = f"{name} = {shown(given.tolist())} of shape {given.shape}"
         raise ScenarioError(f"{told}: allowed is {allowed}")
-    finite = np.isfinite(given)
-    if not finite.all():
-        robot = int(np.argmin(finite.all(axis=-1)))
-        where, row = (name, given) if given.ndim == 1 else (f"{name}[{robot}]", given[robot])
-        told = f"{where} = {shown(row.tolist())}"
-        raise ScenarioError(f"{told}: allowed is {allowed}")
-    return np.asarray(np.clip(given.astype(float), -1.0, 1.0))
+    finite = np.isfinite(given).all(axis=-1)
+    if given.ndim == 1 and not finite:
+        raise ScenarioError(f"{name} = {shown(given.tolist())}: allowed is {allowed}")
+    clipped = np.clip(given.astype(float), -1.0, 1.0)
+    clipped[~finite] = np.nan
+    return np.asarray(clipped)
 
 
 def coils_named(coils: object, steered: bool) -> list[int]:

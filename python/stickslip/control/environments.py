@@ -67,8 +67,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     is ``left_path``. A robot that follows a path has its ``progress`` and its distance to the left
     of the path, ``across``, in `info`, m.
 
-    An action of another shape, or with a value that is not finite, is a ``ScenarioError``, before
-    anything has moved.
+    Actions of another shape are a ``ScenarioError``, before anything has moved. A robot whose row has
+    a value that is not finite fails with the status ``not_finite``, and the others go on.
 
     The same seed gives the same bits for any number of threads. Copies (`copy`, `pickle`) are
     independent environments that go on with the same bits.
@@ -259,7 +259,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
             raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
-        voltages = self._voltages(played)
+        unknown = np.isnan(played).any(axis=1)
+        voltages = self._voltages(np.where(unknown[:, None], 0.0, played))
+        voltages[unknown] = np.nan  # with which the core lets this robot fail
         voltages[mask] = 0.0  # what is over is begun anew below, whatever it does now
         self._batch.step(voltages, self.period, False, self._threads)
         self._batch.states(self._states)
@@ -318,7 +320,10 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
 
 
 class RobotEnv(gymnasium.Env[Array, Array]):
-    """One robot; parameters are those of `RobotVectorEnv` without `num_envs`."""
+    """One robot; parameters are those of `RobotVectorEnv` without `num_envs`.
+
+    An action that is not finite is a ``ScenarioError``.
+    """
 
     def __copy__(self) -> RobotEnv:
         return deepcopy(self)

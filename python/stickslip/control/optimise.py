@@ -15,7 +15,7 @@ from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import DesignSpace, design_space
 from stickslip.control.goal import FIGURES, Changes, Goal, Judged, judge_all, made_goal
 from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
-from stickslip.control.optimum import Optimum
+from stickslip.control.optimum import Optimum, SearchInterrupted
 from stickslip.control.sawtooth import POINTS, played, sawtooths
 from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
@@ -94,10 +94,12 @@ def optimise(
     Returns
     -------
     Optimum
-        Also after Ctrl-C, with what was found until then.
 
     Raises
     ------
+    KeyboardInterrupt
+        On Ctrl-C; its ``best`` is an Optimum with what was found until then, or None where no drive
+        within the limits was.
     ScenarioError
         If something is not allowed, or no drive satisfies the limits; then the least value that was
         found is named.
@@ -116,14 +118,19 @@ def optimise(
     trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress)
     trials.expect(evaluations, fresh)
     starts = [space.start(arm) for arm in range(len(space.arms))]
-    found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
+    try:
+        found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
+    except KeyboardInterrupt:
+        raise SearchInterrupted(None) from None
     leaders = [each for each in found.leaders + found.centres if each.known.feasible]
     if not leaders:
+        if found.interrupted:
+            raise SearchInterrupted(None)
         raise ScenarioError(trials.unmet())
     chosen = _Selection(trials, leaders, found.interrupted)
     chosen.judge(fresh, seed)
     arm, point = chosen.leader.arm, chosen.leader.point
-    return Optimum(
+    best = Optimum(
         scenario=scenario.replace(space.changes(arm, point)),
         start=scenario,
         values=space.values(arm, point),
@@ -139,6 +146,9 @@ def optimise(
         interrupted=chosen.interrupted,
         seconds=time.perf_counter() - begin,
     )
+    if best.interrupted:
+        raise SearchInterrupted(best)
+    return best
 
 
 class _Trials:

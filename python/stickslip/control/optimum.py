@@ -26,6 +26,20 @@ ACTIVE = 0.02
 """Part of a limit up to which its figure counts as at it; chosen."""
 
 
+class SearchInterrupted(KeyboardInterrupt):
+    """Ctrl-C in an optimisation.
+
+    Attributes
+    ----------
+    best : Optimum or None
+        The best that was found until then; None where no drive within the limits was.
+    """
+
+    def __init__(self, best: Optimum | None) -> None:
+        super().__init__()
+        self.best = best
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Optimum(OneLine):
     """What an optimisation found. SI units.

@@ -40,7 +40,9 @@ class Rollout(NamedTuple):
     Attributes
     ----------
     states : numpy.ndarray, shape (n, steps, k)
-        The recorded columns at the end of each step; NaN from the step on that a run failed in.
+        The recorded columns at the end of each step; NaN from the step on that a run failed in. A
+        run whose state at the start, or whose own voltages in a step, are not finite fails there
+        with the status ``not_finite``; the others go on.
     status : numpy.ndarray of int8, shape (n,)
         How each run ended, an index of `status_names`; 0 is "ok".
     columns : tuple of str
@@ -102,7 +104,8 @@ def rollout(
     Raises
     ------
     ScenarioError
-        If numbers of runs differ, an array has another shape, or a state cannot be.
+        If numbers of runs differ, an array has another shape, a state cannot be, or voltages for
+        all runs are not finite.
     KeyboardInterrupt
         On Ctrl-C, within a fraction of a second.
 
