@@ -1,7 +1,9 @@
 """Gymnasium environments, and the camera between a robot and its controller."""
 
+import copy
 import importlib
 import math
+import pickle
 import sys
 import warnings
 
@@ -59,6 +61,34 @@ def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(task, camera
     again = RobotVectorEnv(12, task, **options)
     assert np.array_equal(played(again, 70), one)
     assert not np.array_equal(played(again, 70, seed=2), one)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_a_copy_is_an_independent_environment(task):
+    # Each robot has its own draw, its noise and, after some steps, a state in the whole plane.
+    def last(envs, steps):
+        return [np.copy(envs.step(each)[0]) for each in steps]
+
+    envs = RobotVectorEnv(3, task.lower(), uncertain=UNCERTAIN, camera=CAMERA)
+    values = envs.single_action_space.shape[0]
+    first, later = np.split(actions(24, 3, values=values), 2)
+    envs.reset(seed=4)
+    last(envs, first)
+    copies = [copy.copy(envs), copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))]
+    expected = last(envs, later)
+    for each in copies:
+        assert np.array_equal(last(each, later), expected)
+
+
+def test_a_made_environment_can_be_copied():
+    env = gymnasium.make("stickslip/Walk-v0")
+    env.reset(seed=1)
+    first, later = np.split(actions(20), 2)
+    for each in first:
+        env.step(each[0])
+    other = copy.deepcopy(env)
+    expected = [env.step(each[0])[0] for each in later]
+    assert np.array_equal([other.step(each[0])[0] for each in later], expected)
 
 
 def test_an_empty_mapping_says_that_nothing_is_uncertain():

@@ -58,7 +58,12 @@ bool HybridRun::next_phase() {
             return true;
         }
     }
-    if (result_.status == Status::ok && !source_.is_stepped()) finish();
+    const bool failed = result_.status != Status::ok;
+    if (source_.is_stepped()) {
+        if (failed) stay_there();
+    } else if (!failed) {
+        finish();
+    }
     return false;
 }
 
@@ -241,6 +246,7 @@ void HybridRun::restore(const RunSnapshot& snapshot) {
 }
 
 void HybridRun::stay_there() {
+    if (tau_ >= segment_.duration) return;
     const SimulationState there = state();
     const auto own = [this](const PerCoil& world) { return sign_ > 0.0 ? world : turned(world); };
     circuit_.set_currents(own(there.current), own(there.field_lag));
@@ -352,6 +358,7 @@ void HybridRun::fail(const WrenchNotFinite& failure) {
     result_.status = Status::not_finite;
     result_.effect = failure.effect;
     result_.summary.simulated_time = failure.time;
+    if (source_.is_stepped()) stay_there();
 }
 
 RunResult HybridRun::take_result(const StepCounts& counts) {

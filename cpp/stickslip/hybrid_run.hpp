@@ -59,8 +59,6 @@ public:
     /// Between two steps, or where one has failed; without the scenario's fingerprint and message.
     RunSnapshot snapshot() const;
     void restore(const RunSnapshot& snapshot);
-    /// Where a step has failed: the currents are from now on those of that instant.
-    void stay_there();
     Status status() const { return result_.status; }
     /// Up to which it was played, s, or failed.
     double time() const { return result_.summary.simulated_time; }
@@ -126,6 +124,8 @@ protected:
 
 private:
     bool next_segment();
+    // Where a step has failed: the currents are from now on those of that instant.
+    void stay_there();
     void drive_further_coils();
     void end_stretch();
     void watch_heading();

@@ -85,9 +85,7 @@ struct Simulator::RunnerOf : Simulator::Runner {
         if (start) loop->steps().jump(*start);
         loop->steps().give(voltages.data(), 1, duration, linear);
         loop->go();
-        if (loop->status() == Status::ok) return;
-        loop->stay_there();
-        failure = stickslip::message(loop->take_result());
+        if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
     }
     double time() override { return status() == Status::ok ? loop->steps().time() : loop->time(); }
     SimulationState state() const override { return loop->state(); }
