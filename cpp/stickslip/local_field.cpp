@@ -95,9 +95,9 @@ void LocalField::set_segment(const CurrentSegment& segment) {
 }
 
 void LocalField::begin_stretch(const CurrentSegment& segment, double x, double z) {
-    if (expanded_ && workspace_.holds(x, z)) {
+    if (workspace_.holds(x, z)) {
         const double centre_x = on_grid(x, reach_), centre_z = on_grid(z, reach_);
-        if (centre_x != stretch_.centre_x || centre_z != stretch_.centre_z) {
+        if (!expanded_ || centre_x != stretch_.centre_x || centre_z != stretch_.centre_z) {
             expand(centre_x, centre_z);
         }
     }
@@ -111,7 +111,7 @@ void LocalField::rebase(double x, double z) {
     const double half = 0.5 * reach_;
     if (!expanded_ || std::abs(x - stretch_.centre_x) > half ||
         std::abs(z - stretch_.centre_z) > half) {
-        expand(on_grid(x, reach_), on_grid(z, reach_));
+        expand(x, z);
         combine();
     }
 }

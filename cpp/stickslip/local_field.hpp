@@ -140,11 +140,11 @@ public:
     /// For a coil that had none.
     void set_gain(const PerCoil& gain);
 
-    /// The same with the robot at (x, z) m, which alone says where the centre is.
+    /// The same with the robot at (x, z) m, which alone says where the centre is: the next point of
+    /// a grid, so that many stretches have one expansion.
     void begin_stretch(const CurrentSegment& segment, double x, double z);
 
-    /// Moves the centre to the robot where it has left half the reach: to the next point of a grid,
-    /// so that many stretches have one expansion.
+    /// Moves the centre to the robot where it has left half the reach.
     void rebase(double x, double z);
 
     /// How far from its centre an expansion holds, m.

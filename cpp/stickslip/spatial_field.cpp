@@ -47,9 +47,10 @@ void SpatialField::set_segment(const CurrentSegment& segment) {
 }
 
 void SpatialField::begin_stretch(const CurrentSegment& segment, const Place& place) {
-    if (expanded_ && workspace_.holds(Eigen::Vector3d(place.x, place.y, place.z))) {
-        const Place centre = centre_for(place);
-        if (centre.x != centre_.x || centre.y != centre_.y || centre.z != centre_.z) {
+    if (workspace_.holds(Eigen::Vector3d(place.x, place.y, place.z))) {
+        const Place centre = {on_grid(place.x, reach_), on_grid(place.y, reach_),
+                              on_grid(place.z, reach_)};
+        if (!expanded_ || centre.x != centre_.x || centre.y != centre_.y || centre.z != centre_.z) {
             expand(centre);
         }
     }
@@ -63,7 +64,7 @@ void SpatialField::rebase(const Place& place) {
     const double half = 0.5 * reach_;
     if (!expanded_ || std::abs(place.x - centre_.x) > half ||
         std::abs(place.y - centre_.y) > half || std::abs(place.z - centre_.z) > half) {
-        expand(centre_for(place));
+        expand(place);
         combine();
     }
 }

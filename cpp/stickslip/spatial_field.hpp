@@ -134,9 +134,6 @@ private:
     void set_workspace();
     void expand(const Place& place);
     void combine();
-    Place centre_for(const Place& place) const {
-        return {on_grid(place.x, reach_), on_grid(place.y, reach_), on_grid(place.z, reach_)};
-    }
 
     const CoilSet* coils_;
     const FieldShape* shape_ = nullptr;
