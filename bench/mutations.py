@@ -118,10 +118,10 @@ MUTATIONS = (
     ),
     Mutation(
         "restored",
-        "sample_hold",
-        "control_steps.hpp",
-        "        memory_ = memory;\n",
-        "        memory_ = memory;\n        memory_.held_voltage = {};\n",
+        "eddy_lag",
+        "circuit.cpp",
+        "    lagging_ = memory.lagging;\n",
+        "",
     ),
     Mutation(
         "rolled out",

@@ -53,11 +53,23 @@ def test_every_effect_acts_on_a_drive_of_the_table():
 
 
 @pytest.mark.slow
-def test_an_effect_of_the_plane_acts_on_a_drive_that_is_simulated_in_the_whole_plane_too():
+def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
+    """On drives that are simulated in both, so that an effect that one of them lost is seen."""
     table = table_of("singles")
-    pushed = [case for case in table.cases if case.pushed and case.effects]
-    acting = {case.effects[0] for case in pushed if acts(table, case)}
-    assert acting == {case.effects[0] for case in pushed}
+    pushed = [case for case in table.cases if case.pushed and case.effects and acts(table, case)]
+    planar = {
+        case.effects[0]
+        for case in table.cases
+        if case.effects and not case.scenario.turns and acts(table, case)
+    }
+    assert {case.effects[0] for case in pushed} == planar - set(OWN)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("choice", ["singles", "pairs"])
+def test_every_run_of_the_table_comes_to_its_end(choice):
+    runs = table_of(choice).alone
+    assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}
 
 
 @pytest.mark.slow

@@ -46,10 +46,10 @@ NUDGES = (1.0 + 2.0**-51, 1.0 - 2.0**-50)
 
 
 class Frozen(NamedTuple):
-    """What is kept of a run: how it ended, the numbers of `FIELDS`, and its answer to rounding."""
+    """What is kept of a run: how it ended, its numbers by field, and its answer to rounding."""
 
     status: str
-    numbers: tuple[float, ...]
+    numbers: Mapping[str, float]
     spread: float  # relative; infinite where the end itself is another
 
 
@@ -63,7 +63,7 @@ def of_run(run: Run) -> Frozen:
         *(events.get(name, 0) for name in _core.event_names),
         summary["steps"]["accepted"],
     )
-    return Frozen(run.status, tuple(float(value) for value in values), 0.0)
+    return Frozen(run.status, dict(zip(FIELDS, map(float, values), strict=True)), 0.0)
 
 
 def simulated(chosen: Mapping[str, Scenario], threads: int | None = None) -> dict[str, Frozen]:
@@ -97,9 +97,13 @@ COUNTS = (*_core.event_names, "accepted_steps")
 
 
 def differences(found: Frozen, expected: Frozen) -> dict[str, float]:
-    """Relative sizes by field, of those that differ; NaN equals NaN."""
+    """Relative sizes by field, of those that differ; NaN equals NaN.
+
+    A field that only one of the two has is no difference: the file is made again for it.
+    """
     result = {}
-    for name, value, other in zip(FIELDS, found.numbers, expected.numbers, strict=True):
+    for name in found.numbers.keys() & expected.numbers.keys():
+        value, other = found.numbers[name], expected.numbers[name]
         if value == other or (math.isnan(value) and math.isnan(other)):
             continue
         size = max(abs(value), abs(other), FLOORS[name])
@@ -138,7 +142,7 @@ def write(runs: Mapping[str, Frozen], path: Path = FILE) -> None:
     """A line a run, so that a comparison of two files shows which changed."""
     lines = [json.dumps({"machine": machine(), "fields": FIELDS})]
     for name, run in runs.items():
-        numbers = [_text(value) for value in run.numbers]
+        numbers = [_text(value) for value in run.numbers.values()]
         # Two digits: it is a size, and not to change the line without need.
         lines.append(json.dumps([name, run.status, float(f"{run.spread:.1e}"), " ".join(numbers)]))
     path.write_text("\n".join(lines) + "\n")
@@ -153,15 +157,11 @@ def read(path: Path = FILE) -> tuple[dict[str, str], dict[str, Frozen]]:
     """On which machine, and the runs by name."""
     head, *lines = path.read_text().splitlines()
     header: dict[str, Any] = json.loads(head)
-    if tuple(header["fields"]) != FIELDS:
-        raise ValueError(f"{path}: has other fields; make it again with {Path(__file__).name}")
     runs = {}
     for name, status, spread, numbers in map(json.loads, lines):
-        values = tuple(
-            float.fromhex(word) if "x" in word or "n" in word else float(word)
-            for word in numbers.split()
-        )
-        runs[name] = Frozen(status, values, float(spread))
+        values = [float.fromhex(each) if "x" in each else float(each) for each in numbers.split()]
+        by_field = dict(zip(header["fields"], values, strict=True))
+        runs[name] = Frozen(status, by_field, float(spread))
     return header["machine"], runs
 
 

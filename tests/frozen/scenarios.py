@@ -57,7 +57,7 @@ class Draw:
     def uniform(self, low: float, high: float) -> float:
         return float(self.random.uniform(low, high))
 
-    def word(self, *words: str) -> str:
+    def word(self, *words: Any) -> Any:
         return words[self.whole(0, len(words) - 1)]
 
     def whole(self, low: int, high: int) -> int:
@@ -109,37 +109,48 @@ def _effects(draw: Draw, count: int) -> Keys:
 
 
 def _across(draw: Draw) -> Keys:
-    """What takes a drive into the whole plane."""
+    """What takes a drive into the whole plane, and leaves a field that holds the heading."""
     kind = draw.word("heading", "ambient", "tilt")
+    keys: Keys = {"drive.base": 0.4e-3}
     if kind == "heading":
-        return {"drive.heading": draw.uniform(-1.2, 1.2), "drive.base": 0.4e-3}
-    if kind == "ambient":
-        return {"effects.ambient_field.By": draw.uniform(-2e-4, 2e-4)}
-    return {
-        "effects.surface_tilt.angle": draw.uniform(0.01, 0.05),
-        "effects.surface_tilt.azimuth": draw.uniform(0.2, 2.9),
-    }
+        keys["drive.heading"] = draw.uniform(-1.2, 1.2)
+    elif kind == "ambient":
+        # So strong that the rising currents turn the robot no faster than it can follow.
+        keys["effects.ambient_field.By"] = draw.word(-1, 1) * draw.uniform(3e-4, 6e-4)
+    else:
+        keys["effects.surface_tilt.angle"] = draw.uniform(0.01, 0.05)
+        keys["effects.surface_tilt.azimuth"] = draw.uniform(0.2, 2.9)
+    return keys
 
 
-def _voltages(draw: Draw, across: bool) -> Waveform:
-    """Straight lines between random voltages, jumps among them; signs change on the way."""
+def _played(draw: Draw, across: bool) -> Keys:
+    """Straight lines between random voltages, jumps among them; signs change on the way.
+
+    In the whole plane the field stays to the front, else nobody would know the heading.
+    """
     times, points = [0.0], [[0.0] * len(COIL_NAMES)]
     for _ in range(draw.whole(8, 16)):
         times.append(times[-1] + draw.uniform(2e-3, 12e-3))
-        y = draw.uniform(-9.0, 9.0)
+        y = draw.uniform(-3.0, 3.0) if across else draw.uniform(-9.0, 9.0)
         points.append(
             [
-                draw.uniform(2.0, 25.0) if across else draw.uniform(-20.0, 25.0),
-                draw.uniform(-8.0, 8.0),
+                draw.uniform(6.0, 25.0) if across else draw.uniform(-20.0, 25.0),
+                draw.uniform(-3.0, 8.0),
                 # Opposite voltages make no field across.
-                *([y, draw.uniform(-9.0, 9.0)] if across else [y, -y]),
-                draw.uniform(-18.0, -4.0),
+                *([y, draw.uniform(-3.0, 3.0)] if across else [y, -y]),
+                draw.uniform(-18.0, 3.0),
             ]
         )
         if draw.chance(0.3):
             times.append(times[-1])
             points.append([0.7 * each for each in points[-1]])
-    return Waveform.from_points(times, points)
+    waveform = Waveform.from_points(times, points)
+    direction = draw.word("+x", "-x")
+    return {
+        "drive.mode": "program",
+        "drive.direction": direction,
+        "drive.program": waveform.turned() if direction == "-x" else waveform,
+    }
 
 
 @functools.cache
@@ -167,20 +178,15 @@ def _pack(draw: Draw) -> Scenario:
 
 
 def _program(draw: Draw) -> Scenario:
-    across = draw.chance(0.5)
     keys = {**_contact(draw), **_effects(draw, draw.whole(0, 2))}
-    keys |= {"drive.mode": "program", "drive.program": _voltages(draw, across)}
-    return Scenario().replace({**keys, "drive.direction": draw.word("+x", "-x")})
+    return Scenario().replace({**keys, **_played(draw, across=draw.chance(0.5))})
 
 
 def _of_map(draw: Draw) -> Scenario:
-    keys: Keys = _drive(draw)
-    if draw.chance(0.3):
-        direction = keys["drive.direction"]
-        keys = {"drive.mode": "program", "drive.program": _voltages(draw, False)}
-        keys["drive.direction"] = direction
+    across = draw.chance(0.6)
+    keys = _played(draw, across) if draw.chance(0.3) else {**_drive(draw), "drive.base": 0.4e-3}
     keys |= {k: v for k, v in _effects(draw, 1).items() if not k.startswith("effects.coil_")}
-    return Scenario(coil=Coil(map=_map(draw.chance(0.6)))).replace(keys)
+    return Scenario(coil=Coil(map=_map(across))).replace(keys)
 
 
 def _start(draw: Draw) -> Scenario:
@@ -211,7 +217,7 @@ def _own(draw: Draw) -> Scenario:
 
 def _long(draw: Draw) -> Scenario:
     keys = {**_drive(draw, pulses=draw.whole(1000, 1500)), "drive.frequency": 200.0}
-    keys |= _effects(draw, draw.whole(0, 1)) | (_across(draw) if draw.chance(0.4) else {})
+    keys |= {**_effects(draw, draw.whole(0, 1)), **(_across(draw) if draw.chance(0.4) else {})}
     return Scenario().replace(keys)
 
 
@@ -222,12 +228,14 @@ def _failure(draw: Draw) -> Scenario:
     if kind == "steps":
         keys["solver.max_steps"] = draw.whole(100, 600)
     elif kind == "workspace":
-        keys["effects.surface_tilt.angle"] = draw.uniform(1.0, 1.4)
-        keys["drive.ramp_down"] = 5.0
+        # On a map, whose box ends after 6 mm.
+        keys |= {"effects.surface_tilt.angle": draw.uniform(1.0, 1.4), "drive.ramp_down": 2.0}
+        return Scenario(coil=Coil(map=_map(across=False))).replace(keys)
     elif kind == "heading":
         volts = draw.uniform(10.0, 20.0)
-        points = [[0.0, 0, 0, 0, -9.0], [volts, 0, 1.0, 0, -9.0], [-volts, 0, 1.0, 0, -9.0]]
+        points = [[0.0, 0, 0, 0, -9.0], [volts, 0, 0, 0, -9.0], [-volts, 0, 0, 0, -9.0]]
         keys = {
+            **effect_table.PUSH,
             "drive.mode": "program",
             "drive.program": Waveform.from_points([0.0, 0.02, 0.05], points),
         }
