@@ -29,7 +29,10 @@ CORE = "cpp/stickslip/"
 
 
 class Mutation(NamedTuple):
-    """`effect` is lost in `way` where `text`, which is in `file` once, becomes `replacement`."""
+    """`effect` is lost in `way` where `text`, which is in `file` once, becomes `replacement`.
+
+    effect: a row of the table, or "nothing" for what all drives have.
+    """
 
     way: str
     effect: str
@@ -167,7 +170,7 @@ MUTATIONS = (
     ),
     Mutation(
         "map towards -x",
-        "coil.map",
+        "nothing",
         "own_coils.cpp",
         "std::make_shared<const FieldMap>(scenario.map->turned())",
         "scenario.map",
@@ -242,11 +245,11 @@ def build(jobs: int) -> None:
         shutil.copy(module, package)
 
 
-def differences(choices: list[str]) -> set[str]:
-    """Lines of the table with the copy's core, without the numbers: way and case."""
+def differences(effect: str) -> set[str]:
+    """Lines of the table of one effect with the copy's core, without the numbers: way and case."""
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE), "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
-        [sys.executable, ROOT / "tests" / "effect_table.py", *choices],
+        [sys.executable, ROOT / "tests" / "effect_table.py", effect],
         capture_output=True,
         text=True,
         env=environment,
@@ -281,8 +284,8 @@ def main() -> int:
         place_of(mutation)
     configure()
     build(arguments.jobs)
-    before = differences(["singles"])
-    print(f"as it is: {len(before)} differences")
+    before = {effect: differences(effect) for effect in {each.effect for each in chosen}}
+    print(f"as it is: {sum(map(len, before.values()))} differences")
     print(f"{'way':16} {'effect':20} {'file':22} {'found':6} {'by':40} {'s':>4}")
     overlooked = 0
     for mutation in chosen:
@@ -292,7 +295,7 @@ def main() -> int:
         try:
             path.write_text(original.replace(mutation.text, mutation.replacement))
             build(arguments.jobs)
-            new = differences(["singles"]) - before
+            new = differences(mutation.effect) - before[mutation.effect]
         finally:
             path.write_text(original)
         ways = ", ".join(sorted({line.split(": ")[0] for line in new}))

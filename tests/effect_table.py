@@ -253,21 +253,28 @@ def _base(drive: str) -> Scenario:
 
 # ---- cases
 
-# Pushes a run into the whole plane: 4e-13 of the field of the drive.
-PUSH = {"effects.ambient_field.By": 1e-15}
+# Fields across (T) that take a run into the whole plane, beside the 2 mT of the drives. Pushed by
+# the first, a slip that reverses goes through zero; by the second it passes beside zero, with some
+# 1e-8 m/s across. The motion along x differs by the square of the heading, 1e-11.
+PUSHES = (1e-15, 1e-8)
 
 
 @dataclass(frozen=True)
 class Case:
-    """Effects on a drive; `pushed`: moved in the whole plane by a push that changes nothing."""
+    """Effects on a drive. push: T, one of `PUSHES`, or zero without one."""
 
     effects: tuple[str, ...]
     drive: str
-    pushed: bool = False
+    push: float = 0.0
 
     def __str__(self) -> str:
         names = " + ".join(self.effects) or "nothing"
-        return f"{names} on {self.drive}{' in the whole plane' if self.pushed else ''}"
+        return f"{names} on {self.drive}{f', pushed by {self.push} T' if self.push else ''}"
+
+    @property
+    def planar(self) -> Case:
+        """The same without a push."""
+        return Case(self.effects, self.drive)
 
     @property
     def keys(self) -> dict[str, float]:
@@ -277,7 +284,8 @@ class Case:
     @functools.cached_property
     def scenario(self) -> Scenario:
         """What is simulated."""
-        return _base(self.drive).replace({**self.keys, **(PUSH if self.pushed else {})})
+        push = {"effects.ambient_field.By": self.push} if self.push else {}
+        return _base(self.drive).replace({**self.keys, **push})
 
     @property
     def is_own(self) -> bool:
@@ -304,7 +312,7 @@ def _with_pushed(case: Case) -> Iterator[Case]:
     yield case
     leaves = settings()[case.drive].across and not case.scenario.turns
     if leaves and not _fades(case) and not case.is_own:
-        yield Case(case.effects, case.drive, pushed=True)
+        yield from (Case(case.effects, case.drive, push) for push in PUSHES)
 
 
 def cases_of(chosen: Iterable[tuple[str, ...]], drives: int) -> list[Case]:
@@ -333,11 +341,12 @@ DRIVES = 7
 
 
 def all_pairs() -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Pairs of effects, and those with one of the user's; of two variants of one there is none."""
+    """Pairs of effects, and those with one of the user's, which has no force across."""
     pairs = [
         pair
         for pair in itertools.combinations(rows(), 2)
-        if not set(rows()[pair[0]]) & set(rows()[pair[1]])
+        if not set(rows()[pair[0]]) & set(rows()[pair[1]])  # two variants of one
+        and not (set(pair) & set(OWN) and set(pair) & set(ACROSS))
     ]
     return (
         [pair for pair in pairs if not set(pair) & set(OWN)],
@@ -346,10 +355,14 @@ def all_pairs() -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
 
 
 def cases(choice: str) -> list[Case]:
-    """``singles``, the ``pairs`` of `make test`, or ``all`` pairs."""
+    """``singles``, the ``pairs`` of `make test`, ``all`` pairs, or those of one effect by name."""
+    plain = [case for name in settings() for case in _with_pushed(Case((), name))]
     if choice == "singles":
-        plain = [case for name in settings() for case in _with_pushed(Case((), name))]
-        return plain + cases_of(((name,) for name in rows()), drives=DRIVES)
+        return plain + cases_of(((name,) for name in rows()), DRIVES)
+    if choice in rows():
+        return plain + cases_of([(choice,)], DRIVES)
+    if choice in ("nothing", *OWN):  # in a process that knows no effect of the user
+        return plain
     pairs, with_own = all_pairs()
     if choice == "pairs":
         pairs, with_own = _some(pairs, PAIRS_OF_A_TEST), _some(with_own, WITH_OWN)
@@ -621,10 +634,9 @@ TWO_PROGRAMS = 1e-4
 def in_both_planes(table: Table) -> Iterator[str]:
     """In the whole plane, where the field moves the robot as in one."""
     for case, run in table.alone.items():
-        if not case.pushed:
+        if not case.push:
             continue
-        planar = table.alone[Case(case.effects, case.drive)]
-        what = _apart(run, planar, 1.0, table.scale(case.drive))
+        what = _apart(run, table.alone[case.planar], 1.0, table.scale(case.drive))
         if what:
             yield f"{case}: {what}"
 

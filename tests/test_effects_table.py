@@ -56,7 +56,7 @@ def test_every_effect_acts_on_a_drive_of_the_table():
 def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
     """On drives that are simulated in both, so that an effect that one of them lost is seen."""
     table = table_of("singles")
-    pushed = [case for case in table.cases if case.pushed and case.effects and acts(table, case)]
+    pushed = [case for case in table.cases if case.push and case.effects and acts(table, case)]
     planar = {
         case.effects[0]
         for case in table.cases
@@ -78,12 +78,12 @@ def test_an_instrument_changes_no_state():
     table = table_of("singles")
     for case in table.cases:
         if case.effects and case.effects[0] in INSTRUMENTS:
-            plain = table.alone[Case((), case.drive, case.pushed)]
+            plain = table.alone[Case((), case.drive, case.push)]
             assert table.alone[case].final_state == plain.final_state
 
 
 def acts(table, case):
-    run, plain = table.alone[case], table.alone[Case((), case.drive, case.pushed)]
+    run, plain = table.alone[case], table.alone[Case((), case.drive, case.push)]
     limit = 10.0 * TWO_PROGRAMS
     if abs(run.mean_velocity - plain.mean_velocity) > limit * table.scale(case.drive):
         return True

@@ -235,7 +235,7 @@ def _failure(draw: Draw) -> Scenario:
         volts = draw.uniform(10.0, 20.0)
         points = [[0.0, 0, 0, 0, -9.0], [volts, 0, 0, 0, -9.0], [-volts, 0, 0, 0, -9.0]]
         keys = {
-            **effect_table.PUSH,
+            "effects.ambient_field.By": effect_table.PUSHES[0],
             "drive.mode": "program",
             "drive.program": Waveform.from_points([0.0, 0.02, 0.05], points),
         }
