@@ -718,8 +718,11 @@ WAYS: dict[str, Way] = {
 
 def main() -> None:
     """Prints each difference in a line: way, case, what."""
-    register_own_effects()
-    for choice in sys.argv[1:] or ["singles", "pairs"]:
+    choices = sys.argv[1:] or ["singles", "pairs"]
+    # Compiling them takes longer than most choices.
+    if set(choices) & {"singles", "pairs", "all", *OWN}:
+        register_own_effects()
+    for choice in choices:
         table = Table(choice)
         for name, way in WAYS.items():
             for difference in way(table):
