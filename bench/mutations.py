@@ -250,7 +250,7 @@ def differences(effects: Iterable[str]) -> set[str]:
     """Lines of the table of effects with the copy's core, without the numbers: way and case."""
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE), "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
-        [sys.executable, ROOT / "tests" / "effect_table.py", *effects],
+        [sys.executable, ROOT / "tests" / "effect_table.py", ",".join(sorted(effects))],
         capture_output=True,
         text=True,
         env=environment,

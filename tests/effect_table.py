@@ -320,16 +320,17 @@ def _with_pushed(case: Case) -> Iterator[Case]:
 
 
 def cases_of(chosen: Iterable[tuple[str, ...]], drives: int) -> list[Case]:
-    """Cases of combinations of effects, each on some of the drives in turn.
+    """Cases of combinations of effects, each on some of the drives that follow each other.
 
-    What does not fit on a drive goes to the next.
+    Which, its place among the effects decides; what does not fit on a drive goes to the next.
     """
     names = list(settings())
     result: list[Case] = []
-    for number, combination in enumerate(chosen):
+    places = {name: place for place, name in enumerate(rows())}
+    for combination in chosen:
         # Effects of one's own in Python take ten times as long.
         wanted = 1 if "own_python" in combination else drives
-        start = (5 * number) % len(names)
+        start = 5 * sum(places[name] for name in combination) % len(names)
         turn = (Case(combination, name) for name in (names[start:] + names[:start]))
         fitting = list(itertools.islice(filter(_fits, turn), wanted))
         assert len(fitting) == wanted, f"{combination}: too few drives can have it"
@@ -371,15 +372,16 @@ def all_pairs() -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
 
 
 def cases(choice: str) -> list[Case]:
-    """``singles``, the ``pairs`` of `make test`, ``all`` pairs, or those of one effect by name."""
+    """``singles``, the ``pairs`` of `make test`, ``all`` pairs, or single effects: ``a,b,c``."""
     plain = [case for name in settings() for case in _with_pushed(Case((), name))]
     if choice == "singles":
         return plain + cases_of(((name,) for name in rows()), DRIVES)
-    if choice in rows():
-        return plain + cases_of([(choice,)], DRIVES)
-    if choice in ("nothing", *OWN):  # in a process that knows no effect of the user
-        return plain
     pairs, with_own = all_pairs()
+    if choice not in ("pairs", "all"):
+        # Effects of the user come last, which the processes of packs do not know.
+        names = sorted(set(choice.split(",")) - {"nothing"}, key=lambda name: (name in OWN, name))
+        assert set(names) <= {*rows(), *OWN}, f"{choice}: allowed are {', '.join(rows())}"
+        return plain + cases_of(((name,) for name in names if name in rows()), DRIVES)
     if choice == "pairs":
         drawn = _some([pair for pair in pairs if pair not in MEETING], PAIRS_OF_A_TEST)
         pairs, with_own = [*MEETING, *drawn], _some(with_own, WITH_OWN)
@@ -737,7 +739,7 @@ def main() -> None:
     """Prints each difference in a line: way, case, what."""
     choices = sys.argv[1:] or ["singles", "pairs"]
     # Compiling them takes longer than most choices.
-    if set(choices) & {"singles", "pairs", "all", *OWN}:
+    if {"singles", "pairs", "all", *OWN} & {name for each in choices for name in each.split(",")}:
         register_own_effects()
     for choice in choices:
         table = Table(choice)
