@@ -66,7 +66,9 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("choice", ["singles", "pairs"])
+@pytest.mark.parametrize(
+    "choice", ["singles", "pairs", pytest.param("all", marks=pytest.mark.nightly)]
+)
 def test_every_run_of_the_table_comes_to_its_end(choice):
     runs = table_of(choice).alone
     assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}
