@@ -244,7 +244,9 @@ def settings() -> dict[str, Setting]:
         "map": Setting({**IPP, "drive.hold": 1.2e-3}, slice_, across=False),
         "steering program": Setting({**played(steering()), **UNEQUAL}),
         "ipp back unequal": Setting({**IPP, **back_unequal}),
-        "map back": Setting({**OPP, **BACK}, slice_, across=False),
+        "program back on a map": Setting(
+            {**played(reversing().turned()), **BACK}, slice_, across=False
+        ),
         "steering program back on a map": Setting({**played(steering().turned()), **BACK}, box),
     }
 
