@@ -21,7 +21,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system install test test-cpp test-python demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-laws bench-before blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel wheels sizes clean
+.PHONY: help system install test test-cpp test-python nightly demo docs bench bench-promises bench-plane bench-stepping bench-controllers bench-steering bench-diagnosis bench-laws bench-before bench-mutations blind drops scoreboard fuzz fuzz-sanitized bench-peers lint format tidy wheel wheels sizes clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -82,6 +82,9 @@ test-cpp: $(VENV)/.build-tools | system ## C++ tests under the address and undef
 test-python: install ## Python tests (PYTEST_ARGS="-m 'not slow'" leaves out the slow ones)
 	@$(RUN) -m pytest -n $(JOBS) --dist worksteal --durations=10 $(PYTEST_ARGS)
 
+nightly: install ## Python tests that take minutes: all pairs of effects, all frozen runs
+	@$(RUN) -m pytest -n $(JOBS) --dist worksteal --durations=10 -m nightly $(PYTEST_ARGS)
+
 demo: install ## a short tour
 	@$(RUN) -m stickslip.demo
 
@@ -131,6 +134,9 @@ bench-diagnosis: install ## CPU time and simulations of diagnoses (COST_DATA=<fo
 
 bench-laws: install ## laws hidden in a model of one's own, and what is said of them
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN) bench/free_laws.py
+
+bench-mutations: install ## whether the table of effects sees an effect that one way to run has lost
+	@$(RUN) bench/mutations.py --jobs $(JOBS)
 
 BLIND_ARGS ?= --seeds 4
 

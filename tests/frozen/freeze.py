@@ -1,0 +1,222 @@
+"""Makes the frozen runs again: ``python tests/frozen/freeze.py``, or ``--check`` to compare only.
+
+A change of the code that should change no number changes none of these, to the last bit. Where one
+should, the command prints which runs it changed and by how much, and writes the file anew; the
+differences of the file show the same in a review.
+
+The bits belong to one kind of machine: the mathematics library rounds exp, sin and pow in its own
+way, on one processor so and on another otherwise, and a compiler may order a sum anew. Threads and
+the width of packs change none. So the file keeps what it was made on. On the same kind the bits
+have to be the same; elsewhere numbers have to agree within 1e-9 of themselves and ten times what a
+change of the robot's mass in its last bits makes of this run, which the file keeps too: long runs,
+in which a contact is decided by rounding, are another run after that, and only end alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import platform
+import re
+import sys
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from frozen.scenarios import register_own_effect, scenarios
+from stickslip import Run, Scenario, _core, simulate_batch
+
+FILE = Path(__file__).with_name("summaries.jsonl")
+
+NUMBERS = (
+    *("mean_velocity", "mean_velocity_y", "finished_velocity", "theta_min", "theta_max"),
+    *("slip_up", "slip_down", "slip_flat", "airborne_fraction", "field_max", "field_min"),
+    *("current_max", "voltage_max", "power_mean", "simulated_time"),
+)
+FINAL = ("x", "y", "z", "theta", "heading", "vx", "omega", "current_xp", "current_clamp")
+FIELDS = (*NUMBERS, *(f"final_{name}" for name in FINAL), *_core.event_names, "accepted_steps")
+
+ELSEWHERE = 1e-9  # relative, between kinds of machine
+# Of the mass, to see how a run answers to rounding; a step's rounding is some 1e-16.
+NUDGES = (1.0 + 2.0**-51, 1.0 - 2.0**-50)
+
+
+class Frozen(NamedTuple):
+    """What is kept of a run: how it ended, its numbers by field, and its answer to rounding."""
+
+    status: str
+    numbers: Mapping[str, float]
+    spread: float  # relative; infinite where the end itself is another
+
+
+def of_run(run: Run) -> Frozen:
+    """What is kept of a run, without its answer to rounding."""
+    summary = run.summary()
+    events = {**summary["events"], "painleve": summary["painleve_events"]}
+    values = (
+        *(summary.get(name, math.nan) for name in NUMBERS),
+        *(getattr(run.final_state, name) for name in FINAL),
+        *(events.get(name, 0) for name in _core.event_names),
+        summary["steps"]["accepted"],
+    )
+    return Frozen(run.status, dict(zip(FIELDS, map(float, values), strict=True)), 0.0)
+
+
+def simulated(chosen: Mapping[str, Scenario], threads: int | None = None) -> dict[str, Frozen]:
+    """Runs by name, in one batch, so that they share packs."""
+    runs = simulate_batch(chosen.values(), threads)
+    return {name: of_run(run) for name, run in zip(chosen, runs, strict=True)}
+
+
+def with_spread(chosen: Mapping[str, Scenario]) -> dict[str, Frozen]:
+    """The same with their answers to rounding."""
+    result = simulated(chosen)
+    for factor in NUDGES:
+        nudged = {
+            name: each.replace({"robot.mass": factor * each.robot.mass})
+            for name, each in chosen.items()
+        }
+        for name, other in simulated(nudged).items():
+            own = result[name]
+            apart = math.inf if own.status != other.status else largest_difference(own, other)
+            result[name] = own._replace(spread=max(own.spread, apart))
+    return result
+
+
+# Below these a number is the rest of larger ones: a velocity beside 2 mm/s, an angle beside 1.
+FLOORS = {
+    name: 1.0 if name.startswith(("theta", "final_theta", "final_heading")) else 1e-6
+    for name in FIELDS
+}
+# Counts of steps and events are of the solver, not of the motion.
+COUNTS = (*_core.event_names, "accepted_steps")
+
+
+def differences(found: Frozen, expected: Frozen) -> dict[str, float]:
+    """Relative sizes by field, of those that differ; NaN equals NaN.
+
+    A field that only one of the two has is no difference: the file is made again for it.
+    """
+    result = {}
+    for name in found.numbers.keys() & expected.numbers.keys():
+        value, other = found.numbers[name], expected.numbers[name]
+        if value == other or (math.isnan(value) and math.isnan(other)):
+            continue
+        size = max(abs(value), abs(other), FLOORS[name])
+        result[name] = abs(value - other) / size if math.isfinite(value - other) else math.inf
+    return result
+
+
+def largest_difference(found: Frozen, expected: Frozen) -> float:
+    """Of the motion."""
+    apart = differences(found, expected)
+    return max((size for name, size in apart.items() if name not in COUNTS), default=0.0)
+
+
+def machine() -> dict[str, str]:
+    """What bits depend on: processor, mathematics library (how it rounds), compiler."""
+    values = [
+        function(0.37 * k)
+        for k in range(1, 500)
+        for function in (math.exp, math.sin, math.cos, math.log, math.sqrt, math.atan)
+        if 0.37 * k < 700
+    ]
+    powers = [math.pow(0.37 * k, 1.7) for k in range(1, 500)]
+    rounding = zlib.crc32(" ".join(map(float.hex, values + powers)).encode())
+    # GCC and Clang both leave their names in what they make.
+    made_by = re.search(
+        rb"GCC: \([^)]*\) [0-9.]+|clang version [0-9.]+", Path(_core.__file__).read_bytes()
+    )
+    return {
+        "processor": platform.machine(),
+        "libm": f"{' '.join(platform.libc_ver())}, rounding {rounding:08x}",
+        "compiler": made_by[0].decode() if made_by else "unknown",
+    }
+
+
+def write(runs: Mapping[str, Frozen], path: Path = FILE) -> None:
+    """A line a run, so that a comparison of two files shows which changed."""
+    lines = [json.dumps({"machine": machine(), "fields": FIELDS})]
+    for name, run in runs.items():
+        numbers = [_text(value) for value in run.numbers.values()]
+        # Two digits: it is a size, and not to change the line without need.
+        lines.append(json.dumps([name, run.status, float(f"{run.spread:.1e}"), " ".join(numbers)]))
+    path.write_text("\n".join(lines) + "\n")
+
+
+def _text(value: float) -> str:
+    is_whole = value.is_integer() and abs(value) < 1e9 and str(value) != "-0.0"
+    return str(int(value)) if is_whole else value.hex()
+
+
+def read(path: Path = FILE) -> tuple[dict[str, str], dict[str, Frozen]]:
+    """On which machine, and the runs by name."""
+    head, *lines = path.read_text().splitlines()
+    header: dict[str, Any] = json.loads(head)
+    runs = {}
+    for name, status, spread, numbers in map(json.loads, lines):
+        values = [float.fromhex(each) if "x" in each else float(each) for each in numbers.split()]
+        by_field = dict(zip(header["fields"], values, strict=True))
+        runs[name] = Frozen(status, by_field, float(spread))
+    return header["machine"], runs
+
+
+def changes(
+    found: Mapping[str, Frozen], expected: Mapping[str, Frozen], to_the_bit: bool
+) -> list[str]:
+    """What changed, a line each, of the runs in `found`."""
+    return [line for name in found for line in _change(name, found[name], expected, to_the_bit)]
+
+
+def _change(
+    name: str, run: Frozen, expected: Mapping[str, Frozen], to_the_bit: bool
+) -> Iterable[str]:
+    if name not in expected:
+        yield f"{name}: is new"
+        return
+    other = expected[name]
+    if not to_the_bit and math.isinf(other.spread):
+        return
+    if run.status != other.status:
+        yield f"{name}: {run.status} instead of {other.status}"
+        return
+    apart = differences(run, other)
+    if not to_the_bit:
+        limit = ELSEWHERE + 10.0 * other.spread
+        apart = {n: size for n, size in apart.items() if n not in COUNTS and size > limit}
+    if apart:
+        worst = max(apart, key=lambda field: apart[field])
+        yield (
+            f"{name}: {len(apart)} numbers, most {worst} by {apart[worst]:.1e} of itself, "
+            f"mean_velocity by {apart.get('mean_velocity', 0.0):.1e} (rounding: {other.spread:.1e})"
+        )
+
+
+def main() -> int:
+    """See the top of the file; 1 where a check finds a difference."""
+    parser = argparse.ArgumentParser(description="Make the frozen runs again, or compare them.")
+    parser.add_argument("--check", action="store_true", help="compare, and write nothing")
+    arguments = parser.parse_args()
+    register_own_effect()
+    chosen = scenarios()
+    made_on, expected = read() if FILE.exists() else (machine(), {})
+    same_machine = made_on == machine()
+    runs = simulated(chosen) if arguments.check else with_spread(chosen)
+    lines = changes(runs, expected, to_the_bit=same_machine or not arguments.check)
+    lines += [f"{name}: is gone" for name in expected if name not in runs]
+    print("\n".join(lines) or "nothing changed")
+    if not same_machine:
+        print(f"the file is of another kind of machine: {made_on}, this one is {machine()}")
+    if arguments.check:
+        return 1 if lines else 0
+    write(runs)
+    print(f"{len(runs)} runs in {FILE}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

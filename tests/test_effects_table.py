@@ -1,0 +1,93 @@
+"""Every effect in every way to run: `effect_table.py` says which, and what has to be equal."""
+
+import functools
+
+import pytest
+
+import effect_table
+from effect_table import INSTRUMENTS, OWN, TWO_PROGRAMS, WAYS, Case, Table, rows
+from stickslip import unregister_effect
+
+table_of = functools.cache(Table)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def own_rows():
+    """Effects of the user are rows too."""
+    effect_table.register_own_effects()
+    yield
+    table_of.cache_clear()
+    for name in OWN:
+        unregister_effect(name)
+
+
+def differences(choice, way):
+    return list(WAYS[way](table_of(choice)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", WAYS)
+def test_an_effect_acts_alike_in_each_way_to_run(way):
+    assert differences("singles", way) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", WAYS)
+def test_two_effects_act_alike_in_each_way_to_run(way):
+    assert differences("pairs", way) == []
+
+
+@pytest.mark.nightly
+@pytest.mark.slow
+@pytest.mark.parametrize("way", WAYS)
+def test_any_two_effects_act_alike_in_each_way_to_run(way):
+    assert differences("all", way) == []
+
+
+@pytest.mark.slow
+def test_every_effect_acts_on_a_drive_of_the_table():
+    """Ten times as much as two programs may differ, so that leaving it out would be seen."""
+    table = table_of("singles")
+    acting = {case.effects[0] for case in table.cases if case.effects and acts(table, case)}
+    assert acting == set(rows())
+
+
+@pytest.mark.slow
+def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
+    """On drives that are simulated in both, so that an effect that one of them lost is seen."""
+    table = table_of("singles")
+    pushed = [case for case in table.cases if case.push and case.effects and acts(table, case)]
+    planar = {
+        case.effects[0]
+        for case in table.cases
+        if case.effects and not case.scenario.turns and acts(table, case)
+    }
+    assert {case.effects[0] for case in pushed} == planar - set(OWN)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "choice", ["singles", "pairs", pytest.param("all", marks=pytest.mark.nightly)]
+)
+def test_every_run_of_the_table_comes_to_its_end(choice):
+    runs = table_of(choice).alone
+    assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}
+
+
+@pytest.mark.slow
+def test_an_instrument_changes_no_state():
+    """What a camera reads wrongly moves nothing: the steps of a `Simulator` know none of it."""
+    table = table_of("singles")
+    for case in table.cases:
+        if case.effects and case.effects[0] in INSTRUMENTS:
+            plain = table.alone[Case((), case.drive, case.push)]
+            assert table.alone[case].final_state == plain.final_state
+
+
+def acts(table, case):
+    run, plain = table.alone[case], table.alone[Case((), case.drive, case.push)]
+    limit = 10.0 * TWO_PROGRAMS
+    if abs(run.mean_velocity - plain.mean_velocity) > limit * table.scale(case.drive):
+        return True
+    angles = ("theta_min", "theta_max")
+    return any(abs(run.summary()[name] - plain.summary()[name]) > limit for name in angles)
