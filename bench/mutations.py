@@ -61,8 +61,8 @@ MUTATIONS = (
         "whole plane",
         "surface_tilt",
         "assembly.cpp",
-        "{weight * downhill.x, weight * downhill.y},",
-        "{0.0 * weight * downhill.x, 0.0},",
+        "{weight * downhill.x, weight * downhill.y});",
+        "{0.0 * weight * downhill.x, 0.0});",
     ),
     Mutation(
         "whole plane",
@@ -117,7 +117,7 @@ MUTATIONS = (
         "restored",
         "adhesion_ageing",
         "hybrid_run.cpp",
-        "    dynamics_.restore(memory.dynamics);\n",
+        "    dynamics_.set_contact_age(snapshot.contact_age);\n",
         "",
     ),
     Mutation(
@@ -131,8 +131,8 @@ MUTATIONS = (
         "rolled out",
         "misalignment",
         "rollout.cpp",
-        "        const Scenario own = without_record(scenario(index));\n",
-        "        Scenario own = without_record(scenario(index));\n"
+        "        const Scenario own = without_record(*given);\n",
+        "        Scenario own = without_record(*given);\n"
         "        own.effects.misalignment_angle = 0.0;\n",
     ),
     Mutation(
