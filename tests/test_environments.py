@@ -194,7 +194,9 @@ def test_of_many_robots_only_the_one_without_an_action_fails(task, threads):
         each.reset(seed=1)
     values = envs.values
     good = np.full((9, values), 0.3)
-    with pytest.raises(ScenarioError, match=rf"of shape \(9, 1\): allowed is shape \(9, {values}\)"):
+    with pytest.raises(
+        ScenarioError, match=rf"of shape \(9, 1\): allowed is shape \(9, {values}\)"
+    ):
         envs.step(good[:, :1])
     bad, others = good.copy(), np.arange(9) != 4
     bad[4, 1] = np.nan

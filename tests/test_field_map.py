@@ -144,6 +144,16 @@ def test_unequal_coils_are_the_same_as_a_map_whichever_way_the_robot_faces(
         assert found.summary()[name] == pytest.approx(expected.summary()[name], rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("direction", "heading"), [("+x", 0.0), ("-x", 0.0), ("+x", math.pi), ("-x", math.pi)]
+)
+def test_a_state_that_a_run_in_one_plane_has_left_is_of_that_plane(direction, heading):
+    drive = Drive(base=0.5e-3, pulses=5, direction=direction, heading=heading)
+    first = simulate(Scenario(drive=drive))
+    assert not first.scenario.turns
+    assert not Scenario(drive=drive, initial=first.final_state).turns
+
+
 def test_batches_sweeps_and_steps_give_the_bits_of_single_runs():
     base = with_map(formula_map(noise=0.01))
     values = np.linspace(40.0, 120.0, 13).tolist()

@@ -103,6 +103,8 @@ public:
     const BodyState& body() const { return state_.body; }
     int slip() const { return state_.mode.slip; }
     double tau() const { return tau_; }
+    /// From when on the field has to be looked at within steps, s in the stretch.
+    double next_look() const { return next_look_; }
     /// s, up to where the stretch is played.
     double tau_end() const {
         return plane_ ? std::min(segment_.duration, plane_->watch().end().tau) : segment_.duration;
@@ -130,8 +132,15 @@ private:
     void end_stretch();
     void watch_heading();
     void observe_stretch(const CurrentSegment& played);
+    void plan_looks(const BodyState& body);
+    void end_look();
+    void look_at_field(double from, double to, auto&& body_at);
     /// At the robot's place, `tau` seconds into the stretch, T.
     std::array<double, 3> field(double tau, const BodyState& body) const;
+    double squared_field(double tau, const BodyState& body) const {
+        const std::array<double, 3> b = field(tau, body);
+        return b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+    }
     Snapshot snapshot(double tau) const {
         return plane_ ? stickslip::snapshot(*plane_, state_, tau)
                       : stickslip::snapshot(dynamics_, state_, tau);
@@ -161,6 +170,8 @@ private:
     void record(double t, double tau, const Snapshot& snapshot);
     static Place place(const BodyState& body) { return {body.x, body.y, body.z}; }
 
+    static constexpr double kNoLook = std::numeric_limits<double>::infinity();
+
     const double sign_;
     const Window window_;
     const VoltageProgram program_;
@@ -186,6 +197,14 @@ private:
     VoltageSegment voltages_;
     CurrentSegment segment_;
     double tau_ = 0.0;  // s, in the segment
+    // Where the field may turn in what is left of the segment, the next such time last.
+    struct FieldLook {
+        FieldTurn turn;
+        bool for_most, for_least;
+    };
+    std::vector<FieldLook> looks_;
+    double next_look_ = kNoLook;  // s
+    bool plans_looks_ = false;    // where the stretch began the field was not known yet
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
@@ -210,6 +229,41 @@ void HybridRun::sample_until(double limit, double from, auto&& snapshot_at) {
     }
 }
 
+/// The field in what has been played from one time to another, where it may turn.
+void HybridRun::look_at_field(double from, double to, auto&& body_at) {
+    const bool in_window = observer_.is_open();
+    const auto square = [&](double tau) {
+        const double value = squared_field(tau, body_at(tau));
+        drive_.see_field(value, in_window);
+        return value;
+    };
+    const auto worth = [this](double value) { return drive_.would_be_least(value); };
+    const auto negative = [&](double tau) { return -square(tau); };
+    const auto worth_negative = [this](double value) { return drive_.would_be_most(-value); };
+    while (next_look_ <= to) {
+        FieldLook& look = looks_.back();
+        const FieldTurn& turn = look.turn;
+        if (turn.curve != 0.0) {
+            const double at =
+                look.for_least
+                    ? least_value_near(turn.at, turn.curve, from, to, square, worth).at
+                    : least_value_near(turn.at, -turn.curve, from, to, negative, worth_negative).at;
+            if (at > to && turn.to > to) {  // it is in one of the next steps
+                look.turn.at = at;
+                next_look_ = to;
+                break;
+            }
+        } else {
+            const double begin = std::max(turn.from, from), end = std::min(turn.to, to);
+            const int parts = end - begin > 0.5 * (to - from) ? 2 : 1;
+            if (look.for_least) least_value(begin, end, parts, square, worth);
+            if (look.for_most) least_value(begin, end, parts, negative, worth_negative);
+            if (turn.to > to) break;  // it goes on after these
+        }
+        end_look();
+    }
+}
+
 template <class Phase>
 auto HybridRun::observer(Phase& phase) {
     return [this, &phase](const auto& step, double s) {
@@ -226,7 +280,15 @@ auto HybridRun::observer(Phase& phase) {
             s = stop = met;
             result_.stopped = true;
         }
-        const double limit = absolute(step.start + s * step.width);
+        const double last = step.start + s * step.width;
+        if (last >= next_look_) {
+            if (plans_looks_) plan_looks(phase.body(step.start, step.first));
+            look_at_field(step.start, last, [&](double tau) {
+                const double part = (tau - step.start) / step.width;
+                return phase.body(tau, part == 0.0 ? step.first : step.dense(part));
+            });
+        }
+        const double limit = absolute(last);
         if (recorder_.next_time() <= limit) {
             sample_until(limit, absolute(step.start), [&](double at) {
                 return phase.snapshot(at, step.dense((at - step.start) / step.width));

@@ -97,9 +97,10 @@ LaneRound lane_step(double* memory) {
     const auto far = dynamics.far();
 
     // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
-    // event; a base that has to be computed anew.
+    // event or a turn of the field; a base that has to be computed anew.
     auto flagged = (!(p.error <= 1.0)) | to_end | far | (p.accepted + 1.0 >= p.most_steps) |
-                   (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0);
+                   (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |
+                   (p.tau + p.step.width >= p.look);
     for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
         const auto unarmed = n.unarmed[i] > 0.0;
         flagged = flagged |

@@ -129,6 +129,17 @@ HorizontalField LocalField::horizontal(double x, double z) const {
     return result;
 }
 
+FieldCourse LocalField::course(double x, double z) const {
+    FieldCourse result;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+        const Terms& terms = b < 3 ? stretch_.basis[b] : further_[b - 3].basis;
+        const PlanarField part = Expansion{terms, stretch_.centre_x, stretch_.centre_z, 0.0}(x, z);
+        result.basis[b] = {part.bx, 0.0, part.bz};
+        result.gradient[b] = {part.dbx_dx, 0.0, part.dbx_dz, 0.0, 0.0, part.dbz_dz};
+    }
+    return result;
+}
+
 void LocalField::multiply(double tau, Expansion& expansion) const {
     const double scale = factor(tau);
     for (double& term : expansion.terms) term *= scale;

@@ -10,6 +10,7 @@
 #include "stickslip/field_shape.hpp"
 #include "stickslip/horizontal_field.hpp"
 #include "stickslip/pack.hpp"
+#include "stickslip/turning_points.hpp"
 
 namespace stickslip {
 
@@ -172,6 +173,9 @@ public:
 
     /// The horizontal field at a place in the course of the stretch, but for its segment.
     HorizontalField horizontal(double x, double z) const;
+    /// The field there, where no shape multiplies it, but for its segment.
+    FieldCourse course(double x, double z) const;
+    bool has_shape() const { return shape_ != nullptr; }
 
     /// The stretch as the formulas see it, where no shape multiplies it: its first exponential.
     const FieldStretch<double>& stretch() const { return stretch_; }

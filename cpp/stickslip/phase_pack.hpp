@@ -100,6 +100,7 @@ private:
                 N numbers;
                 numbers.progress = loop.integrator().begin(
                     phase, loop.memory(), loop.tau(), loop.tau_end(), phase.begin(loop.body()));
+                numbers.progress.look = loop.next_look();
                 numbers.robot = loop.dynamics().robot();
                 set_field(numbers, loop.dynamics());
                 numbers.contact_x = phase.contact_x(numbers.progress.step.first);
@@ -158,6 +159,7 @@ private:
 
     void go_on(Loop& loop, N& numbers, std::size_t place) {
         const FieldStretch<double>& field = loop.dynamics().field().stretch();
+        numbers.progress.look = loop.next_look();
         numbers.robot.base = loop.dynamics().robot().base;
         set_memory(numbers, loop.memory());
         write(numbers, place, {kState, kStart, kStartEvents, kBase, kUnarmed});

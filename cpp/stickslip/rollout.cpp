@@ -34,8 +34,7 @@ void play_all(std::size_t count, int threads, RunControl& control,
     if (poll == nullptr && workers == 1) {
         work();
     } else {
-        run_workers(
-            workers, control, work, poll ? *poll : [] {});
+        run_workers(workers, control, work, poll ? *poll : [] {});
     }
 }
 
@@ -98,10 +97,10 @@ void write_states(Lane& lane, const ControlRows& rows, std::size_t first,
 
 }  // namespace
 
-std::vector<Status> rollout(
-    std::size_t count, const std::function<std::optional<Scenario>(std::size_t)>& scenario,
-    const ControlRows& rows, const StateOutput& output, int threads, RunControl& control,
-    const std::function<void()>& poll) {
+std::vector<Status> rollout(std::size_t count,
+                            const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+                            const ControlRows& rows, const StateOutput& output, int threads,
+                            RunControl& control, const std::function<void()>& poll) {
     std::vector<Status> result(count, Status::interrupted);
     if (count == 0) return result;
     std::mutex mutex;

@@ -32,13 +32,13 @@ struct StateOutput {
 
 /// Plays `count` runs from their scenarios' initial states through the same number of steps each,
 /// and writes the state at the end of each step; what a failed run does not reach stays as it was.
-/// A run fails (`Status::not_finite`) where `scenario` gives none, as its start is not finite, or at
-/// the first voltage that is not. Statuses in the order of the runs, bit-identical results for any
-/// number of threads.
-std::vector<Status> rollout(
-    std::size_t count, const std::function<std::optional<Scenario>(std::size_t)>& scenario,
-    const ControlRows& rows, const StateOutput& output, int threads, RunControl& control,
-    const std::function<void()>& poll);
+/// A run fails (`Status::not_finite`) where `scenario` gives none, as its start is not finite, or
+/// at the first voltage that is not. Statuses in the order of the runs, bit-identical results for
+/// any number of threads.
+std::vector<Status> rollout(std::size_t count,
+                            const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+                            const ControlRows& rows, const StateOutput& output, int threads,
+                            RunControl& control, const std::function<void()>& poll);
 
 /// Many runs that are stepped together.
 class SimulatorBatch {

@@ -107,6 +107,18 @@ HorizontalField SpatialField::horizontal(const Place& place) const {
     return result;
 }
 
+FieldCourse SpatialField::course(const Place& place) const {
+    FieldCourse result;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+        const SpatialFieldValue part =
+            SpatialExpansion{basis_[b], centre_, 0.0, 0.0}(place.x, place.y, place.z);
+        result.basis[b] = {part.bx, part.by, part.bz};
+        result.gradient[b] = {part.xx, part.xy, part.xz, part.yy, part.yz, part.zz()};
+    }
+    for (std::size_t i = 0; i < 3; ++i) result.basis[0][i] += ambient_[i];
+    return result;
+}
+
 void SpatialField::expand(const Place& place) {
     const double d = reach_ / 1.5;
     const double per_d = 1.0 / (2.0 * d), per_dd = 1.0 / (d * d);

@@ -8,6 +8,7 @@
 #include "stickslip/horizontal_field.hpp"
 #include "stickslip/local_field.hpp"
 #include "stickslip/pack.hpp"
+#include "stickslip/turning_points.hpp"
 
 namespace stickslip {
 
@@ -124,6 +125,9 @@ public:
     SpatialExpansion at(double tau) const;
     /// The horizontal field at a place in the course of the stretch, but for its segment.
     HorizontalField horizontal(const Place& place) const;
+    /// The field there, where no shape multiplies it, but for its segment.
+    FieldCourse course(const Place& place) const;
+    bool has_shape() const { return shape_ != nullptr; }
 
     /// The same with the robot at a place, which alone says where the centre is.
     void begin_stretch(const CurrentSegment& segment, const Place& place);

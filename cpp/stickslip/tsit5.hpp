@@ -89,6 +89,7 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
     progress.control = {width, WidthControl<double>::kLeastLogError, 0.0};
     progress.tau = tau;
     progress.tau_end = tau_end;
+    progress.look = std::numeric_limits<double>::infinity();
     progress.accepted = 0.0;
     progress.most_steps = static_cast<double>(options_.most_steps - counts_.accepted);
     progress.max_step =

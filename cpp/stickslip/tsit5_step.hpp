@@ -192,6 +192,7 @@ struct Tsit5Progress {
     Real half_reach;         ///< m
     // What goes on from step to step.
     Real tau;       ///< s
+    Real look;      ///< s, from when on a step has to be looked at
     Real accepted;  ///< steps
     WidthControl<Real> control;
     MotionTrace<Real> trace;

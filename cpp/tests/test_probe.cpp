@@ -13,18 +13,17 @@ using stickslip::test::Random;
 namespace {
 
 const std::vector<std::string> kKeys = {"effects.field_gain.in_plane", "effects.field_gain.clamp",
-                                        "effects.ambient_field.Bx", "effects.ambient_field.By",
-                                        "effects.ambient_field.Bz", "coil.side"};
+                                        "effects.ambient_field.Bx",    "effects.ambient_field.By",
+                                        "effects.ambient_field.Bz",    "coil.side"};
 
 }  // namespace
 
 TEST_CASE("readings of a probe are the superposed field of coils with other gains") {
     Random random(3);
     for (int i = 0; i < 200; ++i) {
-        const std::vector<double> values = {random.between(-0.5, 0.5), random.between(-0.5, 0.5),
-                                            random.between(-1e-4, 1e-4),
-                                            random.between(-1e-4, 1e-4),
-                                            random.between(-1e-4, 1e-4), random.between(0.1, 0.2)};
+        const std::vector<double> values = {
+            random.between(-0.5, 0.5),   random.between(-0.5, 0.5),   random.between(-1e-4, 1e-4),
+            random.between(-1e-4, 1e-4), random.between(-1e-4, 1e-4), random.between(0.1, 0.2)};
         std::vector<double> place, current;
         Currents driven;
         for (int k = 0; k < 3; ++k) place.push_back(random.between(-0.02, 0.02));

@@ -5,13 +5,19 @@
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "stickslip/rollout.hpp"
+#include "stickslip/tsit5.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
 using stickslip::test::Random;
+
+static_assert(!std::is_copy_constructible_v<Simulator> && !std::is_copy_assignable_v<Simulator>);
+static_assert(!std::is_move_constructible_v<HybridLoop<Tsit5>>);
+static_assert(!std::is_copy_assignable_v<HybridLoop<Tsit5>>);
 
 namespace {
 

@@ -67,8 +67,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     is ``left_path``. A robot that follows a path has its ``progress`` and its distance to the left
     of the path, ``across``, in `info`, m.
 
-    Actions of another shape are a ``ScenarioError``, before anything has moved. A robot whose row has
-    a value that is not finite fails with the status ``not_finite``, and the others go on.
+    Actions of another shape are a ``ScenarioError``, before anything has moved. A robot whose row
+    has a value that is not finite fails with the status ``not_finite``, and the others go on.
 
     The same seed gives the same bits for any number of threads. Copies (`copy`, `pickle`) are
     independent environments that go on with the same bits.
