@@ -128,8 +128,8 @@ void HybridRun::observe_stretch(const CurrentSegment& played) {
 // Where the field may turn in the stretch that has begun, of which the robot is at its start. There
 // it is looked at within the steps, at the robot's place: in the course of a stretch it moves
 // through a gradient.
-void HybridRun::plan_looks(const BodyState& body) {
-    plans_looks_ = false;
+void HybridRun::plan_looks() {
+    const BodyState& body = state_.body;
     looks_.clear();
     const bool in_window = observer_.is_open();
     // The field goes on from the last stretch, but for the first of the run or of the window.
@@ -302,12 +302,7 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
     watch_.begin();
     dynamics_.begin_stretch(segment_, state_.body.x, state_.body.z);
     if (plane_) plane_->begin_stretch(segment_, place(state_.body));
-    if (!source_.is_stepped()) {
-        // The field about a robot in one plane is not known before its first phase begins.
-        plans_looks_ = !begun_;
-        next_look_ = 0.0;
-        if (begun_) plan_looks(state_.body);
-    }
+    if (!source_.is_stepped()) plan_looks();
     fastest_decay_ =
         *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
 }
@@ -384,7 +379,6 @@ void HybridRun::run_rest(const Rest& rest, bool outside) {
     if (result_.stopped) end = {Event::none, stop};
     observer_.rest(state_.body.theta());
     if (next_look_ <= end.tau) {
-        if (plans_looks_) plan_looks(state_.body);
         look_at_field(tau_, end.tau, [this](double) -> const BodyState& { return state_.body; });
     }
     sample_until(absolute(end.tau), absolute(tau_), [&](double at) { return rest.snapshot(at); });

@@ -132,7 +132,7 @@ private:
     void end_stretch();
     void watch_heading();
     void observe_stretch(const CurrentSegment& played);
-    void plan_looks(const BodyState& body);
+    void plan_looks();
     void end_look();
     void look_at_field(double from, double to, auto&& body_at);
     /// At the robot's place, `tau` seconds into the stretch, T.
@@ -204,7 +204,6 @@ private:
     };
     std::vector<FieldLook> looks_;
     double next_look_ = kNoLook;  // s
-    bool plans_looks_ = false;    // where the stretch began the field was not known yet
     double fastest_decay_ = 0.0;
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
@@ -282,7 +281,6 @@ auto HybridRun::observer(Phase& phase) {
         }
         const double last = step.start + s * step.width;
         if (last >= next_look_) {
-            if (plans_looks_) plan_looks(phase.body(step.start, step.first));
             look_at_field(step.start, last, [&](double tau) {
                 const double part = (tau - step.start) / step.width;
                 return phase.body(tau, part == 0.0 ? step.first : step.dense(part));
