@@ -78,7 +78,8 @@ std::vector<double> numbers(const RunResult& run) {
     std::vector<double> all = {s.mean_velocity, s.theta_min, s.theta_max,         s.slip_up,
                                s.slip_down,     s.slip_flat, s.airborne_fraction, s.simulated_time,
                                body.x,          body.z,      body.angle,          body.vx,
-                               body.vz,         body.omega};
+                               body.vz,         body.omega,  s.field_max,         s.field_min,
+                               s.current_max,   s.power_mean};
     for (const auto count : {run.steps.accepted, run.steps.rejected, run.steps.evaluations}) {
         all.push_back(static_cast<double>(count));
     }
