@@ -540,6 +540,7 @@ def swept(table: Table) -> Iterator[str]:
         data = sweep([case.scenario for case in members], threads=2)
         for place, case in enumerate(members):
             run = table.alone[case]
+            assert "mean_velocity" in data
             for name, value in run.summary().items():
                 if name not in data or not isinstance(value, float):
                     continue
@@ -614,6 +615,8 @@ def restored(table: Table) -> Iterator[str]:
         whole, rest = Simulator(case.scenario), Simulator(case.scenario)
         for number, (first, last, duration) in enumerate(steps):
             if number == len(steps) // 2:
+                # What it did before must leave nothing behind.
+                rest.step(last, 0.4 * duration, "linear", first)
                 rest.restore(Snapshot.from_bytes(whole.snapshot().to_bytes()))
             state = whole.step(last, duration, "linear", first)
             if number < len(steps) // 2:

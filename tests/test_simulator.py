@@ -185,6 +185,38 @@ def test_a_copy_of_a_failed_simulator_has_failed(made):
         other.step({}, STEP)
 
 
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_before_the_first_step_has_the_impact_to_come(made):
+    sim = Simulator(Scenario(initial=State(vz=-1e-2)))
+    other = made(sim)
+    assert other.step({}, STEP) == sim.step({}, STEP)
+
+
+def test_an_effect_that_raises_leaves_the_simulator_where_it_was():
+    raises = False
+
+    def push(state, parameters):
+        if raises:
+            raise RuntimeError("no force today")
+        return 1e-9 * parameters[0], 0.0, 0.0
+
+    register(push)
+    try:
+        scenario = Scenario(effects={"own": {"k": 0.5}})
+        sim, twin = Simulator(scenario), Simulator(scenario)
+        for each in (sim, twin):
+            each.step({"clamp": -10.0, "xp": 5.0}, 10 * STEP)
+        raises = True
+        with pytest.raises(RuntimeError, match="today"):
+            sim.step({"xp": 20.0}, 10 * STEP)
+        raises = False
+        assert (sim.status, sim.time, sim.state) == (twin.status, twin.time, twin.state)
+        assert sim.voltages == twin.voltages
+        assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)
+    finally:
+        unregister_effect("own")
+
+
 def test_coils_that_a_step_does_not_name_keep_their_voltages():
     sim = Simulator(Scenario())
     sim.step({"clamp": -10.0}, 0.01)

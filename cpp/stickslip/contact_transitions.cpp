@@ -5,17 +5,21 @@
 
 namespace stickslip {
 
-// What throws leaves the state as it was, and not with velocities of another frame.
+// What throws leaves everything as it was, and not with velocities of another frame.
 template <class How>
 void ContactTransitions::change(double tau, How&& how) {
     changes_.clear();
     const HybridState before = state_;
+    const auto counts = counts_;
+    const double age = dynamics_.contact_age();
     try {
         enter_heading(tau);
         how();
         leave_heading();
     } catch (...) {
         state_ = before;
+        counts_ = counts;
+        dynamics_.set_contact_age(age);
         throw;
     }
 }
@@ -86,6 +90,8 @@ void ContactTransitions::react(Event event, double tau) {
             break;
         case Event::slip_stops:
             settle(state_.mode.touch, {}, 0, tau);
+            // Of a slip along a vector the mode does not say which way.
+            if (plane_ && state_.mode.slip != 0) count(EventKind::reversal);
             break;
         case Event::ahead_lifts:
             pivot_on_rear_end();
@@ -207,18 +213,15 @@ void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double
     PlaneResolution found;
     if (plane_) {
         found = resolve_plane_contact(*plane_, tau, state_.body, touch, slip, onset != 0);
-        // Of a slip along a vector the mode does not say which way.
-        const bool goes_on = before.slip != 0 && found.upright.mode.slip != 0;
-        if (goes_on && onset == 0 && slip.size() == 0.0) count(EventKind::reversal);
     } else {
         found.upright = resolve_contact(dynamics_, tau, state_.body, touch, slip.along, onset);
         found.slip = slip;
     }
     if (found.upright.quadrant != state_.body.quadrant) pivot_on_rear_end();
-    const bool is_captured = plane_ && slip.size() > 0.0 && found.upright.mode.slip == 0;
-    if (is_captured && found.upright.mode.touch == Touch::corner) {
-        stop_slip_by_impulse(model(), pose(), slip.along, state_.body);
-    }
+    // A slow slip that static friction holds; a jam has its impulse below.
+    const bool sticks = plane_ && !found.upright.impulse && slip.size() > 0.0 &&
+                        found.upright.mode.touch == Touch::corner && found.upright.mode.slip == 0;
+    if (sticks) stop_slip_by_impulse(model(), pose(), slip.along, state_.body);
     state_.slip_velocity = found.slip.along;
     state_.slip_y = found.slip.across;
     state_.mode = found.upright.mode;

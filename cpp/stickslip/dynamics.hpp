@@ -111,8 +111,8 @@ public:
 
     void set_quadrant(int quadrant);
 
-    /// Begins a stretch of voltage with the centre of mass at (x, z) m: field and pose are had
-    /// there, and nothing of the stretch before.
+    /// Begins a stretch of voltage with the centre of mass at (x, z) m. Field and pose are computed
+    /// there; nothing is kept of the stretch before.
     void begin_stretch(const CurrentSegment& segment, double x, double z) {
         start_ = segment.start;
         robot_.base.turns = PlainDynamics<double>::kMostTurns;

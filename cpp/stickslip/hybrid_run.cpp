@@ -167,14 +167,12 @@ std::array<double, 3> HybridRun::field(double tau, const BodyState& body) const 
     return {b.bx, 0.0, b.bz};
 }
 
-// Coils that the scenario's drive does not use, and a step does, or did.
+// Coils that the scenario's drive does not use, and a step does.
 void HybridRun::drive_further_coils() {
-    const PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
     PerCoil gain = plane_ ? plane_->field().gain() : dynamics_.field().gain();
     const PerCoil before = gain;
     for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const bool driven = voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0;
-        if (driven || current[k] != 0.0 || lag[k] != 0.0) gain[k] = field_gain_[k];
+        if (voltages_.first[k] != 0.0 || voltages_.last[k] != 0.0) gain[k] = field_gain_[k];
     }
     if (gain == before) return;
     if (plane_) {
@@ -220,8 +218,8 @@ std::vector<double> HybridRun::marks() const {
 }
 
 void HybridRun::begin() {
-    begun_ = true;
     transitions_.begin(touches_down_);
+    begun_ = true;
     after_event(0.0);
 }
 
@@ -262,7 +260,9 @@ RunSnapshot HybridRun::snapshot() const {
     result.circuit = circuit_.memory();
     result.steps = source_.steps().memory();
     result.heading = plane_ ? plane_->watch().state() : planar_watch_->state();
+    result.gain = plane_ ? plane_->field().gain() : dynamics_.field().gain();
     result.begun = begun_;
+    result.touches_down = touches_down_;
     result.in_whole_plane = in_whole_plane();
     result.status = result_.status;
     result.end = result_.summary.simulated_time;
@@ -276,7 +276,13 @@ void HybridRun::restore(const RunSnapshot& snapshot) {
     circuit_.restore(snapshot.circuit);
     source_.restore(snapshot.steps);
     (plane_ ? plane_->watch() : *planar_watch_).set_state(snapshot.heading);
+    if (plane_) {
+        plane_->field().set_gain(snapshot.gain);
+    } else {
+        dynamics_.field().set_gain(snapshot.gain);
+    }
     begun_ = snapshot.begun;
+    touches_down_ = snapshot.touches_down;
     result_.status = snapshot.status;
     result_.summary.simulated_time = snapshot.end;
     segment_.duration = tau_ = 0.0;
@@ -415,7 +421,9 @@ RunResult HybridRun::take_result(const StepCounts& counts) {
     effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
     result_.stiffness = demand_.stiffness(effort_);
     result_.bound = demand_.bound(effort_);
-    return std::move(result_);
+    RunResult taken = std::move(result_);
+    result_.map = taken.map;  // a restored run may fail again
+    return taken;
 }
 
 }  // namespace stickslip

@@ -88,7 +88,10 @@ public:
     template <class Phase>
     auto observer(Phase& phase);
     /// Ends the run where it is.
-    void give_up(Status status) { result_.status = status; }
+    void give_up(Status status) {
+        result_.status = status;
+        if (source_.is_stepped()) stay_there();
+    }
     /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
     /// steps.
     bool fits_packs() const {

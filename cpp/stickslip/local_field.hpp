@@ -136,14 +136,13 @@ public:
     }
 
     void set_segment(const CurrentSegment& segment);
+    /// Begins a stretch with the robot at (x, z) m. The place alone decides the centre, a point of a
+    /// grid, so that many stretches share one expansion.
+    void begin_stretch(const CurrentSegment& segment, double x, double z);
 
     const PerCoil& gain() const { return gain_; }
     /// For a coil that had none.
     void set_gain(const PerCoil& gain);
-
-    /// The same with the robot at (x, z) m, which alone says where the centre is: the next point of
-    /// a grid, so that many stretches have one expansion.
-    void begin_stretch(const CurrentSegment& segment, double x, double z);
 
     /// Moves the centre to the robot where it has left half the reach.
     void rebase(double x, double z);

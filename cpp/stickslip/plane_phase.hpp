@@ -16,10 +16,10 @@ namespace stickslip {
 /// Slip velocity (m/s) of a contact that has just broken loose: it says which way.
 inline constexpr double kLeastSlip = 1e-9;
 
-/// Whether a slip is so slow that it sticks if static friction can hold it, with room for rounding.
-/// One that cannot stick, or has only begun, keeps its way until it has left the capture speed
-/// behind, and its friction is that of one plane: the way of a vector follows the force within
-/// v / (mu g), less than 1 us, which only an integrator of stiff equations would leap over.
+/// Whether a slip is slow: up to the capture speed, and a little more for rounding. A slow slip
+/// sticks if static friction can hold it. Otherwise its friction keeps the direction that it had
+/// when the phase began, until the slip stops or is twice as fast. (A friction that follows a slow
+/// slip is stiff: its direction changes within v / (mu g), less than 1 us.)
 inline bool is_captured(const Slip& slip) {
     return slip.size() <= kCaptureSpeed * (1.0 + 1e-9);
 }

@@ -48,7 +48,9 @@ void for_each_number(Snapshot& s, auto&& visit) {
     visit(s.heading.was_settled);
     visit(s.heading.lost);
     visit(s.heading.turned);
+    visit_all(s.gain);
     visit(s.begun);
+    visit(s.touches_down);
     visit(s.in_whole_plane);
     visit(s.status);
     visit(s.end);

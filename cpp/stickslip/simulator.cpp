@@ -81,10 +81,16 @@ struct Simulator::RunnerOf : Simulator::Runner {
             begin(next);
             loop->take_over(handover);
         }
+        const RunSnapshot before = loop->snapshot();
         loop->reset_counts();
         if (start) loop->steps().jump(*start);
         loop->steps().give(voltages.data(), 1, duration, linear);
-        loop->go();
+        try {
+            loop->go();
+        } catch (...) {  // of an effect of the user
+            loop->restore(before);
+            throw;
+        }
         if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
     }
     double time() override { return status() == Status::ok ? loop->steps().time() : loop->time(); }

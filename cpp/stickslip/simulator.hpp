@@ -32,7 +32,7 @@ public:
     Status status() const;
     const std::string& message() const;
 
-    /// That the coils keep, in the world's frame, V.
+    /// At the end of the last step, in the world's frame, V.
     PerCoil voltages() const;
 
     RunSnapshot snapshot() const;

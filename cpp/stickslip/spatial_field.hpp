@@ -108,6 +108,8 @@ public:
     void set_shape(const FieldShape& shape) { shape_ = &shape; }
 
     void set_segment(const CurrentSegment& segment);
+    /// As of a LocalField, with the robot at a place.
+    void begin_stretch(const CurrentSegment& segment, const Place& place);
     /// For a coil that had none.
     void set_gain(const PerCoil& gain);
     const PerCoil& gain() const { return gain_; }
@@ -129,8 +131,6 @@ public:
     FieldCourse course(const Place& place) const;
     bool has_shape() const { return shape_ != nullptr; }
 
-    /// The same with the robot at a place, which alone says where the centre is.
-    void begin_stretch(const CurrentSegment& segment, const Place& place);
 
 private:
     using Terms = SpatialExpansion::Terms;

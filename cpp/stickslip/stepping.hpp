@@ -49,8 +49,8 @@ struct StepCounts {
 /// to stop is between 0 and 1.
 inline constexpr double kGoesOn = 2.0;
 
-/// Event functions that have been positive since the phase, or its part within a stretch of voltage,
-/// began.
+/// Which event functions have been positive since the phase began, or since the stretch of voltage
+/// did.
 struct PhaseMemory {
     static constexpr std::size_t kMost = 8;
     std::array<bool, kMost> armed = {};

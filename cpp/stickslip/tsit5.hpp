@@ -81,9 +81,9 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
     phase.rates(phase.field_at(tau), y, step.slope[0], progress.samples.start);
     ++counts_.evaluations;
     memory.begin(progress.samples.start, phase.event_rounding());
-    // A step carried over from another phase can leap over the whole of a short one. Each of two
-    // modes may send the body to the other without time going on: the mode is kept for the shortest
-    // step that is far above the resolution of time.
+    // Each phase, and each stretch of voltage, begins with the first width: a longer step could leap
+    // over a short phase. Two modes may send the body to each other without time going on: then the
+    // step is the shortest that is far above the resolution of time.
     const double width = memory.stalled ? std::min(first_width_, kShortestStep) : first_width_;
     progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
     progress.control = {width, WidthControl<double>::kLeastLogError, 0.0};

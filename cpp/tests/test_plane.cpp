@@ -129,6 +129,32 @@ TEST_CASE("plane: patches of friction act where a rounded body touches") {
     CHECK(turning == doctest::Approx(simulate(scenario).summary.mean_velocity).epsilon(2e-6));
 }
 
+// Near the angle at which sliding has no solution an impulse stops the slip, once: the robot then
+// turns as in one plane.
+TEST_CASE("plane: a slide without a solution is stopped by one impulse") {
+    Scenario scenario = walking();
+    scenario.drive.edge = Edge::rise;
+    scenario.drive.mode = DriveMode::opp;
+    scenario.drive.frequency = 161.0;
+    scenario.drive.base = 0.4e-3;
+    scenario.drive.peak = 3.7e-3;
+    scenario.drive.hold = 3.2e-3;
+    scenario.contact.static_friction = 2.45;
+    scenario.contact.kinetic_friction = 0.39;
+    scenario.effects.stribeck_friction_velocity = 23.9e-3;
+    const RunResult turning = simulate(scenario);
+    scenario.whole_plane = false;
+    const RunResult planar = simulate(scenario);
+    const auto jams = [](const RunResult& run) {
+        return run.summary.events[static_cast<std::size_t>(EventKind::painleve)];
+    };
+    CHECK(jams(planar) > 0);
+    CHECK(jams(turning) == jams(planar));
+    CHECK(turning.summary.mean_velocity ==
+          doctest::Approx(planar.summary.mean_velocity).epsilon(1e-3));
+    CHECK(turning.summary.theta_max == doctest::Approx(planar.summary.theta_max).epsilon(1e-3));
+}
+
 // The two are different programs from the field's expansion on.
 TEST_CASE("plane: a robot that nothing pushes across goes as in its one plane") {
     for (const DriveMode mode : {DriveMode::ipp, DriveMode::opp}) {

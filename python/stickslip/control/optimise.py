@@ -94,12 +94,13 @@ def optimise(
     Returns
     -------
     Optimum
+        The best drive that was found.
 
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C; its ``best`` is an Optimum with what was found until then, or None where no drive
-        within the limits was.
+        On Ctrl-C in the search. Its ``best`` is the best Optimum until then, or None if no drive
+        was within the limits.
     ScenarioError
         If something is not allowed, or no drive satisfies the limits; then the least value that was
         found is named.

@@ -46,7 +46,10 @@ class Snapshot:
         self._core = core
 
     def to_bytes(self) -> bytes:
-        """The snapshot as numbers of eight bytes with a checksum, for the same version."""
+        """The snapshot as bytes with a checksum.
+
+        Only the same version, on a machine of the same byte order, can read them.
+        """
         return self._core.to_bytes()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -66,8 +69,8 @@ class Simulator:
 
     The voltages are those of the steps. The scenario's own drive is not played; it says how strong
     the fields are, to which the tolerance is relative, and how warm the coils get with
-    `effects.coil_heating`. A drive whose breakpoints are the steps gives the same bits when it is
-    simulated at once.
+    `effects.coil_heating`. Without `effects.sample_hold` and `effects.amplifier_limit`, a drive
+    whose breakpoints are the ends of the steps gives the same bits when it is simulated at once.
 
     Parameters
     ----------
