@@ -615,8 +615,9 @@ def restored(table: Table) -> Iterator[str]:
         whole, rest = Simulator(case.scenario), Simulator(case.scenario)
         for number, (first, last, duration) in enumerate(steps):
             if number == len(steps) // 2:
-                # What it did before must leave nothing behind.
-                rest.step(last, 0.4 * duration, "linear", first)
+                # What it did before must leave nothing behind; a sudden field would turn it too fast.
+                if not case.scenario.turns:
+                    rest.step(last, 0.4 * duration, "linear", first)
                 rest.restore(Snapshot.from_bytes(whole.snapshot().to_bytes()))
             state = whole.step(last, duration, "linear", first)
             if number < len(steps) // 2:
