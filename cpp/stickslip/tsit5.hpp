@@ -86,7 +86,7 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
     // step is the shortest that is far above the resolution of time.
     const double width = memory.stalled ? std::min(first_width_, kShortestStep) : first_width_;
     progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
-    progress.control = {width, WidthControl<double>::kLeastLogError, 0.0};
+    progress.control = {width, 0.0};
     progress.tau = tau;
     progress.tau_end = tau_end;
     progress.look = std::numeric_limits<double>::infinity();
