@@ -80,13 +80,15 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
     phase.rebase(y);
     phase.rates(phase.field_at(tau), y, step.slope[0], progress.samples.start);
     ++counts_.evaluations;
+    // A phase begins with the first width: a longer step could leap over the whole of a short one.
+    // One that goes on in a new stretch of voltage is known to last. Two modes may send the body to
+    // each other without time going on: then the step is the shortest that is far above the
+    // resolution of time.
+    const double usual = memory.born ? first_width_ : 2.0 * first_width_;
+    const double width = memory.stalled ? std::min(usual, kShortestStep) : usual;
     memory.begin(progress.samples.start, phase.event_rounding());
-    // Each phase, and each stretch of voltage, begins with the first width: a longer step could leap
-    // over a short phase. Two modes may send the body to each other without time going on: then the
-    // step is the shortest that is far above the resolution of time.
-    const double width = memory.stalled ? std::min(first_width_, kShortestStep) : first_width_;
     progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
-    progress.control = {width, 0.0};
+    progress.control = {width, WidthControl<double>::kLeastLogError, 0.0};
     progress.tau = tau;
     progress.tau_end = tau_end;
     progress.look = std::numeric_limits<double>::infinity();
