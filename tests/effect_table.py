@@ -615,7 +615,7 @@ def restored(table: Table) -> Iterator[str]:
         whole, rest = Simulator(case.scenario), Simulator(case.scenario)
         for number, (first, last, duration) in enumerate(steps):
             if number == len(steps) // 2:
-                # What it did before must leave nothing behind; a sudden field would turn it too fast.
+                # What it did before must leave nothing behind. (A sudden field turns it too fast.)
                 if not case.scenario.turns:
                     rest.step(last, 0.4 * duration, "linear", first)
                 rest.restore(Snapshot.from_bytes(whole.snapshot().to_bytes()))

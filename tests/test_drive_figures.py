@@ -52,6 +52,31 @@ def test_the_figures_are_those_of_the_record():
     assert summary["power_mean"] == pytest.approx(power, rel=1e-3)
 
 
+TURNING_BACK = Waveform.from_points(
+    [0.0, 0.05, 0.1], [[20.0, 0, 0.1, 0, -8.0], [-20.0, 0, 0.1, 0, -8.0], [20.0, 0, 0, 0, -8.0]]
+)
+LONG = Waveform.from_points([0.0, 0.5], [[20.0, 0, 0, 0, -8.0], [25.0, 0, 0, 0, -8.0]])
+
+
+@pytest.mark.parametrize(
+    ("program", "changes", "status"),
+    [
+        (TURNING_BACK, {}, "heading_lost"),
+        (LONG, {"solver.max_steps": 300}, "too_many_steps"),
+    ],
+)
+def test_a_run_that_ends_within_a_stretch_has_the_figures_up_to_there(program, changes, status):
+    scenario = Scenario(drive=Drive(mode="program", program=program)).replace(changes)
+    run = simulate(scenario.replace({"record.rate": 1e6}))
+    summary = run.summary()
+    assert run.status == status
+    assert 0.0 < summary["simulated_time"] < program.duration
+    # Within a sample of 1 us a current of some A changes by 1e-4 of itself.
+    assert summary["current_max"] == pytest.approx(np.abs(run.current).max(), rel=1e-3)
+    size = np.sqrt(run.bx**2 + run.by**2 + run.bz**2)
+    assert summary["field_max"] == pytest.approx(size.max(), rel=1e-3)
+
+
 def test_sweeps_have_the_same_figures():
     scenario = Scenario(drive=Drive(base=0.5e-3, pulses=5))
     found = sweep(scenario, vary={"drive.peak": [2e-3, 3e-3]})

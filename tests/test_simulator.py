@@ -105,9 +105,12 @@ def test_a_snapshot_goes_on_with_the_same_bits_also_as_bytes():
     expected = [sim.step(named(row), STEP) for row in rows[20:]]
     other = Simulator(Scenario())
     for taken in (
-        snapshot, Snapshot.from_bytes(snapshot.to_bytes()), pickle.loads(pickle.dumps(snapshot))
-    ):  # fmt: skip
+        snapshot,
+        Snapshot.from_bytes(bytearray(snapshot.to_bytes())),
+        pickle.loads(pickle.dumps(snapshot)),
+    ):
         other.restore(taken)
+        assert taken == snapshot
         assert other.time == 20 * STEP
         assert other.voltages == pytest.approx(named(rows[19]))
         assert [other.step(named(row), STEP) for row in rows[20:]] == expected
@@ -518,6 +521,7 @@ def refusals():
     yield lambda: sim.restore(other), "another scenario"
     yield lambda: sim.restore(b""), "Snapshot"
     yield lambda: Snapshot.from_bytes(b"none"), "no snapshot"
+    yield lambda: Snapshot.from_bytes("none"), "bytes of a snapshot"
     yield lambda: Snapshot.from_bytes(other.to_bytes()[:-1]), "damaged"
     yield lambda: State.from_bytes(b"none"), "bytes of a state"
     yield lambda: State(theta=math.inf), "initial.theta"

@@ -69,7 +69,9 @@ bool HybridRun::next_phase() {
     const bool failed = result_.status != Status::ok;
     if (source_.is_stepped()) {
         if (failed) stay_there();
-    } else if (!failed) {
+    } else if (failed) {
+        observe_to(tau_);
+    } else {
         finish();
     }
     return false;
@@ -313,15 +315,18 @@ void HybridRun::begin_segment(const VoltageSegment& voltages) {
         *std::max_element(segment_.rate.begin(), segment_.rate.begin() + segment_.exponentials);
 }
 
+// Of a run that ends within a stretch; where a stretch ends, it was observed as a whole.
+void HybridRun::observe_to(double tau) {
+    if (!stretch_is_open_ || !(tau > 0.0)) return;
+    CurrentSegment played = segment_;
+    played.duration = tau;
+    observe_stretch(played);
+    if (plane_) plane_->watch().cut(tau);
+}
+
 void HybridRun::finish() {
     if (result_.stopped) {
-        // Where a stretch ends, it was looked at as a whole.
-        if (stretch_is_open_ && tau_ > 0.0) {
-            CurrentSegment played = segment_;
-            played.duration = tau_;
-            observe_stretch(played);
-            if (plane_) plane_->watch().cut(tau_);
-        }
+        observe_to(tau_);
         if (observer_.is_open()) close_window(absolute(tau_));
         return;
     }
@@ -406,7 +411,11 @@ void HybridRun::fail(const WrenchNotFinite& failure) {
     result_.status = Status::not_finite;
     result_.effect = failure.effect;
     result_.summary.simulated_time = failure.time;
-    if (source_.is_stepped()) stay_there();
+    if (source_.is_stepped()) {
+        stay_there();
+    } else {
+        observe_to(failure.time - segment_.start);
+    }
 }
 
 RunResult HybridRun::take_result(const StepCounts& counts) {

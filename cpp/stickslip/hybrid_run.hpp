@@ -135,6 +135,7 @@ private:
     void end_stretch();
     void watch_heading();
     void observe_stretch(const CurrentSegment& played);
+    void observe_to(double tau);
     void plan_looks();
     void end_look();
     void look_at_field(double from, double to, auto&& body_at);

@@ -108,17 +108,17 @@ RunSnapshot RunSnapshot::from_bytes(const std::string& bytes) {
     RunSnapshot result;
     std::size_t least = 3 * kWord;  // with the magic, the version and the checksum
     for_each_number(result, [&](auto&) { least += kWord; });
-    if (bytes.size() < 2 * kWord || bytes.compare(0, kWord, kMagic, kWord) != 0) {
+    if (bytes.size() < 3 * kWord || bytes.compare(0, kWord, kMagic, kWord) != 0) {
         throw std::invalid_argument("these bytes are no snapshot of a simulator");
     }
+    const std::size_t size = bytes.size() - kWord;
+    if (word_at(bytes, size) != checksum(bytes, size)) {
+        throw std::invalid_argument("the snapshot is damaged: its checksum does not fit");
+    }
     const std::uint64_t version = word_at(bytes, kWord);
-    if (version != kVersion) {
+    if (version != kVersion || bytes.size() < least) {
         throw std::invalid_argument("the snapshot is of version " + std::to_string(version) +
                                     ": allowed is version " + std::to_string(kVersion));
-    }
-    const std::size_t size = bytes.size() - kWord;
-    if (bytes.size() < least || word_at(bytes, size) != checksum(bytes, size)) {
-        throw std::invalid_argument("the snapshot is damaged: its checksum does not fit");
     }
     std::size_t place = 2 * kWord;
     for_each_number(result, [&](auto& value) {

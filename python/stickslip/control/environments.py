@@ -259,7 +259,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
             raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
-        unknown = np.isnan(played).any(axis=1)
+        unknown: NDArray[np.bool_] = np.any(np.isnan(played), axis=1)
         voltages = self._voltages(np.where(unknown[:, None], 0.0, played))
         voltages[unknown] = np.nan  # with which the core lets this robot fail
         voltages[mask] = 0.0  # what is over is begun anew below, whatever it does now

@@ -36,7 +36,11 @@ class SearchInterrupted(KeyboardInterrupt):
     """
 
     def __init__(self, best: Optimum | None) -> None:
-        super().__init__()
+        super().__init__(
+            "interrupted before a drive within the limits was found"
+            if best is None
+            else "interrupted; the attribute best has the best drive until then"
+        )
         self.best = best
 
 

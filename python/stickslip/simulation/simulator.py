@@ -56,10 +56,18 @@ class Snapshot:
         return Snapshot.from_bytes, (self.to_bytes(),)
 
     @staticmethod
-    def from_bytes(data: bytes) -> Snapshot:
+    def from_bytes(data: bytes | bytearray | memoryview) -> Snapshot:
         """The snapshot that `to_bytes` wrote; a ScenarioError for anything else."""
+        if not isinstance(data, bytes | bytearray | memoryview):
+            refuse("data", data, "the bytes of a snapshot")
         with prefixed("", ValueError):
-            return Snapshot(_core.Snapshot.from_bytes(data))
+            return Snapshot(_core.Snapshot.from_bytes(bytes(data)))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Snapshot) and self.to_bytes() == other.to_bytes()
+
+    def __hash__(self) -> int:
+        return hash(self.to_bytes())
 
 
 class Simulator:
@@ -181,6 +189,8 @@ class Simulator:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back, or over, to a snapshot of a simulator of the same scenario.
+
+        Initial state and record may differ.
 
         Raises
         ------
