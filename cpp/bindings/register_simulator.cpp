@@ -234,19 +234,16 @@ void register_simulator(py::module_& module) {
         .def_property_readonly("message",
                                [](const Stepper& self) { return self.simulator.message(); })
         .def("snapshot", [](const Stepper& self) { return self.simulator.snapshot(); })
-        .def("restore", [](Stepper& self, const RunSnapshot& snapshot) {
-            self.simulator.restore(snapshot);
-        });
+        .def("restore",
+             [](Stepper& self, const RunSnapshot& snapshot) { self.simulator.restore(snapshot); });
 
     py::class_<Steppers>(module, "SimulatorBatch")
         .def(py::init<const std::vector<Scenario>&>())
         .def("step", &Steppers::step)
         .def("states", &Steppers::states, py::arg("out").noconvert())
         .def("statuses", &Steppers::statuses)
-        .def("snapshot",
-             [](const Steppers& self, std::size_t run) {
-                 return self.batch.snapshot(self.checked(run));
-             })
+        .def("snapshot", [](const Steppers& self,
+                            std::size_t run) { return self.batch.snapshot(self.checked(run)); })
         .def("restore",
              [](Steppers& self, std::size_t run, const RunSnapshot& snapshot) {
                  self.batch.restore(self.checked(run), snapshot);

@@ -281,8 +281,7 @@ PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
     // Coupled coils all have current.
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
-                            lag[k] != 0.0 ||
-                            scenario.effects.mutual_inductance_coupling != 0.0;
+                            lag[k] != 0.0 || scenario.effects.mutual_inductance_coupling != 0.0;
         if (!driven) gain[k] = 0.0;
     }
     return gain;

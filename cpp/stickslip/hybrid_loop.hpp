@@ -38,8 +38,8 @@ public:
     /// Integrates a phase up to its end, or that of the stretch of voltage.
     template <class Phase>
     void play(Phase& phase) {
-        end_phase(phase, integrator_.advance(phase, memory(), tau(), tau_end(),
-                                             phase.begin(body()), observer(phase)));
+        end_phase(phase, integrator_.advance(phase, memory(), tau(), tau_end(), phase.begin(body()),
+                                             observer(phase)));
     }
     template <class Phase>
     void end_phase(Phase& phase, const PhaseEnd<Phase>& end) {

@@ -158,9 +158,7 @@ private:
     void run_rest();
     template <class Rest>
     void run_rest(const Rest& rest, bool outside);
-    bool goes_on() const {
-        return result_.status == Status::ok && !result_.stopped;
-    }
+    bool goes_on() const { return result_.status == Status::ok && !result_.stopped; }
     void handle(Event event, double tau);
     void after_event(double tau);
     void pass_to(double tau);

@@ -100,8 +100,8 @@ struct WorkspaceOf {
 };
 using Workspace = WorkspaceOf<double>;
 
-/// The coordinate (m) of a centre for a robot at `place`, which is a quarter of the reach from it at
-/// most: a finer grid would be computed more often.
+/// The coordinate (m) of a centre for a robot at `place`, which is a quarter of the reach from it
+/// at most: a finer grid would be computed more often.
 inline double on_grid(double place, double reach) {
     const double spacing = 0.5 * reach;
     return spacing * std::round(place / spacing);
@@ -136,8 +136,8 @@ public:
     }
 
     void set_segment(const CurrentSegment& segment);
-    /// Begins a stretch with the robot at (x, z) m. The place alone decides the centre, a point of a
-    /// grid, so that many stretches share one expansion.
+    /// Begins a stretch with the robot at (x, z) m. The place alone decides the centre, a point of
+    /// a grid, so that many stretches share one expansion.
     void begin_stretch(const CurrentSegment& segment, double x, double z);
 
     const PerCoil& gain() const { return gain_; }

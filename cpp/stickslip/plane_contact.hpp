@@ -13,9 +13,9 @@ struct PlaneResolution {
 };
 
 /// As `resolve_contact`, with friction as a vector: a contact at rest, or slower than the capture
-/// speed, sticks within the cone of the static coefficient; one that breaks loose from rest slips the
-/// way in which it is accelerated. `body` has the world's place and the heading's velocities (vx
-/// along, vy across). `is_loose`: an event has just broken the contact loose.
+/// speed, sticks within the cone of the static coefficient; one that breaks loose from rest slips
+/// the way in which it is accelerated. `body` has the world's place and the heading's velocities
+/// (vx along, vy across). `is_loose`: an event has just broken the contact loose.
 PlaneResolution resolve_plane_contact(PlaneDynamics& plane, double tau, const BodyState& body,
                                       Touch touch, const Slip& slip, bool is_loose);
 

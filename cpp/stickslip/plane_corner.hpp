@@ -96,10 +96,9 @@ public:
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = [] {
-        std::array<Event, kEvents> result = {Event::lift_off,
-                                             kSlow ? Event::slip_stops : Event::slip_slows,
-                                             Event::behind_lands, Event::ahead_lands,
-                                             Event::sliding_jams};
+        std::array<Event, kEvents> result = {
+            Event::lift_off, kSlow ? Event::slip_stops : Event::slip_slows, Event::behind_lands,
+            Event::ahead_lands, Event::sliding_jams};
         if constexpr (kSlow) result[5] = Event::slip_quickens;
         return result;
     }();
@@ -200,13 +199,12 @@ private:
         Motion motion;
         motion.heading = headed.heading;
         motion.slip = headed.heading.seen(y[3], y[4]);
-        const PlaneLoad load =
-            plane_->load(headed, field.tau, pose,
-                         {motion.slip.along + y[5] * pose.height, motion.slip.across},
-                         y[5] * pose.lever, y[5], 0.0);
+        const PlaneLoad load = plane_->load(
+            headed, field.tau, pose, {motion.slip.along + y[5] * pose.height, motion.slip.across},
+            y[5] * pose.lever, y[5], 0.0);
         const double touch_x = y[0] + pose.roll * headed.heading.cosine;
-        const double coefficient = upright().corner_kinetic(
-            way.along, motion.slip.size(), touch_x, pose, y[5], load.along, field.tau);
+        const double coefficient = upright().corner_kinetic(way.along, motion.slip.size(), touch_x,
+                                                            pose, y[5], load.along, field.tau);
         motion.upright = corner_slip(robot(), pose, y[5], load.along, way.along * coefficient);
         const double friction = -coefficient * motion.upright.normal;
         motion.friction = {way.along * friction, way.across * friction};

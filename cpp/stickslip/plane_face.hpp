@@ -45,13 +45,10 @@ public:
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to_face(y[0], y[1]); }
-    State begin(const BodyState& body) const {
-        return {body.x, body.y, slip_.along, slip_.across};
-    }
+    State begin(const BodyState& body) const { return {body.x, body.y, slip_.along, slip_.across}; }
     BodyState body(double tau, const State& y) const {
         const Heading h = plane_->headed(field_at(tau), y[0], y[1], height()).heading;
-        return {y[0], height(),   0.0,  y[2], 0.0,
-                0.0,  quadrant(), y[1], y[3], h.angle()};
+        return {y[0], height(), 0.0, y[2], 0.0, 0.0, quadrant(), y[1], y[3], h.angle()};
     }
     Snapshot snapshot(double tau, const State& y) const {
         const Motion motion = solve(field_at(tau), y);

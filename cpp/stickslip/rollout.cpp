@@ -34,7 +34,8 @@ void play_all(std::size_t count, int threads, RunControl& control,
     if (poll == nullptr && workers == 1) {
         work();
     } else {
-        run_workers(workers, control, work, poll ? *poll : [] {});
+        run_workers(
+            workers, control, work, poll ? *poll : [] {});
     }
 }
 

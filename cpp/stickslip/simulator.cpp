@@ -35,8 +35,8 @@ std::uint64_t fingerprint(const Scenario& scenario) {
     }
     if (scenario.map) {
         const Box& box = scenario.map->box();
-        for (const double edge : {box.low.x(), box.low.y(), box.low.z(), box.high.x(),
-                                  box.high.y(), box.high.z()}) {
+        for (const double edge :
+             {box.low.x(), box.low.y(), box.low.z(), box.high.x(), box.high.y(), box.high.z()}) {
             hash.add(edge);
         }
         for (const std::vector<double>& coil : scenario.map->coefficients()) {
@@ -129,8 +129,7 @@ Simulator::Simulator(const Scenario& scenario) : fingerprint_(fingerprint(scenar
 #endif
 }
 
-void Simulator::step(const PerCoil& voltages, double duration, bool linear,
-                     const PerCoil* start) {
+void Simulator::step(const PerCoil& voltages, double duration, bool linear, const PerCoil* start) {
     if (status() != Status::ok) throw std::logic_error(message());
     runner_->step(voltages, duration, linear, start);
 }

@@ -131,7 +131,6 @@ public:
     FieldCourse course(const Place& place) const;
     bool has_shape() const { return shape_ != nullptr; }
 
-
 private:
     using Terms = SpatialExpansion::Terms;
 
