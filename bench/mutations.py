@@ -2,7 +2,7 @@
 
 ``python bench/mutations.py`` takes one mutation for each way to run, drawn by a seed. Each edits
 one place of a copy of the C++ sources so that one way leaves out one effect, builds that copy, and
-runs the table with it (`tests/effect_table.py`). The table has to find a difference that the
+runs the table with it (`tests/ways_to_run.py`). The table has to find a difference that the
 sources as they are do not have. The status is 1 if it overlooks one.
 
 The copy is in build/mutations and is built there step by step: some minutes for the first time, and
@@ -250,7 +250,7 @@ def differences(effects: Iterable[str]) -> set[str]:
     """Lines of the table of effects with the copy's core, without the numbers: way and case."""
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE), "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
-        [sys.executable, ROOT / "tests" / "effect_table.py", ",".join(sorted(effects))],
+        [sys.executable, ROOT / "tests" / "ways_to_run.py", ",".join(sorted(effects))],
         capture_output=True,
         text=True,
         env=environment,

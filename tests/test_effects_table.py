@@ -1,12 +1,13 @@
-"""Every effect in every way to run: `effect_table.py` says which, and what has to be equal."""
+"""Every effect of `effect_table.py` in every way of `ways_to_run.py`."""
 
 import functools
 
 import pytest
 
 import effect_table
-from effect_table import INSTRUMENTS, OWN, TWO_PROGRAMS, WAYS, Case, Table, rows
+from effect_table import INSTRUMENTS, OWN, Case, Table, rows
 from stickslip import unregister_effect
+from ways_to_run import TWO_PROGRAMS, WAYS
 
 table_of = functools.cache(Table)
 

@@ -1,6 +1,5 @@
 """A run that is entered and left: states, steps, snapshots, rollouts and stop conditions."""
 
-import copy
 import math
 import pickle
 import signal
@@ -12,13 +11,11 @@ import pytest
 
 import stickslip
 from own_effects import register
+from steps import STEP, named, random_rows
 from stickslip import (
     STATE_COLUMNS,
     STATE_UNITS,
-    Coil,
-    Coils,
     Drive,
-    FieldMap,
     Robot,
     Scenario,
     ScenarioError,
@@ -32,20 +29,6 @@ from stickslip import (
     simulate,
     unregister_effect,
 )
-
-STEP = 1.0 / 1024  # s; a power of two, so that the times of a program are exact
-
-
-def random_rows(seed, steps=50):
-    rng = np.random.default_rng(seed)
-    rows = np.zeros((steps, 5))
-    rows[:, 0] = rng.uniform(-20.0, 20.0, steps)
-    rows[:, 4] = rng.uniform(-15.0, 5.0, steps)
-    return rows
-
-
-def named(row):
-    return dict(zip(stickslip.COIL_NAMES, row, strict=True))
 
 
 def stepped(scenario, rows, hold="constant", **begin):
@@ -94,130 +77,6 @@ def test_a_run_that_begins_where_another_was_cut_goes_on_within_the_tolerance():
     limit = 10.0 * scenario.solver.rtol * 10 * 25
     assert rest[-1].theta == pytest.approx(whole[-1].theta, abs=limit)
     assert rest[-1].x == pytest.approx(whole[-1].x, abs=limit * scenario.robot.length)
-
-
-def test_a_snapshot_goes_on_with_the_same_bits_also_as_bytes():
-    rows = random_rows(3)
-    sim = Simulator(Scenario())
-    for row in rows[:20]:
-        sim.step(named(row), STEP)
-    snapshot = sim.snapshot()
-    expected = [sim.step(named(row), STEP) for row in rows[20:]]
-    other = Simulator(Scenario())
-    for taken in (
-        snapshot,
-        Snapshot.from_bytes(bytearray(snapshot.to_bytes())),
-        pickle.loads(pickle.dumps(snapshot)),
-    ):
-        other.restore(taken)
-        assert taken == snapshot
-        assert other.time == 20 * STEP
-        assert other.voltages == pytest.approx(named(rows[19]))
-        assert [other.step(named(row), STEP) for row in rows[20:]] == expected
-
-
-def test_snapshots_of_equal_simulators_are_equal_bytes_and_damage_is_seen():
-    first, second = Simulator(Scenario()), Simulator(Scenario())
-    for sim in (first, second):
-        sim.step({"clamp": -10.0, "xp": 3.0}, 1e-3)
-    data = first.snapshot().to_bytes()
-    assert data == second.snapshot().to_bytes()
-    rng = np.random.default_rng(1)
-    for place in range(len(data)):
-        damaged = bytearray(data)
-        damaged[place] ^= 1 << int(rng.integers(8))
-        with pytest.raises(ScenarioError, match="snapshot"):
-            Snapshot.from_bytes(bytes(damaged))
-    with pytest.raises(ScenarioError, match="damaged"):
-        Snapshot.from_bytes(data[:16] + b"\xff" * (len(data) - 16))
-
-
-def test_a_snapshot_of_another_map_is_refused():
-    axes = [np.linspace(-half, half, 5) for half in (8e-3, 3e-3, 3e-3)]
-    points = np.stack([each.ravel() for each in np.meshgrid(*axes, indexing="ij")], axis=1)
-    scenarios = [
-        Scenario(
-            coil=Coil(
-                map=FieldMap.from_points(
-                    points,
-                    np.stack([Coils(turns=turns).field(points, one) for one in np.eye(5)], axis=1),
-                )
-            )
-        )
-        for turns in (510.0, 511.0)
-    ]
-    first, second = (Simulator(each) for each in scenarios)
-    second.restore(second.snapshot())
-    with pytest.raises(ScenarioError, match="another scenario"):
-        second.restore(first.snapshot())
-
-
-COPIES = {
-    "copy": copy.copy,
-    "deepcopy": copy.deepcopy,
-    "pickle": lambda each: pickle.loads(pickle.dumps(each)),
-}
-
-
-@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
-def test_a_copy_is_an_independent_simulator(made):
-    # A step has turned it into the whole plane, which a copy has to take over too.
-    first, *later = random_rows(5, 6)
-    sim = Simulator(Scenario())
-    sim.step({"xp": 20.0, "clamp": first[4]}, STEP)
-    sim.step({"yp": 5.0}, STEP)
-    other = made(sim)
-    expected = [sim.step({"clamp": row[4]}, STEP) for row in later]
-    assert other.time == 2 * STEP
-    assert other.scenario == sim.scenario
-    assert [other.step({"clamp": row[4]}, STEP) for row in later] == expected
-    assert expected[-1].y != 0.0
-    assert sim.time == 7 * STEP
-
-
-@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
-def test_a_copy_of_a_failed_simulator_has_failed(made):
-    sim = Simulator(Scenario())
-    sim.step({"xp": 20.0, "yp": 0.01, "clamp": -10.0}, 5e-3)
-    with pytest.raises(SimulationError):
-        sim.step({"xp": -20.0}, 50e-3)
-    other = made(sim)
-    assert (other.status, other.time, other.state) == (sim.status, sim.time, sim.state)
-    assert 5e-3 < other.time < 55e-3
-    with pytest.raises(SimulationError, match="heading"):
-        other.step({}, STEP)
-
-
-@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
-def test_a_copy_before_the_first_step_has_the_impact_to_come(made):
-    sim = Simulator(Scenario(initial=State(vz=-1e-2)))
-    other = made(sim)
-    assert other.step({}, STEP) == sim.step({}, STEP)
-
-
-def test_an_effect_that_raises_leaves_the_simulator_where_it_was():
-    raises = False
-
-    def push(state, parameters):
-        if raises:
-            raise RuntimeError("no force today")
-        return 1e-9 * parameters[0], 0.0, 0.0
-
-    register(push)
-    try:
-        scenario = Scenario(effects={"own": {"k": 0.5}})
-        sim, twin = Simulator(scenario), Simulator(scenario)
-        for each in (sim, twin):
-            each.step({"clamp": -10.0, "xp": 5.0}, 10 * STEP)
-        raises = True
-        with pytest.raises(RuntimeError, match="today"):
-            sim.step({"xp": 20.0}, 10 * STEP)
-        raises = False
-        assert (sim.status, sim.time, sim.state) == (twin.status, twin.time, twin.state)
-        assert sim.voltages == twin.voltages
-        assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)
-    finally:
-        unregister_effect("own")
 
 
 def test_coils_that_a_step_does_not_name_keep_their_voltages():

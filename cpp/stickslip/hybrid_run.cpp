@@ -9,8 +9,7 @@ namespace stickslip {
 namespace {
 
 // Of the velocity scale, at which a robot swings freely by a radian: what it hardly exceeds while
-// the field turns. Twice as much changes no extreme of tests/test_extremes.py by 1e-6, and costs 1
-// % to 2 % of runs that are stepped together.
+// the field turns. Twice as much changes no extreme of tests/test_extremes.py by 1e-6.
 constexpr double kUsualSpeed = 0.1;
 
 }  // namespace

@@ -54,7 +54,7 @@ void with_plane_phase(PlaneDynamics& plane, const HybridState& state, auto&& use
                 use(PlaneCornerSlip<kSlow>(plane, state.contact_x, state.contact_y, slip));
             }
         };
-        is_captured(slip) ? use_slip(std::true_type()) : use_slip(std::false_type());
+        is_slow(slip) ? use_slip(std::true_type()) : use_slip(std::false_type());
     }
 }
 

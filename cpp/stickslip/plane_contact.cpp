@@ -22,7 +22,7 @@ public:
         pose_at(quadrant, angle);
         const PlaneLoad load =
             plane_.load(field_, tau_, pose_, {body_.vx, body_.vy}, body_.vz, body_.omega, 0.0);
-        if (!is_captured(slip)) return sliding(quadrant, load, slip);
+        if (!is_slow(slip)) return sliding(quadrant, load, slip);
         const CornerStick stick = corner_stick(upright_.robot(), pose_, body_.omega, load.along);
         // Friction that would hold it; it would slip the other way.
         const Slip friction = {stick.reaction.friction, -load.across};
@@ -40,7 +40,7 @@ public:
     PlaneResolution face(int quadrant, Slip slip, bool is_loose) {
         pose_at(quadrant, 0.0);
         const PlaneLoad load = plane_.load_of_face(field_, tau_, pose_, {body_.vx, body_.vy});
-        bool slips = !is_captured(slip);
+        bool slips = !is_slow(slip);
         FaceReaction reaction = face_reaction(model(), quadrant, load.along, true, 0.0);
         const double normal = reaction.normal();
         if (!slips) {

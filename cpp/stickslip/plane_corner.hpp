@@ -85,7 +85,7 @@ private:
 };
 
 /// A corner slips along a vector: y = (x and y of the contact, angle, slip velocity along x and y,
-/// omega). kSlow: friction keeps the way of the slip with which the phase begins, see is_captured.
+/// omega). kSlow: friction keeps the way of the slip with which the phase begins, see is_slow.
 template <bool kSlow>
 class PlaneCornerSlip : public PlanePhase {
 public:
@@ -96,20 +96,16 @@ public:
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = [] {
-        std::array<Event, kEvents> result = {
-            Event::lift_off, kSlow ? Event::slip_stops : Event::slip_slows, Event::behind_lands,
-            Event::ahead_lands, Event::sliding_jams};
+        std::array<Event, kEvents> result = {Event::lift_off, VectorSlip<kSlow>::kEnds,
+                                             Event::behind_lands, Event::ahead_lands,
+                                             Event::sliding_jams};
         if constexpr (kSlow) result[5] = Event::slip_quickens;
         return result;
     }();
 
     /// slip: m/s, along x and y.
     PlaneCornerSlip(PlaneDynamics& plane, double contact_x, double contact_y, const Slip& slip)
-        : PlanePhase(plane),
-          contact_x_(contact_x),
-          contact_y_(contact_y),
-          slip_(slip),
-          way_(way_of(slip)) {}
+        : PlanePhase(plane), contact_x_(contact_x), contact_y_(contact_y), slip_(slip) {}
 
     void rates(const SpatialExpansion& field, const State& y, State& dydt, Values& g) const {
         const Motion motion = solve(field, y);
@@ -121,22 +117,23 @@ public:
                 h.y(motion.acceleration),
                 motion.upright.angular_acceleration};
         g[0] = motion.upright.normal;
-        g[1] = slip_left(y);
+        g[1] = slip_.left(slip_of(y));
         g[2] = y[2];
         g[3] = kQuarterTurn - y[2];
         g[4] = motion.upright.effective_inertia - kJammed * robot().inertia;
-        if constexpr (kSlow) g[5] = 2.0 * kCaptureSpeed - slip_of(y).size();
+        if constexpr (kSlow) g[5] = slip_.lacking(slip_of(y));
     }
     double event(std::size_t i, double tau, const auto& y) const {
-        if (i == 1) return slip_left(y);
+        if (i == 1) return slip_.left(slip_of(y));
         if (i == 2) return y[2];
         if (i == 3) return kQuarterTurn - y[2];
-        if (i == 5) return 2.0 * kCaptureSpeed - slip_of(y).size();
+        if (i == 5) return slip_.lacking(slip_of(y));
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to_corner(y[2], y[0], y[1]); }
     State begin(const BodyState& body) const {
-        return {contact_x_, contact_y_, body.angle, slip_.along, slip_.across, body.omega};
+        return {contact_x_,          contact_y_,           body.angle,
+                slip_.begin().along, slip_.begin().across, body.omega};
     }
     BodyState body(double tau, const State& y) const {
         const Pose pose = upright().pose(y[2]);
@@ -161,8 +158,7 @@ public:
         return slip_of(y).size() + std::abs(y[5]) * robot().radius;
     }
     double longest_step(const State& y, const State& rates) const {
-        if constexpr (kSlow) return std::numeric_limits<double>::infinity();
-        return time_of_slip(slip_of(y), {rates[3], rates[4]});
+        return slip_.longest_step(slip_of(y), {rates[3], rates[4]});
     }
     double angle(const State& y) const { return y[2]; }
     double omega(const State& y) const { return y[5]; }
@@ -194,7 +190,7 @@ private:
     Motion solve(const SpatialExpansion& field, const State& y) const {
         const Pose pose = upright().pose(y[2]);
         const HeadedField headed = plane_->headed_at_corner(field, y[0], y[1], pose);
-        const Heading front = kSlow ? way_ : way_of(slip_of(y));
+        const Heading front = slip_.way(slip_of(y));
         const Slip way = headed.heading.seen(front.cosine, front.sine);
         Motion motion;
         motion.heading = headed.heading;
@@ -213,15 +209,9 @@ private:
         return motion;
     }
     static Slip slip_of(const auto& y) { return {y[3], y[4]}; }
-    // What is left of the slip before it stops, or slows down to the capture speed, m/s.
-    double slip_left(const auto& y) const {
-        if constexpr (kSlow) return way_.cosine * y[3] + way_.sine * y[4];
-        return slip_of(y).size() - kCaptureSpeed;
-    }
 
     double contact_x_, contact_y_;
-    Slip slip_;
-    Heading way_;
+    VectorSlip<kSlow> slip_;
 };
 
 }  // namespace stickslip

@@ -9,7 +9,7 @@
 namespace stickslip {
 
 /// A face slides along a vector: y = (x and y of the centre of mass, slip velocity along x and y).
-/// kSlow: friction keeps the way of the slip with which the phase begins, see is_captured.
+/// kSlow: friction keeps the way of the slip with which the phase begins, see is_slow.
 template <bool kSlow>
 class PlaneFaceSlide : public PlanePhase {
 public:
@@ -21,14 +21,13 @@ public:
     using Values = std::array<double, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = [] {
         std::array<Event, kEvents> result = {Event::ahead_lifts, Event::behind_lifts,
-                                             kSlow ? Event::slip_stops : Event::slip_slows};
+                                             VectorSlip<kSlow>::kEnds};
         if constexpr (kSlow) result[3] = Event::slip_quickens;
         return result;
     }();
 
     /// slip: m/s, along x and y.
-    PlaneFaceSlide(PlaneDynamics& plane, const Slip& slip)
-        : PlanePhase(plane), slip_(slip), way_(way_of(slip)) {}
+    PlaneFaceSlide(PlaneDynamics& plane, const Slip& slip) : PlanePhase(plane), slip_(slip) {}
 
     void rates(const SpatialExpansion& field, const State& y, State& dydt, Values& g) const {
         const Motion motion = solve(field, y);
@@ -36,16 +35,18 @@ public:
         dydt = {y[2], y[3], h.x(motion.acceleration), h.y(motion.acceleration)};
         g[0] = motion.reaction.ahead;
         g[1] = motion.reaction.behind;
-        g[2] = slip_left(y);
-        if constexpr (kSlow) g[3] = 2.0 * kCaptureSpeed - slip_of(y).size();
+        g[2] = slip_.left(slip_of(y));
+        if constexpr (kSlow) g[3] = slip_.lacking(slip_of(y));
     }
     double event(std::size_t i, double tau, const auto& y) const {
-        if (i == 2) return slip_left(y);
-        if (i == 3) return 2.0 * kCaptureSpeed - slip_of(y).size();
+        if (i == 2) return slip_.left(slip_of(y));
+        if (i == 3) return slip_.lacking(slip_of(y));
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to_face(y[0], y[1]); }
-    State begin(const BodyState& body) const { return {body.x, body.y, slip_.along, slip_.across}; }
+    State begin(const BodyState& body) const {
+        return {body.x, body.y, slip_.begin().along, slip_.begin().across};
+    }
     BodyState body(double tau, const State& y) const {
         const Heading h = plane_->headed(field_at(tau), y[0], y[1], height()).heading;
         return {y[0], height(), 0.0, y[2], 0.0, 0.0, quadrant(), y[1], y[3], h.angle()};
@@ -65,8 +66,7 @@ public:
     State scale(const Scales& s) const { return {s.length, s.length, s.velocity, s.velocity}; }
     double speed(const State& y) const { return slip_of(y).size(); }
     double longest_step(const State& y, const State& rates) const {
-        if constexpr (kSlow) return std::numeric_limits<double>::infinity();
-        return time_of_slip(slip_of(y), {rates[2], rates[3]});
+        return slip_.longest_step(slip_of(y), {rates[2], rates[3]});
     }
     double angle(const State&) const { return 0.0; }
     double omega(const State&) const { return 0.0; }
@@ -94,7 +94,7 @@ private:
     Motion solve(const SpatialExpansion& field, const State& y) const {
         const Pose pose = upright().pose(0.0);
         const HeadedField headed = plane_->headed(field, y[0], y[1], height());
-        const Heading front = kSlow ? way_ : way_of(slip_of(y));
+        const Heading front = slip_.way(slip_of(y));
         const Slip way = headed.heading.seen(front.cosine, front.sine);
         Motion motion;
         motion.heading = headed.heading;
@@ -111,14 +111,8 @@ private:
         return motion;
     }
     static Slip slip_of(const auto& y) { return {y[2], y[3]}; }
-    // As of PlaneCornerSlip.
-    double slip_left(const auto& y) const {
-        if constexpr (kSlow) return way_.cosine * y[2] + way_.sine * y[3];
-        return slip_of(y).size() - kCaptureSpeed;
-    }
 
-    Slip slip_;
-    Heading way_;
+    VectorSlip<kSlow> slip_;
 };
 
 /// A face that lies still: its middle stays where it is, also when the heading turns.

@@ -20,9 +20,48 @@ inline constexpr double kLeastSlip = 1e-9;
 /// sticks if static friction can hold it. Otherwise its friction keeps the direction that it had
 /// when the phase began, until the slip stops or is twice as fast. (A friction that follows a slow
 /// slip is stiff: its direction changes within v / (mu g), less than 1 us.)
-inline bool is_captured(const Slip& slip) {
+inline bool is_slow(const Slip& slip) {
     return slip.size() <= kCaptureSpeed * (1.0 + 1e-9);
 }
+
+/// The slip of a phase, a vector along x and y, m/s. kSlow: it began slow, see above.
+template <bool kSlow>
+class VectorSlip {
+public:
+    /// What ends such a phase.
+    static constexpr Event kEnds = kSlow ? Event::slip_stops : Event::slip_slows;
+
+    explicit VectorSlip(const Slip& begin) : begin_(begin), way_(way_of(begin)) {}
+
+    /// As the phase begins.
+    const Slip& begin() const { return begin_; }
+    /// The direction against which friction acts.
+    Heading way(const Slip& now) const { return kSlow ? way_ : way_of(now); }
+    /// What is left before it stops, or slows down to the capture speed.
+    double left(const Slip& now) const {
+        if constexpr (kSlow) return way_.cosine * now.along + way_.sine * now.across;
+        return now.size() - kCaptureSpeed;
+    }
+    /// What a slow slip still lacks to be a fast one.
+    static double lacking(const Slip& now) { return 2.0 * kCaptureSpeed - now.size(); }
+    /// The longest step, s. Where a fast slip ends its friction has no direction, so that a step
+    /// which leaps over the end is rejected again and again. acceleration: m/s^2.
+    static double longest_step(const Slip& now, const Slip& acceleration) {
+        constexpr double kMost = 0.7;  // of the time to the end; measured
+        const double change = now.along * acceleration.along + now.across * acceleration.across;
+        return !kSlow && change < 0.0 ? kMost * now.size() * now.size() / -change
+                                      : std::numeric_limits<double>::infinity();
+    }
+
+private:
+    static Heading way_of(const Slip& slip) {
+        const double speed = slip.size();
+        return speed > 0.0 ? Heading{slip.along / speed, slip.across / speed} : Heading{};
+    }
+
+    Slip begin_;
+    Heading way_;
+};
 
 class PlanePhase {
 public:
@@ -87,20 +126,6 @@ protected:
 
     /// Of a vector of the world, along the front.
     double along_front(double x, double y) const { return front_.cosine * x + front_.sine * y; }
-
-    // Which way a slip goes.
-    static Heading way_of(const Slip& slip) {
-        const double speed = slip.size();
-        return speed > 0.0 ? Heading{slip.along / speed, slip.across / speed} : Heading{};
-    }
-    // The longest step (s) of a slip (m/s, m/s^2). Where a slip ends its friction has no way, so
-    // that a step which leaps over the end is rejected again and again.
-    static double time_of_slip(const Slip& slip, const Slip& acceleration) {
-        constexpr double kMost = 0.7;  // of the time to the end; measured
-        const double change = slip.along * acceleration.along + slip.across * acceleration.across;
-        return change < 0.0 ? kMost * slip.size() * slip.size() / -change
-                            : std::numeric_limits<double>::infinity();
-    }
 
     PlaneDynamics* plane_;
     Heading front_;

@@ -1,0 +1,146 @@
+"""Snapshots and copies of simulators: they go on with the same bits, and damage is seen."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+from own_effects import register
+from steps import STEP, named, random_rows
+from stickslip import (
+    Coil,
+    Coils,
+    FieldMap,
+    Scenario,
+    ScenarioError,
+    SimulationError,
+    Simulator,
+    Snapshot,
+    State,
+    unregister_effect,
+)
+
+
+def test_a_snapshot_goes_on_with_the_same_bits_also_as_bytes():
+    rows = random_rows(3)
+    sim = Simulator(Scenario())
+    for row in rows[:20]:
+        sim.step(named(row), STEP)
+    snapshot = sim.snapshot()
+    expected = [sim.step(named(row), STEP) for row in rows[20:]]
+    other = Simulator(Scenario())
+    for taken in (
+        snapshot,
+        Snapshot.from_bytes(bytearray(snapshot.to_bytes())),
+        pickle.loads(pickle.dumps(snapshot)),
+    ):
+        other.restore(taken)
+        assert taken == snapshot
+        assert other.time == 20 * STEP
+        assert other.voltages == pytest.approx(named(rows[19]))
+        assert [other.step(named(row), STEP) for row in rows[20:]] == expected
+
+
+def test_snapshots_of_equal_simulators_are_equal_bytes_and_damage_is_seen():
+    first, second = Simulator(Scenario()), Simulator(Scenario())
+    for sim in (first, second):
+        sim.step({"clamp": -10.0, "xp": 3.0}, 1e-3)
+    data = first.snapshot().to_bytes()
+    assert data == second.snapshot().to_bytes()
+    rng = np.random.default_rng(1)
+    for place in range(len(data)):
+        damaged = bytearray(data)
+        damaged[place] ^= 1 << int(rng.integers(8))
+        with pytest.raises(ScenarioError, match="snapshot"):
+            Snapshot.from_bytes(bytes(damaged))
+    with pytest.raises(ScenarioError, match="damaged"):
+        Snapshot.from_bytes(data[:16] + b"\xff" * (len(data) - 16))
+
+
+def test_a_snapshot_of_another_map_is_refused():
+    axes = [np.linspace(-half, half, 5) for half in (8e-3, 3e-3, 3e-3)]
+    points = np.stack([each.ravel() for each in np.meshgrid(*axes, indexing="ij")], axis=1)
+    scenarios = [
+        Scenario(
+            coil=Coil(
+                map=FieldMap.from_points(
+                    points,
+                    np.stack([Coils(turns=turns).field(points, one) for one in np.eye(5)], axis=1),
+                )
+            )
+        )
+        for turns in (510.0, 511.0)
+    ]
+    first, second = (Simulator(each) for each in scenarios)
+    second.restore(second.snapshot())
+    with pytest.raises(ScenarioError, match="another scenario"):
+        second.restore(first.snapshot())
+
+
+COPIES = {
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda each: pickle.loads(pickle.dumps(each)),
+}
+
+
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_is_an_independent_simulator(made):
+    # A step has turned it into the whole plane, which a copy has to take over too.
+    first, *later = random_rows(5, 6)
+    sim = Simulator(Scenario())
+    sim.step({"xp": 20.0, "clamp": first[4]}, STEP)
+    sim.step({"yp": 5.0}, STEP)
+    other = made(sim)
+    expected = [sim.step({"clamp": row[4]}, STEP) for row in later]
+    assert other.time == 2 * STEP
+    assert other.scenario == sim.scenario
+    assert [other.step({"clamp": row[4]}, STEP) for row in later] == expected
+    assert expected[-1].y != 0.0
+    assert sim.time == 7 * STEP
+
+
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_of_a_failed_simulator_has_failed(made):
+    sim = Simulator(Scenario())
+    sim.step({"xp": 20.0, "yp": 0.01, "clamp": -10.0}, 5e-3)
+    with pytest.raises(SimulationError):
+        sim.step({"xp": -20.0}, 50e-3)
+    other = made(sim)
+    assert (other.status, other.time, other.state) == (sim.status, sim.time, sim.state)
+    assert 5e-3 < other.time < 55e-3
+    with pytest.raises(SimulationError, match="heading"):
+        other.step({}, STEP)
+
+
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_before_the_first_step_has_the_impact_to_come(made):
+    sim = Simulator(Scenario(initial=State(vz=-1e-2)))
+    other = made(sim)
+    assert other.step({}, STEP) == sim.step({}, STEP)
+
+
+def test_an_effect_that_raises_leaves_the_simulator_where_it_was():
+    raises = False
+
+    def push(state, parameters):
+        if raises:
+            raise RuntimeError("no force today")
+        return 1e-9 * parameters[0], 0.0, 0.0
+
+    register(push)
+    try:
+        scenario = Scenario(effects={"own": {"k": 0.5}})
+        sim, twin = Simulator(scenario), Simulator(scenario)
+        for each in (sim, twin):
+            each.step({"clamp": -10.0, "xp": 5.0}, 10 * STEP)
+        raises = True
+        with pytest.raises(RuntimeError, match="today"):
+            sim.step({"xp": 20.0}, 10 * STEP)
+        raises = False
+        assert (sim.status, sim.time, sim.state) == (twin.status, twin.time, twin.state)
+        assert sim.voltages == twin.voltages
+        assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)
+    finally:
+        unregister_effect("own")
