@@ -255,12 +255,24 @@ def rolled_out(table: Table) -> Iterator[str]:
             yield f"{case}: {states[-1].tolist()} instead of {final}"
 
 
+# Pairs whose two programs may differ by more, each for a reason, on "opp back unequal". A contact
+# that slows down to 0.43 um/s and does not stop sticks in the whole plane, where it is captured, and
+# goes on in one. The other pair is sensitive: at rtol = 1e-10 the two agree.
+WIDER = {
+    ("free_field_amplitude", "free_friction_age"): 3e-3,
+    ("angle_adhesion", "free_drag_rate"): 2e-4,
+}
+
+
 def in_both_planes(table: Table) -> Iterator[str]:
     """In the whole plane, where the field moves the robot as in one."""
     for case, run in table.alone.items():
         if not case.push:
             continue
-        what = _apart(run, table.alone[case.planar], 1.0, table.scale(case.drive))
+        wider = case.drive == "opp back unequal" and WIDER.get(tuple(sorted(case.effects)))
+        what = _apart(
+            run, table.alone[case.planar], 1.0, table.scale(case.drive), wider or TWO_PROGRAMS
+        )
         if what:
             yield f"{case}: {what}"
 
@@ -306,7 +318,7 @@ def from_behind(table: Table) -> Iterator[str]:
             yield f"{case}: {what}"
 
 
-def _apart(run: Run, other: Run, sign: float, scale: float) -> str:
+def _apart(run: Run, other: Run, sign: float, scale: float, tolerance: float = TWO_PROGRAMS) -> str:
     """How a run differs from one that another program computed, whose x is `sign` times its own.
 
     Velocities relative to `scale` or to the own one, whichever is larger.
@@ -322,7 +334,7 @@ def _apart(run: Run, other: Run, sign: float, scale: float) -> str:
     if run.scenario.turns and other.scenario.turns:
         pairs["mean_velocity_y"] = (across(run), sign * across(other), scale)
     for name, (value, expected, size) in pairs.items():
-        if not abs(value - expected) <= TWO_PROGRAMS * size:
+        if not abs(value - expected) <= tolerance * size:
             share = abs(value - expected) / size
             return f"{name} = {value:.8g} instead of {expected:.8g} ({share:.1e} of {size:.3g})"
     return ""
