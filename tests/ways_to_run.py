@@ -256,8 +256,8 @@ def rolled_out(table: Table) -> Iterator[str]:
 
 
 # Pairs whose two programs may differ by more, each for a reason, on "opp back unequal". A contact
-# that slows down to 0.43 um/s and does not stop sticks in the whole plane, where it is captured, and
-# goes on in one. The other pair is sensitive: at rtol = 1e-10 the two agree.
+# that slows down to 0.43 um/s and does not stop sticks in the whole plane, where it is captured,
+# and goes on in one. The other pair is sensitive: at rtol = 1e-10 the two agree.
 WIDER = {
     ("free_field_amplitude", "free_friction_age"): 3e-3,
     ("angle_adhesion", "free_drag_rate"): 2e-4,
