@@ -36,12 +36,13 @@ class SearchInterrupted(KeyboardInterrupt):
     """
 
     def __init__(self, best: Optimum | None) -> None:
-        super().__init__(
-            "interrupted before a drive within the limits was found"
-            if best is None
-            else "interrupted; the attribute best has the best drive until then"
-        )
+        super().__init__()
         self.best = best
+
+    def __str__(self) -> str:
+        if self.best is None:
+            return "interrupted before a drive within the limits was found"
+        return "interrupted; the attribute best has the best drive until then"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
