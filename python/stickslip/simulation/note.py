@@ -1,0 +1,65 @@
+"""A note: what a reader of a run's numbers should know."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+MOST_SHOWN = 4
+"""Notes that are printed at once; all are in `Run.notes` and in the JSON output."""
+
+CODES = (
+    # What was not simulated or measured whole.
+    "record-cut", "condition-not-met", "pulses-unfinished", "window-cut",
+    # A robot that does not walk.
+    "rest-no-field", "rest-no-moment", "rest-torque", "rest-drag", "rest-friction", "rest",
+    "no-pulses", "flight", "pulled", "roll-over", "beyond-upright", "no-slip",
+    # A motion whose mean velocity says less than it seems to.
+    "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
+    # Values in another unit, as far as can be seen.
+    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass", "rows-at-one-time",
+    # Other values that are hardly meant so.
+    "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
+    # What a reader should know, without a fault.
+    "map",
+)  # fmt: skip
+"""Codes of all notes, the most serious first."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """One note; ``str()`` gives its text.
+
+    Attributes
+    ----------
+    code : str
+        One of `CODES`; it stays the same where the words change.
+    text : str
+        One line: what stands out, and what to do about it.
+    value : float or None
+        The number that it is about, SI units; None where there is none.
+    """
+
+    code: str
+    text: str
+    value: float | None = None
+
+    def __str__(self) -> str:
+        return self.text
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+def by_seriousness(notes: Iterable[Note]) -> list[Note]:
+    """The most serious first."""
+    return sorted(notes, key=lambda note: CODES.index(note.code))
+
+
+def shown_lines(notes: Iterable[Note]) -> list[str]:
+    """The notes that are printed, a line each, and how many more there are."""
+    texts = [note.text for note in by_seriousness(notes)]
+    more = len(texts) - MOST_SHOWN
+    return texts[:MOST_SHOWN] + ([f"{more} more in --json or Run.notes"] if more > 0 else [])
