@@ -1,6 +1,7 @@
 """Every kind of CSV file that is read: comment lines, the byte order mark, line numbers, quotes."""
 
 import codecs
+import itertools
 import re
 from pathlib import Path
 
@@ -9,14 +10,20 @@ import pytest
 
 from asking_results import measurement
 from command_line import check, stickslip
-from stickslip import Scenario, ScenarioError, Waveform
+from stickslip import FieldMap, Scenario, ScenarioError, Waveform
+from stickslip.facts import Code
 from stickslip.measurement.tables import read_numbers, read_rows
-from stickslip.measurement.velocity import read_velocity
+from stickslip.measurement.velocity import read_velocity, velocity_units
 from stickslip.reproduction.curves import read_measured
+from stickslip.scenario.sections import COIL_NAMES
 
-FRAMES = ("t", "x", "theta")
-ANGLES = ("Bx", "Bz", "theta")
-FIELDS = ("xp", "xm", "yp", "ym", "clamp", "x", "y", "z", "Bx", "By", "Bz")
+FRAMES = {"t": "s", "x": "m", "theta": "rad"}
+ANGLES = {"Bx": "T", "Bz": "T", "theta": "rad"}
+FIELDS = {
+    **dict.fromkeys(("xp", "xm", "yp", "ym", "clamp"), "A"),
+    **dict.fromkeys("xyz", "m"),
+    **dict.fromkeys(("Bx", "By", "Bz"), "T"),
+}
 
 
 def voltages(path):
@@ -24,7 +31,9 @@ def voltages(path):
 
 
 def velocities(path):
-    data, left_out = read_velocity(path, read_rows(path), Scenario(), float("nan"))
+    data, left_out = read_velocity(
+        path, read_rows(path, velocity_units()), Scenario(), float("nan")
+    )
     return (data.conditions, data.velocity.tolist()), left_out
 
 
@@ -46,6 +55,16 @@ def numbers_text(columns):
     return [",".join(columns), *rows, ",".join(["lost"] * len(columns))]
 
 
+# A box of points, in which no coil makes a field.
+BOX = [
+    ",".join([*(str(each) for each in place), coil, "0,0,0"])
+    for coil in COIL_NAMES
+    for place in itertools.product((-1e-3, 1e-3), repeat=3)
+]
+
+MEASURED = ("velocities", "tracking", "angle", "field")
+"""Kinds of tables that say what was left out of them."""
+
 # Each with its reader, and its lines; the last one is wrong.
 FILES = {
     "voltages": (voltages, ["t,xp,xm,yp,ym,clamp", "0,0,0,0,0,0", "1,5,0,0,0,-10", "2,0,x,0,0,0"]),
@@ -54,8 +73,12 @@ FILES = {
     "tracking": (numbers_of(FRAMES), numbers_text(FRAMES)),
     "angle": (numbers_of(ANGLES), numbers_text(ANGLES)),
     "field": (numbers_of(FIELDS), numbers_text(FIELDS)),
+    "map": (
+        lambda path: (FieldMap.from_file(path), ()),
+        ["x,y,z,coil,Bx,By,Bz", *BOX, "1e-3,1e-3,1e-3,zp,0,0,0"],
+    ),
     "digitised points": (
-        read_measured,
+        lambda path: (read_measured(path), ()),
         ["figure,mode,x,y", "fig12,IPP,10,1e-3", "fig13,OPP,10,1e-3", "fig12,IPP,20,lost"],
     ),
 }
@@ -66,7 +89,7 @@ FORMS = [(b"", "\n"), (codecs.BOM_UTF8, "\r\n"), (b"", "\r")]
 
 def commented(lines):
     """The lines with comments, one of which has a quote, and empty lines among them."""
-    return ['# the robot "A", 5" tube', "", *lines[:1], "  # a remark, in µm", *lines[1:]]
+    return ['# the robot "A", 5" tube', "", *lines[:1], "  # a remark in µm", *lines[1:]]
 
 
 def write(path, lines, mark=b"", end="\n"):
@@ -78,8 +101,13 @@ def write(path, lines, mark=b"", end="\n"):
 @pytest.mark.parametrize("kind", FILES)
 def test_comments_and_the_mark_change_nothing(tmp_path, kind, form):
     read, lines = FILES[kind]
-    plain = read(write(tmp_path / "a.csv", lines[:-1]))
-    assert read(write(tmp_path / "a.csv", commented(lines[:-1]), *form)) == plain
+    plain, nothing = read(write(tmp_path / "a.csv", lines[:-1]))
+    found, left_out = read(write(tmp_path / "a.csv", commented(lines[:-1]), *form))
+    assert found == plain
+    assert list(nothing) == []
+    assert [(fact.code, fact.fields["count"]) for fact in left_out] == (
+        [(Code.COMMENTS, 1)] if kind in MEASURED else []
+    )
 
 
 @pytest.mark.parametrize("form", FORMS)

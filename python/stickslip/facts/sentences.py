@@ -214,6 +214,16 @@ def _predicted_velocities(f: Fields) -> str:
     return f"Predicted is {', '.join(each)}. " if each else ""
 
 
+def _why_nothing(f: Fields) -> str:
+    """Why no condition can be simulated, and what to do."""
+    if f.get("refusal") is None:
+        return "look at its settings, and whether [uncertain] has values that it forbids"
+    friction = "contact.static_friction" in f["refusal"]
+    settings = "raise contact.static_friction" if friction else "change the scenario"
+    priors = "the prior of contact.kinetic_friction" if friction else "the priors"
+    return f"{f['refusal']}; {settings}, or narrow {priors} in [uncertain]"
+
+
 def _tried_in_vain(f: Fields) -> str:
     """How many causes explain nothing, alone or two together."""
     if f["count"] == 1:
@@ -253,6 +263,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
     "told_of_curve": _told_of_curve,
     "lead_in_words": lambda f: f"{abs(f['lead']):.1f} {'below' if f['lead'] < 0.0 else 'above'}",
+    "why_nothing": _why_nothing,
     "tried_in_vain": _tried_in_vain,
     "origin_of_u": lambda f: f" less {f['origin']:g} {f['unit']}" if f["origin"] else "",
     "also": lambda f: f"; nearly as likely: {_listed(f['others'])}" if f["others"] else "",
