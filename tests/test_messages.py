@@ -4,9 +4,11 @@ import json
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from answer_examples import ANSWERS
+from stickslip import Measurement, Prior, Scenario
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import SENTENCES
 
@@ -291,6 +293,18 @@ def test_it_is_one_full_sentence_with_the_numbers_in_it(code):
     assert re.search(r"[^.]\.$", sentence), sentence
     assert not re.search(r"  |[{}]|\bNone\b|\bnan\b|Code\.|\n", sentence), sentence
     assert sentence.count("(") == sentence.count(")")
+
+
+def test_a_prior_whose_middle_no_scenario_has_is_named_with_what_to_do():
+    table = pd.DataFrame({"frequency": [20.0, 30.0], "velocity": [1e-3, 1.1e-3]})
+    wide = {"contact.kinetic_friction": Prior("log-uniform", 0.15, 0.3)}
+    refusal = Measurement.from_dataframe(table, Scenario(), wide).refusal()
+    said = str(Fact(Code.NOTHING_COMPUTED, {"refusal": refusal}))
+    # The middle of a log-uniform prior is the root of 0.15 * 0.3 = 0.045.
+    assert "contact.kinetic_friction = 0.2121" in said
+    assert "raise contact.static_friction, or narrow the prior" in said
+    narrow = {"contact.kinetic_friction": Prior("log-uniform", 0.15, 0.19)}
+    assert Measurement.from_dataframe(table, Scenario(), narrow).refusal() is None
 
 
 @pytest.mark.parametrize("code", Code, ids=lambda code: code.value)

@@ -10,12 +10,12 @@ import csv
 import io
 import itertools
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 
-INSTRUMENTS_PAGE = "docs/howto/instruments.md"
+INSTRUMENTS_PAGE = '"From your instruments" (docs/howto/instruments.md)'
 """The page that says how files of other programs become tables."""
 
 DECIMAL_COMMAS = (
@@ -83,7 +83,14 @@ class CsvTable:
 
     Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. Lines
     above the header that begin with # are comments. If the first other line has a number, the
-    header is the last of them that has as many cells and no number, as `numpy.savetxt` writes it.
+    header is the last of them that has as many cells, names one of `columns` and has no number, as
+    `numpy.savetxt` writes it.
+
+    Parameters
+    ----------
+    data : bytes
+    columns : collection of str
+        Names that a column may have.
 
     Attributes
     ----------
@@ -104,7 +111,7 @@ class CsvTable:
         cell goes on in the next line, which would hide all lines below a stray quote.
     """
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, columns: Collection[str]) -> None:
         self.line, self.header, self.separator = 0, list[str](), ","
         self.comments = self.beyond = 0
         self._mark: tuple[str, str, int] | None = None
@@ -122,7 +129,11 @@ class CsvTable:
         else:
             return
         self.separator = stated[1] if stated else _separator_of(line)
-        self._find_header(comments, itertools.chain([(number, line)], lines), line)
+        self._rows = self._parsed(itertools.chain([(number, line)], lines))
+        if any(map(_is_number, self._cells(line))):
+            self._take_header(comments, columns, (number, line), lines)
+        if not self.line:
+            self.line, self.header = next(self._rows)
         if len(self.header) == 1 and " " in split_unit(self.header[0])[0]:
             raise ScenarioError(
                 f'line {self.line}: "{self.header[0]}" has no comma, semicolon or tab between '
@@ -130,21 +141,23 @@ class CsvTable:
                 '(numpy.savetxt with delimiter=",")'
             )
 
-    def _find_header(
-        self, comments: list[tuple[int, str]], below: Iterator[tuple[int, str]], first: str
+    def _take_header(
+        self,
+        comments: list[tuple[int, str]],
+        columns: Collection[str],
+        first: tuple[int, str],
+        below: Iterator[tuple[int, str]],
     ) -> None:
-        """Set the header and the rows; `first` is the first line that is no comment."""
-        cells = _named(self._cells(first))
-        if any(map(_is_number, cells)):
-            for k in reversed(range(len(comments))):
-                number, line = comments[k]
-                names = _named(self._cells(line.lstrip().lstrip("#")))
-                if len(names) == len(cells) and not any(map(_is_number, names)):
-                    self.line, self.header = number, names
-                    self._rows = self._parsed(itertools.chain(comments[k + 1 :], below))
-                    return
-        self._rows = self._parsed(below)
-        self.line, self.header = next(self._rows)
+        """Make the last comment that names columns of the first row the header, if there is one."""
+        count = len(_named(self._cells(first[1])))
+        for k in reversed(range(len(comments))):
+            number, line = comments[k]
+            names = _named(self._cells(line.lstrip().lstrip("#")))
+            known = any(split_unit(name)[0] in columns for name in names)
+            if known and len(names) == count and not any(map(_is_number, names)):
+                self.line, self.header = number, names
+                self._rows = self._parsed(itertools.chain(comments[k + 1 :], [first], below))
+                return
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line and cells of each row that has any, without the spaces around the cells.
@@ -153,10 +166,11 @@ class CsvTable:
         """
         width = len(self.header)
         for number, row in self._rows:
+            if not any(row):
+                continue
             if len(row) != width:
                 row = self._fitted(row)
-            if any(row):
-                yield number, row
+            yield number, row
 
     def with_point(self, line: int, cell: str) -> str:
         """A cell of numbers whose decimal comma, if it has one, is a decimal point.
@@ -201,7 +215,11 @@ class CsvTable:
             raise ScenarioError(f"cannot be read: {error}") from None
 
     def _cells(self, line: str) -> list[str]:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator))]
+        """The cells of a line by itself; a line that is too long for them is one cell."""
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator))]
+        except csv.Error:
+            return [line]
 
     def _fitted(self, row: list[str]) -> list[str]:
         """A row with as many cells as the header, if only empty ones are too many or missing."""

@@ -22,6 +22,12 @@ def number(cell: str, below: float = math.inf) -> float:
     return value if abs(value) < below and "_" not in cell else math.nan
 
 
+def comma_hint(cell: str) -> str:
+    """What to do about a comma in a cell that is no number; "" for a cell without one."""
+    hint = "; write numbers with a decimal point and without separators of thousands"
+    return hint if "," in cell else ""
+
+
 def highest(limit: float) -> str:
     """A computed limit in six digits and not above it, so that what is printed is allowed."""
     below = Context(prec=6, rounding=ROUND_FLOOR).create_decimal(repr(float(limit)))

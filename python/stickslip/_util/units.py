@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import re
 
-_PREFIXES = {"k": 1e-3, "c": 1e2, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
+_PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
 
 _OTHERS = {
+    "m": {"cm": 1e2},
+    "m/s": {"cm/s": 1e2},
     "rad": dict.fromkeys(("deg", "degree", "degrees", "°"), math.degrees(1.0)),
     "T": dict.fromkeys(("G", "gauss"), 1e4),
     "T/A": {"G/A": 1e4},

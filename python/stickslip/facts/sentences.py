@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stickslip._util.number_text import comma_hint
 from stickslip.facts.codes import Code
 from stickslip.scenario.keys import shown
 
@@ -67,7 +68,9 @@ def _named_lines(f: Fields) -> str:
 
 
 def _column_is(f: Fields) -> str:
-    return f"{f['column']} " + (f"{shown(f['cell'])} is not a number" if f["cell"] else "is empty")
+    if not f["cell"]:
+        return f"{f['column']} is empty"
+    return f"{f['column']} {shown(f['cell'])} is not a number{comma_hint(f['cell'])}"
 
 
 def _wrong_unit(f: Fields) -> str:

@@ -63,7 +63,7 @@ def read_rows(path: Path, units: Units) -> Rows:
     or is empty, or that a column is there twice or in a unit that is not known.
     """
     with prefixed(path):
-        return _rows(path.name, CsvTable(read_bytes(path, _MOST_BYTES, "table")), units)
+        return _rows(path.name, CsvTable(read_bytes(path, _MOST_BYTES, "table"), units), units)
 
 
 def _rows(name: str, table: CsvTable, units: Units) -> Rows:

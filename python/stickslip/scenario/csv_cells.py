@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
-from stickslip._util.number_text import number
+from stickslip._util.number_text import comma_hint, number
 from stickslip._util.units import per_si, split_unit, to_si
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import nearest, refuse, shown
@@ -32,7 +32,9 @@ def without_units(header: Sequence[str], units: Units) -> tuple[list[str], list[
         try:
             per[-1] = per_si(unit, "-" if si is None else si)
         except ValueError as error:
-            raise ScenarioError(f"column {shown(heading)}: {error}") from None
+            raise ScenarioError(
+                f"column {shown(heading)}: the unit is not known; {error}"
+            ) from None
     return names, per
 
 
@@ -42,7 +44,7 @@ def read_cells(data: bytes, units: Units) -> Iterator[tuple[int, list[str], list
     A ScenarioError, which does not name the file, says which columns are missing or not known, and
     names the line of a row with other cells than numbers or with too few or too many.
     """
-    table = CsvTable(data)
+    table = CsvTable(data, units)
     if not any(table.header):
         raise ScenarioError("is empty: the first row has to be " + ",".join(units))
     names, per = without_units(table.header, units)
@@ -65,7 +67,8 @@ def read_cells(data: bytes, units: Units) -> Iterator[tuple[int, list[str], list
         for k, name, unit in columns:
             value = number(row[k] if plain else table.with_point(line, row[k]))
             if math.isnan(value):
-                refuse(f"row {line}, column {name}", row[k], f"a finite number of {unit}")
+                what = f"a finite number of {unit}{comma_hint(row[k])}"
+                refuse(f"row {line}, column {name}", row[k], what)
             values.append(value)
         if converted:
             values = [to_si(v, per[k]) for v, (k, _, _) in zip(values, columns, strict=True)]
