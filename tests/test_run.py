@@ -103,7 +103,7 @@ def test_the_summary_has_the_documented_keys(run):
     assert summary["status"] == "ok"
     assert summary["simulated_time"] == pytest.approx(0.17)
     assert (summary["window_start"], summary["window_end"]) == SCENARIO.window
-    assert summary["notes"] == []
+    assert summary["notes"] == [note.as_dict() for note in run.notes]
     assert summary["events"]["lift_off"] > 0
     assert "painleve" not in summary["events"]
     summary["events"]["lift_off"] = -1

@@ -66,8 +66,8 @@ def test_the_pull_is_that_of_the_gradient_over_what_friction_holds(changes):
     slope = slope_of_in_plane_coils(run)
     scale = 1.0 + scenario.get("effects.gradient_scale.fraction")
     expected = scale * moment * np.hypot(*slope.T).max() / held
-    # A sample misses the turn of a current by up to 25 us of some ms. Of a pair the slope is that of
-    # the robot's place, which is taken where a stretch of voltage ends.
+    # A sample misses the turn of a current by up to 25 us of some ms. The slope of a pair is that
+    # of the robot's place, which is taken where a stretch of voltage ends.
     assert run.summary()["pull_ratio"] == pytest.approx(expected, rel=1e-3, abs=2e-4)
 
 
