@@ -35,7 +35,7 @@ struct Summary {
     double slip_flat = kNone;  ///< m/s, the same of a face
     double airborne_fraction = kNone;
     /// Least growth of the speed from a quarter of the window's pulses to the next, over the
-    /// largest speed of a quarter. None for a free program, and with fewer than four pulses.
+    /// largest speed of a quarter. Zero for a free program, and with fewer than four pulses.
     double velocity_growth = kNone;
     /// Largest pull of the in-plane coils' gradient on the robot, lying flat, over what friction
     /// holds of weight and adhesion.
@@ -102,7 +102,7 @@ public:
         summary.slip_down = frame_sign * falling_ / span;
         summary.slip_flat = frame_sign * flat_ / span;
         summary.airborne_fraction = airborne_ / span;
-        if (passed_ == marks_.size()) summary.velocity_growth = growth();
+        summary.velocity_growth = passed_ == marks_.size() ? growth() : 0.0;
     }
     /// What is known without the window's end, which a run that fails does not come to.
     void write(double frame_sign, Summary& summary) const {
@@ -146,13 +146,12 @@ private:
         std::array<double, 4> speed;
         for (std::size_t i = 0; i < speed.size(); ++i) {
             const Mark &from = marks_[i], &to = marks_[i + 1];
-            if (!(to.t > from.t)) return Summary::kNone;
             speed[i] = std::hypot(to.x - from.x, to.y - from.y) / (to.t - from.t);
         }
         const double least =
             std::min({speed[1] - speed[0], speed[2] - speed[1], speed[3] - speed[2]});
         const double largest = *std::max_element(speed.begin(), speed.end());
-        return largest > 0.0 ? least / largest : Summary::kNone;
+        return largest > 0.0 ? least / largest : 0.0;
     }
 
     static constexpr double kRounding = 1e-6;  // part of a pulse; chosen

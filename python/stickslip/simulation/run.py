@@ -301,7 +301,7 @@ class Run:
             a robot that turns along its own front, while theta rose, fell, or the body lay on a
             face, over the window's duration), `airborne_fraction`, `velocity_growth` (least growth
             of the speed from a quarter of the window's pulses to the next, over the largest speed;
-            NaN of a program), `field_min` (T, least field at
+            0 of a program and of fewer than four pulses), `field_min` (T, least field at
             the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T,
             largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil),
             `pull_ratio` (largest pull of the in-plane coils' gradient on the robot, lying flat,
