@@ -8,9 +8,9 @@ from collections.abc import Iterable
 FACTORS = (10.0, 100.0, 1e3, 1e6)
 """Mistakes of a unit, and their inverses."""
 
-NEAR = 2.0
-"""Ratio to one of `FACTORS` within which a number is near it. Chosen: what is expected is known to
-a factor of two or better; halfway between 10 and 100 nothing tells which one is meant."""
+NEAR = math.sqrt(10.0)
+"""Ratio to one of `FACTORS` within which a number is near it. Chosen: what is expected is seldom
+known to better than a factor of three, and beyond it another power of ten is nearer."""
 
 _SMALLER = {
     "m": {1e2: "cm", 1e3: "mm", 1e6: "um"},

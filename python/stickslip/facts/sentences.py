@@ -53,7 +53,8 @@ def mismatch(f: Fields, whose: str = "what the stated model gives") -> str:
     factor = f["unit_factor"]
     if factor is None:
         return text
-    return f"{text}, so a column may be in a unit that is wrong by {factor_text(factor)}"
+    size = factor_text(max(factor, 1.0 / factor))
+    return f"{text}, so a column may be in a unit that is wrong by {size}"
 
 
 def _listed(names: Sequence[str], most: int = 4) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.arrays import Array
-from stickslip._util.unit_factor import unit_meant
+from stickslip._util.unit_factor import NEAR, unit_meant
 from stickslip.scenario.sections import COIL_NAMES, Coil, Robot
 from stickslip.simulation.note import Note
 
@@ -28,11 +28,6 @@ little resistance take seconds to follow."""
 _TIMES_TABLE_I = 10.0
 """Ratio to the size of Table I's coils below which those of a laboratory lie, 1 m: ten times more
 is in cm, and what is nearer to 1000 times more in mm."""
-
-_LIKELY = math.sqrt(10.0)
-"""Ratio of a density or an inductance to that of Tables I and II within which it is likely: magnets
-have 2 500 to 25 000 kg/m3, and coils without iron a third to three times mu0 turns^2 side as often
-as Table I's."""
 
 _LONG = 30.0
 """Ratio of a length of the body to its shortest beyond which it alone is in another unit. Chosen:
@@ -184,9 +179,10 @@ def _of_coils(scenario: Scenario) -> list[Note]:
         if found is not None:
             text = f"coil.{name} = {size:g} m is {size / usual:.3g} times that of Table I"
             notes.append(Note("unit-length", f"{text}: {_question(found)}", size))
+    # Coils without iron have a third to three times this.
     likely = coil.inductance / table_1.inductance
     likely /= (coil.turns / table_1.turns) ** 2 * coil.side / table_1.side
-    found = unit_meant("H", likely, _LIKELY)
+    found = unit_meant("H", likely)
     if found is not None and coil.map is None:  # beside which turns and side are not stated
         text = (
             f"coil.inductance = {coil.inductance:g} H is {likely:.3g} times what coil.turns and "
@@ -197,20 +193,23 @@ def _of_coils(scenario: Scenario) -> list[Note]:
 
 
 def _of_robot(scenario: Scenario) -> list[Note]:
-    """Whether the mass or the lengths make a density that only another unit can."""
+    """Whether the mass or the lengths make a density that only another unit can.
+
+    Magnets and what is made with them have 2 500 to 25 000 kg/m3.
+    """
     robot, table_2 = scenario.robot, Robot()
     names = ("length", "width", "height")
     sizes = np.array([getattr(robot, name) for name in names])
     density = robot.mass / float(np.prod(sizes))
     usual = table_2.mass / (table_2.length * table_2.width * table_2.height)
     said = f"a density of {density:.3g} kg/m3"
-    found = unit_meant("kg", density / usual, _LIKELY)
+    found = unit_meant("kg", density / usual)
     if found is not None:
         text = f"robot.mass = {robot.mass:g} kg makes {said}: {_question(found)}"
         return [Note("unit-mass", text, robot.mass)]
     for wrong in (sizes > _LONG * np.min(sizes), np.ones(3, dtype=bool)):
         share = 1.0 / max(int(wrong.sum()), 1)  # each of them has the factor
-        found = unit_meant("m", (usual / density) ** share, _LIKELY**share)
+        found = unit_meant("m", (usual / density) ** share, NEAR**share)
         if found is not None and wrong.any():
             given = [
                 f"robot.{name} = {size:g} m"
