@@ -151,12 +151,15 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
 def shortest_tooth(program: Waveform) -> float:
     """Shortest time between two edges of a coil's voltage between which it comes back, s.
 
-    An edge is a jump, or a slope of over five times the mean. Slow ramps have no edges, and after
-    the edge of a hold the voltage stays; infinity where no two teeth follow each other.
+    An edge is a jump, or a slope of over five times the mean of its block. Slow ramps have no
+    edges, and after the edge of a hold the voltage stays; infinity where no block has two teeth.
     """
-    few = [(t, v, min(repeats, 3)) for t, v, repeats in program.blocks]
-    times, voltages = type(program)(few).points()
-    return min(_shortest_tooth(times, voltages[:, k]) for k in range(len(COIL_NAMES)))
+    shortest = math.inf
+    for t, v, repeats in program.blocks:
+        times, voltages = type(program)([(t, v, min(repeats, 3))]).points()
+        each = [_shortest_tooth(times, voltages[:, k]) for k in range(len(COIL_NAMES))]
+        shortest = min(shortest, *each)
+    return shortest
 
 
 def _shortest_tooth(times: Array, volts: Array) -> float:
