@@ -182,9 +182,7 @@ def used(folder, frames, toml=TOML):
         ("current_clamp", "size", "A"),
     ],
 )
-def test_a_column_in_a_unit_that_is_wrong_by_1000_is_reported(
-    tmp_path, full_frames, factor, column, what, unit
-):
+def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, factor, column, what, unit):
     columns, said = used(tmp_path, {**full_frames, column: factor * full_frames[column]})
     assert columns == set(ALL) - {column}
     (fact,) = said

@@ -1,21 +1,26 @@
 """Hints at the unit of a value, and none where the value is sound."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from frozen.scenarios import OWN_NAME, TOTAL, register_own_effect, scenarios
 from measured_maps import formula_fields, formula_map, grid
-from stickslip import COIL_NAMES, Coil, Coils, Drive, FieldMap, Scenario, Waveform
+from stickslip import (
+    COIL_NAMES,
+    Coil,
+    Coils,
+    Drive,
+    FieldMap,
+    Scenario,
+    Waveform,
+    unregister_effect,
+)
 from stickslip._util.unit_factor import factor_text, unit_factor, unit_meant
 from stickslip.simulation.note import CODES
 from stickslip.simulation.unit_notes import shortest_tooth, unit_notes
-
-sys.path.insert(0, str(Path(__file__).parent / "frozen"))
-import scenarios as frozen
 
 EARTH = np.array([20e-6, 0.0, -45e-6])  # T
 
@@ -104,10 +109,13 @@ def test_values_of_other_devices_get_none(changes):
 
 
 def test_sound_scenarios_of_all_kinds_get_none():
-    frozen.register_own_effect()
-    found = frozen.scenarios()
-    assert len(found) == frozen.TOTAL
-    assert {name: notes_of(each) for name, each in found.items() if notes_of(each)} == {}
+    register_own_effect()
+    try:
+        found = {name: notes_of(each) for name, each in scenarios().items()}
+    finally:
+        unregister_effect(OWN_NAME)
+    assert len(found) == TOTAL
+    assert {name: notes for name, notes in found.items() if notes} == {}
 
 
 @pytest.mark.parametrize(
