@@ -16,6 +16,7 @@ class Code(str, Enum):
     SETTING_REFUSED = "setting-refused"  #: Rows with a setting that no scenario can have.
     SETTING_TOO_LARGE = "setting-too-large"  #: Rows with a setting so large that its unit is wrong.
     SETTING_TOO_SMALL = "setting-too-small"  #: Rows with a setting so small that its unit is wrong.
+    EQUAL_SETTINGS = "equal-settings"  #: Values of a setting that count as one.
     OUTLIER = "outlier"  #: A trial absurdly far from the others of its condition.
     TOO_FAST = "too-fast"  #: Velocities so large that their unit must be wrong.
     BAD_CELLS = "bad-cells"  #: Rows with a cell that is no number, too few cells or too many.
@@ -27,6 +28,7 @@ class Code(str, Enum):
     FRAMES_NOT_NEEDED = "frames-not-needed"  #: Frames beyond those that are enough.
     FRAME_RATE_NOT_USED = "frame-rate-not-used"  #: The stated rate contradicts the times of frames.
     RUN_TOO_SHORT = "run-too-short"  #: A film with too few sound frames.
+    RUN_TIME_UNIT = "run-time-unit"  #: A film whose times can only be in ms or numbers of frames.
     RUN_ANGLE_UNIT = "run-angle-unit"  #: A film whose angles can only be in degrees.
     RUN_LENGTH_UNIT = "run-length-unit"  #: A film whose places can only be in mm or um.
     RUN_STANDS_STILL = "run-stands-still"  #: A film in which nothing changes.

@@ -11,8 +11,9 @@ from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.scenario import Scenario
 
-_OF_THE_WHOLE = (Code.ROWS_LEFT_OUT, Code.OUTLIER)
-"""Facts that blame no cell: how many rows are wrong, and a trial that others contradict."""
+_OF_THE_WHOLE = (Code.ROWS_LEFT_OUT, Code.EQUAL_SETTINGS, Code.OUTLIER)
+"""Facts that blame no cell: how many rows are wrong, settings that count as one, and a trial that
+others contradict."""
 
 
 def read_new_trials(
@@ -42,7 +43,7 @@ def read_new_trials(
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
     try:
-        data, left_out = read_velocity(path, (header, filled), scenario, relative_sd, word)
+        data, left_out = read_velocity(path, (header, filled), scenario, relative_sd, word, earlier)
     except NothingSound as error:
         raise _refused(path, error.fact.fields["why"]) from None
     for fact in left_out:

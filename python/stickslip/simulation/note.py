@@ -19,7 +19,8 @@ CODES = (
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     # Values in another unit, as far as can be seen.
-    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass", "rows-at-one-time",
+    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
+    "unit-inductance", "rows-at-one-time",
     # Other values that are hardly meant so.
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
     # What a reader should know, without a fault.
