@@ -31,6 +31,7 @@ OF_A_PROGRAM = ("drive.frequency", "drive.ramp")
 FEWEST = 4
 """Pulses of a drive whose frequency is free: its speed is measured after the third."""
 
+_NOTHING: Mapping[str, Value] = {}
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
 _ALLOWED = "(low, high) of a number, or a list of words"
 
@@ -140,9 +141,13 @@ class DesignSpace:
     def _numbers(self) -> int:
         return len(self.axes) - (len(self.periodic.axes()) if self.periodic else 0)
 
-    def start(self, arm: int) -> Array:
-        """Coordinates of the scenario with the words of an arm, shape (number of axes,)."""
-        values = [float(self.scenario.get(each.name)) for each in self.axes[: self._numbers]]
+    def start(self, arm: int, given: Mapping[str, Value] = _NOTHING) -> Array:
+        """Coordinates of the scenario with the words of an arm, shape (number of axes,).
+
+        Keys that are `given` have these values and not the scenario's.
+        """
+        names = [axis.name for axis in self.axes[: self._numbers]]
+        values = [float(given.get(name, self.scenario.get(name))) for name in names]
         if self.periodic:
             values += self.periodic.sampled(self.scenario.replace(self.arms[arm])).tolist()
         return np.array([a.coordinate(v) for a, v in zip(self.axes, values, strict=True)])
@@ -160,10 +165,44 @@ class DesignSpace:
         values = self.values(arm, point)
         names = [axis.name for axis in self.axes]
         knots = np.array([values.pop(name) for name in names[self._numbers :]])
-        values = as_long(self.scenario, values)
+        values = self.as_long(values)
         if self.periodic is None:
             return values
         return as_program(self.periodic.waveform(self.scenario.replace(values), knots), values)
+
+    def as_long(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """The values; where the frequency is free, with as many pulses as take the start's time.
+
+        Of drives that are equally long the rise to the first pulse is the same part. They have at
+        least `FEWEST` pulses.
+        """
+        if all(axis.name != "drive.frequency" for axis in self.axes):
+            return dict(values)
+        drive = self.scenario.drive
+        pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
+        return {**values, "drive.pulses": max(FEWEST, pulses)}
+
+    def is_free(self, key: str) -> bool:
+        """Whether a key of a sawtooth may change; of a free waveform all but the frequency may."""
+        axes = [axis.name for axis in self.axes]
+        return key in (*axes, *self.arms[0]) or (bool(self.periodic) and key not in OF_A_PROGRAM)
+
+    def nearest(self, sawtooth: Mapping[str, Value]) -> dict[str, Value]:
+        """A sawtooth that is free, as near to another as may be: what is not is the scenario's."""
+        found = {k: v if self.is_free(k) else self.scenario.get(k) for k, v in sawtooth.items()}
+        for axis in self.axes:
+            if axis.name in found:
+                found[axis.name] = axis.value(axis.coordinate(float(found[axis.name])))
+        for key, word in self.arms[0].items() if self.periodic is None else ():
+            if key in found and found[key] not in [arm[key] for arm in self.arms]:
+                found[key] = word
+        return found
+
+    def place(self, sawtooth: Mapping[str, Value]) -> tuple[int, Array]:
+        """Arm and coordinates of a sawtooth that `nearest` gave, without a free waveform."""
+        words = {key: sawtooth.get(key, word) for key, word in self.arms[0].items()}
+        arm = self.arms.index(words)
+        return arm, self.start(arm, sawtooth)
 
     def changes_or_error(self, arm: int, point: Array) -> dict[str, Any] | ScenarioError:
         """The same, with the error in place of what makes no scenario."""
@@ -171,19 +210,6 @@ class DesignSpace:
             return self.changes(arm, point)
         except ScenarioError as error:
             return error
-
-
-def as_long(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
-    """The values; where they have a frequency, with as many pulses as take a scenario's time.
-
-    Of drives that are equally long the rise to the first pulse is the same part. They have at
-    least `FEWEST` pulses.
-    """
-    drive = scenario.drive
-    if "drive.frequency" not in values:
-        return dict(values)
-    pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
-    return {**values, "drive.pulses": max(FEWEST, pulses)}
 
 
 def as_program(waveform: Waveform, others: Mapping[str, Value]) -> dict[str, Any]:

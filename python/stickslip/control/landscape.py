@@ -1,4 +1,7 @@
-"""The score about the best drive, along one free number at a time: a peak or a plateau?"""
+"""The score about the best drive, along one free number at a time.
+
+There it is on a peak, on a plateau, or on a slope at a limit.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,6 @@ from numpy.typing import NDArray
 from stickslip._util.arrays import Array
 from stickslip.control.design_space import Axis, DesignSpace
 from stickslip.control.goal import Evaluate, Judged
-from stickslip.control.search import Candidate
 
 OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 """Steps from the best, in parts of a number's range; chosen: from a good setting to a bad one."""
@@ -23,6 +25,11 @@ NEAR = 0.05
 PLATEAU = 0.1
 """Part of the score that is lost within `NEAR` on a plateau at most; chosen."""
 
+
+RISE = 0.01
+"""Part of the score that is gained within `NEAR` on a slope at least; chosen."""
+
+Kind = Literal["peak", "plateau", "slope at a limit"]
 
 ABOUT = 32
 """Draws in which the landscape is judged; chosen: enough for differences, not for its level."""
@@ -47,6 +54,8 @@ class Slice:
     loss : float
         Greatest part of the best score that is lost within ``NEAR`` of the range; infinite where a
         simulation fails there.
+    rises_beyond : bool
+        Whether within ``NEAR`` more than ``RISE`` is gained where a limit does not hold.
     """
 
     axis: Axis
@@ -55,11 +64,19 @@ class Slice:
     scores: Array
     feasible: NDArray[np.bool_]
     loss: float
+    rises_beyond: bool
 
     @property
-    def kind(self) -> Literal["peak", "plateau"]:
-        """Whether a small change costs more than ``PLATEAU`` of the score."""
-        return "peak" if self.loss > PLATEAU else "plateau"
+    def kind(self) -> Kind:
+        """What the best is on.
+
+        A slope at a limit: a better score is beyond a limit, or may be beyond the end of the range.
+        Else a peak, where a small change costs more than ``PLATEAU`` of the score, or a plateau.
+        """
+        steep = self.loss > PLATEAU
+        if self.rises_beyond or (steep and self.at_end):
+            return "slope at a limit"
+        return "peak" if steep else "plateau"
 
     @property
     def at_end(self) -> Literal["low", "high", ""]:
@@ -81,19 +98,27 @@ def neighbours(point: Array) -> list[tuple[int, Array]]:
 
 
 def slices(
-    space: DesignSpace, best: Candidate[Judged], sign: float, evaluate: Evaluate
-) -> list[Slice]:
-    """One slice for each free number; `evaluate` judges drives by their changes, in one batch."""
-    about = neighbours(best.point)
-    points = [best.point, *(other for _, other in about)]
-    centre, *judged = evaluate([space.changes_or_error(best.arm, point) for point in points])
+    space: DesignSpace, arm: int, best: Array, sign: float, evaluate: Evaluate
+) -> tuple[list[Slice], Array | None]:
+    """One slice for each free number, and the best neighbour if it is better within all limits.
+
+    `evaluate` judges drives by their changes, in one batch.
+    """
+    about = neighbours(best)
+    points = [best, *(other for _, other in about)]
+    centre, *judged = evaluate([space.changes_or_error(arm, point) for point in points])
     found = []
     for k, axis in enumerate(space.axes):
-        own = [(best.point[k], centre)]
+        own = [(best[k], centre)]
         own += [(p[k], j) for (which, p), j in zip(about, judged, strict=True) if which == k]
         own.sort(key=lambda pair: float(pair[0]))
-        found.append(_slice(axis, float(best.point[k]), centre, own, sign))
-    return found
+        found.append(_slice(axis, float(best[k]), centre, own, sign))
+    better = [
+        (sign * each.score, -place)
+        for place, each in enumerate(judged)
+        if each.feasible and sign * (each.score - centre.score) > 0.0
+    ]
+    return found, about[-max(better)[1]][1] if better else None
 
 
 def _slice(
@@ -102,12 +127,14 @@ def _slice(
     places = np.array([place for place, _ in own])
     scores = np.array([each.score for _, each in own])
     near = np.abs(places - best) <= NEAR * (1.0 + 1e-9)  # but for rounding
+    feasible = np.array([each.feasible for _, each in own])
     lost = sign * (judged.score - scores[near]) / (abs(judged.score) or 1.0)
     return Slice(
         axis=axis,
         best=axis.value(best),
         values=np.array([axis.value(float(place)) for place in places]),
         scores=scores,
-        feasible=np.array([each.feasible for _, each in own]),
+        feasible=feasible,
         loss=float(np.where(np.isnan(lost), np.inf, lost).max()),
+        rises_beyond=bool(np.any((lost < -RISE) & ~feasible[near])),
     )

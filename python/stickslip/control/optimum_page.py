@@ -10,6 +10,7 @@ from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
 from stickslip.control.optimum import ACTIVE, Optimum
 from stickslip.control.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.note import shown_lines
 
 
 def page_text(found: Optimum) -> str:
@@ -23,11 +24,11 @@ def page_text(found: Optimum) -> str:
         gain=_gain(found),
         keys=known_keys(),
         numbers=FIGURES,
-        units={axis.name: axis.unit for axis in found.space.axes},
         shown=shown,
         share="{:.0%}".format,
         grid=POINTS,
         about=ABOUT,
+        notes=shown_lines(found.notes),
         near=NEAR,
         plateau=PLATEAU,
         active=ACTIVE,
