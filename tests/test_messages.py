@@ -95,6 +95,10 @@ EXAMPLES = {
     ),
     Code.MODEL_JUMPS: ({"count": 2}, "2 conditions"),
     Code.NO_RESPONSE: ({"causes": ["slip", "lag"]}, "changes with slip and lag: they say nothing"),
+    Code.STATED_RUNS: (
+        {"note": "flight", "text": "2 of 9 conditions: in flight"},
+        "stated model: 2 of 9 conditions: in flight",
+    ),
     Code.FEW_PULSES: ({"count": 2, "needed": 4}, "2 conditions .* fewer than 4 pulses"),
     Code.STANDS_STILL: (
         {"count": 6, "speed": 1e-3, "conditions": ["f 20 Hz", "f 21 Hz"]},

@@ -55,6 +55,7 @@ class Code(str, Enum):
     MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
     NO_RESPONSE = "no-response"  #: Causes that change no prediction.
     FEW_PULSES = "few-pulses"  #: Drives so short that their velocities include the start-up.
+    STATED_RUNS = "stated-runs"  #: What the runs of the stated model are noted for.
     STANDS_STILL = "stands-still"  #: Conditions that read zero where the stated model moves.
     READING_NOISE = "reading-noise"  #: Noise of an angle or a field, widened as it is an estimate.
     #: The noise found is below what a reading can have, which is taken.
