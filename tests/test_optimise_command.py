@@ -45,7 +45,7 @@ def test_the_files_are_a_scenario_its_voltages_and_a_page(scenario, tmp_path):
     assert f"{speeds[2] / speeds[1]:.2f} times" in page
     voltage = shown(run.summary()["voltage_max"], "V")
     assert f">{voltage}</td>" in page
-    assert f"grid of {POINTS}" in page
+    assert f"grid of up to {POINTS}" in page
 
 
 def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
@@ -67,7 +67,7 @@ def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
 
 def test_json_alone_writes_nothing(scenario, tmp_path):
     done = stickslip("optimise", scenario, *WAVE, *FEW, "--json", cwd=tmp_path)
-    assert set(json.loads(done.stdout)["fresh"]) == {"start", "best", "sawtooth"}
+    assert set(json.loads(done.stdout)["fresh"]) >= {"start", "best", "sawtooth"}
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
 
 
@@ -112,7 +112,7 @@ def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, mon
         (("--limit", "voltage_max"), "figure=value"),
         (("--limit", "voltage_max=26V"), "without its unit"),
         (("--limit", "voltage_max=26", "--limit", "voltage_max=20"), "there twice"),
-        (("--limit", "voltage_max=-1", "--free", "drive.hold=1e-3:2e-3"), "least value found"),
+        (("--limit", "voltage_max=-1", "--free", "drive.hold=1e-3:2e-3"), "the nearest has"),
         (("--knots", "8"), "voltage_max"),
         (("--knots", "8", "--limit", "voltage_max=26", "--coils", "xp,up"), "up"),
         (("--free", "drive.hold=1e-3:2e-3", "--uncertain", "none.toml"), "none.toml"),

@@ -9,8 +9,7 @@ from stickslip import Drive, Scenario, ScenarioError, Waveform, simulate, simula
 from stickslip.control.design_space import FEWEST, Axis, design_space, drive_waveform
 from stickslip.control.goal import judge, judge_all, made_goal
 from stickslip.control.landscape import slices
-from stickslip.control.sawtooth import POINTS, played, sawtooths
-from stickslip.control.search import Candidate
+from stickslip.control.sawtooth import GRID, POINTS, played, sawtooths
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 
@@ -66,7 +65,10 @@ def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not(
 def test_every_sawtooth_of_the_grid_is_as_strong_as_the_limit_allows():
     limit = 1.5e-3
     goal = made_goal("mean_velocity", None, "mean", {"field_max": limit})
-    space = design_space(START, {"drive.peak": (1e-3, 20e-3)}, None, (), None)
+    free = {"drive.peak": (1e-3, 20e-3), "drive.base": (-9e-3, 9e-3), "drive.hold": (0.0, 20e-3)}
+    free |= {"drive.frequency": (50.0, 300.0)}
+    free |= {key: GRID[key] for key in ("drive.mode", "drive.edge", "drive.clamp")}
+    space = design_space(START, free, None, (), None)
     points = sawtooths(space, goal, lambda drives: judge_all(goal, [START], drives, 2))
     assert len(points) == POINTS
     runs = simulate_batch([START.replace(each) for each in points[::16]])
@@ -101,8 +103,8 @@ def test_a_slice_tells_a_peak_from_a_plateau():
         # Falls to half within a tenth of the range of the frequency, and not at all with hold.
         return [_judged(goal, 1.0 - 0.1 * abs(each["drive.frequency"] - 75.0)) for each in drives]
 
-    best = Candidate((0.0, 0.0, -1.0), 0, np.array([0.5, 1.0]), _judged(goal, 1.0))
-    peak, plateau = slices(space, best, goal.sign, evaluate)
+    (peak, plateau), better = slices(space, 0, np.array([0.5, 1.0]), goal.sign, evaluate)
+    assert better is None
     assert (peak.kind, plateau.kind) == ("peak", "plateau")
     assert peak.loss == pytest.approx(0.25)  # at 2.5 Hz, a twentieth of the range
     assert plateau.loss == 0.0
@@ -111,7 +113,8 @@ def test_a_slice_tells_a_peak_from_a_plateau():
 
 
 def _judged(goal, score):
-    run = SimpleNamespace(ok=True, summary=lambda: {goal.figure: score}, velocity=(0.0, 0.0))
+    summary = {goal.figure: score, "theta_min": 0.0, "theta_max": 0.0}
+    run = SimpleNamespace(ok=True, summary=lambda: summary, velocity=(0.0, 0.0))
     return judge(goal, [run])
 
 

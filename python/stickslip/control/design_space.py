@@ -31,7 +31,6 @@ OF_A_PROGRAM = ("drive.frequency", "drive.ramp")
 FEWEST = 4
 """Pulses of a drive whose frequency is free: its speed is measured after the third."""
 
-_NOTHING: Mapping[str, Value] = {}
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
 _ALLOWED = "(low, high) of a number, or a list of words"
 
@@ -141,13 +140,9 @@ class DesignSpace:
     def _numbers(self) -> int:
         return len(self.axes) - (len(self.periodic.axes()) if self.periodic else 0)
 
-    def start(self, arm: int, given: Mapping[str, Value] = _NOTHING) -> Array:
-        """Coordinates of the scenario with the words of an arm, shape (number of axes,).
-
-        Keys that are `given` have these values and not the scenario's.
-        """
-        names = [axis.name for axis in self.axes[: self._numbers]]
-        values = [float(given.get(name, self.scenario.get(name))) for name in names]
+    def start(self, arm: int) -> Array:
+        """Coordinates of the scenario with the words of an arm, shape (number of axes,)."""
+        values = [float(self.scenario.get(each.name)) for each in self.axes[: self._numbers]]
         if self.periodic:
             values += self.periodic.sampled(self.scenario.replace(self.arms[arm])).tolist()
         return np.array([a.coordinate(v) for a, v in zip(self.axes, values, strict=True)])
@@ -182,27 +177,26 @@ class DesignSpace:
         pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
         return {**values, "drive.pulses": max(FEWEST, pulses)}
 
-    def is_free(self, key: str) -> bool:
-        """Whether a key of a sawtooth may change; of a free waveform all but the frequency may."""
-        axes = [axis.name for axis in self.axes]
-        return key in (*axes, *self.arms[0]) or (bool(self.periodic) and key not in OF_A_PROGRAM)
-
     def nearest(self, sawtooth: Mapping[str, Value]) -> dict[str, Value]:
-        """A sawtooth that is free, as near to another as may be: what is not is the scenario's."""
-        found = {k: v if self.is_free(k) else self.scenario.get(k) for k, v in sawtooth.items()}
-        for axis in self.axes:
-            if axis.name in found:
-                found[axis.name] = axis.value(axis.coordinate(float(found[axis.name])))
-        for key, word in self.arms[0].items() if self.periodic is None else ():
-            if key in found and found[key] not in [arm[key] for arm in self.arms]:
-                found[key] = word
+        """A sawtooth as near to another as what is free allows; all else is as in the scenario.
+
+        A free waveform can be any sawtooth, but for its frequency.
+        """
+        axes = {axis.name: axis for axis in self.axes}
+        found = dict(sawtooth)
+        for key, value in sawtooth.items():
+            if key in axes:
+                found[key] = axes[key].value(axes[key].coordinate(float(value)))
+            elif not (self.periodic and key not in OF_A_PROGRAM):
+                words = [arm[key] for arm in self.arms if key in arm] or [self.scenario.get(key)]
+                found[key] = value if value in words else words[0]
         return found
 
     def place(self, sawtooth: Mapping[str, Value]) -> tuple[int, Array]:
-        """Arm and coordinates of a sawtooth that `nearest` gave, without a free waveform."""
-        words = {key: sawtooth.get(key, word) for key, word in self.arms[0].items()}
-        arm = self.arms.index(words)
-        return arm, self.start(arm, sawtooth)
+        """Arm and coordinates of a sawtooth from `nearest`, where no waveform is free."""
+        arm = self.arms.index({k: sawtooth.get(k, word) for k, word in self.arms[0].items()})
+        values = [float(sawtooth.get(a.name, self.scenario.get(a.name))) for a in self.axes]
+        return arm, np.array([a.coordinate(v) for a, v in zip(self.axes, values, strict=True)])
 
     def changes_or_error(self, arm: int, point: Array) -> dict[str, Any] | ScenarioError:
         """The same, with the error in place of what makes no scenario."""

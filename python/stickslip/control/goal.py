@@ -31,18 +31,13 @@ Changes = Mapping[str, Any] | ScenarioError
 Evaluate = Callable[[Sequence[Changes]], Sequence["Judged"]]
 """Drives that are judged in one batch."""
 
-TILT = "tilt_max"
-
-FIGURES = {
-    **NUMBERS,
-    **VELOCITIES,
-    TILT: Column("rad", "largest |theta|, measuring window"),
-}
+_TILT = Column("rad", "largest |theta|, measuring window")
+FIGURES = {**NUMBERS, **VELOCITIES, "tilt_max": _TILT}
 """What can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt either way."""
 
-WALKING = {"airborne_fraction": 0.2, TILT: 1.5}
-"""Default limits: a robot that hops, or rolls over, does not walk. Chosen: at the paper's drives, to
-100 Hz, up to a fifth of the time is flight; 1.5 rad is just short of upright."""
+WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}
+"""Default limits: a robot that hops or rolls over does not walk. Chosen: at the paper's drives
+up to a fifth of the time is flight; 1.5 rad is just short of upright."""
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
 
@@ -77,6 +72,16 @@ class Goal:
     def unit(self) -> str:
         """SI unit of the figure."""
         return FIGURES[self.figure].unit
+
+    def beside_limit(self, name: str, value: float) -> str:
+        """A figure that has a limit, beside it."""
+        unit = FIGURES[name].unit.replace("1", "")
+        shown = f"{name} {value:.6g} of {self.limits[name]:.6g} {unit}".rstrip()
+        return shown + (", default (see --allow-flight)" if name in self.assumed else "")
+
+    def passed(self, worst: Mapping[str, float]) -> list[str]:
+        """The greatest values that pass their limits, each beside it."""
+        return [self.beside_limit(k, v) for k, v in worst.items() if v > self.limits[k]]
 
     def scored(self, values: Array) -> Array:
         """Scores of figures, shape (..., draws) to (...), in the figure's unit; NaN where a draw
@@ -140,13 +145,7 @@ class Judged:
 def _figures(run: Run) -> dict[str, Any]:
     found = run.summary()
     tilt = max(-found["theta_min"], found["theta_max"])
-    return {**found, **dict(zip(VELOCITIES, run.velocity, strict=True)), TILT: tilt}
-
-
-def quantity(value: float, figure: str) -> str:
-    """A value of a figure, with its unit."""
-    unit = FIGURES[figure].unit
-    return f"{value:.6g}" if unit == "1" else f"{value:.6g} {unit}"
+    return {**found, **dict(zip(VELOCITIES, run.velocity, strict=True)), "tilt_max": tilt}
 
 
 def judge(goal: Goal, runs: Sequence[Run]) -> Judged:

@@ -54,8 +54,9 @@ class Slice:
     loss : float
         Greatest part of the best score that is lost within ``NEAR`` of the range; infinite where a
         simulation fails there.
-    rises_beyond : bool
-        Whether within ``NEAR`` more than ``RISE`` is gained where a limit does not hold.
+    kind : {"peak", "plateau", "slope at a limit"}
+        A slope at a limit, if more than ``RISE`` is gained within ``NEAR`` where a limit does not
+        hold, or may be beyond the end of the range. Else a peak, if more than ``PLATEAU`` is lost.
     """
 
     axis: Axis
@@ -64,25 +65,16 @@ class Slice:
     scores: Array
     feasible: NDArray[np.bool_]
     loss: float
-    rises_beyond: bool
-
-    @property
-    def kind(self) -> Kind:
-        """What the best is on.
-
-        A slope at a limit: a better score is beyond a limit, or may be beyond the end of the range.
-        Else a peak, where a small change costs more than ``PLATEAU`` of the score, or a plateau.
-        """
-        steep = self.loss > PLATEAU
-        if self.rises_beyond or (steep and self.at_end):
-            return "slope at a limit"
-        return "peak" if steep else "plateau"
+    kind: Kind
 
     @property
     def at_end(self) -> Literal["low", "high", ""]:
         """The end of the range at which the best is, within a hundredth of it."""
-        place = self.axis.coordinate(self.best)
-        return "low" if place < 0.01 else "high" if place > 0.99 else ""
+        return _end(self.axis.coordinate(self.best))
+
+
+def _end(place: float) -> Literal["low", "high", ""]:
+    return "low" if place < 0.01 else "high" if place > 0.99 else ""
 
 
 def neighbours(point: Array) -> list[tuple[int, Array]]:
@@ -113,12 +105,12 @@ def slices(
         own += [(p[k], j) for (which, p), j in zip(about, judged, strict=True) if which == k]
         own.sort(key=lambda pair: float(pair[0]))
         found.append(_slice(axis, float(best[k]), centre, own, sign))
-    better = [
-        (sign * each.score, -place)
-        for place, each in enumerate(judged)
+    within = [
+        (sign * each.score, point)
+        for (_, point), each in zip(about, judged, strict=True)
         if each.feasible and sign * (each.score - centre.score) > 0.0
     ]
-    return found, about[-max(better)[1]][1] if better else None
+    return found, max(within, key=lambda pair: pair[0])[1] if within else None
 
 
 def _slice(
@@ -129,12 +121,15 @@ def _slice(
     near = np.abs(places - best) <= NEAR * (1.0 + 1e-9)  # but for rounding
     feasible = np.array([each.feasible for _, each in own])
     lost = sign * (judged.score - scores[near]) / (abs(judged.score) or 1.0)
+    loss = float(np.where(np.isnan(lost), np.inf, lost).max())
+    steep = loss > PLATEAU
+    at_limit = np.any((lost < -RISE) & ~feasible[near]) or (steep and _end(best))
     return Slice(
         axis=axis,
         best=axis.value(best),
         values=np.array([axis.value(float(place)) for place in places]),
         scores=scores,
         feasible=feasible,
-        loss=float(np.where(np.isnan(lost), np.inf, lost).max()),
-        rises_beyond=bool(np.any((lost < -RISE) & ~feasible[near])),
+        loss=loss,
+        kind="slope at a limit" if at_limit else "peak" if steep else "plateau",
     )

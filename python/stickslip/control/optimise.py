@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import DesignSpace, design_space
-from stickslip.control.goal import Changes, Goal, Judged, judge_all, made_goal, quantity
+from stickslip.control.goal import Changes, Goal, Judged, judge_all, made_goal
 from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
 from stickslip.control.optimum import Optimum, Origin, SearchInterrupted
 from stickslip.control.sawtooth import POINTS, played, sawtooths
@@ -152,7 +151,7 @@ def optimise(
         origin=chosen.origin,
         moves=chosen.moves,
         judged=chosen.best.known,
-        fresh=chosen.compared,
+        fresh=chosen.fresh,
         sawtooth=chosen.sawtooth,
         slices=chosen.slices,
         draws=len(drawn),
@@ -179,7 +178,6 @@ class _Trials:
     ) -> None:
         self.space, self.goal, self.draws, self.threads = space, goal, draws, threads
         self.nearest: Judged | None = None
-        self.least = dict.fromkeys(goal.limits, math.inf)
         self.message = ""
         self.runs = 0  # of the search
         self._progress = progress
@@ -201,9 +199,6 @@ class _Trials:
             if self.nearest is None or each.rank(sign) < self.nearest.rank(sign):
                 self.nearest = each
             self.message = each.message or self.message
-            for name, value in each.worst.items():
-                if value < self.least[name]:
-                    self.least[name] = value
         return [(each.rank(sign), each) for each in judged]
 
     def judged(
@@ -226,21 +221,9 @@ class _Trials:
         assert self.nearest is not None
         if self.nearest.failed:
             return f"a simulation fails of all {tried}; of the last: {self.message}"
-        limits, worst = self.goal.limits, self.nearest.worst
-        advice = ""
-        if any(worst[name] > limits[name] for name in self.goal.assumed):
-            assumed = " and ".join(f"{name} {limits[name]:g}" for name in self.goal.assumed)
-            advice = f"; {assumed} are default limits, of walking, without which --allow-flight "
-            advice += "(allow_flight=True) searches"
-        for name, limit in limits.items():
-            if self.least[name] > limit:
-                return (
-                    f"limit {name} = {quantity(limit, name)}: none of the {tried} stays within it "
-                    f"in every draw; the least value found is {self.least[name]:.6g}{advice}"
-                )
-        nearest = ", ".join(f"{name} = {value:.6g}" for name, value in worst.items())
-        told = f"none of the {tried} satisfies all in every draw; the nearest has {nearest}"
-        return f"limits: {told}{advice}"
+        passed = ", ".join(self.goal.passed(self.nearest.worst))
+        told = f"limits: none of the {tried} is within all in every draw; the nearest has {passed}"
+        return told.replace("see --allow-flight", "--allow-flight or allow_flight=True removes it")
 
 
 class _Selection:
@@ -270,7 +253,7 @@ class _Selection:
         try:
             choosing = _draws(space.scenario, fresh, seed, _CHOOSING)
             self.best = self._chosen(self._leaders, choosing)
-            drives: dict[str, Changes] = {"start": played(space, {}), "search": self.best.changes}
+            drives: dict[str, Changes] = {"start": played(space, {}), "best": self.best.changes}
             found = None if self.interrupted else self._best_sawtooth(choosing)
             if found is not None:
                 self.sawtooth = found.values
@@ -278,22 +261,14 @@ class _Selection:
             others = _draws(space.scenario, fresh, seed, _FRESH)
             judged = trials.judged(list(drives.values()), others, "fresh draws")
             self.fresh = dict(zip(drives, judged, strict=True))
-            if found is not None:
-                self.origin = min(
-                    "search", "sawtooth", key=lambda name: self._order(self.fresh[name])
-                )
-                self.best = found if self.origin == "sawtooth" else self.best
-            self.fresh["best"] = self.fresh[self.origin]
+            search, sawtooth = self.fresh["best"], self.fresh.get("sawtooth")
+            if found and sawtooth and self._order(sawtooth) < self._order(search):
+                self.best, self.origin = found, "sawtooth"
+                self.fresh.update(search=search, best=sawtooth)
             if not self.interrupted:
                 self._climb(others, _draws(space.scenario, ABOUT, seed, _LANDSCAPE))
         except KeyboardInterrupt:
             self.interrupted = True
-
-    @property
-    def compared(self) -> dict[str, Judged]:
-        """What was judged on fresh draws; the search only where its drive is not the best."""
-        best = self.fresh.get("best")
-        return {k: v for k, v in self.fresh.items() if k != "search" or v is not best}
 
     def _climb(self, fresh: Sequence[Scenario], about: Sequence[Scenario]) -> None:
         """Look at the neighbours, and go to the best as long as it is better on fresh draws too."""
@@ -309,6 +284,7 @@ class _Selection:
             if not known.feasible or self._order(new) >= self._order(self.fresh["best"]):
                 return
             self.best = _Drive(space.values(arm, better), changes, known, (arm, better))
+            self.fresh.setdefault("search", self.fresh["best"])
             self.fresh["best"] = new
             self.moves += 1
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -14,12 +13,12 @@ import numpy as np
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.one_line import OneLine
 from stickslip.control.design_space import DesignSpace
-from stickslip.control.goal import Goal, Judged, judge, quantity
-from stickslip.control.landscape import NEAR, PLATEAU, Kind, Slice
+from stickslip.control.goal import Goal, Judged, judge
+from stickslip.control.landscape import Kind, Slice
 from stickslip.scenario.keys import RECORD_RATE, Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_text
-from stickslip.simulation.note import CODES, Note, by_seriousness, shown_lines
+from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate
 
@@ -125,27 +124,10 @@ class Optimum(OneLine):
             if limit - self.judged.worst[name] <= ACTIVE * abs(limit)
         ]
 
-    @property
-    def at_ends(self) -> list[Slice]:
-        """Free numbers that are best at an end of their range."""
-        return [each for each in self.slices if each.at_end]
-
     @functools.cached_property
     def run(self) -> Run:
         """A run of the best drive at the middle of what is uncertain, without a record."""
         return simulate(self.scenario.replace({RECORD_RATE: "none"}))
-
-    @property
-    def notes(self) -> list[Note]:
-        """Notes of that run, the most serious first."""
-        return by_seriousness(
-            note if isinstance(note, Note) else Note(CODES[-1], note) for note in self.run.notes
-        )
-
-    @property
-    def airborne_fraction(self) -> float:
-        """Part of that run in flight."""
-        return float(self.run.summary()["airborne_fraction"])
 
     @property
     def findings(self) -> list[str]:
@@ -168,13 +150,11 @@ class Optimum(OneLine):
         found = {where: judged for where, judged in found.items() if judged.exceeding}
         if not found:
             return ""
-        passed = [
-            f"{name} up to {quantity(top, name)} of {limit:.6g}"
-            for name, limit in self.goal.limits.items()
-            if (top := max(judged.worst[name] for judged in found.values())) > limit
-        ]
-        failed = ["a simulation fails"] if any(judged.failed for judged in found.values()) else []
-        return f"beyond the limits in {' and '.join(found)}: {', '.join(passed + failed)}"
+        worst = {
+            name: max(each.worst[name] for each in found.values()) for name in self.goal.limits
+        }
+        passed = self.goal.passed(worst) or ["a simulation fails"]
+        return f"beyond the limits in {' and '.join(found)}: {', '.join(passed)}"
 
     @property
     def drive_lines(self) -> list[str]:
@@ -188,16 +168,9 @@ class Optimum(OneLine):
             elif isinstance(value, str):
                 lines.append(f"{name} = {value}")
             else:
-                lines.append(f"{name} = {value:.6g} {known_keys()[name].unit}".removesuffix(" 1"))
+                unit = known_keys()[name].unit.strip("1-")
+                lines.append(f"{name} = {value:.6g} {unit}".rstrip())
         return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
-
-    @property
-    def landscape(self) -> Mapping[Kind, list[str]]:
-        """Free numbers by what the best is on."""
-        kinds = {
-            kind: [s.axis.name for s in self.slices if s.kind == kind] for kind in get_args(Kind)
-        }
-        return {kind: names for kind, names in kinds.items() if names}
 
     def summary(self) -> str:
         """What was found, in some lines."""
@@ -205,23 +178,25 @@ class Optimum(OneLine):
         best = "largest" if goal.sign > 0.0 else "least"
         lines = [f"{best} {goal.figure} found, {goal.score} of the draws, {unit}:"]
         lines.append(f"  {'best':<9} {self.judged.score:.6g} on the {self.draws} of the search")
-        lines += [f"  {name:<9} {self._on_fresh(each)}" for name, each in self.fresh.items()]
+        for name in ("start", "sawtooth", "search", "best"):
+            if name in self.fresh:
+                lines.append(f"  {name:<9} {self._on_fresh(self.fresh[name])}")
         if self.sawtooth is None:
             lines.append("  no sawtooth to compare with")
         lines += [f"  {line}" for line in self.findings]
-        flight = f"in flight {100.0 * self.airborne_fraction:.3g} % of the time"
         lines.append("the best drive:")
-        lines += [f"  {line}" for line in (*self.drive_lines, flight, *shown_lines(self.notes))]
+        flight = f"in flight {self.run.summary()['airborne_fraction']:.1%} of the time"
+        shown = (*self.drive_lines, flight, *shown_lines(self.run.notes))
+        lines += [f"  {line}" for line in shown]
         lines.append("its limits, in every draw of the search:")
-        for name, limit in goal.limits.items():
+        for name, worst in self.judged.worst.items():
             active = ", active" if name in self.active else ""
-            default = ", default (--allow-flight)" if name in goal.assumed else ""
-            worst = self.judged.worst[name]
-            lines.append(f"  {name} {worst:.6g} of {quantity(limit, name)}{active}{default}")
-        for kind, names in self.landscape.items():
-            about = f", {NEAR:.0%} of the range costs over {PLATEAU:.0%}" if kind == "peak" else ""
-            shown = ", ".join(names) if len(names) <= _FEW else f"{len(names)} numbers"
-            lines.append(f"  {kind}{about}: {shown}")
+            lines.append(f"  {goal.beside_limit(name, worst)}{active}")
+        for kind in get_args(Kind):
+            names = [each.axis.name for each in self.slices if each.kind == kind]
+            if names:
+                told = ", ".join(names) if len(names) <= _FEW else f"{len(names)} numbers"
+                lines.append(f"  on a {kind}: {told}")
         lines.append(f"  {self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
 
@@ -241,8 +216,7 @@ class Optimum(OneLine):
             "origin": self.origin,
             "moves": self.moves,
             "beyond_limits": self.beyond or None,
-            "airborne_fraction": self.airborne_fraction,
-            "notes": [note.as_dict() for note in self.notes],
+            **{name: self.run.summary()[name] for name in ("airborne_fraction", "notes")},
             "search": self._judged(self.judged),
             "fresh": {name: self._judged(each) for name, each in self.fresh.items()},
             "sawtooth": self.sawtooth,

@@ -15,7 +15,8 @@ from stickslip.simulation.note import shown_lines
 
 def page_text(found: Optimum) -> str:
     """The page as text."""
-    fresh = found.as_dict()["fresh"]
+    result = found.as_dict()
+    fresh = result["fresh"]
     return html_page.page_text(
         "control/optimum.html",
         found=found,
@@ -28,7 +29,8 @@ def page_text(found: Optimum) -> str:
         share="{:.0%}".format,
         grid=POINTS,
         about=ABOUT,
-        notes=shown_lines(found.notes),
+        flight=result["airborne_fraction"],
+        notes=shown_lines(found.run.notes),
         near=NEAR,
         plateau=PLATEAU,
         active=ACTIVE,

@@ -62,7 +62,7 @@ def sawtooths(
         asked = drive_waveform(space.scenario.replace(found[0])).voltages([drive.ramp])[0]
         if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.periodic.coils):
             return []
-    growing = [name for name in goal.limits if name in _GROWTH and space.is_free("drive.peak")]
+    growing = [name for name in goal.limits if name in _GROWTH and (ends or space.periodic)]
     if not growing:
         return found
     measured = evaluate([played(space, values) for values in found])
