@@ -114,7 +114,7 @@ def test_a_slice_tells_a_peak_from_a_plateau():
 
 def _judged(goal, score):
     summary = {goal.figure: score, "theta_min": 0.0, "theta_max": 0.0}
-    run = SimpleNamespace(ok=True, summary=lambda: summary, velocity=(0.0, 0.0))
+    run = SimpleNamespace(ok=True, _summary=summary, velocity=(0.0, 0.0))
     return judge(goal, [run])
 
 

@@ -81,7 +81,7 @@ class Goal:
 
     def passed(self, worst: Mapping[str, float]) -> list[str]:
         """The greatest values that pass their limits, each beside it."""
-        return [self.beside_limit(k, v) for k, v in worst.items() if v > self.limits[k]]
+        return [self.beside_limit(k, v) for k, v in worst.items() if not v <= self.limits[k]]
 
     def scored(self, values: Array) -> Array:
         """Scores of figures, shape (..., draws) to (...), in the figure's unit; NaN where a draw
@@ -143,7 +143,7 @@ class Judged:
 
 
 def _figures(run: Run) -> dict[str, Any]:
-    found = run.summary()
+    found = run._summary  # without notes, which cost runs where it rests
     tilt = max(-found["theta_min"], found["theta_max"])
     return {**found, **dict(zip(VELOCITIES, run.velocity, strict=True)), "tilt_max": tilt}
 

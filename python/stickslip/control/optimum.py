@@ -150,10 +150,11 @@ class Optimum(OneLine):
         found = {where: judged for where, judged in found.items() if judged.exceeding}
         if not found:
             return ""
+        whole = [each for each in found.values() if not each.failed]
         worst = {
-            name: max(each.worst[name] for each in found.values()) for name in self.goal.limits
+            name: max(each.worst[name] for each in whole) for name in self.goal.limits if whole
         }
-        passed = self.goal.passed(worst) or ["a simulation fails"]
+        passed = self.goal.passed(worst) + ["a simulation fails"] * (len(whole) < len(found))
         return f"beyond the limits in {' and '.join(found)}: {', '.join(passed)}"
 
     @property
