@@ -1,5 +1,6 @@
 """Parts of the design of drives: scores and ranks, the space, sawtooths, slices."""
 
+import functools
 from types import SimpleNamespace
 
 import numpy as np
@@ -110,6 +111,46 @@ def test_a_slice_tells_a_peak_from_a_plateau():
     assert plateau.loss == 0.0
     assert (peak.at_end, plateau.at_end) == ("", "high")
     assert plateau.values.max() == 2e-3
+
+
+def test_a_slice_tells_a_slope_at_a_limit_and_the_best_neighbour_within_it():
+    space = design_space(START, {"drive.hold": (1e-3, 2e-3)}, None, (), None)
+
+    def found(limit, place):
+        goal = made_goal("power_mean", None, "mean", {"power_mean": limit})
+        judged = functools.partial(_judged, goal)
+        (about,), better = slices(
+            space, 0, np.array([place]), 1.0,
+            lambda drives: [judged(1e3 * each["drive.hold"] - 0.5) for each in drives],
+        )  # fmt: skip
+        return about.kind, better
+
+    # The score is the place and a half. A twentieth of the range is 5 % of a score of one.
+    assert found(1.01, 0.5) == ("slope at a limit", None)
+    assert found(1.04, 0.5) == ("slope at a limit", pytest.approx([0.52]))
+    assert found(9.0, 0.5) == ("plateau", pytest.approx([0.7]))
+    # At an end the score may rise beyond it only where it rises towards it.
+    assert found(9.0, 1.0) == ("plateau", None)
+
+
+@pytest.mark.parametrize("knots", [None, 4])
+def test_of_a_sawtooth_only_what_is_free_changes(knots):
+    free = {"drive.frequency": (60.0, 100.0)}
+    if knots is None:
+        free |= {"drive.edge": ["fall", "rise"], "drive.hold": (0.9e-3, 1.1e-3)}
+    space = design_space(START, free, knots, ("xp", "clamp"), 26.0)
+    points = sawtooths(space, made_goal("mean_velocity", None, "mean", {}), None)
+    varied = {key: {each[key] for each in points} for key in points[0]}
+    assert sorted(varied["drive.frequency"]) == pytest.approx([60.0, 90.9, 100.0])
+    # The edge, and a hold at both ends of its range and between them; or the grid, at its nearest.
+    assert len(points) == (3 * 2 * 3 if knots is None else 3 * POINTS // 4)
+    for key, values in varied.items():
+        if key not in (*free, "drive.pulses") and knots is None:
+            assert values == {START.get(key)}
+    if knots is None:
+        for each in points:
+            arm, point = space.place(each)
+            assert {**space.values(arm, point), **each} == pytest.approx(each)
 
 
 def _judged(goal, score):

@@ -110,8 +110,8 @@ def optimise(
         On Ctrl-C in the search. Its ``best`` is the best Optimum until then, or None if no drive
         was within the limits.
     ScenarioError
-        If something is not allowed, or no drive satisfies the limits; then the least value that was
-        found is named.
+        If something is not allowed, or no drive satisfies the limits; then it says by how much the
+        nearest passes them.
     MissingExtra
         If the package ``cma`` is missing.
     """
