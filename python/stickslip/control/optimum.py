@@ -178,7 +178,7 @@ class Optimum(OneLine):
         goal, unit = self.goal, self.goal.unit
         best = "largest" if goal.sign > 0.0 else "least"
         lines = [f"{best} {goal.figure} found, {goal.score} of the draws, {unit}:"]
-        lines.append(f"  {'best':<9} {self.judged.score:.6g} on the {self.draws} of the search")
+        lines.append(f"  {'best':<9} {self.judged.score:.6g} on {self.draws} draw(s) of the search")
         for name in ("start", "sawtooth", "search", "best"):
             if name in self.fresh:
                 lines.append(f"  {name:<9} {self._on_fresh(self.fresh[name])}")
@@ -186,7 +186,7 @@ class Optimum(OneLine):
             lines.append("  no sawtooth to compare with")
         lines += [f"  {line}" for line in self.findings]
         lines.append("the best drive:")
-        flight = f"in flight {self.run.summary()['airborne_fraction']:.1%} of the time"
+        flight = f"in flight {100.0 * self.run.summary()['airborne_fraction']:.3g} % of the time"
         shown = (*self.drive_lines, flight, *shown_lines(self.run.notes))
         lines += [f"  {line}" for line in shown]
         lines.append("its limits, in every draw of the search:")
@@ -195,8 +195,9 @@ class Optimum(OneLine):
             lines.append(f"  {goal.beside_limit(name, worst)}{active}")
         for kind in get_args(Kind):
             names = [each.axis.name for each in self.slices if each.kind == kind]
-            if names:
-                told = ", ".join(names) if len(names) <= _FEW else f"{len(names)} numbers"
+            if names:  # plateaus ask for no care: many of them need no names
+                many = kind == "plateau" and len(names) > _FEW
+                told = f"{len(names)} numbers" if many else ", ".join(names)
                 lines.append(f"  on a {kind}: {told}")
         lines.append(f"  {self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
