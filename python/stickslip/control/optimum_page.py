@@ -50,7 +50,7 @@ def shown(value: float | str, unit: str) -> str:
 
 def _gain(found: Optimum) -> str:
     """Ratio of the best's score to the sawtooth's on fresh draws, where it says something."""
-    if "sawtooth" not in found.fresh or found.goal.sign < 0.0:
+    if found.origin == "sawtooth" or "sawtooth" not in found.fresh or found.goal.sign < 0.0:
         return ""
     reference = found.fresh["sawtooth"].score
     return f"{found.fresh['best'].score / reference:.2f}" if reference > 0.0 else ""

@@ -56,13 +56,14 @@ def sawtooths(
         {"drive.peak": 1.0, **dict(zip(grid, each, strict=True))}
         for each in itertools.product(*grid.values())
     ]
-    found = _each_once(space, [_scaled(each, top) for each in shapes])
+    growing = [name for name in goal.limits if name in _GROWTH and (ends or space.periodic)]
+    kept = _FIELDS if growing else ()  # until they are scaled
+    found = _each_once(space, [_scaled(each, top) for each in shapes], kept)
     if space.periodic and found:  # a sawtooth drives no coil that the waveform may not
         drive = space.scenario.drive
         asked = drive_waveform(space.scenario.replace(found[0])).voltages([drive.ramp])[0]
         if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.periodic.coils):
             return []
-    growing = [name for name in goal.limits if name in _GROWTH and (ends or space.periodic)]
     if not growing:
         return found
     measured = evaluate([played(space, values) for values in found])
@@ -73,9 +74,11 @@ def sawtooths(
     return _each_once(space, scaled)
 
 
-def _each_once(space: DesignSpace, shapes: Sequence[dict[str, Value]]) -> list[dict[str, Value]]:
-    allowed = [space.as_long(space.nearest(each)) for each in shapes]
-    return list({tuple(each.items()): each for each in allowed}.values())
+def _each_once(
+    space: DesignSpace, shapes: Sequence[dict[str, Value]], kept: Sequence[str] = ()
+) -> list[dict[str, Value]]:
+    allowed = [{**space.nearest(each), **{name: each[name] for name in kept}} for each in shapes]
+    return list({tuple(each.items()): space.as_long(each) for each in allowed}.values())
 
 
 def _room(goal: Goal, judged: Judged, name: str) -> float:
