@@ -194,7 +194,7 @@ def test_the_limits_of_walking_are_stated_replaced_and_removed(few):
     )
     assert found.goal.limits == {"airborne_fraction": 0.2, "tilt_max": 1.5}
     assert found.as_dict()["default_limits"] == list(found.goal.limits)
-    assert found.summary().count(", default (see --allow-flight)") == 2
+    assert found.summary().count(", default (--allow-flight removes it)") == 2
     assert own.goal.limits == {"airborne_fraction": 0.5, "tilt_max": 1.5}
     assert own.goal.assumed == ("tilt_max",)
     assert without.as_dict()["limits"] == {}

@@ -77,7 +77,7 @@ class Goal:
         """A figure that has a limit, beside it."""
         unit = FIGURES[name].unit.replace("1", "")
         shown = f"{name} {value:.6g} of {self.limits[name]:.6g} {unit}".rstrip()
-        return shown + (", default (see --allow-flight)" if name in self.assumed else "")
+        return shown + (", default (--allow-flight removes it)" if name in self.assumed else "")
 
     def passed(self, worst: Mapping[str, float]) -> list[str]:
         """The greatest values that pass their limits, each beside it."""

@@ -222,8 +222,7 @@ class _Trials:
         if self.nearest.failed:
             return f"a simulation fails of all {tried}; of the last: {self.message}"
         passed = ", ".join(self.goal.passed(self.nearest.worst))
-        told = f"limits: none of the {tried} is within all in every draw; the nearest has {passed}"
-        return told.replace("see --allow-flight", "--allow-flight or allow_flight=True removes it")
+        return f"limits: none of the {tried} is within all in every draw; the nearest has {passed}"
 
 
 class _Selection:
