@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -204,5 +205,6 @@ def _compare(
 
 
 def _library() -> Any:
-    with naming_the_extra("stickslip.optimise"):
-        return importlib.import_module("cma")
+    # In a thread of its own Ctrl-C ends no import halfway: a report needs packages that it loads.
+    with naming_the_extra("stickslip.optimise"), ThreadPoolExecutor(1) as thread:
+        return thread.submit(importlib.import_module, "cma").result()
