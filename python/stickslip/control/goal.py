@@ -143,7 +143,7 @@ class Judged:
 
 
 def _figures(run: Run) -> dict[str, Any]:
-    found = run._summary  # without notes, which cost runs where it rests
+    found = run.numbers
     tilt = max(-found["theta_min"], found["theta_max"])
     return {**found, **dict(zip(VELOCITIES, run.velocity, strict=True)), "tilt_max": tilt}
 

@@ -20,7 +20,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     # Values in another unit, as far as can be seen.
     "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
-    "unit-inductance", "rows-at-one-time",
+    "unit-inductance",
     # Other values that are hardly meant so.
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
     # What a reader should know, without a fault.

@@ -265,6 +265,11 @@ class Run:
         along, across = seen_from_drive(x, y, drive.mode, drive.direction, drive.heading)
         return float(along), float(across)
 
+    @property
+    def numbers(self) -> Mapping[str, Any]:
+        """The summary without status, notes and window."""
+        return self._summary
+
     @functools.cached_property
     def notes(self) -> list[Note]:
         """What a reader of the numbers should know, the most serious first; mostly none.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from stickslip import _core
 from stickslip.scenario.sections import Solver
 from stickslip.simulation.note import Note
+from stickslip.simulation.unit_notes import time_constants, unit_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -51,10 +52,14 @@ def without_pulses(scenario: Scenario) -> bool:
 def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are hardly meant so; none for most scenarios."""
     core = scenario.to_core()  # once for all notes
+    units = unit_notes(scenario, core)
+    # A unit explains the density that it makes.
+    explained = any(note.code in ("unit-mass", "unit-length") for note in units)
     return [
         *_of_drive(scenario, core),
         *_of_coils(scenario, core),
-        *_of_body(scenario),
+        *([] if explained else _of_body(scenario)),
+        *units,
         *_of_contact(scenario),
         *_of_solver(scenario),
     ]
@@ -124,11 +129,8 @@ def _of_coils(scenario: Scenario, core: _core.Scenario) -> list[Note]:
 def _of_window(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     """Whether all that is measured is over before a current has followed its voltage."""
     start, end = scenario.window
-    times = {
-        name: _time_constant(scenario, core, name)
-        for name, volts in _asked_voltages(core).items()
-        if volts > 0.0
-    }
+    asked = _asked_voltages(core)
+    times = {n: each for n, each in time_constants(scenario, core).items() if asked[n] > 0.0}
     slowest = max(times, key=lambda name: times[name], default=None)
     if slowest is None or end - start >= times[slowest]:
         return []
@@ -146,7 +148,7 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     if drive.mode == "program" or asked == 0.0:
         return []
     name = core.in_plane_coil if drive.mode == "IPP" else "clamp"
-    time_constant = _time_constant(scenario, core, name)
+    time_constant = time_constants(scenario, core)[name]
     share = field_swing(drive.frequency, time_constant)
     if share >= LEAST_SWING:
         return []
@@ -158,13 +160,6 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
         "drive.peak"
     )
     return [Note("pulses-short", text, share * asked)]
-
-
-def _time_constant(scenario: Scenario, core: _core.Scenario, coil: str) -> float:
-    """L/R of a coil, s."""
-    resistance = core.resistances()[_core.coil_names.index(coil)]
-    own = float(scenario.get(f"effects.coil_{coil}.inductance"))
-    return (own or scenario.coil.inductance) / resistance
 
 
 def _of_body(scenario: Scenario) -> list[Note]:
