@@ -175,6 +175,9 @@ OPTIONS = {
         ["-20 degrees are -0.3491 rad"],
     ),
     "degrees with their unit": (["--set", "drive.heading=30deg"], ["30 degrees are 0.5236 rad"]),
+    "mm": (["--set", "robot.length=0.25"], ["robot.length = 0.25", "0.25 mm are 0.00025 m"]),
+    "um": (["--set", "robot.width=130"], ["robot.width = 130", "130 um are 0.00013 m"]),
+    "ug": (["--set", "robot.mass=25.6"], ["robot.mass = 25.6", "25.6 ug are 2.56e-08 kg"]),
     "program as key": (["--set", "drive.program=v.csv"], ["drive.program", "drive.file"]),
     "sawtooth beside a file": (
         ["--set", "drive.file=v.csv", "--set", "drive.pulses=3"],

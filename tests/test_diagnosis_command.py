@@ -201,22 +201,25 @@ def _scaled(folder, factor):
 
 
 @pytest.mark.parametrize(
-    ("factor", "code", "by_1000"),
+    ("factor", "code", "unit_factor"),
     [
-        (1e-3, Code.VELOCITIES_SIZE, True),
-        (300.0, Code.VELOCITIES_SIZE, True),
-        (60.0, Code.VELOCITIES_SIZE, False),
+        (1e-3, Code.VELOCITIES_SIZE, 1e-3),
+        (400.0, Code.VELOCITIES_SIZE, 1e3),
+        (2e-5, Code.VELOCITIES_SIZE, None),
+        (60.0, Code.VELOCITIES_SIZE, 1e2),
         (-1.0, Code.OPPOSITE_SIGN, None),
     ],
 )
-def test_a_column_in_a_wrong_unit_or_with_a_wrong_sign_is_reported(tmp_path, factor, code, by_1000):
+def test_a_column_in_a_wrong_unit_or_with_a_wrong_sign_is_reported(
+    tmp_path, factor, code, unit_factor
+):
     done = stickslip("diagnose", _scaled(tmp_path, factor), "--json", "--out", tmp_path / "found")
     said = json.loads(done.stdout)
     assert said["verdict"] == "data-problem"
     assert said["cause"] is None
     report = json.loads((tmp_path / "found" / "report.json").read_text())
     (fact,) = report["facts"]["reasons"]
-    assert (fact["code"], fact["fields"].get("by_1000")) == (code, by_1000)
+    assert (fact["code"], fact["fields"].get("unit_factor")) == (code, unit_factor)
     assert report["headline"].endswith(report["reasons"][0])
 
 

@@ -309,7 +309,7 @@ def test_coils_that_are_not_there_have_zeros(exact):
 
 
 def test_a_run_says_whose_field_it_had(exact):
-    note = next(each for each in simulate(with_map(exact)).summary()["notes"] if "map" in each)
+    note = next(str(each) for each in simulate(with_map(exact)).notes if each.code == "map")
     assert "the field of the coils is that of a map (harmonics up to degree" in note
     assert "rms residual" in note
     assert "map" in with_map(exact)._repr_html_()

@@ -85,7 +85,7 @@ def test_a_stored_run_has_its_map(folder, name):
     done = stickslip("run", "s.toml", "--out", name, "--json", cwd=folder)
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
-    (note,) = [each for each in summary["notes"] if "coil" in each]
+    (note,) = [each["text"] for each in summary["notes"] if each["code"] == "map"]
     assert note.startswith("the field of the coils is that of map.csv (harmonics up to degree")
     opened = open_run(folder / name)
     assert opened.scenario.coil.map == FieldMap.from_file(folder / "map.csv")

@@ -222,12 +222,12 @@ def test_a_run_that_leaves_has_the_velocity_of_the_pulses_that_were_finished(tmp
     assert finished == int((summary["simulated_time"] - 0.08) / 0.01) > 3
     velocity = (run.x[80 + 10 * finished] - run.x[80]) / (0.01 * finished)
     assert summary["finished_velocity"] == pytest.approx(velocity, rel=1e-9)
-    (note,) = [note for note in run.notes if "measuring window" in note]
+    (note,) = [str(note) for note in run.notes if note.code == "pulses-unfinished"]
     assert f"after {finished} of the 97 pulses of the measuring window" in note
     assert f"{velocity * 1e3:.5g} mm/s" in note
     again = open_run(tmp_path / "run.nc")
     assert repr(again.summary()) == repr(summary)
-    assert json.loads(xarray.open_dataset(tmp_path / "run.nc").attrs["notes"]) == run.notes
+    assert json.loads(xarray.open_dataset(tmp_path / "run.nc").attrs["notes"]) == summary["notes"]
 
 
 def test_a_run_to_its_end_has_finished_all_pulses(dense):
@@ -264,8 +264,8 @@ def test_where_the_disk_is_full_the_summary_is_printed_and_the_record_kept(
     if samples:
         run = open_run(path)
         assert (run.status, run.complete) == ("ok", False)
-        assert run.notes == printed["notes"]
-        assert "the record ends at 0.13107 s" in run.notes[0]
+        assert run.summary()["notes"] == printed["notes"]
+        assert "the record ends at 0.13107 s" in run.notes[0].text
         assert_same_record(run, whole, slice(samples))
 
 

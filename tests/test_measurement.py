@@ -110,7 +110,7 @@ def test_slow_conditions_scatter_by_more_than_their_share(tmp_path):
 
 def test_a_table_in_the_wrong_unit_is_refused_with_the_reason(tmp_path):
     rows = "velocity,frequency\n" + "".join(f"{900 + f},{f}\n" for f in (10, 20, 30))
-    with pytest.raises(ScenarioError, match="mm/s or um/s"):
+    with pytest.raises(ScenarioError, match="if they are in um/s, divide"):
         read_measurement(_write(tmp_path, rows))
 
 

@@ -107,6 +107,58 @@ def test_a_film_with_too_few_frames_is_left_out_and_others_are_used(tmp_path, fr
     assert none.fields["table"].endswith("d.csv")
 
 
+@pytest.mark.parametrize(
+    ("stated", "times", "meant", "factor"),
+    [
+        (1000.0, "ms", "ms or numbers of frames", 1000.0),  # one ms a frame
+        (1000.0, "us", "us", 1e6),
+        (500.0, "frames", "numbers of frames", 500.0),
+        (None, "ms", "ms or numbers of frames", None),
+        (None, "us", "us", 1e6),
+    ],
+)
+def test_a_film_whose_times_are_not_in_s_is_left_out_with_their_unit(
+    tmp_path, frames, stated, times, meant, factor
+):
+    of_unit = {"ms": 1e3, "us": 1e6, "frames": 1e3}[times]
+    toml = TOML.replace("1000.0", repr(stated)) if stated else TOML.replace("frame_rate", "# ")
+    toml = toml.replace("exposure = 3e-4\n", "")
+    film_in_it = {**frames, "t": np.round(of_unit * frames["t"], 6)}
+    with pytest.raises(ScenarioError, match="nothing sound is left"):
+        read_measurement(write(tmp_path, toml, a=film_in_it))
+    both = toml + toml.split("\n\n")[1].replace("a.csv", "b.csv").replace(repr(stated), "1000.0")
+    found = read_measurement(write(tmp_path, both, a=film_in_it, b=frames))
+    assert [run.file for run in found.tracking] == ["b.csv"]
+    (fact,) = (each for each in found.left_out if each.fields["table"] == "a.csv")
+    assert fact.code is Code.RUN_TIME_UNIT
+    assert (fact.fields["meant"], fact.fields["factor"]) == (meant, factor)
+
+
+@pytest.mark.parametrize("stated", [1000.0, None])
+def test_a_film_that_goes_on_long_after_the_drive_is_in_s(tmp_path, frames, stated):
+    # Ten times as long as the drive, and most of it after the drive's end.
+    rest = np.arange(len(frames["t"]), 10 * len(frames["t"]))
+    long = {
+        "t": np.append(frames["t"], rest * 1e-3),
+        **{name: np.append(frames[name], frames[name][-1] + 0.0 * rest) for name in ("x", "theta")},
+    }
+    toml = TOML if stated else TOML.replace("frame_rate", "# ")
+    found = read_measurement(write(tmp_path, toml, a=long))
+    assert [run.file for run in found.tracking] == ["a.csv"]
+    assert Code.RUN_TIME_UNIT not in [each.code for each in found.left_out]
+
+
+@pytest.mark.parametrize(("factor", "meant"), [(1e3, "mm"), (1e6, "um")])
+def test_a_film_whose_places_are_not_in_m_is_left_out_with_their_unit(
+    tmp_path, frames, factor, meant
+):
+    tables = TOML + TOML.split("\n\n")[1].replace("a.csv", "b.csv")
+    in_unit = {**frames, "x": factor * frames["x"]}
+    found = read_measurement(write(tmp_path, tables, a=in_unit, b=frames))
+    fact = next(each for each in found.left_out if each.fields["table"] == "a.csv")
+    assert (fact.code, fact.fields["meant"]) == (Code.RUN_LENGTH_UNIT, meant)
+
+
 ALL = ("x", "theta", "z", "current_x", "current_clamp")
 
 
@@ -130,13 +182,12 @@ def used(folder, frames, toml=TOML):
         ("current_clamp", "size", "A"),
     ],
 )
-def test_a_column_in_a_unit_that_is_wrong_by_1000_is_reported(
-    tmp_path, full_frames, factor, column, what, unit
-):
+def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, factor, column, what, unit):
     columns, said = used(tmp_path, {**full_frames, column: factor * full_frames[column]})
     assert columns == set(ALL) - {column}
     (fact,) = said
-    expected = {"table": "a.csv", "column": column, "what": what, "unit": unit, "by_1000": True}
+    of_column = {"table": "a.csv", "column": column, "what": what, "unit": unit}
+    expected = {**of_column, "unit_factor": pytest.approx(factor)}
     assert fact.code is Code.COLUMN_SIZE
     assert expected.items() <= fact.fields.items()
 

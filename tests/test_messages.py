@@ -17,7 +17,7 @@ FILE = {"table": "a.csv"}
 LINES = {**FILE, "lines": [3, 5], "count": 2}
 FAR = {
     "ratio": 1234.0, "measured": 1.5, "usual": 0.5, "unit": "m", "allowed": [0.02, 50.0],
-    "by_1000": True,
+    "unit_factor": 1e3,
 }  # fmt: skip
 FEW = {"origin": "repeats", "dof": 7, "taken": 0.25, "unit": "T"}
 COLUMN = {**FILE, "column": "z", "unit": "m"}
@@ -43,6 +43,10 @@ EXAMPLES = {
         {**FILE, "velocity": 0.5, "others": 5e-4, "unit_factor": 1e3},
         r"0\.5 m/s .* 0\.0005 m/s; the factor of 1000",
     ),
+    Code.EQUAL_SETTINGS: (
+        {**FILE, "column": "frequency", "count": 2, "relative": 1e-6},
+        "frequency has 2 values within 1e-06 of another",
+    ),
     Code.TOO_FAST: ({**LINES, "limit": 1.0}, "above 1 m/s; .* mm/s"),
     Code.BAD_CELLS: ({**LINES, "rows": 18}, r"2 of 18 rows .* \(lines 3, 5\)"),
     Code.COMMENTS: ({**FILE, "count": 2}, "2 lines below the header"),
@@ -62,7 +66,13 @@ EXAMPLES = {
         r"10 sound frames from 0\.15 s to 0\.45 s.*20 are needed",
     ),
     Code.RUN_ANGLE_UNIT: ({**FILE, "theta": 45.0, "limit": 6.28}, r"near 45.* 6\.28.* degrees"),
-    Code.RUN_LENGTH_UNIT: ({**FILE, "span": 2.5, "limit": 0.1}, r"2\.5.* 0\.1.* um or mm"),
+    Code.RUN_LENGTH_UNIT: (
+        {**FILE, "span": 2.5, "limit": 0.1, "meant": "mm"}, r"2\.5.* 0\.1.* be mm"
+    ),
+    Code.RUN_TIME_UNIT: (
+        {**FILE, "spacing": 0.5, "last": 900.0, "meant": "ms", "factor": 1e3},
+        r"0\.5 apart and up to 900, are ms; .* by 1000",
+    ),
     Code.RUN_STANDS_STILL: (FILE, "ever changes"),
     Code.COLUMN_TOO_SHORT: ({**COLUMN, "count": 5, "needed": 20}, "column z .* 5 numbers; 20"),
     Code.COLUMN_SIZE: (
@@ -100,6 +110,10 @@ EXAMPLES = {
     ),
     Code.MODEL_JUMPS: ({"count": 2}, "2 conditions"),
     Code.NO_RESPONSE: ({"causes": ["slip", "lag"]}, "changes with slip and lag: they say nothing"),
+    Code.STATED_RUNS: (
+        {"note": "flight", "text": "2 of 9 conditions: in flight"},
+        "stated model: 2 of 9 conditions: in flight",
+    ),
     Code.FEW_PULSES: ({"count": 2, "needed": 4}, "2 conditions .* fewer than 4 pulses"),
     Code.STANDS_STILL: (
         {"count": 6, "speed": 1e-3, "conditions": ["f 20 Hz", "f 21 Hz"]},

@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 import stickslip.control.optimise as module
+import stickslip.control.search as search_module
 from helpers import HELD, NO_FIELD
 from stickslip import (
     Coils,
     Drive,
     Scenario,
     ScenarioError,
+    load,
     optimise,
     simulate,
 )
-from stickslip.control.design_space import drive_waveform
+from stickslip.control.design_space import PeriodicWaveform, as_program, drive_waveform
 from stickslip.control.goal import judge_all, made_goal
 from stickslip.control.sawtooth import GRID, sawtooths
 from stickslip.simulation.simulate import MOST_IN_MEMORY
@@ -30,6 +32,39 @@ TWO = {  # modes only
     "drive.mode": ("IPP", "OPP"), "drive.frequency": (80.0,), "drive.base": (0.2,),
 }  # fmt: skip
 RESISTANCE = {"coil.resistance": {"mean": 10.0, "sd": 0.5}}
+HOPPER = {  # its peaks of speed, at 115 and 150 Hz, are hops
+    "robot.length": 0.4e-3, "robot.width": 0.25e-3, "robot.height": 0.15e-3,
+    "contact.adhesion": 0.0, "drive.mode": "OPP",
+}  # fmt: skip
+SAWTOOTH = {
+    "drive.frequency": (30.0, 200.0), "drive.base": (-1e-3, 2e-3), "drive.hold": (0.5e-3, 2.5e-3),
+}  # fmt: skip
+# Fastest without the limits of walking, over draws of friction, adhesion and drag.
+FAST_SAWTOOTH = """stickslip = 1
+[drive]
+frequency = 159.1
+peak = 5.92e-3
+base = -2.54e-3
+hold = 1.05e-3
+pulses = 32
+"""
+FAST_KNOTS = {  # V, at 390 Hz
+    "xp": (25.58, 25.63, 24.99, 24.12, 25.98, 21.81, 25.98, 24.66, 25.93, 25.68, 23.54, 20.46),
+    "clamp": (
+        -25.44,
+        0.69,
+        22.78,
+        -12.98,
+        -22.6,
+        -19.61,
+        -20.41,
+        14.56,
+        22.99,
+        18.42,
+        -16.8,
+        -9.77,
+    ),
+}
 SURFACE = {"contact.adhesion": {"mean": 0.22e-6, "sd": 0.03e-6}}
 
 
@@ -98,7 +133,7 @@ def test_a_seed_gives_the_same_bits_on_any_number_of_threads(few, more):
 def test_limits_hold_in_every_draw_of_the_search(few, batches):
     start = START.with_uncertain(RESISTANCE)
     limits = {"field_max": 2.2e-3, "power_mean": 15.0}
-    free = {"drive.peak": (1e-3, 4e-3), "drive.hold": (0.2e-3, 3e-3)}
+    free = {"drive.peak": (1e-3, 4e-3), "drive.base": (0.0, 2e-3), "drive.hold": (0.2e-3, 3e-3)}
     found = optimise(start, maximise="mean_velocity", free=free, limits=limits, seed=3, **LITTLE)
     draws, _ = batches[0]
     resistances = [each.coil.resistance for each in draws]
@@ -112,6 +147,84 @@ def test_limits_hold_in_every_draw_of_the_search(few, batches):
     # thousandth that is left, and what the moving robot changes.
     (judged,) = judge_all(found.goal, draws, [found.sawtooth], 1)
     assert 0.98 < max(judged.worst[name] / limit for name, limit in limits.items()) <= 1.0
+
+
+@pytest.mark.parametrize("robot", [{}, HOPPER], ids=["default", "hopper"])
+def test_the_drive_that_is_written_walks(robot, tmp_path):
+    start = Scenario(drive=Drive(pulses=12)).replace(robot)
+    walk, hop = (
+        optimise(
+            start, maximise="mean_velocity", free=SAWTOOTH, evaluations=200, allow_flight=flight
+        )
+        for flight in (False, True)
+    )
+    walk.save_report(tmp_path)
+    run = simulate(load(tmp_path / "best.toml"))
+    summary = run.summary()
+    assert summary["airborne_fraction"] < 0.2
+    assert -1.5 < summary["theta_min"] < summary["theta_max"] < 1.5
+    assert run.mean_velocity == walk.fresh["best"].score > 0.0
+    # Else the limits would not matter.
+    assert hop.run.summary()["airborne_fraction"] > 0.2
+    assert not robot or "it hops and does not walk" in hop.summary()
+
+
+def test_the_peaks_of_speed_of_the_hopper_are_hops():
+    for frequency in (115.0, 150.0):
+        run = simulate(Scenario().replace({**HOPPER, "drive.frequency": frequency}))
+        assert run.summary()["airborne_fraction"] > 0.5
+
+
+def test_the_fastest_drives_without_limits_of_walking_get_the_note_on_flight(tmp_path):
+    path = tmp_path / "fast.toml"
+    path.write_text(FAST_SAWTOOTH)
+    start = Scenario(drive=Drive(frequency=390.0, pulses=78))
+    knots = np.concatenate([FAST_KNOTS[coil] for coil in ("xp", "clamp")])
+    program = PeriodicWaveform(12, ("xp", "clamp"), 26.0).waveform(start, knots)
+    for scenario in (load(path), start.replace(as_program(program, {}))):
+        run = simulate(scenario)
+        assert run.summary()["airborne_fraction"] > 0.5
+        assert run.notes[0].code == "flight"
+
+
+def test_the_limits_of_walking_are_stated_replaced_and_removed(few):
+    found, own, without = (
+        optimise(START, **WALK, **LITTLE, **more)
+        for more in ({}, {"limits": {"airborne_fraction": 0.5}}, {"allow_flight": True})
+    )
+    assert found.goal.limits == {"airborne_fraction": 0.2, "tilt_max": 1.5}
+    assert found.as_dict()["default_limits"] == list(found.goal.limits)
+    assert found.summary().count(", default (--allow-flight removes it)") == 2
+    assert own.goal.limits == {"airborne_fraction": 0.5, "tilt_max": 1.5}
+    assert own.goal.assumed == ("tilt_max",)
+    assert without.as_dict()["limits"] == {}
+
+
+def test_where_nothing_walks_the_error_names_the_default_limit():
+    start = Scenario().replace({**HOPPER, "drive.frequency": 130.0, "drive.pulses": 12})
+    with pytest.raises(
+        ScenarioError, match=r"airborne_fraction .* of 0\.2, default .*--allow-flight"
+    ):
+        optimise(
+            start, maximise="mean_velocity", free={"drive.hold": (2e-3, 2.5e-3)}, evaluations=9
+        )
+
+
+def test_a_drive_beyond_its_limits_is_never_written_without_saying_so(tmp_path):
+    # At the limit in one draw of the resistance, and so beyond it in some of others.
+    start = START.with_uncertain(RESISTANCE)
+    found = optimise(start, maximise="power_mean", free={"drive.hold": (0.5e-3, 2e-3)},
+                     limits={"power_mean": 30.0}, draws=1, fresh=20, evaluations=40)  # fmt: skip
+    best = found.fresh["best"]
+    assert 0 < best.exceeding < 20
+    told = f"{best.exceeding} of 20 fresh draws: power_mean {best.worst['power_mean']:.6g} of 30 W"
+    found.save_report(tmp_path)
+    assert load(tmp_path / "best.toml") == found.scenario
+    head = (tmp_path / "best.toml").read_text().partition("\n")[0]
+    texts = [found.summary(), found.as_dict()["beyond_limits"], head]
+    for text in (*texts, (tmp_path / "report.html").read_text()):
+        assert told in text
+    assert head.startswith("# beyond the limits in ")
 
 
 def test_the_score_is_that_of_the_scenario_that_is_found(few):
@@ -141,18 +254,51 @@ def test_every_stage_has_draws_of_its_own(few, batches):
     assert centre == judged[0].score
 
 
-def test_a_sawtooth_that_is_better_than_the_best_is_told(few):
-    found = optimise(START, **WALK, **LITTLE)
-    best, sawtooth = found.fresh["best"], found.fresh["sawtooth"]
-    exchanged = dataclasses.replace(
-        found, fresh={**found.fresh, "best": sawtooth, "sawtooth": best}
-    )
-    least = dataclasses.replace(found, goal=made_goal(None, "mean_velocity", "q10", {}))
-    assert found.beaten == (sawtooth.score > best.score)
-    assert [exchanged.beaten, least.beaten] == [best.score > sawtooth.score] * 2
-    assert found.beaten != exchanged.beaten
-    lines = [len(each.summary().splitlines()) for each in (found, exchanged)]
-    assert lines[1] - lines[0] == exchanged.beaten - found.beaten
+def test_of_search_and_sawtooth_the_better_is_taken(few, monkeypatch):
+    faster = functools.partial(sawtooths, grid={**TWO, "drive.frequency": (150.0,)})
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "sawtooths", faster)
+        found = optimise(START, **WALK, evaluations=1)  # that of the start
+    scores = {name: judged.score for name, judged in found.fresh.items()}
+    assert found.origin == "sawtooth"
+    assert scores["sawtooth"] > scores["search"] == simulate(START).mean_velocity
+    assert scores["best"] == simulate(found.scenario).mean_velocity >= scores["sawtooth"]
+    assert "sawtooth of the grid is better than the search" in found.summary()
+    for key in ("drive.mode", "drive.base", "drive.hold", "drive.edge"):  # are not free
+        assert found.scenario.get(key) == found.sawtooth[key] == START.get(key)
+    searched = optimise(START, **WALK, **LITTLE)
+    assert searched.origin == "search"
+    assert searched.fresh["best"].score >= searched.fresh["sawtooth"].score
+    assert "is better than the search" not in searched.summary()
+
+
+def test_a_sawtooth_beside_a_free_waveform_is_taken_as_a_program(few):
+    options = {"maximise": "mean_velocity", "limits": {"voltage_max": 26.0}, "evaluations": 1}
+    start = START.replace({"drive.frequency": 80.0})
+    found = optimise(start, knots=3, **options)
+    assert found.origin == "sawtooth"
+    assert found.slices == []
+    assert found.scenario.drive.mode == "program"
+    assert simulate(found.scenario).mean_velocity == found.fresh["best"].score
+    assert simulate(found.scenario).summary()["voltage_max"] <= 26.0
+    assert f"drive.hold = {found.sawtooth['drive.hold']:.6g} T" in found.summary()
+    # It drives no coil that the waveform may not.
+    clamp = optimise(start, knots=3, coils=("clamp",), allow_flight=True, **options)
+    assert clamp.sawtooth is None
+
+
+def test_no_neighbour_within_the_limits_is_better(few):
+    # The search sees the start alone, which lies on a slope: the bound is a field of 2 mT.
+    found = optimise(START, maximise="field_max", free={"drive.peak": (1e-3, 4e-3)},
+                     limits={"field_max": 2.1e-3}, evaluations=1)  # fmt: skip
+    field = START.drive.peak
+    assert found.moves > 0
+    assert found.fresh["search"].score == simulate(START).summary()["field_max"]
+    (about,) = found.slices
+    assert about.scores[about.feasible].max() == found.judged.score <= 2.1e-3
+    assert about.kind == "slope at a limit"
+    assert "a neighbour is better within the limits" in found.summary()
+    assert found.scenario.drive.peak > field
 
 
 def test_the_waveform_of_a_long_drive_is_drawn(few):
@@ -189,6 +335,19 @@ def test_ctrl_c_keeps_the_best_so_far(few, monkeypatch):
     assert simulate(found.scenario).mean_velocity == best
     assert found.sawtooth is None
     assert found.slices == []
+
+
+def test_the_first_stage_is_told_and_the_start_judged_before_the_library_is_loaded(monkeypatch):
+    stages = []
+
+    def interrupted():
+        assert stages[0] == (0.0, "starting")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(search_module, "_library", interrupted)
+    with pytest.raises(KeyboardInterrupt) as interrupt:
+        optimise(START, **WALK, **LITTLE, progress=lambda *told: stages.append(told))
+    assert interrupt.value.best.scenario.drive.frequency == pytest.approx(START.drive.frequency)
 
 
 def test_ctrl_c_while_fresh_draws_are_made_keeps_the_best(few, monkeypatch):
@@ -235,11 +394,10 @@ def refusal(limits, free):
     return str(refused.value)
 
 
-def test_a_limit_that_nothing_satisfies_is_named_with_the_least_value():
+def test_a_limit_that_nothing_satisfies_is_named_with_the_nearest_value():
     # The voltage is that of the field at the top, whatever the base is.
     text = refusal({"voltage_max": 1.0}, {"drive.base": (0.0, 2e-3)})
-    assert "limit voltage_max = 1 V" in text
-    assert f"{simulate(START).summary()['voltage_max']:.6g}" in text
+    assert f"voltage_max {simulate(START).summary()['voltage_max']:.6g} of 1 V" in text
 
 
 def test_of_limits_that_exclude_each_other_the_nearest_drive_is_told(batches):
@@ -252,8 +410,9 @@ def test_of_limits_that_exclude_each_other_the_nearest_drive_is_told(batches):
         assert min(each.worst[name] for each in tried) <= limit
     nearest = min(tried, key=lambda each: each.excess)
     assert nearest.excess > 0.0
-    for name, value in nearest.worst.items():
-        assert f"{name} = {value:.6g}" in text
+    passed = {name for name, value in nearest.worst.items() if value > limits[name]}
+    assert passed == {name for name in limits if name in text}
+    assert all(f"{name} {nearest.worst[name]:.6g} of" in text for name in passed)
 
 
 @pytest.mark.parametrize(
@@ -306,7 +465,7 @@ def test_a_program_has_no_sawtooth_and_no_period_for_knots():
     found = optimise(program, maximise="mean_velocity", free={"robot.length": (2e-4, 3e-4)},
                      evaluations=20)  # fmt: skip
     assert found.sawtooth is None
-    assert set(found.fresh) == {"start", "best"}
+    assert "sawtooth" not in found.fresh
 
 
 def test_a_missing_library_is_named_with_its_extra(monkeypatch):

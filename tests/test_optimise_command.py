@@ -1,5 +1,6 @@
 """The command ``stickslip optimise``: its files, its page, interrupts, refusals."""
 
+import html
 import json
 import re
 
@@ -19,6 +20,10 @@ ramp = 0.02
 [uncertain]
 "contact.adhesion" = { mean = 0.22e-6, sd = 0.03e-6 }
 """
+HOPS = (
+    "--set", "drive.mode=OPP", "--set", "drive.frequency=400", "--set", "robot.length=0.4e-3",
+    "--set", "robot.width=0.25e-3", "--set", "robot.height=0.15e-3",
+)  # fmt: skip
 FEW = ("--evaluations", 60, "--draws", 3, "--fresh", 5)
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
 
@@ -45,7 +50,7 @@ def test_the_files_are_a_scenario_its_voltages_and_a_page(scenario, tmp_path):
     assert f"{speeds[2] / speeds[1]:.2f} times" in page
     voltage = shown(run.summary()["voltage_max"], "V")
     assert f">{voltage}</td>" in page
-    assert f"grid of {POINTS}" in page
+    assert f"grid of up to {POINTS}" in page
 
 
 def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
@@ -67,7 +72,7 @@ def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
 
 def test_json_alone_writes_nothing(scenario, tmp_path):
     done = stickslip("optimise", scenario, *WAVE, *FEW, "--json", cwd=tmp_path)
-    assert set(json.loads(done.stdout)["fresh"]) == {"start", "best", "sawtooth"}
+    assert set(json.loads(done.stdout)["fresh"]) >= {"start", "best", "sawtooth"}
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
 
 
@@ -100,6 +105,36 @@ def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, mon
     assert not (tmp_path / "found").exists()
 
 
+def test_limits_of_walking_are_default_until_flight_is_allowed(scenario):
+    words = ("optimise", scenario, *WAVE, *FEW, "--json", "--limit", "tilt_max=1.2")
+    walk, fly = (json.loads(stickslip(*words, *flag).stdout) for flag in ((), ("--allow-flight",)))
+    assert walk["limits"] == {"voltage_max": 26.0, "tilt_max": 1.2, "airborne_fraction": 0.2}
+    assert walk["default_limits"] == ["airborne_fraction"]
+    assert walk["search"]["limited"]["airborne_fraction"] <= 0.2
+    assert fly["limits"] == {"voltage_max": 26.0, "tilt_max": 1.2}
+    assert fly["default_limits"] == []
+    for found in (walk, fly):
+        assert 0.0 <= found["airborne_fraction"] <= 1.0
+        assert all({"code", "text", "value"} == set(note) for note in found["notes"])
+
+
+def test_the_drive_is_printed_with_its_notes_and_its_share_of_flight(scenario, tmp_path):
+    out = tmp_path / "found"
+    done = stickslip("optimise", scenario, *WAVE, *FEW, "--free", "drive.frequency=60:90",
+                     "--allow-flight", "--out", out)  # fmt: skip
+    run = simulate(load(out / "best.toml"))
+    lines = done.stdout.partition("the best drive:\n")[2].splitlines()
+    assert re.fullmatch(r"  drive\.frequency = \S+ Hz", lines[0])
+    for line, coil in zip(lines[1:3], ("xp", "clamp"), strict=True):
+        assert re.fullmatch(rf"  {coil} =( \S+){{4}} V", line)
+    assert lines[3] == f"  in flight {100 * run.summary()['airborne_fraction']:.3g} % of the time"
+    assert run.notes
+    page = (out / "report.html").read_text()
+    for note, line in zip(run.notes, lines[4:], strict=False):
+        assert line == f"  {note}"
+        assert html.escape(str(note), quote=False) in page.replace("&#34;", '"')
+
+
 @pytest.mark.parametrize(
     ("options", "word"),
     [
@@ -112,7 +147,9 @@ def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, mon
         (("--limit", "voltage_max"), "figure=value"),
         (("--limit", "voltage_max=26V"), "without its unit"),
         (("--limit", "voltage_max=26", "--limit", "voltage_max=20"), "there twice"),
-        (("--limit", "voltage_max=-1", "--free", "drive.hold=1e-3:2e-3"), "least value found"),
+        (("--limit", "voltage_max=-1", "--free", "drive.hold=1e-3:2e-3"), "the nearest has"),
+        (("--limit", "airborne_fraction=0", "--free", "drive.hold=1e-3:2e-3"), "of 0"),
+        ((*HOPS, "--free", "drive.peak=2.4e-3:2.5e-3"), "--allow-flight"),
         (("--knots", "8"), "voltage_max"),
         (("--knots", "8", "--limit", "voltage_max=26", "--coils", "xp,up"), "up"),
         (("--free", "drive.hold=1e-3:2e-3", "--uncertain", "none.toml"), "none.toml"),

@@ -1,5 +1,6 @@
 """Parts of the design of drives: scores and ranks, the space, sawtooths, slices."""
 
+import functools
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,8 +10,7 @@ from stickslip import Drive, Scenario, ScenarioError, Waveform, simulate, simula
 from stickslip.control.design_space import FEWEST, Axis, design_space, drive_waveform
 from stickslip.control.goal import judge, judge_all, made_goal
 from stickslip.control.landscape import slices
-from stickslip.control.sawtooth import POINTS, played, sawtooths
-from stickslip.control.search import Candidate
+from stickslip.control.sawtooth import GRID, POINTS, played, sawtooths
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 
@@ -66,7 +66,10 @@ def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not(
 def test_every_sawtooth_of_the_grid_is_as_strong_as_the_limit_allows():
     limit = 1.5e-3
     goal = made_goal("mean_velocity", None, "mean", {"field_max": limit})
-    space = design_space(START, {"drive.peak": (1e-3, 20e-3)}, None, (), None)
+    free = {"drive.peak": (1e-3, 20e-3), "drive.base": (-9e-3, 9e-3), "drive.hold": (0.0, 20e-3)}
+    free |= {"drive.frequency": (50.0, 300.0)}
+    free |= {key: GRID[key] for key in ("drive.mode", "drive.edge", "drive.clamp")}
+    space = design_space(START, free, None, (), None)
     points = sawtooths(space, goal, lambda drives: judge_all(goal, [START], drives, 2))
     assert len(points) == POINTS
     runs = simulate_batch([START.replace(each) for each in points[::16]])
@@ -101,8 +104,8 @@ def test_a_slice_tells_a_peak_from_a_plateau():
         # Falls to half within a tenth of the range of the frequency, and not at all with hold.
         return [_judged(goal, 1.0 - 0.1 * abs(each["drive.frequency"] - 75.0)) for each in drives]
 
-    best = Candidate((0.0, 0.0, -1.0), 0, np.array([0.5, 1.0]), _judged(goal, 1.0))
-    peak, plateau = slices(space, best, goal.sign, evaluate)
+    (peak, plateau), better = slices(space, 0, np.array([0.5, 1.0]), goal.sign, evaluate)
+    assert better is None
     assert (peak.kind, plateau.kind) == ("peak", "plateau")
     assert peak.loss == pytest.approx(0.25)  # at 2.5 Hz, a twentieth of the range
     assert plateau.loss == 0.0
@@ -110,8 +113,49 @@ def test_a_slice_tells_a_peak_from_a_plateau():
     assert plateau.values.max() == 2e-3
 
 
+def test_a_slice_tells_a_slope_at_a_limit_and_the_best_neighbour_within_it():
+    space = design_space(START, {"drive.hold": (1e-3, 2e-3)}, None, (), None)
+
+    def found(limit, place):
+        goal = made_goal("power_mean", None, "mean", {"power_mean": limit})
+        judged = functools.partial(_judged, goal)
+        (about,), better = slices(
+            space, 0, np.array([place]), 1.0,
+            lambda drives: [judged(1e3 * each["drive.hold"] - 0.5) for each in drives],
+        )  # fmt: skip
+        return about.kind, better
+
+    # The score is the place and a half. A twentieth of the range is 5 % of a score of one.
+    assert found(1.01, 0.5) == ("slope at a limit", None)
+    assert found(1.04, 0.5) == ("slope at a limit", pytest.approx([0.52]))
+    assert found(9.0, 0.5) == ("plateau", pytest.approx([0.7]))
+    # At an end the score may rise beyond it only where it rises towards it.
+    assert found(9.0, 1.0) == ("plateau", None)
+
+
+@pytest.mark.parametrize("knots", [None, 4])
+def test_of_a_sawtooth_only_what_is_free_changes(knots):
+    free = {"drive.frequency": (60.0, 100.0)}
+    if knots is None:
+        free |= {"drive.edge": ["fall", "rise"], "drive.hold": (0.9e-3, 1.1e-3)}
+    space = design_space(START, free, knots, ("xp", "clamp"), 26.0)
+    points = sawtooths(space, made_goal("mean_velocity", None, "mean", {}), None)
+    varied = {key: {each[key] for each in points} for key in points[0]}
+    assert sorted(varied["drive.frequency"]) == pytest.approx([60.0, 90.9, 100.0])
+    # The edge, and a hold at both ends of its range and between them; or the grid, at its nearest.
+    assert len(points) == (3 * 2 * 3 if knots is None else 3 * POINTS // 4)
+    for key, values in varied.items():
+        if key not in (*free, "drive.pulses") and knots is None:
+            assert values == {START.get(key)}
+    if knots is None:
+        for each in points:
+            arm, point = space.place(each)
+            assert {**space.values(arm, point), **each} == pytest.approx(each)
+
+
 def _judged(goal, score):
-    run = SimpleNamespace(ok=True, summary=lambda: {goal.figure: score}, velocity=(0.0, 0.0))
+    summary = {goal.figure: score, "theta_min": 0.0, "theta_max": 0.0}
+    run = SimpleNamespace(ok=True, _summary=summary, velocity=(0.0, 0.0))
     return judge(goal, [run])
 
 

@@ -20,7 +20,7 @@ COMMANDS_WITH_SET = {
     "sweep": ["--vary", "drag.linear=1e-6,2e-6"],
     "predict": ["--uncertain", "u.toml", "--draws", "2", "--vary", "drag.linear=1e-6,2e-6"],
     "optimise": [
-        *("--maximise", "mean_velocity", "--limit", "voltage_max=40"),
+        *("--maximise", "mean_velocity", "--limit", "voltage_max=40", "--allow-flight"),
         *("--free", "drag.linear=1e-6:2e-6", "--evaluations", "4", "--fresh", "1"),
     ],
 }

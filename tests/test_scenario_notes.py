@@ -10,7 +10,7 @@ WEIGHT = 25.6e-9 * 9.81
 
 # One key of each is nonsense with the others at their defaults; the note has the text.
 NONSENSE = [
-    ({"robot.mass": 25.6e-6}, "robot.mass = 2.56e-05 makes a density of 7.88e+06 kg/m3"),
+    ({"robot.mass": 25.6e-6}, "robot.mass = 2.56e-05 kg makes a density of 7.88e+06 kg/m3: is it in g?"),
     ({"robot.mass": 25.6e-12}, "robot.mass = 2.56e-11 makes a density of 7.88 kg/m3"),
     ({"robot.length": 25e-3}, "density of 78.8 kg/m3"),
     ({"robot.height": 1e-6}, "density of 7.88e+05 kg/m3"),
@@ -34,6 +34,7 @@ NONSENSE = [
     ({"drive.peak": 0.1}, "the drive asks for"),
     ({"drive.pulses": 2}, "drive.pulses = 2 is fewer than 4"),
     ({"contact.tangential_restitution": 0.5}, "has no effect while contact.restitution is 0"),
+    ({"drive.base": 2.5e-3}, "drive.base = drive.peak = 0.0025 T: the voltage is constant"),
 ]  # fmt: skip
 
 
@@ -41,7 +42,7 @@ NONSENSE = [
 def test_nonsense_gets_a_note(changes, text):
     assert not scenario_notes(Scenario())
     notes = scenario_notes(Scenario().replace(changes))
-    assert any(text in note for note in notes), notes
+    assert any(text in str(note) for note in notes), notes
 
 
 def test_sound_scenarios_get_none():
@@ -92,50 +93,12 @@ def test_the_swing_of_the_field_is_that_of_the_simulated_current(frequency):
     assert swing == pytest.approx(field_swing(frequency, tau), rel=2e-3)
 
 
-RESTING = [
-    ({"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0}, "there was no field"),
-    ({"drive.peak": 1e-5, "drive.hold": 1e-5}, "a larger drive.peak or drive.hold is needed"),
-    ({"contact.adhesion": 1e-4}, "or less contact.adhesion"),
-    ({"robot.magnetization": 10.0}, "hold it with 5.9e-11 N m; a larger drive.peak"),
-]
-
-
-@pytest.mark.parametrize(("changes", "text"), RESTING)
-def test_a_robot_that_never_moved_has_a_reason(changes, text):
-    run = simulate(Scenario().replace({"drive.pulses": 5, **changes}))
-    assert any("never moved" in note and text in note for note in run.notes), run.notes
-
-
-@pytest.mark.parametrize(
-    "effect",
-    ["surface_tilt.angle", "free_contact_place.knot_3", "adhesion_ageing.rate"],
-)
-def test_a_moment_that_an_effect_changes_is_not_told(effect):
-    still = {"drive.pulses": 5, "drive.peak": 1e-5, "drive.base": 0.0, "drive.hold": 1e-5}
-    run = simulate(Scenario().replace({**still, f"effects.{effect}": 0.2}))
-    (note,) = [each for each in run.notes if "never moved" in each]
-    assert "hold it with" not in note
-    assert f"effects.{effect.split('.')[0]}" in note
-    # An effect on the drag holds nothing that rests.
-    run = simulate(Scenario().replace({**still, "effects.angle_drag.strength": 0.2}))
-    assert any("hold it with" in note for note in run.notes)
-
-
-@pytest.mark.parametrize(
-    ("changes", "sticks"),
-    [({"contact.adhesion": 6e-6}, True), ({"contact.static_friction": 2.0}, True), ({}, False)],
-)
-def test_a_contact_that_never_slipped_is_noted(changes, sticks):
-    run = simulate(Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 12, **changes}))
-    assert abs(run.mean_velocity) > 1e-6
-    assert any("never slipped" in note for note in run.notes) == sticks, run.notes
-
-
 def test_a_program_that_is_over_before_the_current_has_followed_is_noted():
     def noted(duration):
         program = Waveform.ramp(duration, {"xp": 5.0}, {"xp": 10.0})
         drive = Drive(mode="program", program=program)
-        return [note for note in scenario_notes(Scenario(drive=drive)) if "window" in note]
+        notes = scenario_notes(Scenario(drive=drive))
+        return [str(note) for note in notes if note.code == "window-short"]
 
     (note,) = noted(5e-3)
     assert "lasts 5 ms, less than the time constant of coil xp, L/R = 7 ms" in note

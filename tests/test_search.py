@@ -1,5 +1,10 @@
 """The search: known optima of plain functions, ranks, restarts, seeds, interrupts."""
 
+import os
+import signal
+import sys
+import threading
+
 import numpy as np
 import pytest
 
@@ -107,3 +112,17 @@ def test_an_interrupt_before_anything_was_found_passes_through():
 
     with pytest.raises(KeyboardInterrupt):
         search([np.full(3, 0.9)], interrupted, 1000, 0)
+
+
+def test_an_interrupt_while_the_library_is_loaded_keeps_the_start_and_loads_all_of_it(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "cma.py").write_text("import time\ntime.sleep(0.5)\nwhole = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(sys.modules, "cma", None)
+    del sys.modules["cma"]
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+    found = search([np.full(2, 0.9)], distance, 100, 0)
+    assert found.interrupted
+    assert [each.point.tolist() for each in found.leaders] == [[0.9, 0.9]]
+    assert sys.modules["cma"].whole

@@ -317,10 +317,10 @@ def test_a_run_that_its_condition_ends_says_over_what_it_is_measured():
         summary = run.summary()
         assert summary["window_end"] == pytest.approx(max(end, scenario.window[0]), rel=1e-9)
         assert math.isfinite(run.mean_velocity) == (end > 0.08)
-        assert any("ended by its condition" in note for note in run.notes)
+        assert any(note.code == "window-cut" for note in run.notes)
     unmet = simulate(scenario, until="x >= 1")
-    assert not any("ended by its condition" in note for note in unmet.notes)
-    assert any("was not met" in note for note in unmet.notes)
+    assert not any(note.code == "window-cut" for note in unmet.notes)
+    assert unmet.notes[0].code == "condition-not-met"
 
 
 def test_a_robot_at_rest_beyond_the_coils_has_left_the_workspace():

@@ -29,7 +29,7 @@ def assert_point(point, run):
     """All that a sweep keeps of a point is what the run says, to the last bit."""
     summary = run.summary()
     for name in NUMBERS:
-        assert float(point[name]) == summary[name], name
+        np.testing.assert_equal(float(point[name]), summary[name], err_msg=name)
     assert dict(zip(EVENTS, point["events"].values.tolist(), strict=True)) == summary["events"]
     assert int(point["painleve_events"]) == summary["painleve_events"]
     assert int(point["status"]) == 0

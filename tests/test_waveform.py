@@ -211,6 +211,10 @@ def test_waveforms_are_values():
         (lambda: Waveform.from_points([0.0, 0.0], np.zeros((2, 5))), "no duration"),
         (lambda: Waveform.from_points([0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),
         (lambda: Waveform.from_points([0, 2, 1], np.zeros((3, 5))), "must not fall"),
+        (
+            lambda: Waveform.from_points([0, 1, 1, 1, 2], np.arange(25.0).reshape(5, 5)),
+            r"point 4: third point at t = 1\.0: allowed are two, a jump",
+        ),
         (lambda: Waveform.from_points([0, np.nan], np.zeros((2, 5))), "finite"),
         (lambda: Waveform.from_points([0, 1], np.full((2, 5), np.inf)), "finite"),
         (lambda: Waveform.from_points([0, 1], np.zeros((2, 4))), r"\(n, 5\)"),
@@ -282,3 +286,45 @@ def test_points_of_a_repeated_waveform_can_be_read_back(frequency, pulses, tmp_p
     assert np.all(np.diff(twice.points()[0]) >= 0.0)
     middle = ((t[1:] + t[:-1]) / 2)[np.diff(t) > 1e-9]  # not at jumps
     assert once.voltages(middle) == pytest.approx(waveform.voltages(middle), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("times", "row", "t"),
+    [
+        ("0 0.05 0.05 0.05 0.06", 6, "0.05"),  # a line below the comment, and one below the header
+        ("0 0.001 0.001 0.001 0.001 0.002", 6, "0.001"),  # rounded to three digits
+    ],
+)
+def test_a_third_row_at_one_time_is_refused_with_its_line(tmp_path, times, row, t):
+    rows = "".join(f"{time},{k},0,0,0,-10\n" for k, time in enumerate(times.split()))
+    (tmp_path / "v.csv").write_text(f"t,xp,xm,yp,ym,clamp\n# V\n{rows}")
+    with pytest.raises(ScenarioError) as error:
+        Waveform.from_csv(tmp_path / "v.csv")
+    assert str(error.value) == (
+        f"{tmp_path / 'v.csv'}: row {row}: third row at t = {t}: allowed are two, a jump; are the "
+        "times rounded, or in ms?"
+    )
+
+
+def test_a_row_that_is_there_again_is_no_third_one(tmp_path):
+    # As where files of pieces are put together.
+    (tmp_path / "v.csv").write_text(
+        "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,5,0,0,0,0\n1,5,0,0,0,0\n1,9,0,0,0,0\n2,5,0,0,0,0\n"
+    )
+    read = Waveform.from_csv(tmp_path / "v.csv")
+    assert read.voltages([0.5, 1.0, 1.5])[:, 0].tolist() == [2.5, 9.0, 7.0]
+
+
+def test_points_of_pieces_that_jump_where_they_meet_are_two(tmp_path):
+    # Each of the first two pieces ends with a jump and the next begins with one.
+    def piece(*volts):
+        return Waveform.from_points([0, 0, 1, 1], [[v, 0, 0, 0, 0] for v in volts])
+
+    whole = piece(0, 1, 2, 3) + 2 * piece(4, 5, 6, 5) + piece(7, 7, 8, 8)
+    t, v = whole.points()
+    assert t.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4]
+    assert v[:, 0].tolist() == [0, 1, 2, 5, 6, 5, 6, 7, 8]
+    whole.to_csv(tmp_path / "v.csv")
+    read = Waveform.from_csv(tmp_path / "v.csv")
+    times = np.linspace(0.0, 4.0, 33)[:-1]
+    np.testing.assert_array_equal(read.voltages(times), whole.voltages(times))

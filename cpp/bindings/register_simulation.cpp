@@ -73,6 +73,9 @@ py::dict summary_dict(const RunResult& run) {
     result["slip_down"] = s.slip_down;
     result["slip_flat"] = s.slip_flat;
     result["airborne_fraction"] = s.airborne_fraction;
+    result["velocity_growth"] = s.velocity_growth;
+    result["pull_ratio"] = s.pull_ratio;
+    result["field_change"] = s.field_change;
     result["field_max"] = s.field_max;
     result["field_min"] = s.field_min;
     result["current_max"] = s.current_max;
@@ -168,6 +171,9 @@ py::tuple sweep_columns(
     add("slip_down", &Summary::slip_down);
     add("slip_flat", &Summary::slip_flat);
     add("airborne_fraction", &Summary::airborne_fraction);
+    add("velocity_growth", &Summary::velocity_growth);
+    add("pull_ratio", &Summary::pull_ratio);
+    add("field_change", &Summary::field_change);
     add("field_max", &Summary::field_max);
     add("field_min", &Summary::field_min);
     add("current_max", &Summary::current_max);

@@ -15,6 +15,7 @@ inline constexpr std::array<Coil, kCoilCount> kAllCoils{Coil::xp, Coil::xm, Coil
 template <class T>
 using PerCoilOf = std::array<T, kCoilCount>;
 using PerCoil = PerCoilOf<double>;
+inline constexpr auto kClampCoil = static_cast<std::size_t>(Coil::clamp);
 
 /// Currents or voltages as a robot turned by 180 degrees about z sees them: the coils of each pair
 /// change places, and fields along x and y change sign.

@@ -7,11 +7,6 @@
 #include <vector>
 
 namespace stickslip {
-namespace {
-
-constexpr auto kClampCoil = static_cast<std::size_t>(Coil::clamp);
-
-}  // namespace
 
 SurfaceDirection surface_direction(double angle) {
     constexpr double kQuarter = 0.5 * std::numbers::pi;

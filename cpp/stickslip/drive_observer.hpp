@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "stickslip/circuit.hpp"
+#include "stickslip/local_field.hpp"
 #include "stickslip/summary.hpp"
 #include "stickslip/turning_points.hpp"
 #include "stickslip/voltage_program.hpp"
@@ -21,8 +22,9 @@ public:
     /// A stretch that has ended.
     void stretch(const VoltageSegment& voltages, const CurrentSegment& segment, bool in_window) {
         for (std::size_t k = 0; k < kCoilCount; ++k) {
-            voltage_max_ =
-                std::max({voltage_max_, std::abs(voltages.first[k]), std::abs(voltages.last[k])});
+            for (const double volts : {voltages.first[k], voltages.last[k]}) {
+                if (std::abs(volts) > std::abs(voltage_[k])) voltage_[k] = volts;
+            }
         }
         const auto see = [this](double current) {
             current_max_ = std::max(current_max_, std::abs(current));
@@ -35,6 +37,44 @@ public:
         if (!in_window) return;
         const PerCoil squares = squared_integrals(segment);
         for (std::size_t k = 0; k < kCoilCount; ++k) energy_ += resistance_[k] * squares[k];
+    }
+
+    /// The pull of the in-plane coils in a stretch that has ended, as they are where it ends.
+    /// factor(tau): what a free shape makes of the field.
+    void pull(const PerCoilOf<CoilField>& coils, const CurrentSegment& segment, auto&& factor) {
+        std::array<std::array<double, kMaxBasis>, 2> slope = {};  // T/m
+        for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment.exponentials); ++b) {
+            for (std::size_t k = 0; k < kClampCoil; ++k) {
+                for (std::size_t i = 0; i < 2; ++i) {
+                    slope[i][b] += coils[k].slope[i] * segment.field[b][k];
+                }
+            }
+        }
+        const auto see = [&](double tau) {
+            std::array<double, 2> now;
+            for (std::size_t i = 0; i < 2; ++i) {
+                now[i] = slope[i][0] + slope[i][1] * tau;
+                for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
+                    now[i] += slope[i][2 + j] * exponential(-segment.rate[j] * tau);
+                }
+            }
+            slope_max_ = std::max(slope_max_, std::hypot(now[0], now[1]) * std::abs(factor(tau)));
+        };
+        see(0.0);
+        see(segment.duration);
+        for (const auto& each : slope) for_each_turn(segment, each, see);
+    }
+    /// T/m, of the component along the heading.
+    double slope_max() const { return slope_max_; }
+
+    /// Field (T) of steady currents by the largest voltage of each coil.
+    std::array<double, 3> steady_field(const PerCoilOf<CoilField>& coils) const {
+        std::array<double, 3> result = {};
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            const double current = voltage_[k] / resistance_[k];
+            for (std::size_t i = 0; i < 3; ++i) result[i] += coils[k].field[i] * current;
+        }
+        return result;
     }
 
     /// The squared size of the field at the robot at some time, T^2.
@@ -61,14 +101,17 @@ public:
     void write(Summary& summary) const {
         summary.field_max = std::sqrt(std::max(most_, 0.0));
         summary.current_max = current_max_;
-        summary.voltage_max = voltage_max_;
+        for (const double volts : voltage_) {
+            summary.voltage_max = std::max(summary.voltage_max, std::abs(volts));
+        }
     }
 
 private:
     static constexpr double kEnough = 1e-8;
 
     PerCoil resistance_;  // ohm
-    double voltage_max_ = 0.0, current_max_ = 0.0;
+    PerCoil voltage_ = {};     // V, the largest by size, of each coil
+    double current_max_ = 0.0, slope_max_ = 0.0;
     double most_ = -1.0;                                      // T^2, of the run
     double least_ = std::numeric_limits<double>::infinity();  // T^2, of the window
     double energy_ = 0.0;                                     // J

@@ -124,6 +124,30 @@ void HybridRun::watch_heading() {
 void HybridRun::observe_stretch(const CurrentSegment& played) {
     drive_.stretch(voltages_, played, observer_.is_open());
     drive_.see_field(squared_field(played.duration, state_.body), observer_.is_open());
+    drive_.pull(field_of_coils(), played,
+                [this](double tau) { return dynamics_.field().factor(tau); });
+}
+
+PerCoilOf<CoilField> HybridRun::field_of_coils() const {
+    const BodyState& body = state_.body;
+    return plane_ ? plane_->field().of_coils(place(body), body.heading)
+                  : dynamics_.field().of_coils(body.x, body.z);
+}
+
+void HybridRun::write_pull_and_change() {
+    const double held = model_.friction.static_coefficient *
+                        (dynamics_.robot().adhesion + model_.mass * std::abs(model_.gravity_z));
+    if (held > 0.0) {
+        const double moment = std::abs(model_.moment * (1.0 + model_.gradient_excess));
+        result_.summary.pull_ratio = moment * drive_.slope_max() / held;
+    }
+    const std::array<double, 3> before = drive_.steady_field(start_fields_),
+                                now = drive_.steady_field(field_of_coils());
+    const double size = std::hypot(before[0], before[1], before[2]);
+    if (size > 0.0) {
+        result_.summary.field_change =
+            std::hypot(now[0] - before[0], now[1] - before[1], now[2] - before[2]) / size;
+    }
 }
 
 // Where the field may turn in the stretch that has begun, of which the robot is at its start. There
@@ -187,7 +211,7 @@ void HybridRun::drive_further_coils() {
 void HybridRun::watch_window(double time) {
     const double slack = 1e-9 * program_.duration();
     if (!measured_ && time >= window_.start - slack) {
-        observer_.open(time, state_.body);
+        observer_.open(time, window_.end, state_.body);
         measured_ = true;
         if (plane_) turned_before_ = plane_->watch().state().turned;
     }
@@ -221,6 +245,7 @@ std::vector<double> HybridRun::marks() const {
 void HybridRun::begin() {
     transitions_.begin(touches_down_);
     begun_ = true;
+    start_fields_ = field_of_coils();
     after_event(0.0);
 }
 
@@ -419,6 +444,7 @@ void HybridRun::fail(const WrenchNotFinite& failure) {
 
 RunResult HybridRun::take_result(const StepCounts& counts) {
     drive_.write(result_.summary);
+    if (begun_) write_pull_and_change();
     result_.steps = counts;
     result_.summary.events = transitions_.counts();
     observer_.write(sign_, result_.summary);

@@ -135,6 +135,8 @@ private:
     void end_stretch();
     void watch_heading();
     void observe_stretch(const CurrentSegment& played);
+    PerCoilOf<CoilField> field_of_coils() const;
+    void write_pull_and_change();
     void observe_to(double tau);
     void plan_looks();
     void end_look();
@@ -210,6 +212,7 @@ private:
     bool begun_ = false, measured_ = false;  // whether the run and the measuring window have begun
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
     bool touches_down_ = false;              // as the run begins
+    PerCoilOf<CoilField> start_fields_ = {};
     double turned_before_ = 0.0;             // rad, of the heading before the measuring window
     HybridState state_;
     ContactTransitions transitions_;

@@ -140,6 +140,17 @@ FieldCourse LocalField::course(double x, double z) const {
     return result;
 }
 
+PerCoilOf<CoilField> LocalField::of_coils(double x, double z) const {
+    PerCoilOf<CoilField> result;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const PlanarField unit =
+            Expansion{unit_[k], stretch_.centre_x, stretch_.centre_z, 0.0}(x, z);
+        result[k].field = {gain_[k] * unit.bx, 0.0, gain_[k] * unit.bz};
+        result[k].slope = {gain_[k] * unit.dbx_dx, 0.0};
+    }
+    return result;
+}
+
 void LocalField::multiply(double tau, Expansion& expansion) const {
     const double scale = factor(tau);
     for (double& term : expansion.terms) term *= scale;

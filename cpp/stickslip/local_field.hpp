@@ -107,6 +107,13 @@ inline double on_grid(double place, double reach) {
     return spacing * std::round(place / spacing);
 }
 
+/// What one ampere in a coil makes at the robot.
+struct CoilField {
+    std::array<double, 3> field = {};  ///< T
+    /// T/m, gradient of the component along the robot's heading, along x and y.
+    std::array<double, 2> slope = {};
+};
+
 /// How far from its centre an expansion of the field of these coils holds, m, and where the model
 /// of the set-up does.
 double reach_of(const CoilSet& coils);
@@ -175,6 +182,8 @@ public:
     /// The field there, where no shape multiplies it, but for its segment.
     FieldCourse course(double x, double z) const;
     bool has_shape() const { return shape_ != nullptr; }
+    /// What each coil makes there, with its gain.
+    PerCoilOf<CoilField> of_coils(double x, double z) const;
 
     /// The stretch as the formulas see it, where no shape multiplies it: its first exponential.
     const FieldStretch<double>& stretch() const { return stretch_; }

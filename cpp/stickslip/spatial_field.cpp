@@ -119,6 +119,19 @@ FieldCourse SpatialField::course(const Place& place) const {
     return result;
 }
 
+PerCoilOf<CoilField> SpatialField::of_coils(const Place& place, double heading) const {
+    const double c = std::cos(heading), s = std::sin(heading);
+    PerCoilOf<CoilField> result;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const SpatialFieldValue unit =
+            SpatialExpansion{unit_[k], centre_, 0.0, 0.0}(place.x, place.y, place.z);
+        const double gain = gain_[k];
+        result[k].field = {gain * unit.bx, gain * unit.by, gain * unit.bz};
+        result[k].slope = {gain * (c * unit.xx + s * unit.xy), gain * (c * unit.xy + s * unit.yy)};
+    }
+    return result;
+}
+
 void SpatialField::expand(const Place& place) {
     const double d = reach_ / 1.5;
     const double per_d = 1.0 / (2.0 * d), per_dd = 1.0 / (d * d);

@@ -130,6 +130,8 @@ public:
     /// The field there, where no shape multiplies it, but for its segment.
     FieldCourse course(const Place& place) const;
     bool has_shape() const { return shape_ != nullptr; }
+    /// What each coil makes there of a robot with that heading, with its gain.
+    PerCoilOf<CoilField> of_coils(const Place& place, double heading) const;
 
 private:
     using Terms = SpatialExpansion::Terms;

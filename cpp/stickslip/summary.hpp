@@ -34,6 +34,15 @@ struct Summary {
     double slip_down = kNone;  ///< m/s, the same while theta falls
     double slip_flat = kNone;  ///< m/s, the same of a face
     double airborne_fraction = kNone;
+    /// Least growth of the speed from a quarter of the window's pulses to the next, over the
+    /// largest speed of a quarter. Zero for a free program, and with fewer than four pulses.
+    double velocity_growth = kNone;
+    /// Largest pull of the in-plane coils' gradient on the robot, lying flat, over what friction
+    /// holds of weight and adhesion.
+    double pull_ratio = kNone;
+    /// How much the field of steady currents by the largest voltages differs between the places
+    /// where the run ends and begins, over the size of the latter.
+    double field_change = kNone;
     double field_max = 0.0;       ///< T, |B| at the robot, of the whole run
     double field_min = kNone;     ///< T, the same, least over the window
     double current_max = 0.0;     ///< A, of any coil, of the whole run
@@ -49,8 +58,17 @@ public:
     /// period: s, from pulse to pulse; zero without pulses.
     explicit SummaryObserver(double period) : period_(period) {}
 
-    void open(double t, const BodyState& body) {
+    /// end: s, of the window.
+    void open(double t, double end, const BodyState& body) {
         open_ = true;
+        if (period_ > 0.0) {
+            const double quarter = 0.25 * std::round((end - t) / period_);
+            for (std::size_t i = 0; i < marks_.size(); ++i) {
+                marks_[i].pulses = std::llround(static_cast<double>(i) * quarter);
+            }
+        }
+        marks_[0] = {0, t, body.x, body.y};
+        passed_ = 1;
         start_ = t;
         start_x_ = body.x;
         start_y_ = body.y;
@@ -66,6 +84,10 @@ public:
         pulses_end_ = t;
         pulses_x_ = body.x;
         pulses_y_ = body.y;
+        if (passed_ < marks_.size() && pulses >= marks_[passed_].pulses) {
+            marks_[passed_] = {pulses, t, body.x, body.y};
+            ++passed_;
+        }
     }
     void close(double t, const BodyState& body, double frame_sign, Summary& summary) {
         pass(t, body);
@@ -80,6 +102,7 @@ public:
         summary.slip_down = frame_sign * falling_ / span;
         summary.slip_flat = frame_sign * flat_ / span;
         summary.airborne_fraction = airborne_ / span;
+        summary.velocity_growth = passed_ == marks_.size() ? growth() : 0.0;
     }
     /// What is known without the window's end, which a run that fails does not come to.
     void write(double frame_sign, Summary& summary) const {
@@ -119,12 +142,31 @@ private:
     void add_slip(double omega, double distance) {
         (omega > 0.0 ? rising_ : omega < 0.0 ? falling_ : flat_) += distance;
     }
+    double growth() const {
+        std::array<double, 4> speed;
+        for (std::size_t i = 0; i < speed.size(); ++i) {
+            const Mark &from = marks_[i], &to = marks_[i + 1];
+            speed[i] = std::hypot(to.x - from.x, to.y - from.y) / (to.t - from.t);
+        }
+        const double least =
+            std::min({speed[1] - speed[0], speed[2] - speed[1], speed[3] - speed[2]});
+        const double largest = *std::max_element(speed.begin(), speed.end());
+        return largest > 0.0 ? least / largest : 0.0;
+    }
+
     static constexpr double kRounding = 1e-6;  // part of a pulse; chosen
 
     double period_;
     bool open_ = false;
     std::int64_t pulses_ = 0;
     double pulses_end_ = 0.0, pulses_x_ = 0.0, pulses_y_ = 0.0;
+    /// Where a quarter of the window's pulses ends, or the first begins.
+    struct Mark {
+        std::int64_t pulses = 0;
+        double t = 0.0, x = 0.0, y = 0.0;
+    };
+    std::array<Mark, 5> marks_ = {};
+    std::size_t passed_ = 0;
     double start_ = 0.0, start_x_ = 0.0, start_y_ = 0.0;
     double lowest_ = std::numeric_limits<double>::infinity();
     double highest_ = -std::numeric_limits<double>::infinity();

@@ -30,14 +30,15 @@ void for_each_part(const CurrentSegment& segment, auto&& use) {
     }
 }
 
-/// Calls `use(tau)` where within a stretch the current of a coil turns, s from the start.
-void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) {
-    const CurrentSegment::Coefficients& c = segment.coil;
+/// Calls `use(tau)` where a sum of the functions of a stretch turns, s from the start. c: its
+/// coefficients, as of the currents.
+void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxBasis>& c,
+                   auto&& use) {
     // The slope and its own slope, A/s and A/s^2.
     const auto slope = [&](double tau) {
-        double sum = c[1][coil];
+        double sum = c[1];
         for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-            const double factor = c[2 + j][coil];
+            const double factor = c[2 + j];
             if (factor != 0.0)
                 sum -= factor * segment.rate[j] * exponential(-segment.rate[j] * tau);
         }
@@ -46,7 +47,7 @@ void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) 
     const auto bend = [&](double tau) {
         double sum = 0.0;
         for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-            const double factor = c[2 + j][coil], rate = segment.rate[j];
+            const double factor = c[2 + j], rate = segment.rate[j];
             if (factor != 0.0) sum += factor * rate * rate * exponential(-rate * tau);
         }
         return sum;
@@ -54,11 +55,11 @@ void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) 
     int count = 0;
     std::size_t only = 0;
     for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-        if (c[2 + j][coil] != 0.0) ++count, only = j;
+        if (c[2 + j] != 0.0) ++count, only = j;
     }
     if (count == 0) return;
     if (count == 1) {
-        const double rate = segment.rate[only], ratio = c[2 + only][coil] * rate / c[1][coil];
+        const double rate = segment.rate[only], ratio = c[2 + only] * rate / c[1];
         if (!(ratio > 1.0) || !std::isfinite(ratio)) return;
         const double turn = std::log(ratio) / rate;
         if (turn < segment.duration) use(turn);
@@ -79,6 +80,13 @@ void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) 
         }
         from = to, before = after, bend_before = bend_after;
     });
+}
+
+/// The same of the current of a coil.
+void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) {
+    std::array<double, kMaxBasis> c;
+    for (std::size_t b = 0; b < c.size(); ++b) c[b] = segment.coil[b][coil];
+    for_each_turn(segment, c, use);
 }
 
 /// The field at one place in the course of a stretch, of coils that nothing else multiplies.

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from stickslip.scenario.waveform import Waveform as Waveform
     from stickslip.scenario.waveform import volts_per_tesla as volts_per_tesla
     from stickslip.simulation.coils import Coils as Coils
+    from stickslip.simulation.note import Note as Note
     from stickslip.simulation.rollout import STATE_UNITS as STATE_UNITS
     from stickslip.simulation.rollout import Rollout as Rollout
     from stickslip.simulation.rollout import rollout as rollout
@@ -102,6 +103,7 @@ _HOME = {
         "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
         "scenario.waveform": ("Waveform", "volts_per_tesla"),
         "simulation.coils": ("Coils",),
+        "simulation.note": ("Note",),
         "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),
         "simulation.run": ("Run",),
         "simulation.simulate": ("simulate", "simulate_batch"),

@@ -54,6 +54,9 @@ class _Summary(TypedDict):
     slip_down: float
     slip_flat: float
     airborne_fraction: float
+    velocity_growth: float
+    pull_ratio: float
+    field_change: float
     field_max: float
     field_min: float
     current_max: float

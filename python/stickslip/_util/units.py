@@ -14,7 +14,7 @@ _OTHERS = {
     "rad": dict.fromkeys(("deg", "degree", "degrees", "°"), math.degrees(1.0)),
     "T": dict.fromkeys(("G", "gauss"), 1e4),
     "T/A": {"G/A": 1e4},
-    "kg": {"g": 1e3, "mg": 1e6, "µg": 1e9},
+    "kg": {"g": 1e3, "mg": 1e6, "ug": 1e9, "µg": 1e9},
     "N m s^2": {"N m s²": 1.0},
     "m/s^2": {"m/s²": 1.0},
     "kg m^2": {"kg m²": 1.0},

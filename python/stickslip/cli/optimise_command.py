@@ -50,7 +50,13 @@ Examples:
     multiple=True,
     metavar="FIGURE=VALUE",
     shell_complete=figure_after("="),
-    help="Greatest value of a number of the summary, in every draw; repeatable.",
+    help="Greatest value of a number of the summary, or of tilt_max, the largest |theta|, in every "
+    "draw; repeatable.",
+)
+@click.option(
+    "--allow-flight",
+    is_flag=True,
+    help="Without the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
 )
 @click.option(
     "--free",
@@ -118,8 +124,10 @@ def command(
     """Find the drive of a SCENARIO (a TOML file) that is best under limits.
 
     What is uncertain is drawn, the same draws for every drive, and a limit has to hold in all of
-    them. The result is compared with the start and with the best sawtooth of a grid, on fresh
-    draws. Without anything uncertain the scenario is the one draw.
+    them. The drive has to walk: at most 20 % of the time in flight, and never upright, unless
+    --allow-flight or a limit of yours says otherwise. The result is compared with the start and
+    with the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
+    Without anything uncertain the scenario is the one draw.
 
     A field that a drive states, such as drive.peak, is what its voltage would make if it were held
     for ever; of a fast pulse the coil lets little through. To limit the field, limit field_max.

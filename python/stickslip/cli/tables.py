@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip._util.units import handy
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.note import lines_of_json, shown_lines
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.seen_from_drive import ACROSS, ALONG, VELOCITIES, shown_velocities
 from stickslip.sweeping.results import NUMBERS
@@ -25,8 +26,11 @@ _WORDS = {
     "slip_up": ", mean slip speed while theta rises",
     "slip_down": ", mean slip speed while theta falls",
     "slip_flat": ", mean slip speed on a face",
+    "velocity_growth": ", from a quarter of the pulses to the next, at least",
+    "pull_ratio": " of what friction holds, by the in-plane coils' gradient",
+    "field_change": ", where the robot ends",
     "field_max": ", of |B| at the robot, in all of the run",
-    "field_min": ", the same while measured",
+    "field_min": ", least in the measuring window",
     "current_max": "of any coil",
     "voltage_max": "of any coil",
     "power_mean": "in all coils",
@@ -88,7 +92,7 @@ def summary_table(run: Run) -> str:
     counts = {**summary["events"], "painleve": summary["painleve_events"]}
     met = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
     rows.append(("events", met or "none", ""))
-    rows += [("note", note, "") for note in summary["notes"]]
+    rows += [("note", line, "") for line in shown_lines(run.notes)]
     return "\n".join(f"{name:<19}{value:<22}{other}".rstrip() for name, value, other in rows)
 
 
@@ -131,6 +135,7 @@ def sweep_as_dict(data: xarray.Dataset) -> dict[str, Any]:
         "points": data["status"].size,
         "failed": int(data.attrs["failed_points"]),
         "status": json.loads(data.attrs["statuses"]),
+        "notes": json.loads(data.attrs["notes"]),
         **_extremes(data),
         "results": _records(columns),
     }
@@ -154,6 +159,7 @@ def sweep_table(data: xarray.Dataset) -> str:
             for key, value in point.items()
         )
         rows.append((name, f"{velocity * 1e3:.6g} mm/s{direction} at {where}"))
+    rows += [("note", line) for line in lines_of_json(data.attrs["notes"])]
     text = "\n".join(f"{name:<10}{value}" for name, value in rows)
     if data["status"].size > _MOST_ROWS:
         return text
@@ -187,6 +193,7 @@ def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
         "redrawn": prediction.redrawn,
         "failed": prediction.failed,
         "status": json.loads(data.attrs["statuses"]),
+        "notes": json.loads(data.attrs["notes"]),
         "quantiles": data["quantile"].values.tolist(),
         "results": _records(columns),
     }
@@ -206,6 +213,7 @@ def prediction_table(prediction: Prediction) -> str:
     if prediction.failed < points * draws:
         shares = f"{100 * low:.3g} to {100 * high:.3g} %"
         rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
+    rows += [("note", line) for line in lines_of_json(data.attrs["notes"])]
     text = "\n".join(f"{name:<11}{value}" for name, value in rows)
     if points > _MOST_ROWS:
         return text

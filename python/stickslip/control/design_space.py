@@ -160,10 +160,43 @@ class DesignSpace:
         values = self.values(arm, point)
         names = [axis.name for axis in self.axes]
         knots = np.array([values.pop(name) for name in names[self._numbers :]])
-        values = as_long(self.scenario, values)
+        values = self.as_long(values)
         if self.periodic is None:
             return values
         return as_program(self.periodic.waveform(self.scenario.replace(values), knots), values)
+
+    def as_long(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """The values; where the frequency is free, with as many pulses as take the start's time.
+
+        Of drives that are equally long the rise to the first pulse is the same part. They have at
+        least `FEWEST` pulses.
+        """
+        if all(axis.name != "drive.frequency" for axis in self.axes):
+            return dict(values)
+        drive = self.scenario.drive
+        pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
+        return {**values, "drive.pulses": max(FEWEST, pulses)}
+
+    def nearest(self, sawtooth: Mapping[str, Value]) -> dict[str, Value]:
+        """A sawtooth as near to another as what is free allows; all else is as in the scenario.
+
+        A free waveform can be any sawtooth, but for its frequency.
+        """
+        axes = {axis.name: axis for axis in self.axes}
+        found = dict(sawtooth)
+        for key, value in sawtooth.items():
+            if key in axes:
+                found[key] = axes[key].value(axes[key].coordinate(float(value)))
+            elif not (self.periodic and key not in OF_A_PROGRAM):
+                words = [arm[key] for arm in self.arms if key in arm] or [self.scenario.get(key)]
+                found[key] = value if value in words else words[0]
+        return found
+
+    def place(self, sawtooth: Mapping[str, Value]) -> tuple[int, Array]:
+        """Arm and coordinates of a sawtooth from `nearest`, where no waveform is free."""
+        arm = self.arms.index({k: sawtooth.get(k, word) for k, word in self.arms[0].items()})
+        values = [float(sawtooth.get(a.name, self.scenario.get(a.name))) for a in self.axes]
+        return arm, np.array([a.coordinate(v) for a, v in zip(self.axes, values, strict=True)])
 
     def changes_or_error(self, arm: int, point: Array) -> dict[str, Any] | ScenarioError:
         """The same, with the error in place of what makes no scenario."""
@@ -171,19 +204,6 @@ class DesignSpace:
             return self.changes(arm, point)
         except ScenarioError as error:
             return error
-
-
-def as_long(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
-    """The values; where they have a frequency, with as many pulses as take a scenario's time.
-
-    Of drives that are equally long the rise to the first pulse is the same part. They have at
-    least `FEWEST` pulses.
-    """
-    drive = scenario.drive
-    if "drive.frequency" not in values:
-        return dict(values)
-    pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
-    return {**values, "drive.pulses": max(FEWEST, pulses)}
 
 
 def as_program(waveform: Waveform, others: Mapping[str, Value]) -> dict[str, Any]:

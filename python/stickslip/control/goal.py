@@ -16,6 +16,7 @@ from stickslip.control.search import Key
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse, shown, suggestion
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.columns import Column
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.results import NUMBERS
@@ -30,8 +31,13 @@ Changes = Mapping[str, Any] | ScenarioError
 Evaluate = Callable[[Sequence[Changes]], Sequence["Judged"]]
 """Drives that are judged in one batch."""
 
-FIGURES = {**NUMBERS, **VELOCITIES}
-"""What can be a goal or have a limit: numbers of a summary, and `Run.velocity`."""
+_TILT = Column("rad", "largest |theta|, measuring window")
+FIGURES = {**NUMBERS, **VELOCITIES, "tilt_max": _TILT}
+"""What can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt either way."""
+
+WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}
+"""Default limits: a robot that hops or rolls over does not walk. Chosen: at the paper's drives
+up to a fifth of the time is flight; 1.5 rad is just short of upright."""
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
 
@@ -52,17 +58,30 @@ class Goal:
         greatest value, so that the score is always on the bad side.
     limits : dict of float
         Greatest value that is allowed of a number of the summary, in every draw, by its name.
+    assumed : tuple of str
+        Figures whose limit nobody gave: it is that of `WALKING`.
     """
 
     figure: str
     sign: float
     score: str
     limits: Mapping[str, float]
+    assumed: tuple[str, ...] = ()
 
     @property
     def unit(self) -> str:
         """SI unit of the figure."""
         return FIGURES[self.figure].unit
+
+    def beside_limit(self, name: str, value: float) -> str:
+        """A figure that has a limit, beside it."""
+        unit = FIGURES[name].unit.replace("1", "")
+        shown = f"{name} {value:.6g} of {self.limits[name]:.6g} {unit}".rstrip()
+        return shown + (", default (--allow-flight removes it)" if name in self.assumed else "")
+
+    def passed(self, worst: Mapping[str, float]) -> list[str]:
+        """The greatest values that pass their limits, each beside it."""
+        return [self.beside_limit(k, v) for k, v in worst.items() if not v <= self.limits[k]]
 
     def scored(self, values: Array) -> Array:
         """Scores of figures, shape (..., draws) to (...), in the figure's unit; NaN where a draw
@@ -123,12 +142,15 @@ class Judged:
         return (0.0, self.excess, 0.0 if self.excess else -sign * self.score)
 
 
+def _figures(run: Run) -> dict[str, Any]:
+    found = run.numbers
+    tilt = max(-found["theta_min"], found["theta_max"])
+    return {**found, **dict(zip(VELOCITIES, run.velocity, strict=True)), "tilt_max": tilt}
+
+
 def judge(goal: Goal, runs: Sequence[Run]) -> Judged:
     """One drive by its runs, one a draw."""
-    summaries = [
-        {**run.summary(), **dict(zip(VELOCITIES, run.velocity, strict=True))} if run.ok else {}
-        for run in runs
-    ]
+    summaries = [_figures(run) if run.ok else {} for run in runs]
     numbers = {
         name: np.array([summary.get(name, math.nan) for summary in summaries])
         for name in (goal.figure, *goal.limits)
@@ -182,9 +204,13 @@ def judge_all(
 
 
 def made_goal(
-    maximise: str | None, minimise: str | None, score: str, limits: Mapping[str, float]
+    maximise: str | None,
+    minimise: str | None,
+    score: str,
+    limits: Mapping[str, float],
+    walking: bool = False,
 ) -> Goal:
-    """The goal, once all is checked."""
+    """The goal, once all is checked; a robot that has to walk has the limits of `WALKING` too."""
     if (maximise is None) == (minimise is None):
         raise ScenarioError("allowed is either maximise or minimise, with a figure of the summary")
     figure = maximise if minimise is None else minimise
@@ -200,4 +226,6 @@ def made_goal(
     if not isinstance(score, str) or not (score in ("mean", "worst") or _QUANTILE.fullmatch(score)):
         refuse("score", score, '"q10" or another of "q1" to "q99", "mean", "worst"')
     assert figure is not None
-    return Goal(figure, 1.0 if minimise is None else -1.0, score, dict(limits))
+    assumed = {k: v for k, v in WALKING.items() if walking and k not in limits}
+    sign = 1.0 if minimise is None else -1.0
+    return Goal(figure, sign, score, {**limits, **assumed}, tuple(assumed))

@@ -1,4 +1,7 @@
-"""The score about the best drive, along one free number at a time: a peak or a plateau?"""
+"""The score about the best drive, along one free number at a time.
+
+There it is on a peak, on a plateau, or on a slope at a limit.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,6 @@ from numpy.typing import NDArray
 from stickslip._util.arrays import Array
 from stickslip.control.design_space import Axis, DesignSpace
 from stickslip.control.goal import Evaluate, Judged
-from stickslip.control.search import Candidate
 
 OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 """Steps from the best, in parts of a number's range; chosen: from a good setting to a bad one."""
@@ -23,6 +25,11 @@ NEAR = 0.05
 PLATEAU = 0.1
 """Part of the score that is lost within `NEAR` on a plateau at most; chosen."""
 
+
+RISE = 0.01
+"""Part of the score that is gained within `NEAR` on a slope at least; chosen."""
+
+Kind = Literal["peak", "plateau", "slope at a limit"]
 
 ABOUT = 32
 """Draws in which the landscape is judged; chosen: enough for differences, not for its level."""
@@ -47,6 +54,9 @@ class Slice:
     loss : float
         Greatest part of the best score that is lost within ``NEAR`` of the range; infinite where a
         simulation fails there.
+    kind : {"peak", "plateau", "slope at a limit"}
+        A slope at a limit, if more than ``RISE`` is gained within ``NEAR`` where a limit does not
+        hold, or may be beyond the end of the range. Else a peak, if more than ``PLATEAU`` is lost.
     """
 
     axis: Axis
@@ -55,17 +65,16 @@ class Slice:
     scores: Array
     feasible: NDArray[np.bool_]
     loss: float
-
-    @property
-    def kind(self) -> Literal["peak", "plateau"]:
-        """Whether a small change costs more than ``PLATEAU`` of the score."""
-        return "peak" if self.loss > PLATEAU else "plateau"
+    kind: Kind
 
     @property
     def at_end(self) -> Literal["low", "high", ""]:
         """The end of the range at which the best is, within a hundredth of it."""
-        place = self.axis.coordinate(self.best)
-        return "low" if place < 0.01 else "high" if place > 0.99 else ""
+        return _end(self.axis.coordinate(self.best))
+
+
+def _end(place: float) -> Literal["low", "high", ""]:
+    return "low" if place < 0.01 else "high" if place > 0.99 else ""
 
 
 def neighbours(point: Array) -> list[tuple[int, Array]]:
@@ -81,19 +90,27 @@ def neighbours(point: Array) -> list[tuple[int, Array]]:
 
 
 def slices(
-    space: DesignSpace, best: Candidate[Judged], sign: float, evaluate: Evaluate
-) -> list[Slice]:
-    """One slice for each free number; `evaluate` judges drives by their changes, in one batch."""
-    about = neighbours(best.point)
-    points = [best.point, *(other for _, other in about)]
-    centre, *judged = evaluate([space.changes_or_error(best.arm, point) for point in points])
+    space: DesignSpace, arm: int, best: Array, sign: float, evaluate: Evaluate
+) -> tuple[list[Slice], Array | None]:
+    """One slice for each free number, and the best neighbour if it is better within all limits.
+
+    `evaluate` judges drives by their changes, in one batch.
+    """
+    about = neighbours(best)
+    points = [best, *(other for _, other in about)]
+    centre, *judged = evaluate([space.changes_or_error(arm, point) for point in points])
     found = []
     for k, axis in enumerate(space.axes):
-        own = [(best.point[k], centre)]
+        own = [(best[k], centre)]
         own += [(p[k], j) for (which, p), j in zip(about, judged, strict=True) if which == k]
         own.sort(key=lambda pair: float(pair[0]))
-        found.append(_slice(axis, float(best.point[k]), centre, own, sign))
-    return found
+        found.append(_slice(axis, float(best[k]), centre, own, sign))
+    within = [
+        (sign * each.score, point)
+        for (_, point), each in zip(about, judged, strict=True)
+        if each.feasible and sign * (each.score - centre.score) > 0.0
+    ]
+    return found, max(within, key=lambda pair: pair[0])[1] if within else None
 
 
 def _slice(
@@ -102,12 +119,17 @@ def _slice(
     places = np.array([place for place, _ in own])
     scores = np.array([each.score for _, each in own])
     near = np.abs(places - best) <= NEAR * (1.0 + 1e-9)  # but for rounding
+    feasible = np.array([each.feasible for _, each in own])
     lost = sign * (judged.score - scores[near]) / (abs(judged.score) or 1.0)
+    loss = float(np.where(np.isnan(lost), np.inf, lost).max())
+    steep = loss > PLATEAU
+    at_limit = np.any((lost < -RISE) & ~feasible[near]) or (steep and _end(best))
     return Slice(
         axis=axis,
         best=axis.value(best),
         values=np.array([axis.value(float(place)) for place in places]),
         scores=scores,
-        feasible=np.array([each.feasible for _, each in own]),
-        loss=float(np.where(np.isnan(lost), np.inf, lost).max()),
+        feasible=feasible,
+        loss=loss,
+        kind="slope at a limit" if at_limit else "peak" if steep else "plateau",
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import functools
-import math
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,9 +13,9 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.processor_count import worker_count
 from stickslip.control.design_space import DesignSpace, design_space
-from stickslip.control.goal import FIGURES, Changes, Goal, Judged, judge_all, made_goal
+from stickslip.control.goal import Changes, Goal, Judged, judge_all, made_goal
 from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
-from stickslip.control.optimum import Optimum, SearchInterrupted
+from stickslip.control.optimum import Optimum, Origin, SearchInterrupted
 from stickslip.control.sawtooth import POINTS, played, sawtooths
 from stickslip.control.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 VOLTAGE = "voltage_max"
 """The figure whose limit is the range of a free waveform's knots."""
 
+MOST_MOVES = 4
+"""Neighbours that are taken one after another at most; chosen: each costs a whole landscape."""
+
 _SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
 
 
@@ -38,6 +41,7 @@ def optimise(
     minimise: str | None = None,
     free: Mapping[str, Any] | None = None,
     limits: Mapping[str, float] | None = None,
+    allow_flight: bool = False,
     knots: int | None = None,
     coils: Sequence[str] = ("xp", "clamp"),
     score: str = "q10",
@@ -53,7 +57,8 @@ def optimise(
     CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws of
     ``scenario.uncertain``. A limit has to hold in every draw: candidates that pass one rank behind
     all that do not, by how much they pass it, and those whose simulation fails rank last. The best
-    is judged on fresh draws beside the start and the best sawtooth of a grid.
+    is judged on fresh draws beside the start and the best sawtooth of a grid; if the sawtooth is
+    better there, it is the result. So is a neighbour, a step along one number, that is better.
 
     The peak of a drive is the field that its voltage would have if it were held for ever. A coil
     lets little of a fast pulse through, so the field at the robot is smaller: where a field is to
@@ -72,7 +77,10 @@ def optimise(
         ``drive.frequency`` is free, the pulses change with it, so that all drives last as long as
         the start, but at least four pulses.
     limits : mapping, optional
-        Greatest value of numbers of the summary, SI.
+        Greatest value of numbers of the summary, SI; or of ``tilt_max``, the largest abs(theta).
+    allow_flight : bool
+        By default a drive has to walk: ``airborne_fraction`` up to 0.2 and ``tilt_max`` up to 1.5
+        rad, where `limits` has no other value. True leaves these two out.
     knots : int, optional
         Makes the drive a periodic voltage program, linear between so many knots of each coil, with
         the frequency, pulses and ramp of the scenario. It needs a limit on ``voltage_max``, and is
@@ -102,15 +110,15 @@ def optimise(
         On Ctrl-C in the search. Its ``best`` is the best Optimum until then, or None if no drive
         was within the limits.
     ScenarioError
-        If something is not allowed, or no drive satisfies the limits; then the least value that was
-        found is named.
+        If something is not allowed, or no drive satisfies the limits; then it says by how much the
+        nearest passes them.
     MissingExtra
         If the package ``cma`` is missing.
     """
     begin = time.perf_counter()
     check_kind("scenario", scenario, Scenario)
     limits = limits or {}
-    goal = made_goal(maximise, minimise, score, limits)
+    goal = made_goal(maximise, minimise, score, limits, walking=not allow_flight)
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
         check_whole(name, count, 1)
     check_whole("seed", seed)
@@ -118,6 +126,8 @@ def optimise(
     drawn = _draws(scenario, draws, seed, _SEARCHING)
     trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress)
     trials.expect(evaluations, fresh)
+    if progress is not None:
+        progress(0.0, "starting")
     starts = [space.start(arm) for arm in range(len(space.arms))]
     try:
         found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
@@ -130,14 +140,17 @@ def optimise(
         raise ScenarioError(trials.unmet())
     chosen = _Selection(trials, leaders, found.interrupted)
     chosen.judge(fresh, seed)
-    arm, point = chosen.leader.arm, chosen.leader.point
+    changes = chosen.best.changes
+    assert not isinstance(changes, ScenarioError)  # it was simulated
     best = Optimum(
-        scenario=scenario.replace(space.changes(arm, point)),
+        scenario=scenario.replace(changes),
         start=scenario,
-        values=space.values(arm, point),
+        values=chosen.best.values,
         space=space,
         goal=goal,
-        judged=chosen.leader.known,
+        origin=chosen.origin,
+        moves=chosen.moves,
+        judged=chosen.best.known,
         fresh=chosen.fresh,
         sawtooth=chosen.sawtooth,
         slices=chosen.slices,
@@ -165,7 +178,6 @@ class _Trials:
     ) -> None:
         self.space, self.goal, self.draws, self.threads = space, goal, draws, threads
         self.nearest: Judged | None = None
-        self.least = dict.fromkeys(goal.limits, math.inf)
         self.message = ""
         self.runs = 0  # of the search
         self._progress = progress
@@ -187,9 +199,6 @@ class _Trials:
             if self.nearest is None or each.rank(sign) < self.nearest.rank(sign):
                 self.nearest = each
             self.message = each.message or self.message
-            for name, value in each.worst.items():
-                if value < self.least[name]:
-                    self.least[name] = value
         return [(each.rank(sign), each) for each in judged]
 
     def judged(
@@ -212,77 +221,115 @@ class _Trials:
         assert self.nearest is not None
         if self.nearest.failed:
             return f"a simulation fails of all {tried}; of the last: {self.message}"
-        for name, limit in self.goal.limits.items():
-            if self.least[name] > limit:
-                return (
-                    f"limit {name} = {limit:g} {FIGURES[name].unit}: none of the {tried} stays "
-                    f"within it in every draw; the least value found is {self.least[name]:.6g}"
-                )
-        nearest = ", ".join(f"{name} = {value:.6g}" for name, value in self.nearest.worst.items())
-        return f"limits: none of the {tried} satisfies all in every draw; the nearest has {nearest}"
+        passed = ", ".join(self.goal.passed(self.nearest.worst))
+        return f"limits: none of the {tried} is within all in every draw; the nearest has {passed}"
 
 
 class _Selection:
-    """The candidate that is taken, and what it is compared with.
+    """The drive that is taken, and what it is compared with.
 
     The best of a search is the best in its draws, in part by luck. So the leaders meet draws of
-    their own, and what is best there is judged in others again. Ctrl-C leaves what there is.
+    their own, and what is best there is judged in others again, beside the best sawtooth; of the
+    two the better is taken, and a neighbour of it that is better still. Ctrl-C leaves what there
+    is.
     """
 
     def __init__(
         self, trials: _Trials, leaders: Sequence[Candidate[Judged]], interrupted: bool
     ) -> None:
-        self.leader = leaders[0]
+        self._trials = trials
+        self._leaders = [_Drive.of(trials.space, each) for each in leaders]
+        self.best = self._leaders[0]
+        self.origin: Origin = "search"
+        self.moves = 0
         self.interrupted = interrupted
         self.sawtooth: dict[str, Value] | None = None
         self.slices: list[Slice] = []
         self.fresh: dict[str, Judged] = {}
-        self._trials, self._leaders = trials, leaders
 
     def judge(self, fresh: int, seed: int) -> None:
         trials, space = self._trials, self._trials.space
         try:
             choosing = _draws(space.scenario, fresh, seed, _CHOOSING)
-            changes = [space.changes(each.arm, each.point) for each in self._leaders]
-            place = self._best(changes, choosing)
-            self.leader = self._leaders[place]
-            if not self.interrupted:
-                self.sawtooth = self._best_sawtooth(choosing)
-                about = _draws(space.scenario, ABOUT, seed, _LANDSCAPE)
-                judged = functools.partial(trials.judged, draws=about, stage="landscape")
-                self.slices = slices(space, self.leader, trials.goal.sign, judged)
-            compared: dict[str, Any] = {"start": played(space, {}), "best": changes[place]}
-            if self.sawtooth is not None:
-                compared["sawtooth"] = played(space, self.sawtooth)
+            self.best = self._chosen(self._leaders, choosing)
+            drives: dict[str, Changes] = {"start": played(space, {}), "best": self.best.changes}
+            found = None if self.interrupted else self._best_sawtooth(choosing)
+            if found is not None:
+                self.sawtooth = found.values
+                drives["sawtooth"] = found.changes
             others = _draws(space.scenario, fresh, seed, _FRESH)
-            found = trials.judged(list(compared.values()), others, "fresh draws")
-            self.fresh = dict(zip(compared, found, strict=True))
+            judged = trials.judged(list(drives.values()), others, "fresh draws")
+            self.fresh = dict(zip(drives, judged, strict=True))
+            search, sawtooth = self.fresh["best"], self.fresh.get("sawtooth")
+            if found and sawtooth and self._order(sawtooth) < self._order(search):
+                self.best, self.origin = found, "sawtooth"
+                self.fresh.update(search=search, best=sawtooth)
+            if not self.interrupted:
+                self._climb(others, _draws(space.scenario, ABOUT, seed, _LANDSCAPE))
         except KeyboardInterrupt:
             self.interrupted = True
 
-    def _best(self, drives: Sequence[Changes], draws: Sequence[Scenario]) -> int:
-        judged = self._trials.judged(drives, draws, "choosing")
+    def _climb(self, fresh: Sequence[Scenario], about: Sequence[Scenario]) -> None:
+        """Look at the neighbours, and go to the best as long as it is better on fresh draws too."""
+        trials, space, sign = self._trials, self._trials.space, self._trials.goal.sign
+        judged = functools.partial(trials.judged, draws=about, stage="landscape")
+        while self.best.place is not None:
+            arm, point = self.best.place
+            self.slices, better = slices(space, arm, point, sign, judged)
+            if better is None or self.moves == MOST_MOVES:
+                return
+            changes = space.changes(arm, better)
+            known, new = (judged([changes], draws=each)[0] for each in (trials.draws, fresh))
+            if not known.feasible or self._order(new) >= self._order(self.fresh["best"]):
+                return
+            self.best = _Drive(space.values(arm, better), changes, known, (arm, better))
+            self.fresh.setdefault("search", self.fresh["best"])
+            self.fresh["best"] = new
+            self.moves += 1
+
+    def _order(self, judged: Judged) -> tuple[float, float]:
         # What passes a limit in no draw of the search may pass it in one of many others: that is
         # told, and costs it nothing here, or a drive at its limit would lose to any far from it.
-        sign = self._trials.goal.sign
-        ranks = [(each.failed, -sign * each.score if not each.failed else 0.0) for each in judged]
-        return ranks.index(min(ranks))
+        failed = judged.failed
+        return failed, 0.0 if failed else -self._trials.goal.sign * judged.score
 
-    def _best_sawtooth(self, choosing: Sequence[Scenario]) -> dict[str, Value] | None:
+    def _chosen(self, drives: Sequence[_Drive], draws: Sequence[Scenario]) -> _Drive:
+        judged = self._trials.judged([each.changes for each in drives], draws, "choosing")
+        order = [self._order(each) for each in judged]
+        return drives[order.index(min(order))]
+
+    def _best_sawtooth(self, choosing: Sequence[Scenario]) -> _Drive | None:
         """None where the drive is a program, or no sawtooth satisfies the limits."""
         trials, space = self._trials, self._trials.space
         if space.scenario.drive.mode == "program":
             return None
         evaluate = functools.partial(trials.judged, draws=trials.draws, stage="sawtooths")
-        points = sawtooths(space, trials.goal, evaluate)
-        drives = [played(space, each) for each in points]
-        judged = evaluate(drives)
-        ranks = [each.rank(trials.goal.sign) for each in judged]
-        order = sorted(range(len(points)), key=lambda place: ranks[place])[: len(self._leaders)]
-        leading = [place for place in order if judged[place].feasible]
-        if not leading:
-            return None
-        return points[leading[self._best([drives[place] for place in leading], choosing)]]
+        values = sawtooths(space, trials.goal, evaluate)
+        places = [None if space.periodic else space.place(each) for each in values]
+        changes = [
+            played(space, each) if place is None else space.changes_or_error(*place)
+            for each, place in zip(values, places, strict=True)
+        ]
+        judged = evaluate(changes)
+        made = map(_Drive, values, changes, judged, places)
+        drives = sorted(made, key=lambda each: each.known.rank(trials.goal.sign))[:LEADERS]
+        leading = [each for each in drives if each.known.feasible]
+        return self._chosen(leading, choosing) if leading else None
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """A drive that may be taken: by names, as changes, in the search's draws, and in the space."""
+
+    values: dict[str, Value]
+    changes: Changes
+    known: Judged
+    place: tuple[int, Array] | None  # arm and point; None of a sawtooth beside a free waveform
+
+    @staticmethod
+    def of(space: DesignSpace, found: Candidate[Judged]) -> _Drive:
+        place = found.arm, found.point
+        return _Drive(space.values(*place), space.changes(*place), found.known, place)
 
 
 def _draws(scenario: Scenario, count: int, seed: int, stream: int) -> list[Scenario]:

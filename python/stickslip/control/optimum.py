@@ -6,24 +6,32 @@ import functools
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.one_line import OneLine
 from stickslip.control.design_space import DesignSpace
-from stickslip.control.goal import FIGURES, Goal, Judged
-from stickslip.control.landscape import NEAR, PLATEAU, Slice
-from stickslip.scenario.keys import Value
+from stickslip.control.goal import Goal, Judged, judge
+from stickslip.control.landscape import Kind, Slice
+from stickslip.scenario.keys import RECORD_RATE, Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_text
+from stickslip.simulation.note import shown_lines
+from stickslip.simulation.run import Run
+from stickslip.simulation.simulate import simulate
 
 BEST, VOLTAGES, MAP, PAGE = FILES = "best.toml", "best.csv", "best.map.json", "report.html"
 """Names of the files of `Optimum.save_report`; the voltages are there with a free waveform only."""
 
 ACTIVE = 0.02
 """Part of a limit up to which its figure counts as at it; chosen."""
+
+
+_FEW = 6  # names on a line; chosen
+
+Origin = Literal["search", "sawtooth"]
 
 
 class SearchInterrupted(KeyboardInterrupt):
@@ -56,20 +64,26 @@ class Optimum(OneLine):
     start : Scenario
         What the search began with.
     values : dict
-        Words and numbers that were free, by name; knots are volts.
+        Words and numbers that were free, by name; knots are volts. Of a sawtooth that is taken
+        beside a free waveform all its keys.
     space : DesignSpace
         What was free.
     goal : Goal
+    origin : {"search", "sawtooth"}
+        Whose drive is the best: that of the search, or the reference sawtooth, which was better.
+    moves : int
+        Neighbours that were better and taken, one after another.
     judged : Judged
         The best in the draws of the search, which favour it.
     fresh : dict of Judged
-        ``"start"``, ``"sawtooth"`` and ``"best"`` in fresh draws; without the sawtooth where there
-        is none, and empty after Ctrl-C twice.
+        ``"start"``, ``"search"``, ``"sawtooth"`` and ``"best"`` in fresh draws; without the search
+        where its drive is the best, without the sawtooth where there is none, and empty after
+        Ctrl-C twice.
     sawtooth : dict or None
         The reference sawtooth by its keys, the best of a grid; None where none satisfies the
         limits, the start is a program of voltages, or Ctrl-C came before.
     slices : list of Slice
-        The landscape about the best, in draws that chose nothing; empty after Ctrl-C.
+        The landscape about the best; empty after Ctrl-C, or of a sawtooth beside a free waveform.
     draws, runs : int
         Draws in the search, and its simulations.
     seed : int
@@ -84,6 +98,8 @@ class Optimum(OneLine):
     values: dict[str, Value]
     space: DesignSpace
     goal: Goal
+    origin: Origin
+    moves: int
     judged: Judged
     fresh: dict[str, Judged]
     sawtooth: dict[str, Value] | None
@@ -108,41 +124,81 @@ class Optimum(OneLine):
             if limit - self.judged.worst[name] <= ACTIVE * abs(limit)
         ]
 
-    @property
-    def at_ends(self) -> list[Slice]:
-        """Free numbers that are best at an end of their range."""
-        return [each for each in self.slices if each.at_end]
+    @functools.cached_property
+    def run(self) -> Run:
+        """A run of the best drive at the middle of what is uncertain, without a record."""
+        return simulate(self.scenario.replace({RECORD_RATE: "none"}))
 
     @property
-    def beaten(self) -> bool:
-        """Whether the reference sawtooth is better on fresh draws than the best of the search."""
-        if "sawtooth" not in self.fresh:
-            return False
-        ahead = self.fresh["sawtooth"].score - self.fresh["best"].score
-        return self.goal.sign * ahead > 0.0
+    def findings(self) -> list[str]:
+        """What a reader should know of how the drive was found, a line each."""
+        lines = []
+        if self.origin == "sawtooth":
+            lines.append("the best sawtooth of the grid is better than the search")
+        if self.moves:
+            times = f", {self.moves} times" if self.moves > 1 else ""
+            lines.append(f"a neighbour is better within the limits, and is taken{times}")
+        return lines + ([self.beyond] if self.beyond else [])
+
+    @property
+    def beyond(self) -> str:
+        """Where the best drive is beyond its limits, in one line; empty if nowhere."""
+        found = {"the run at the middle": judge(self.goal, [self.run])}
+        if "best" in self.fresh:
+            best = self.fresh["best"]
+            found[f"{best.exceeding} of {len(best.figures)} fresh draws"] = best
+        found = {where: judged for where, judged in found.items() if judged.exceeding}
+        if not found:
+            return ""
+        whole = [each for each in found.values() if not each.failed]
+        worst = {
+            name: max(each.worst[name] for each in whole) for name in self.goal.limits if whole
+        }
+        passed = self.goal.passed(worst) + ["a simulation fails"] * (len(whole) < len(found))
+        return f"beyond the limits in {' and '.join(found)}: {', '.join(passed)}"
+
+    @property
+    def drive_lines(self) -> list[str]:
+        """The values of the best drive, a line for each key and for the knots of each coil."""
+        knots: dict[str, list[str]] = {}
+        lines = []
+        for name, value in self.values.items():
+            coil, _, number = name.partition(" ")
+            if number:
+                knots.setdefault(coil, []).append(f"{value:.4g}")
+            elif isinstance(value, str):
+                lines.append(f"{name} = {value}")
+            else:
+                unit = known_keys()[name].unit.strip("1-")
+                lines.append(f"{name} = {value:.6g} {unit}".rstrip())
+        return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
 
     def summary(self) -> str:
         """What was found, in some lines."""
         goal, unit = self.goal, self.goal.unit
         best = "largest" if goal.sign > 0.0 else "least"
-        lines = [f"{best} {goal.figure} found, {goal.score} of {self.draws} draw(s), {unit}:"]
-        lines.append(f"  search    {self.judged.score:.6g}")
-        for name in ("start", "sawtooth", "best"):
+        lines = [f"{best} {goal.figure} found, {goal.score} of the draws, {unit}:"]
+        lines.append(f"  {'best':<9} {self.judged.score:.6g} on {self.draws} draw(s) of the search")
+        for name in ("start", "sawtooth", "search", "best"):
             if name in self.fresh:
                 lines.append(f"  {name:<9} {self._on_fresh(self.fresh[name])}")
         if self.sawtooth is None:
             lines.append("  no sawtooth to compare with")
-        if self.beaten:
-            lines.append("  the sawtooth is better than the best that the search found")
-        for name, limit in goal.limits.items():
-            worst = self.judged.worst[name]
+        lines += [f"  {line}" for line in self.findings]
+        lines.append("the best drive:")
+        flight = f"in flight {100.0 * self.run.summary()['airborne_fraction']:.3g} % of the time"
+        shown = (*self.drive_lines, flight, *shown_lines(self.run.notes))
+        lines += [f"  {line}" for line in shown]
+        lines.append("its limits, in every draw of the search:")
+        for name, worst in self.judged.worst.items():
             active = ", active" if name in self.active else ""
-            lines.append(f"  {name} {worst:.6g} of {limit:.6g} {FIGURES[name].unit}{active}")
-        if self.slices:
-            peaks = [each.axis.name for each in self.slices if each.kind == "peak"]
-            shown = ", ".join(peaks) or "none"
-            step, cost = 100.0 * NEAR, 100.0 * PLATEAU
-            lines.append(f"  a change of {step:g} % of its range costs over {cost:g} %: {shown}")
+            lines.append(f"  {goal.beside_limit(name, worst)}{active}")
+        for kind in get_args(Kind):
+            names = [each.axis.name for each in self.slices if each.kind == kind]
+            if names:  # plateaus ask for no care: many of them need no names
+                many = kind == "plateau" and len(names) > _FEW
+                told = f"{len(names)} numbers" if many else ", ".join(names)
+                lines.append(f"  on a {kind}: {told}")
         lines.append(f"  {self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
 
@@ -159,10 +215,15 @@ class Optimum(OneLine):
             "maximise": self.goal.sign > 0.0,
             "score": self.goal.score,
             "values": self.values,
+            "origin": self.origin,
+            "moves": self.moves,
+            "beyond_limits": self.beyond or None,
+            **{name: self.run.summary()[name] for name in ("airborne_fraction", "notes")},
             "search": self._judged(self.judged),
             "fresh": {name: self._judged(each) for name, each in self.fresh.items()},
             "sawtooth": self.sawtooth,
             "limits": dict(self.goal.limits),
+            "default_limits": list(self.goal.assumed),
             "active": self.active,
             "landscape": [
                 {
@@ -219,7 +280,10 @@ class Optimum(OneLine):
 
         folder = Path(out)
         writers = {
-            folder / BEST: text_writer(scenario_text(self.scenario, VOLTAGES, MAP)),
+            folder / BEST: text_writer(
+                (f"# {self.beyond}\n" if self.beyond else "")
+                + scenario_text(self.scenario, VOLTAGES, MAP)
+            ),
             folder / PAGE: text_writer(page_text(self)),
         }
         program = self.scenario.drive.program

@@ -28,7 +28,7 @@ _PERIODS = 3  # shown; chosen: one and what it repeats
 _SAMPLES = 400  # a period; chosen: an edge is a dot of the picture wide
 _COLUMNS = 4  # slices in a row of the landscape
 _COLOURS = dict(zip(COIL_NAMES, (BLUE, GREEN, ORANGE, PURPLE, VERMILION), strict=True))
-COMPARED = {"start": DARK_GREY, "sawtooth": ORANGE, "best": BLUE}
+COMPARED = {"start": DARK_GREY, "search": GREEN, "sawtooth": ORANGE, "best": BLUE}
 """Colours of the drives that are compared."""
 
 

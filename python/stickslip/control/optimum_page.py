@@ -10,11 +10,13 @@ from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
 from stickslip.control.optimum import ACTIVE, Optimum
 from stickslip.control.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.note import shown_lines
 
 
 def page_text(found: Optimum) -> str:
     """The page as text."""
-    fresh = found.as_dict()["fresh"]
+    result = found.as_dict()
+    fresh = result["fresh"]
     return html_page.page_text(
         "control/optimum.html",
         found=found,
@@ -23,11 +25,12 @@ def page_text(found: Optimum) -> str:
         gain=_gain(found),
         keys=known_keys(),
         numbers=FIGURES,
-        units={axis.name: axis.unit for axis in found.space.axes},
         shown=shown,
         share="{:.0%}".format,
         grid=POINTS,
         about=ABOUT,
+        flight=result["airborne_fraction"],
+        notes=shown_lines(found.run.notes),
         near=NEAR,
         plateau=PLATEAU,
         active=ACTIVE,
@@ -47,7 +50,7 @@ def shown(value: float | str, unit: str) -> str:
 
 def _gain(found: Optimum) -> str:
     """Ratio of the best's score to the sawtooth's on fresh draws, where it says something."""
-    if "sawtooth" not in found.fresh or found.goal.sign < 0.0:
+    if found.origin == "sawtooth" or "sawtooth" not in found.fresh or found.goal.sign < 0.0:
         return ""
     reference = found.fresh["sawtooth"].score
     return f"{found.fresh['best'].score / reference:.2f}" if reference > 0.0 else ""

@@ -14,8 +14,10 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import counted_draws
+from stickslip.simulation.note import notes_json
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import Progress
+from stickslip.sweeping.notes import notes_of_points
 from stickslip.sweeping.plane_velocities import plane_velocities
 from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
 from stickslip.sweeping.results import NUMBERS, OK, Results
@@ -184,6 +186,7 @@ def _dataset(
             **about_draws,
             "failed_draws": int(failed.sum()),
             "statuses": json.dumps(results.counts()),
+            "notes": notes_json(notes_of_points(drawn, results, "simulations")),
             "message": results.messages.get(min(results.messages, default=0), ""),
         },
     )

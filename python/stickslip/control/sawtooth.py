@@ -1,4 +1,7 @@
-"""The reference sawtooth of an optimised drive: the best of a grid, under the same limits."""
+"""The reference sawtooth of an optimised drive: the best of a grid, under the same limits.
+
+Of a sawtooth, too, only what is free changes.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.control.design_space import DesignSpace, as_long, as_program, drive_waveform
+from stickslip.control.design_space import DesignSpace, as_program, drive_waveform
 from stickslip.control.goal import Changes, Evaluate, Goal, Judged
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
+from stickslip.scenario.sections import COIL_NAMES
 
 Grid = Mapping[str, Sequence[Any]]
 
@@ -40,11 +44,11 @@ _BELOW = 0.999  # chosen: a field is not quite proportional where the robot move
 def sawtooths(
     space: DesignSpace, goal: Goal, evaluate: Evaluate, grid: Grid = GRID
 ) -> list[dict[str, Value]]:
-    """All sawtooths of a grid as values of keys.
+    """The sawtooths of a grid, each once and as near as what is free allows, as values of keys.
 
-    They last as long as the start's drive. Limits on voltage, current, field and power decide how
-    high each is; without them all have the top of the peaks that are free, or the start's peak.
-    `evaluate` judges drives in the draws in which the limits have to hold.
+    Where the peak is free, limits on voltage, current, field and power decide how high each is;
+    without them all have the top of the peaks that are free, or the start's peak. `evaluate` judges
+    drives in the draws in which the limits have to hold.
     """
     ends = [axis.high for axis in space.axes if axis.name == "drive.peak"]
     top = max([*ends, 0.0]) or space.scenario.drive.peak
@@ -52,15 +56,29 @@ def sawtooths(
         {"drive.peak": 1.0, **dict(zip(grid, each, strict=True))}
         for each in itertools.product(*grid.values())
     ]
-    unscaled = [_scaled(as_long(space.scenario, each), top) for each in shapes]
-    growing = [name for name in goal.limits if name in _GROWTH]
+    growing = [name for name in goal.limits if name in _GROWTH and (ends or space.periodic)]
+    kept = _FIELDS if growing else ()  # until they are scaled
+    found = _each_once(space, [_scaled(each, top) for each in shapes], kept)
+    if space.periodic and found:  # a sawtooth drives no coil that the waveform may not
+        drive = space.scenario.drive
+        asked = drive_waveform(space.scenario.replace(found[0])).voltages([drive.ramp])[0]
+        if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.periodic.coils):
+            return []
     if not growing:
-        return unscaled
-    measured = evaluate([played(space, values) for values in unscaled])
-    return [
+        return found
+    measured = evaluate([played(space, values) for values in found])
+    scaled = [
         _scaled(values, min(_room(goal, each, name) for name in growing), *ends)
-        for values, each in zip(unscaled, measured, strict=True)
+        for values, each in zip(found, measured, strict=True)
     ]
+    return _each_once(space, scaled)
+
+
+def _each_once(
+    space: DesignSpace, shapes: Sequence[dict[str, Value]], kept: Sequence[str] = ()
+) -> list[dict[str, Value]]:
+    allowed = [{**space.nearest(each), **{name: each[name] for name in kept}} for each in shapes]
+    return list({tuple(each.items()): space.as_long(each) for each in allowed}.values())
 
 
 def _room(goal: Goal, judged: Judged, name: str) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -117,10 +118,10 @@ def search(
     MissingExtra
         If the library ``cma`` is missing.
     """
-    cma = _library() if any(len(start) for start in starts) else None
     found: Found[T] = Found()
-    alive = [_Arm(index, start, cma, seed, step) for index, start in enumerate(starts)]
+    alive = [_Arm(index, start, seed, step) for index, start in enumerate(starts)]
     try:
+        # Before the library, whose import takes seconds: an interrupt in it has a best.
         _compare(alive, [[arm.start] for arm in alive], evaluate, found)
         for left in range(math.ceil(math.log2(len(alive))) + 1, 0, -1):
             target = found.count + (budget - found.count) / left
@@ -146,10 +147,10 @@ def search(
 class _Arm:
     """One start with its strategy."""
 
-    def __init__(self, index: int, start: Array, cma: Any, seed: int, step: float) -> None:
+    def __init__(self, index: int, start: Array, seed: int, step: float) -> None:
         self.index, self.start = index, start
         self.best: Key = (math.inf,)
-        self._cma, self._step = cma, step
+        self._step = step
         self._random = np.random.default_rng([seed, index])
         self._strategy: Any = None
         self._left: list[Array] = []
@@ -179,7 +180,7 @@ class _Arm:
         options = {**_SILENT, "randn": lambda *shape: self._random.standard_normal(shape)}
         if size is not None:
             options["popsize"] = size
-        self._strategy = self._cma.CMAEvolutionStrategy(point, self._step, options)
+        self._strategy = _library().CMAEvolutionStrategy(point, self._step, options)
 
     @staticmethod
     def _padded(point: Array) -> Array:
@@ -204,5 +205,6 @@ def _compare(
 
 
 def _library() -> Any:
-    with naming_the_extra("stickslip.optimise"):
-        return importlib.import_module("cma")
+    # In a thread of its own Ctrl-C ends no import halfway: a report needs packages that it loads.
+    with naming_the_extra("stickslip.optimise"), ThreadPoolExecutor(1) as thread:
+        return thread.submit(importlib.import_module, "cma").result()

@@ -43,6 +43,9 @@ from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import refuse_uncertain_geometry
 from stickslip.simulation.scenario_notes import peak_voltages
+from stickslip.sweeping.notes import notes_of_points
+from stickslip.sweeping.points import from_changes
+from stickslip.sweeping.run_sweep import simulated
 
 # Most pulses of a low-fidelity simulation. Chosen: the first that is measured differs from the mean
 # of 8 by 0.05 standard errors, and from that of 30 by 0.25; the first stages inflate these errors.
@@ -130,10 +133,20 @@ def diagnose_measurement(
     # The steps know nothing of drives and tables.
     of_conditions = [start_up_included(walks.conditions), standing_still(*walks.seen)]
     of_tables = [fact for each in observables for fact in each.notes]
-    notes = (*filter(None, of_conditions), *found.notes, *of_tables)
+    of_runs = _notes_of_runs(scenario, walks.conditions, threads)
+    notes = (*filter(None, of_conditions), *found.notes, *of_tables, *of_runs)
     left_out = (*(fact for each in observables for fact in each.left_out), *lost)
     posed = PosedProblem(model, walks.conditions, simulator, given, left_out, bent)
     return replace(found, notes=notes), posed
+
+
+def _notes_of_runs(scenario: Scenario, conditions: Conditions, threads: int) -> list[Fact]:
+    """What the stated model's runs at the conditions are noted for."""
+    if not conditions:
+        return []
+    points = from_changes(scenario, conditions)
+    notes = notes_of_points(points, simulated(points, threads, None), "conditions")
+    return [Fact(Code.STATED_RUNS, {"note": each.code, "text": each.text}) for each in notes]
 
 
 def _suspects(of_tables: Sequence[Sequence[Cause]]) -> dict[str, Cause]:

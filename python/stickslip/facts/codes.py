@@ -16,6 +16,7 @@ class Code(str, Enum):
     SETTING_REFUSED = "setting-refused"  #: Rows with a setting that no scenario can have.
     SETTING_TOO_LARGE = "setting-too-large"  #: Rows with a setting so large that its unit is wrong.
     SETTING_TOO_SMALL = "setting-too-small"  #: Rows with a setting so small that its unit is wrong.
+    EQUAL_SETTINGS = "equal-settings"  #: Values of a setting that count as one.
     OUTLIER = "outlier"  #: A trial absurdly far from the others of its condition.
     TOO_FAST = "too-fast"  #: Velocities so large that their unit must be wrong.
     BAD_CELLS = "bad-cells"  #: Rows with a cell that is no number, too few cells or too many.
@@ -30,6 +31,7 @@ class Code(str, Enum):
     FRAMES_NOT_NEEDED = "frames-not-needed"  #: Frames beyond those that are enough.
     FRAME_RATE_NOT_USED = "frame-rate-not-used"  #: The stated rate contradicts the times of frames.
     RUN_TOO_SHORT = "run-too-short"  #: A film with too few sound frames.
+    RUN_TIME_UNIT = "run-time-unit"  #: A film whose times can only be in ms or numbers of frames.
     RUN_ANGLE_UNIT = "run-angle-unit"  #: A film whose angles can only be in degrees.
     RUN_LENGTH_UNIT = "run-length-unit"  #: A film whose places can only be in mm or um.
     RUN_STANDS_STILL = "run-stands-still"  #: A film in which nothing changes.
@@ -58,6 +60,7 @@ class Code(str, Enum):
     MODEL_JUMPS = "model-jumps"  #: The model itself jumps by more than the noise.
     NO_RESPONSE = "no-response"  #: Causes that change no prediction.
     FEW_PULSES = "few-pulses"  #: Drives so short that their velocities include the start-up.
+    STATED_RUNS = "stated-runs"  #: What the runs of the stated model are noted for.
     STANDS_STILL = "stands-still"  #: Conditions that read zero where the stated model moves.
     READING_NOISE = "reading-noise"  #: Noise of an angle or a field, widened as it is an estimate.
     #: The noise found is below what a reading can have, which is taken.

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip._util.number_text import comma_hint
+from stickslip._util.unit_factor import factor_text
 from stickslip.facts.codes import Code
 from stickslip.scenario.keys import shown
 
@@ -50,7 +51,11 @@ def mismatch(f: Fields, whose: str = "what the stated model gives") -> str:
         f"about {f['ratio']:.3g} times {whose} ({f['measured']:.3g} against {f['usual']:.3g} "
         f"{f['unit']}; allowed is {low:g} to {high:g} times)"
     )
-    return f"{text}, so a column may be in a unit that is wrong by 1000" if f["by_1000"] else text
+    factor = f["unit_factor"]
+    if factor is None:
+        return text
+    size = factor_text(max(factor, 1.0 / factor))
+    return f"{text}, so a column may be in a unit that is wrong by {size}"
 
 
 def _listed(names: Sequence[str], most: int = 4) -> str:
@@ -74,8 +79,16 @@ def _column_is(f: Fields) -> str:
 
 
 def _wrong_unit(f: Fields) -> str:
-    factor = {1000.0: "1000", 0.001: "1/1000"}.get(f["unit_factor"])
-    return "" if factor is None else f"; the factor of {factor} is that of a wrong unit"
+    factor = f["unit_factor"]
+    if factor is None:
+        return ""
+    return f"; the factor of {factor_text(factor)} is that of a wrong unit"
+
+
+def _to_seconds(f: Fields) -> str:
+    if f["factor"] is None:
+        return "divide ms by 1000, numbers of frames by the frame rate"
+    return f"divide them by {f['factor']:.7g}"
 
 
 def _first_conditions(f: Fields) -> str:
@@ -250,6 +263,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "mismatch": mismatch,
     "mismatch_of_fastest": lambda f: mismatch(f, "the stated model's fastest"),
     "wrong_unit": _wrong_unit,
+    "to_seconds": _to_seconds,
     "stated_problem": lambda f: str(f["problem"].rstrip(".")),
     "conditions_are": lambda f: "condition is" if f["count"] == 1 else "conditions are",
     "first_conditions": _first_conditions,

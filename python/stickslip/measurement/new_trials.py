@@ -13,13 +13,14 @@ from stickslip.scenario.scenario import Scenario
 
 _OF_THE_WHOLE = (
     Code.ROWS_LEFT_OUT,
+    Code.EQUAL_SETTINGS,
     Code.OUTLIER,
     Code.COMMENTS,
     Code.EMPTY_COLUMNS,
     Code.COLUMNS_NOT_USED,
 )
-"""Facts that blame no cell: how many rows are wrong, a trial that others contradict, what is beside
-the rows."""
+"""Facts that blame no cell: how many rows are wrong, settings that count as one, a trial that
+others contradict, what is beside the rows."""
 
 
 def read_new_trials(
@@ -48,9 +49,8 @@ def read_new_trials(
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
     try:
-        data, left_out = read_velocity(
-            path, table._replace(rows=filled), scenario, relative_sd, word
-        )
+        table = table._replace(rows=filled)
+        data, left_out = read_velocity(path, table, scenario, relative_sd, word, earlier)
     except NothingSound as error:
         raise _refused(path, error.fact.fields["why"]) from None
     for fact in left_out:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -257,7 +257,7 @@ def _tables(
                 raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
             try:
-                found, facts = _table(observable, file, entry, scenario)
+                found, facts = _table(observable, file, entry, scenario, tables["velocity"])
             except NothingSound as error:
                 found, facts = None, [error.fact]
             tables[observable] += [] if found is None else [found]
@@ -266,11 +266,15 @@ def _tables(
 
 
 def _table(
-    observable: str, file: Path, entry: Mapping[str, Any], scenario: Scenario
+    observable: str,
+    file: Path,
+    entry: Mapping[str, Any],
+    scenario: Scenario,
+    earlier: Sequence[VelocityData],
 ) -> tuple[Any, list[Fact]]:
     if observable == "velocity":
-        rows, stated = read_rows(file, velocity_units()), entry.get("velocity_sd")
-        return read_velocity(file, rows, scenario, _relative_sd(stated))
+        rows, sd = read_rows(file, velocity_units()), _relative_sd(entry.get("velocity_sd"))
+        return read_velocity(file, rows, scenario, sd, earlier=earlier)
     if observable == "tracking":
         return read_tracking(file, entry, scenario)
     return read_numbers(file, _COLUMNS[observable])

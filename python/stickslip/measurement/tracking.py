@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip._util.equal_numbers import are_equal
 from stickslip._util.number_text import highest, is_number
 from stickslip._util.one_line import OneLine
+from stickslip._util.unit_factor import unit_meant
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import read_numbers, stated_number
@@ -29,6 +31,15 @@ FEWEST = 20
 # Path that no robot of this size walks in one film, m: it would leave the coils. A median tilt that
 # no walking robot has, rad. Beyond these the unit is wrong.
 _LONGEST, _TURNS = 0.1, 2.0 * math.pi
+
+_PATH = 1e-3
+"""Path that a robot walks in one film, about, m; what is in another unit is compared with it."""
+
+_PART = 30.0
+"""Ratio of the last time to 1000 times the drive's end within which times are in ms. Chosen: a film
+may show a thirtieth of the drive."""
+
+_MS_OR_NUMBERS = "ms or numbers of frames"
 
 _OTHER_RATE = 0.02
 """Relative difference of the stated rate from that of the times. Chosen: rounding causes less."""
@@ -86,6 +97,9 @@ def read_tracking(
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL)
+    unit = _unit_of_times(columns["t"], rate, own.window[1])
+    if unit is not None:
+        return None, [*left_out, unit.of(table=path.name)]
     columns, facts = _usable_frames(path.name, columns, own.window[1])
     left_out += facts
     why = _too_little(columns, own)
@@ -124,6 +138,31 @@ def _exposure(value: object, rate: float) -> float:
     return float(value)
 
 
+def _unit_of_times(times: Array, rate: float, end: float) -> Fact | None:
+    """A fact if times can only be in ms or numbers of frames, as hardly one is before the `end`.
+
+    `rate` is the stated one, Hz, or NaN.
+    """
+    different = np.unique(times)
+    if len(different) < 2 or different[-1] <= end:
+        return None
+    spacing = float(np.median(np.diff(different)))
+    counted = are_equal(spacing, 1.0)
+    found: tuple[str, float | None] | None = None
+    if math.isfinite(rate):
+        found = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
+        if counted and rate > 1.0 + _OTHER_RATE:
+            found = ("numbers of frames" if found is None else _MS_OR_NUMBERS), rate
+    elif np.sum(different < end) < FEWEST:
+        found = unit_meant("s", float(different[-1]) / end, _PART)
+        found = (_MS_OR_NUMBERS, None) if counted and found is not None else found
+    if found is None:
+        return None
+    meant, factor = found
+    of_times = {"spacing": spacing, "last": float(different[-1]), "meant": meant}
+    return Fact(Code.RUN_TIME_UNIT, {**of_times, "factor": factor})
+
+
 def _usable_frames(
     name: str, table: Mapping[str, Array], end: float
 ) -> tuple[dict[str, Array], list[Fact]]:
@@ -159,7 +198,8 @@ def _too_little(table: Mapping[str, Array], scenario: Scenario) -> Fact | None:
         return Fact(Code.RUN_ANGLE_UNIT, {"theta": turn, "limit": _TURNS})
     way = float(np.ptp(table["x"]))
     if way > _LONGEST:
-        return Fact(Code.RUN_LENGTH_UNIT, {"span": way, "limit": _LONGEST})
+        meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("mm or um", None)
+        return Fact(Code.RUN_LENGTH_UNIT, {"span": way, "limit": _LONGEST, "meant": meant})
     if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
         return Fact(Code.RUN_STANDS_STILL, {})
     return None

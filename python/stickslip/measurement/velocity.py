@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip._util.arrays import Array, Indices, Mask
+from stickslip._util.equal_numbers import RELATIVE, representatives
 from stickslip._util.number_text import number
 from stickslip._util.one_line import OneLine
+from stickslip._util.unit_factor import unit_factor, unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
@@ -33,6 +35,12 @@ from stickslip.scenario.scenario import Scenario
 FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
 paper's robots walk some mm/s."""
+
+_USUAL = 1e-3
+"""The size that velocities in another unit are compared with, m/s; the paper's, about."""
+
+_ALIKE = 1.1
+"""Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
 
 _STRONGEST, _SLOWEST = 0.1, 0.2
 """Fields above, T, and frequencies below, Hz, are in another unit. Chosen: the coils of the paper
@@ -126,23 +134,31 @@ def with_index_columns(table: Any) -> Any:
 
 
 def read_velocity(
-    path: Path, table: Rows, scenario: Scenario, relative_sd: float, word: str = "line"
+    path: Path,
+    table: Rows,
+    scenario: Scenario,
+    relative_sd: float,
+    word: str = "line",
+    earlier: Sequence[VelocityData] = (),
 ) -> tuple[VelocityData, list[Fact]]:
     """The sound rows of a table of velocities, and what was left out of it.
 
     The scenario gives the drive settings that have no column; `relative_sd` is the relative error
-    of one trial, NaN if not known. Messages name the path, and call a row `word`.
+    of one trial, NaN if not known. Messages name the path, and call a row `word`. Settings that are
+    equal to one of the scenario or of the `earlier` tables become that one.
     """
     others = check_columns(path, table.header, ["velocity"], list(velocity_units()))
     trials, left_out = _sound_rows(path, table, scenario, word, others)
-    left_out = [*left_out, *table.left_out, *not_used(path, others)]
+    known = [each for data in earlier for each in data.conditions]
+    trials, merged = _with_equal_settings(path.name, trials, scenario, known)
+    left_out += [*table.left_out, *not_used(path, others), *merged]
     velocity = np.array([each.velocity for each in trials])
     condition = _numbered([each.setting for each in trials])
     size = float(np.median(np.abs(velocity)))
     if size > FASTEST:
         raise ScenarioError(
-            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s; "
-            "divide velocities in mm/s or um/s by 1e3 or 1e6"
+            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s"
+            + _unit_hint(size)
         )
     sound = _without_outliers(path.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
@@ -163,6 +179,40 @@ def read_velocity(
         {name: tuple(each.extra[k] for each in kept) for k, name in enumerate(others)},
     )
     return data, left_out
+
+
+def _unit_hint(size: float) -> str:
+    """What to do about velocities of a size that no robot has, m/s."""
+    meant = unit_meant("m/s", size / _USUAL, math.inf)
+    return "" if meant is None else f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}"
+
+
+def _with_equal_settings(
+    table: str, trials: Sequence[_Trial], scenario: Scenario, known: Sequence[Mapping[str, Value]]
+) -> tuple[list[_Trial], list[Fact]]:
+    """The trials with one number for all that are the same setting, and where that changed any."""
+    said: list[Fact] = []
+    taken: list[Mapping[Any, Any]] = []
+    for column in zip(*(each.setting for each in trials), strict=True):
+        key, first = column[0]
+        one: dict[Any, Any] = {}
+        if isinstance(first, float):
+            given = {value for _, value in column}
+            kept = {float(each[key]) for each in known} | {float(scenario.get(key))}
+            one = representatives(given, kept)
+            count = sum(one[value] != value for value in given)
+            name = {"table": table, "column": key.partition(".")[2], "count": count}
+            if count:
+                said.append(Fact(Code.EQUAL_SETTINGS, {**name, "relative": RELATIVE}))
+        taken.append(one)
+    if not said:
+        return list(trials), said
+    merged = []
+    for each in trials:
+        pairs = zip(each.setting, taken, strict=True)
+        setting = tuple((key, one.get(value, value)) for (key, value), one in pairs)
+        merged.append(each._replace(setting=setting))
+    return merged, said
 
 
 def _numbered(values: Sequence[Any]) -> Indices:
@@ -306,7 +356,7 @@ def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: 
             "table": name,
             "velocity": float(velocity[index]),
             "others": float(level[index]),
-            "unit_factor": next((f for f in (1e3, 1e-3) if 0.9 * f < ratio < 1.1 * f), None),
+            "unit_factor": unit_factor(ratio, _ALIKE),
         }
         left_out.append(Fact(Code.OUTLIER, trial))
     return np.asarray(~far)

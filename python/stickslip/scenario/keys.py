@@ -19,6 +19,7 @@ from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
 from stickslip._util.plain_text import quoted
+from stickslip._util.unit_factor import unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.scenario.path_keys import PATHS
 
@@ -34,6 +35,9 @@ ALL_FIELDS = "all"
 DTYPES = ("float64", "float32")
 
 _MOST_DEGREES = 360.0  # a larger number is hardly an angle
+
+_USUAL = {"T": 1e-3}
+"""Size that numbers of a unit have where a key is 0 by default."""
 
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
@@ -301,14 +305,17 @@ def in_radians(degrees: float) -> str:
 
 
 def _unit_meant(key: Key, value: object) -> str:
-    """What an angle or a field beyond its range is in degrees or mT; "" for what is neither."""
-    if not isinstance(value, numbers.Real):
+    """What a number beyond its range is in degrees, mT, um or ug; "" where that is no help."""
+    if not isinstance(value, numbers.Real) or isinstance(key.default, str):
         return ""
     given = float(value)
-    if key.unit == "T" and key.low <= 1e-3 * given <= key.high:
-        return f"; {given:g} mT are {1e-3 * given:g} T"
-    within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
-    return f"; {in_radians(given)}" if key.unit == "rad" and within else ""
+    if key.unit == "rad":
+        within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
+        return f"; {in_radians(given)}" if within else ""
+    usual = abs(key.default) or _USUAL.get(key.unit, math.inf)
+    unit, factor = unit_meant(key.unit, abs(given) / usual, math.inf) or ("", math.nan)
+    within = key.low <= given / factor <= key.high
+    return f"; {given:g} {unit} are {given / factor:g} {key.unit}" if within else ""
 
 
 def recorded_fields(fields: str) -> tuple[str, ...]:

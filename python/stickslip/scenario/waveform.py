@@ -18,7 +18,13 @@ from stickslip._util.number_text import highest
 from stickslip.scenario.keys import meant
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
-from stickslip.scenario.waveform_csv import ROUNDING, read_points, write_rows
+from stickslip.scenario.waveform_csv import (
+    ROUNDING,
+    differing,
+    read_points,
+    third_at_one_time,
+    write_rows,
+)
 
 _Block = tuple[Array, Array, int]
 
@@ -49,15 +55,17 @@ class Waveform:
     Parameters
     ----------
     blocks : sequence of (times, voltages, repeats)
-        `times`, shape (n,), s, from 0, never falling; two points at one time are a jump. A time
-        that falls by no more than sums of times are rounded, 1e-12 of it, is the one before it.
+        `times`, shape (n,), s, from 0, never falling; two points at one time are a jump, and a
+        third is refused. A time that falls by no more than sums of times are rounded, 1e-12 of it,
+        is the one before it.
         `voltages`, shape (n, 5), V, in the order xp, xm, yp, ym, clamp.
 
     Raises
     ------
     ValueError
         If a block has fewer than two points or no duration, does not begin at 0, falls in time,
-        holds a value that is not finite, or is played less than once.
+        has three different points at one time, holds a value that is not finite, or is played less
+        than once.
 
     Examples
     --------
@@ -165,7 +173,8 @@ class Waveform:
     def from_csv(cls, path: str | PathLike[str]) -> Waveform:
         """Read points from a CSV file with the columns t, xp, xm, yp, ym, clamp, in any order.
 
-        Times are in s and begin at 0; a repeated time is a jump. Voltages are in V.
+        Times are in s and begin at 0; a repeated time is a jump, and a third row at one time is
+        refused. Voltages are in V.
 
         Raises
         ------
@@ -311,7 +320,7 @@ class Waveform:
         """All points with every repeat in full: times (n,) in s and voltages (n, 5) in V.
 
         Where a piece begins with the voltages that the one before ended with, the two points are
-        one.
+        one; of more than two at one time, the first and the last, which alone count, are left.
         """
         times, voltages = [], []
         start = 0.0
@@ -324,8 +333,10 @@ class Waveform:
             voltages.append(np.tile(v, (repeats, 1)))
             start = float(bounds[-1])
         t, v = np.concatenate(times), np.concatenate(voltages)
-        repeated = (t[1:] == t[:-1]) & (v[1:] == v[:-1]).all(axis=1)
-        kept = np.concatenate([[True], ~repeated])
+        between = np.zeros(len(t), dtype=bool)
+        between[1:-1] = t[2:] == t[:-2]
+        t, v = t[~between], v[~between]
+        kept = differing(t, v)
         return t[kept], v[kept]
 
     def to_core(self) -> list[_Block]:
@@ -398,6 +409,11 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
     with np.errstate(invalid="ignore"):  # what is not finite is refused by the core
         risen = np.maximum.accumulate(t)
         t = np.where(risen - t <= ROUNDING * risen, risen, t)
+    third = third_at_one_time(t, v)
+    if third is not None:
+        raise ValueError(
+            f"point {third + 1}: third point at t = {float(t[third])!r}: allowed are two, a jump"
+        )
     t.flags.writeable = False
     v.flags.writeable = False
     return t, v, int(repeats)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.atomic_files import read_bytes
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.csv_cells import read_cells
@@ -51,11 +51,12 @@ def write_rows(waveform: Waveform, path: Path) -> None:
 
 def _table(data: bytes) -> Array:
     """The columns in the order of COLUMNS; row numbers in messages are lines of the file."""
-    table = array("d")
+    table, lines = array("d"), array("l")
     line = 0
     for line, _, values in read_cells(data, _UNITS):
         _check_time(values[0], table, line)
         table.extend(values)
+        lines.append(line)
         if len(table) > _MOST_ROWS * len(COLUMNS):
             raise ScenarioError(f"row {line}: allowed are at most {_MOST_ROWS} rows of voltages")
     points = np.frombuffer(table).reshape(-1, len(COLUMNS))
@@ -63,7 +64,30 @@ def _table(data: bytes) -> Array:
         raise ScenarioError(f"has {len(points)} row(s) of voltages: allowed are two or more")
     if points[-1, 0] == 0.0:
         raise ScenarioError(f"row {line}, column t = 0.0: the last time has to be above 0")
+    third = third_at_one_time(points[:, 0], points[:, 1:])
+    if third is not None:
+        raise ScenarioError(
+            f"row {lines[third]}: third row at t = {float(points[third, 0])!r}: allowed are two, a "
+            "jump; are the times rounded, or in ms?"
+        )
     return points
+
+
+def third_at_one_time(t: Array, v: Array) -> int | None:
+    """The first point that is a third one at its time, not counting points that repeat another.
+
+    Only the first and the last of them would count. Times have shape (n,), voltages (n, 5).
+    """
+    kept = np.flatnonzero(differing(t, v))
+    times = t[kept]
+    third = np.flatnonzero(times[2:] == times[:-2])
+    return int(kept[third[0] + 2]) if len(third) else None
+
+
+def differing(t: Array, v: Array) -> Mask:
+    """Which points are not the one before them again."""
+    again = (t[1:] == t[:-1]) & (v[1:] == v[:-1]).all(axis=1)
+    return np.concatenate([[True], ~again])
 
 
 def _check_time(time: float, table: array[float], row: int) -> None:

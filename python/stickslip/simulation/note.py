@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -18,7 +19,8 @@ CODES = (
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     # Values in another unit, as far as can be seen.
-    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass", "rows-at-one-time",
+    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
+    "unit-inductance",
     # Other values that are hardly meant so.
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
     # What a reader should know, without a fault.
@@ -63,3 +65,13 @@ def shown_lines(notes: Iterable[Note]) -> list[str]:
     texts = [note.text for note in by_seriousness(notes)]
     more = len(texts) - MOST_SHOWN
     return texts[:MOST_SHOWN] + ([f"{more} more in --json or Run.notes"] if more > 0 else [])
+
+
+def notes_json(notes: Iterable[Note]) -> str:
+    """Notes as the attribute of a netCDF file has them."""
+    return json.dumps([note.as_dict() for note in notes])
+
+
+def lines_of_json(text: str) -> list[str]:
+    """`shown_lines` of such an attribute."""
+    return shown_lines(Note(**each) for each in json.loads(text))

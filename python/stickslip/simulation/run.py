@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,6 +11,7 @@ from stickslip import _core
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
 from stickslip.scenario.state import State, made_state
 from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.record_blocks import is_csv, recorded_names, turns, write_run
 from stickslip.simulation.run_notes import run_notes
 
@@ -264,24 +266,30 @@ class Run:
         return float(along), float(across)
 
     @property
-    def notes(self) -> list[str]:
-        """What stands out, a line each; mostly none.
+    def numbers(self) -> Mapping[str, Any]:
+        """The summary without status, notes and window."""
+        return self._summary
 
-        Of the motion: a robot that never moved, or whose contact never slipped, and what holds it;
-        one that rolled over; a condition `until` that was never met; a window that is not measured
-        whole. Of the scenario, values that are
-        hardly meant so: fewer than four pulses, high voltages, pulses or a window far shorter than
-        the coils' time constant, a density that no body has, a tilt that friction does not hold,
-        adhesion of many weights, a loose tolerance.
+    @functools.cached_property
+    def notes(self) -> list[Note]:
+        """What a reader of the numbers should know, the most serious first; mostly none.
+
+        Each has a code, one line of text with what to do, and the number that it is about. Of the
+        run: not measured whole, a condition `until` that was never met, a robot at rest and what
+        holds it, one that hops, is pulled by the field's gradient, rolls over, walks out of the
+        field or has no steady velocity. Of the scenario: values that are hardly meant so, such as
+        no pulses, lengths in another unit, pulses far shorter than the coils' time constant, or a
+        loose tolerance. Why a robot rests is found by a few short simulations.
         """
-        notes = run_notes(self.scenario, {**self._summary}, self.condition_met)
+        notes = run_notes(self.scenario, self.status, self._summary, self.condition_met)
         if self.complete and self.condition and not self.condition_met:
-            notes.insert(0, f"the condition {self.condition} was not met until the end of the run")
+            text = f"the condition {self.condition} was not met until the end of the run"
+            notes.append(Note("condition-not-met", text))
         if self.ok and not self.complete and self.recorded:
-            notes.append(
-                f"the record ends at {self.recorded_until:.6g} s: it could not be written on"
-            )
-        return notes
+            until = self.recorded_until
+            text = f"the record ends at {until:.6g} s: it could not be written on"
+            notes.append(Note("record-cut", text, until))
+        return by_seriousness(notes)
 
     def summary(self) -> dict[str, Any]:
         """What the run comes to.
@@ -289,16 +297,21 @@ class Run:
         Returns
         -------
         dict
-            `status`, `message` and `notes` (list of str, see `Run.notes`); the measuring window
+            `status`, `message` and `notes` (list of dicts, see `Run.notes`); the measuring window
             from `window_start` to `window_end` (s; where the run was ended by its condition, if
             that was earlier), and over it `mean_velocity` (m/s; across x `mean_velocity_y`, 0
             in the plane y = 0; of a pulsed drive in the whole plane also `velocity_along` and
             `velocity_across`, see `velocity`), `theta_min`, `theta_max` (rad), the mean slip speeds
             `slip_up`, `slip_down`, `slip_flat` (m/s, distance that the contact slipped along +x, of
             a robot that turns along its own front, while theta rose, fell, or the body lay on a
-            face, over the window's duration), `airborne_fraction`, `field_min` (T, least field at
+            face, over the window's duration), `airborne_fraction`, `velocity_growth` (least growth
+            of the speed from a quarter of the window's pulses to the next, over the largest speed;
+            0 of a program and of fewer than four pulses), `field_min` (T, least field at
             the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T,
             largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil),
+            `pull_ratio` (largest pull of the in-plane coils' gradient on the robot, lying flat,
+            over static friction times weight and adhesion), `field_change` (by which the field of
+            the largest voltages differs where the run ends from where it begins, over the latter),
             `turning_speed` (m/s, mean of the heading's rate times the lever of the contact, which
             the model leaves out; 0 in the plane y = 0),
             `events` (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
@@ -318,7 +331,7 @@ class Run:
         return {
             "status": self.status,
             "message": self.message,
-            "notes": self.notes,
+            "notes": [note.as_dict() for note in self.notes],
             "window_start": start,
             "window_end": end,
             **core,

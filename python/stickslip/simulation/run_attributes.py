@@ -14,6 +14,7 @@ from stickslip import _core
 from stickslip.scenario.field_map import FieldMap
 from stickslip.scenario.map_files import map_text, stored_map
 from stickslip.scenario.waveform import Waveform
+from stickslip.simulation.note import notes_json
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -29,7 +30,7 @@ def attributes(run: Run) -> dict[str, Any]:
         "source": f"stickslip {_core.__version__}",
         **origin(run.scenario),
         **numbers,
-        "notes": json.dumps(summary["notes"]),
+        "notes": notes_json(run.notes),
         "events": json.dumps(summary["events"]),
         "steps": json.dumps(summary["steps"]),
         "condition_met": int(run.condition_met),

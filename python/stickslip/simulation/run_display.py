@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.html_table import html_table
 from stickslip._util.units import handy
+from stickslip.simulation.note import shown_lines
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_PLANE
 
@@ -66,7 +67,7 @@ def run_html(run: Run) -> str:
     if run.recorded:
         until = f", to {run.recorded_until:.6g} s" if math.isfinite(run.recorded_until) else ""
         rows.append(("record", f"{run.samples} samples{until}"))
-    rows += [("note", note) for note in summary["notes"]]
+    rows += [("note", line) for line in shown_lines(run.notes)]
     return html_table("Run", rows)
 
 

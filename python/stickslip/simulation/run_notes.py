@@ -1,23 +1,19 @@
-"""What stands out in a run: facts that a reader of its numbers should know."""
+"""Notes of a run: what a reader of its numbers should know."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
-from stickslip.scenario.named_effects import PREFIX
-from stickslip.simulation.scenario_notes import scenario_notes, weight
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import RECORD_RATE
+from stickslip.simulation.note import Note, by_seriousness
+from stickslip.simulation.scenario_notes import scenario_notes, weight, without_pulses
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
-
-
-_CHANGE_WHAT_HOLDS = (
-    "surface_tilt", "angle_adhesion", "adhesion_ageing", "free_adhesion_angle",
-    "free_adhesion_age", "free_contact_place",
-)  # fmt: skip
-"""Effects on weight, adhesion or their levers, as those of a user may be too."""
 
 MUCH_TURNING = 0.05
 """Parts of the mean velocity above which `turning_speed` is noted. With a steady heading near the
@@ -27,123 +23,278 @@ rigid body with eight corners walks differently by as much (docs/theory/steering
 LEAST_TURNING = 5e-5
 """Below this `turning_speed` is never noted, m/s: with a steady heading the model is within it."""
 
+FEWEST_PULSES = 20
+"""Pulses of a window from which on its quarters are compared. Chosen: quarters of fewer differ by
+chance, as the pulses of a sound walk are not all alike."""
+
+REST, WALK = 1e-3, 2e-3
+"""Parts of its length in a pulse: a robot that advances by less is at rest, one that a change makes
+advance by more walks. Chosen: walks that are worth the name make 1e-2 and more."""
+
+_TRIED_PULSES = 12  # of a trial; chosen: enough to see a step
+
 _UPRIGHT = "; at drive.base = 0 the holding coil alone turns it upright: set drive.base, say 5e-4"
 
 
-def run_notes(scenario: Scenario, summary: dict[str, Any], condition_met: bool) -> list[str]:
-    """Facts about a run, a line each; none for most runs."""
-    return [
-        *(_of_condition if condition_met else _of_end)(scenario, summary),
-        *_of_motion(scenario, summary),
-        *_of_turning(summary),
-        *scenario_notes(scenario),
-    ]
+class Limit(NamedTuple):
+    """A number of the summary above which there is a note."""
+
+    number: str
+    limit: float
+    said: Callable[[Scenario, float], str]  # of one run
+    of_many: str  # what some of many are
 
 
-def _of_condition(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
+def _flies(scenario: Scenario, part: float) -> str:
+    drive = scenario.drive
+    smaller = "let its voltages swing by less"
+    if not _is_program(scenario):
+        middle = 0.5 * (drive.base + drive.peak)
+        smaller = f"bring drive.base nearer to drive.peak, such as {middle:.2g}"
+    return (
+        f"the robot is in flight for {100.0 * part:.0f} % of the measuring window: it hops and "
+        f"does not walk, and its velocity hangs on how it lands; {smaller}"
+    )
+
+
+def _is_pulled(scenario: Scenario, ratio: float) -> str:
+    drive = scenario.drive
+    if _is_program(scenario):
+        instead = "drive opposite coils with the same current"
+    elif drive.coils == "single":
+        instead = 'set drive.coils = "pairs"'
+    else:
+        instead = "work nearer to the centre"
+    return (
+        f"the gradient of the in-plane field pulls the robot with up to {ratio:.2g} of what "
+        f"friction holds: it is dragged along, or held back, as it walks; {instead}"
+    )
+
+
+def _leaves_the_field(scenario: Scenario, change: float) -> str:
+    fewer = "shorten the program" if _is_program(scenario) else "fewer drive.pulses"
+    return (
+        f"the field of the coils where the run ends differs by {100.0 * change:.0f} % from that "
+        f"where it begins: the mean velocity is that of no one field; {fewer} keep the robot near"
+    )
+
+
+def _grows(_: Scenario, growth: float) -> str:
+    return (
+        f"the velocity still grows, from each quarter of the window to the next by "
+        f"{100.0 * growth:.0f} % or more; more drive.pulses give the steady one"
+    )
+
+
+LIMITS: Mapping[str, Limit] = {
+    "flight": Limit("airborne_fraction", 0.5, _flies, "in flight for more than half of the window"),
+    "pulled": Limit(
+        "pull_ratio", 0.5, _is_pulled, "pulled by more than half of what friction holds"
+    ),
+    "field-change": Limit(
+        "field_change", 0.1, _leaves_the_field, "more than 10 % off in field where the run ends"
+    ),
+    "velocity-grows": Limit("velocity_growth", 0.03, _grows, "still growing in velocity"),
+}
+"""By code: the notes that depend on one number of the summary."""
+
+
+def run_notes(
+    scenario: Scenario, status: str, summary: Mapping[str, Any], condition_met: bool
+) -> list[Note]:
+    """Notes of a run, the most serious first; none for most runs."""
+    return by_seriousness(
+        [
+            *(_of_condition if condition_met else _of_end)(scenario, summary),
+            *_of_motion(scenario, summary, status == "ok"),
+            *_of_limits(scenario, summary),
+            *_of_turning(summary),
+            *scenario_notes(scenario),
+        ]
+    )
+
+
+def _is_program(scenario: Scenario) -> bool:
+    return scenario.drive.mode == "program"
+
+
+def _window_pulses(scenario: Scenario) -> int:
+    """Pulses of the measuring window; 0 of a program."""
+    start, end = scenario.window
+    return 0 if _is_program(scenario) else round((end - start) * scenario.drive.frequency)
+
+
+def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     start, end = scenario.window
     ended = summary["simulated_time"]
     if ended >= end:
         return []
     over = f"over {ended - start:.4g} of the {end - start:.4g} s of the measuring window only"
     before = "before the measuring window, so that nothing is measured"
-    return [
-        f"the run was ended by its condition at {ended:.6g} s: "
-        + (before if ended <= start else f"velocity and angles are measured {over}")
-    ]
-
-
-def _of_end(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
-    finished = summary["finished_pulses"]
-    start, end = scenario.window
-    pulses = (
-        0 if scenario.drive.mode == "program" else round((end - start) * scenario.drive.frequency)
+    text = f"the run was ended by its condition at {ended:.6g} s: " + (
+        before if ended <= start else f"velocity and angles are measured {over}"
     )
+    return [Note("window-cut", text, ended)]
+
+
+def _of_end(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
+    finished = summary["finished_pulses"]
+    pulses = _window_pulses(scenario)
     if not finished or finished == pulses:
         return []
-    return [
+    text = (
         f"the run ended after {finished} of the {pulses} pulses of the measuring window: there is "
         "no mean_velocity; over the pulses that were finished it is "
         f"{summary['finished_velocity'] * 1e3:.5g} mm/s (finished_velocity)"
+    )
+    return [Note("pulses-unfinished", text, float(finished))]
+
+
+def _of_limits(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
+    beyond = {code: each for code, each in LIMITS.items() if summary[each.number] > each.limit}
+    # Where the field changes, the velocity follows it; more pulses would lead further away.
+    if "field-change" in beyond or _window_pulses(scenario) < FEWEST_PULSES:
+        beyond.pop("velocity-grows", None)
+    return [
+        Note(code, each.said(scenario, summary[each.number]), summary[each.number])
+        for code, each in beyond.items()
     ]
 
 
-def _of_motion(scenario: Scenario, summary: dict[str, Any]) -> list[str]:
+def _of_motion(scenario: Scenario, summary: Mapping[str, Any], is_whole: bool) -> list[Note]:
     notes = []
     low, high = summary["theta_min"], summary["theta_max"]
-    events = summary["events"]
-    if summary["mean_velocity"] == 0.0 and low == high:
-        moved = any(events.values())
-        notes.append(
-            "the robot did not move in the measuring window"
-            if moved
-            else f"the robot never moved: {_why_it_rests(scenario, summary)}"
-        )
-    elif all(summary[name] == 0.0 for name in ("slip_up", "slip_down", "slip_flat")):
-        notes.append(_why_it_sticks(scenario))
-    if events["roll_over"]:
-        count = events["roll_over"]
-        notes.append(
-            f"the robot rolled over {count} time{'s' if count > 1 else ''}, forth or back: from "
+    rolls = summary["events"]["roll_over"]
+    drive = scenario.drive
+    measured = is_whole and math.isfinite(summary["mean_velocity"])
+    if measured and (summary["field_max"] == 0.0 or not without_pulses(scenario)):
+        if _step(scenario, summary) < REST:
+            notes.append(_why_it_rests(scenario, summary))
+        elif all(summary[name] == 0.0 for name in ("slip_up", "slip_down", "slip_flat")):
+            said = "the contact never slipped in the measuring window: the robot rolls or hops"
+            notes.append(Note("no-slip", said))
+    if rolls:
+        text = (
+            f"the robot rolled over {rolls} time{'s' if rolls > 1 else ''}, forth or back: from "
             "one corner over a face to the next (roll_over)"
-            + (_UPRIGHT if scenario.drive.mode == "IPP" and scenario.drive.base == 0.0 else "")
+            + (_UPRIGHT if drive.mode == "IPP" and drive.base == 0.0 else "")
         )
+        notes.append(Note("roll-over", text, float(rolls)))
     upright = 0.5 * math.pi
     if low < -upright or high > upright:
-        notes.append(
+        text = (
             "the robot tilted beyond upright: theta from "
             f"{math.degrees(low):.1f} to {math.degrees(high):.1f} degrees in the measuring window"
         )
+        notes.append(Note("beyond-upright", text, max(high, -low)))
     return notes
 
 
-def _of_turning(summary: dict[str, Any]) -> list[str]:
+def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
     turning = summary["turning_speed"]
     speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
     if speed == 0.0 or not turning > max(MUCH_TURNING * speed, LEAST_TURNING):
         return []
-    return [
+    text = (
         "the robot turned while it walked: what turning adds at its contact is not in the model, "
         f"and may change its speed along the path by up to about {1e3 * turning:.2g} mm/s "
         f"(turning_speed); straight from the start to the end of the window it made "
         f"{1e3 * speed:.3g} mm/s"
-    ]
-
-
-def _why_it_sticks(scenario: Scenario) -> str:
-    """What holds the contact of a robot that moves without a slip."""
-    contact, pull = scenario.contact, weight(scenario)
-    most = contact.static_friction * (pull + contact.adhesion)
-    return (
-        "the contact never slipped in the measuring window: contact.static_friction = "
-        f"{contact.static_friction:g} holds it with about {most:.3g} N under the weight of "
-        f"{pull:.3g} N and contact.adhesion = {contact.adhesion:g} N"
     )
+    return [Note("turning", text, turning)]
 
 
-def _why_it_rests(scenario: Scenario, summary: dict[str, Any]) -> str:
-    """What holds a robot that never moved, by the moments about the corner that it would tip on.
+def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
+    """Way in a pulse, of a program in all of it, over the robot's length."""
+    start, end = scenario.window
+    period = end - start if _is_program(scenario) else 1.0 / scenario.drive.frequency
+    speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
+    return speed * period / scenario.robot.length
 
-    The largest torque of a field is that of one across the moment, Eq. (8). A body that lies on a
-    face is held by its weight and by the adhesion of the face, half the face's length away; where
-    an effect changes one of these, no moment is told.
-    """
-    robot = scenario.robot
-    field = summary["field_max"]
+
+def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
+    """What holds a robot that stays where it is: that whose change makes it walk, as tried."""
+    still = summary["theta_min"] == summary["theta_max"]
+    rests = "the robot never moved" if still and not any(summary["events"].values()) else (
+        "the robot stays in its place"
+    )  # fmt: skip
+    field, moment = summary["field_max"], _moment(scenario)
     if field == 0.0:
-        return "there was no field"
-    moment = robot.magnetization * robot.length * robot.width * robot.height
-    moment *= 1.0 + float(scenario.get("effects.magnetization_scale.fraction"))
-    torque = abs(moment) * field
-    turns = f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m"
-    changing = {*_CHANGE_WHAT_HOLDS, *_core.registered_effects()}
-    others = [f"{PREFIX}{name}" for name in scenario.effects if name in changing]
-    if others:
-        return f"{turns} against weight and adhesion, together with {', '.join(others)}"
+        more = "give voltages" if _is_program(scenario) else "set drive.peak and drive.hold"
+        return Note("rest-no-field", f"{rests}: there is no field; {more}", 0.0)
+    if moment == 0.0:
+        said = f"{rests}: it has no magnetic moment, which no field moves; set robot.magnetization"
+        return Note("rest-no-moment", said, 0.0)
+    torque, held = abs(moment) * field, _holding_torque(scenario, summary)
+    turns = (
+        f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m, and "
+        f"weight and adhesion hold it with {held:.2g} N m"
+    )
+    larger = "larger voltages" if _is_program(scenario) else "a larger drive.peak and drive.hold"
+    for factor in (2.0, 20.0, 200.0):
+        times = factor * held / torque
+        if torque < 2.0 * held and _walks_with(scenario, _with_field(scenario, times)):
+            said = f"{rests}: {turns}; {larger}, {times:.2g} times the field, make it walk"
+            return Note("rest-torque", said, torque)
+    friction, drag = scenario.contact.static_friction, scenario.drag
+    keys = ("contact.kinetic_friction", "contact.static_friction")
+    if _walks_with(scenario, {key: 0.25 * float(scenario.get(key)) for key in keys}):
+        pressed = weight(scenario) + scenario.contact.adhesion
+        said = (
+            f"{rests}: friction holds it, contact.static_friction = {friction:g} with "
+            f"{friction * pressed:.3g} N under weight and adhesion of {pressed:.3g} N; with a "
+            "quarter of the friction it walks"
+        )
+        return Note("rest-friction", said, friction * pressed)
+    tilting = 0.0 if _is_program(scenario) else 0.4 * scenario.drive.peak
+    if scenario.drive.hold < tilting and _walks_with(scenario, {"drive.hold": tilting}):
+        said = f"{rests}: no field across its moment tips it; drive.hold = {tilting:.2g} does"
+        return Note("rest-torque", said, torque)
+    keys = ("drag.linear", "drag.rotational")
+    if _walks_with(scenario, {key: 1e-3 * float(scenario.get(key)) for key in keys}):
+        said = (
+            f"{rests}: drag holds it, drag.linear = {drag.linear:g} N s/m and drag.rotational = "
+            f"{drag.rotational:g} N m s; with a thousandth of both it walks"
+        )
+        return Note("rest-drag", said, drag.rotational)
+    for times in (2.0, 5.0):
+        if _walks_with(scenario, _with_field(scenario, times)):
+            said = f"{rests}: {turns}, too little to make it step; {larger}, {times:g} times, do"
+            return Note("rest-torque", said, torque)
+    return Note("rest", f"{rests}, and less drag, more field or less friction alone does not help")
+
+
+def _moment(scenario: Scenario) -> float:
+    """A m^2."""
+    robot = scenario.robot
+    scale = 1.0 + float(scenario.get("effects.magnetization_scale.fraction"))
+    return scale * robot.magnetization * robot.length * robot.width * robot.height
+
+
+def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:
+    """Of weight and adhesion about the corner that a robot on a face would tip on, N m."""
     stands = abs(math.sin(summary["theta_max"])) > math.sqrt(0.5)
-    lever = 0.5 * (robot.height if stands else robot.length)
-    held = lever * (weight(scenario) + scenario.contact.adhesion)
-    said = f"{turns}, and weight and adhesion hold it with {held:.2g} N m"
-    if torque <= held:
-        return f"{said}; a larger drive.peak or drive.hold is needed, or less contact.adhesion"
-    return f"{said}, so that the field was too nearly along its moment, or too slow to tip it"
+    lever = 0.5 * (scenario.robot.height if stands else scenario.robot.length)
+    return lever * (weight(scenario) + scenario.contact.adhesion)
+
+
+def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
+    """A drive whose fields are so many times as large."""
+    program = scenario.drive.program
+    if program is not None:
+        blocks = [(t, factor * volts, repeats) for t, volts, repeats in program.blocks]
+        return {"drive.program": type(program)(blocks)}
+    keys = ("drive.peak", "drive.base", "drive.hold")
+    return {key: factor * float(scenario.get(key)) for key in keys}
+
+
+def _walks_with(scenario: Scenario, changes: Mapping[str, Any]) -> bool:
+    """Whether a robot walks with these changes, by its first pulses."""
+    if not _is_program(scenario):
+        changes = {"drive.pulses": min(scenario.drive.pulses, _TRIED_PULSES), **changes}
+    try:
+        tried = scenario.replace({RECORD_RATE: "none", **changes})
+    except ScenarioError:  # a value beyond its range
+        return False
+    (result,) = _core.simulate_batch([tried.to_core()], 1, lambda _: None, None)
+    return result.status == "ok" and _step(tried, result.summary()) > WALK

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from stickslip import _core
 from stickslip.scenario.sections import Solver
+from stickslip.simulation.note import Note
+from stickslip.simulation.unit_notes import time_constants, unit_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -41,13 +43,23 @@ def counts_start_up(scenario: Scenario) -> bool:
     return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
 
 
-def scenario_notes(scenario: Scenario) -> list[str]:
-    """Values of a scenario that are hardly meant so, a line each; none for most scenarios."""
+def without_pulses(scenario: Scenario) -> bool:
+    """Whether a pulsed drive has a constant voltage."""
+    drive = scenario.drive
+    return drive.mode != "program" and drive.base == drive.peak
+
+
+def scenario_notes(scenario: Scenario) -> list[Note]:
+    """Notes on values of a scenario that are hardly meant so; none for most scenarios."""
     core = scenario.to_core()  # once for all notes
+    units = unit_notes(scenario, core)
+    # A unit explains the density that it makes.
+    explained = any(note.code in ("unit-mass", "unit-length") for note in units)
     return [
         *_of_drive(scenario, core),
         *_of_coils(scenario, core),
-        *_of_body(scenario),
+        *([] if explained else _of_body(scenario)),
+        *units,
         *_of_contact(scenario),
         *_of_solver(scenario),
     ]
@@ -80,119 +92,124 @@ def _asked_voltages(core: _core.Scenario) -> dict[str, float]:
     return dict(zip(_core.coil_names, core.asked_voltages(), strict=True))
 
 
-def _of_drive(scenario: Scenario, core: _core.Scenario) -> list[str]:
+def _of_drive(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     notes = []
-    if counts_start_up(scenario):
-        notes.append(
-            f"drive.pulses = {scenario.drive.pulses} is fewer than {STEADY_PULSES}: the measuring "
-            "window begins after the ramp and includes the start-up"
+    drive = scenario.drive
+    if without_pulses(scenario):
+        text = (
+            f"drive.base = drive.peak = {drive.peak:g} T: the voltage is constant and gives no "
+            "pulses; set drive.peak above drive.base"
         )
+        notes.append(Note("no-pulses", text, drive.peak))
+    if counts_start_up(scenario):
+        text = (
+            f"drive.pulses = {drive.pulses} is fewer than {STEADY_PULSES}: the measuring window "
+            "begins after the ramp and includes the start-up"
+        )
+        notes.append(Note("start-up", text, float(drive.pulses)))
     resistances = core.resistances()
     for (name, volts), ohms in zip(_asked_voltages(core).items(), resistances, strict=True):
         if volts > HIGH_VOLTAGE:
-            amperes = volts / ohms
-            notes.append(
-                f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A in the steady "
-                "state"
+            text = (
+                f"the drive asks for {volts:.4g} V at coil {name}, {volts / ohms:.4g} A in the "
+                "steady state"
             )
+            notes.append(Note("voltage", text, volts))
     return notes
 
 
-def _of_coils(scenario: Scenario, core: _core.Scenario) -> list[str]:
+def _of_coils(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     field_map = scenario.coil.map
-    told = [] if field_map is None else [f"the field of the coils is that of {field_map}"]
+    told = []
+    if field_map is not None:
+        told.append(Note("map", f"the field of the coils is that of {field_map}"))
     return [*told, *_of_window(scenario, core), *_of_pulses(scenario, core)]
 
 
-def _of_window(scenario: Scenario, core: _core.Scenario) -> list[str]:
+def _of_window(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     """Whether all that is measured is over before a current has followed its voltage."""
     start, end = scenario.window
-    times = {
-        name: _time_constant(scenario, core, name)
-        for name, volts in _asked_voltages(core).items()
-        if volts > 0.0
-    }
+    asked = _asked_voltages(core)
+    times = {n: each for n, each in time_constants(scenario, core).items() if asked[n] > 0.0}
     slowest = max(times, key=lambda name: times[name], default=None)
     if slowest is None or end - start >= times[slowest]:
         return []
-    return [
+    text = (
         f"the measuring window lasts {1e3 * (end - start):.3g} ms, less than the time constant of "
         f"coil {slowest}, L/R = {1e3 * times[slowest]:.3g} ms: the field is "
         "still changing from before, and what is measured is no steady motion"
-    ]
+    )
+    return [Note("window-short", text, end - start)]
 
 
-def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[str]:
+def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     drive = scenario.drive
     asked = drive.peak - drive.base
     if drive.mode == "program" or asked == 0.0:
         return []
     name = core.in_plane_coil if drive.mode == "IPP" else "clamp"
-    time_constant = _time_constant(scenario, core, name)
+    time_constant = time_constants(scenario, core)[name]
     share = field_swing(drive.frequency, time_constant)
     if share >= LEAST_SWING:
         return []
-    return [
+    text = (
         f"drive.frequency = {drive.frequency:g}: a pulse of {1e3 / drive.frequency:.3g} ms is "
         f"{1.0 / (drive.frequency * time_constant):.2g} times the time constant of its coil, "
         f"L/R = {1e3 * time_constant:.3g} ms, so that the field comes to swing by "
         f"{1e3 * share * asked:.2g} mT of the {1e3 * asked:.3g} mT between drive.base and "
         "drive.peak"
-    ]
+    )
+    return [Note("pulses-short", text, share * asked)]
 
 
-def _time_constant(scenario: Scenario, core: _core.Scenario, coil: str) -> float:
-    """L/R of a coil, s."""
-    resistance = core.resistances()[_core.coil_names.index(coil)]
-    own = float(scenario.get(f"effects.coil_{coil}.inductance"))
-    return (own or scenario.coil.inductance) / resistance
-
-
-def _of_body(scenario: Scenario) -> list[str]:
+def _of_body(scenario: Scenario) -> list[Note]:
     robot = scenario.robot
     density = robot.mass / (robot.length * robot.width * robot.height)
     if DENSITIES[0] <= density <= DENSITIES[1]:
         return []
-    return [
+    text = (
         f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with robot.length, "
         f"width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g} kg/m3"
-    ]
+    )
+    return [Note("density", text, density)]
 
 
-def _of_contact(scenario: Scenario) -> list[str]:
+def _of_contact(scenario: Scenario) -> list[Note]:
     notes = []
     contact, pull = scenario.contact, weight(scenario)
     tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
     # Along the surface, and what presses the robot on it.
     along, across = pull * math.sin(tilt), pull * math.cos(tilt) + contact.adhesion
     if along > contact.static_friction * across:
-        notes.append(
+        text = (
             f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: without "
             f"any field the robot slides, as {along:.3g} N of its weight act along the surface and "
             f"contact.static_friction = {contact.static_friction:g} gives "
             f"{contact.static_friction * across:.3g} N"
         )
+        notes.append(Note("steep-surface", text, tilt))
     if contact.adhesion > MUCH_ADHESION * pull:
-        notes.append(
-            f"contact.adhesion = {contact.adhesion:g} N is {contact.adhesion / pull:.3g} times the "
-            "weight"
-            if pull > 0.0
-            else f"contact.adhesion = {contact.adhesion:g} N acts on a robot without weight"
-        )
+        much = "acts on a robot without weight"
+        if pull > 0.0:
+            much = f"is {contact.adhesion / pull:.3g} times the weight"
+        text = f"contact.adhesion = {contact.adhesion:g} N {much}"
+        notes.append(Note("adhesion", text, contact.adhesion))
     back = contact.tangential_restitution
     if back and not (contact.restitution or scenario.get("effects.restitution.coefficient")):
-        notes.append(
+        text = (
             f"contact.tangential_restitution = {back:g} has no effect while contact.restitution is "
             "0: only a corner that rebounds gives slip back"
         )
+        notes.append(Note("tangential-restitution", text, back))
     return notes
 
 
-def _of_solver(scenario: Scenario) -> list[str]:
+def _of_solver(scenario: Scenario) -> list[Note]:
     rtol = scenario.solver.rtol
     if rtol <= LOOSE_TOLERANCE:
         return []
-    return [
+    text = (
         f"solver.rtol = {rtol:g} is looser than {LOOSE_TOLERANCE:g}: the mean velocity may be off "
         f"by a per cent or more; the default, {Solver().rtol:g}, is recommended"
-    ]
+    )
+    return [Note("tolerance", text, rtol)]

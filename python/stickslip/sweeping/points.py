@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip._util.arrays import Array
+from stickslip._util.equal_numbers import ABSOLUTE, RELATIVE, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, checked, known_keys, shown, until_registration
 from stickslip.scenario.named_effects import PREFIX
@@ -246,11 +247,18 @@ def as_list(name: str, values: object, allowed: str) -> list[Any]:
 def _check_axis(key: str, values: list[Value]) -> None:
     if not values:
         raise ScenarioError(f"{key}: there is no value")
-    seen: set[Value] = set()
+    # No setting of a drive is as small as 1e-12; a mass or a drag may be.
+    absolute = ABSOLUTE if key.startswith("drive.") else 0.0
+    numbers = [value for value in values if isinstance(value, float)]
+    same = representatives(numbers, absolute=absolute)
+    seen: dict[Value, Value] = {}
     for value in values:
-        if value in seen:
-            raise ScenarioError(f"{key} = {shown(value)}: this value is given twice")
-        seen.add(value)
+        one = same[value] if isinstance(value, float) else value
+        if one in seen:
+            near = f", as {shown(seen[one])}: numbers within {RELATIVE:g} are the same setting"
+            said = "this value is given twice" + ("" if value == seen[one] else near)
+            raise ScenarioError(f"{key} = {shown(value)}: {said}")
+        seen[one] = value
 
 
 def encoded(key: str, values: Sequence[Value]) -> Array:

@@ -35,6 +35,13 @@ NUMBERS = {
     "slip_down": Column("m/s", "slip of the contact while the tilt angle falls, over the window"),
     "slip_flat": Column("m/s", "slip of the contact while a face lies flat, over the window"),
     "airborne_fraction": Column("1", "part of the measuring window in flight"),
+    "velocity_growth": Column(
+        "1", "least growth of the speed from a quarter of the pulses to the next"
+    ),
+    "pull_ratio": Column(
+        "1", "largest pull of the in-plane coils' gradient over the friction limit"
+    ),
+    "field_change": Column("1", "change of the field from the run's first place to its last"),
     "field_max": Column("T", "largest |B| at the robot in the whole run"),
     "field_min": Column("T", "least |B| at the robot, measuring window"),
     "current_max": Column("A", "largest current of any coil in the whole run"),

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip._util.unit_factor import unit_factor
 from stickslip.diagnosis.data.conditions import Conditions, in_words, named, varied
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
@@ -39,8 +40,8 @@ _LISTED = 4
 def magnitude_mismatch(measured: float, usual: float, unit: str) -> dict[str, Any] | None:
     """Whether a size is above 50 times the usual one, or below a 50th of it: fields of a `Fact`.
 
-    Both are in `unit` and not below 0; where either is 0 there is none. `by_1000` says whether the
-    unit may be wrong by a factor of 1000.
+    Both are in `unit` and not below 0; where either is 0 there is none. `unit_factor` is None where
+    the ratio is near no factor between units.
     """
     if measured == 0.0 or usual == 0.0 or 1.0 / _MOST < measured / usual < _MOST:
         return None
@@ -51,7 +52,7 @@ def magnitude_mismatch(measured: float, usual: float, unit: str) -> dict[str, An
         "usual": usual,
         "unit": unit,
         "allowed": [1.0 / _MOST, _MOST],
-        "by_1000": 0.1 < ratio / 1e3 < 10.0 or 0.1 < ratio * 1e3 < 10.0,
+        "unit_factor": unit_factor(ratio),
     }
 
 

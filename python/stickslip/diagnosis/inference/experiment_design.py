@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip._util.equal_numbers import are_equal
 from stickslip.diagnosis.data.conditions import in_words
 from stickslip.diagnosis.inference.discrimination import TRIALS, separate
 from stickslip.diagnosis.inference.findings import Findings
@@ -32,6 +32,9 @@ CHOICES: dict[str, tuple[Value, ...]] = {
 }
 """Values of the drive's settings that are proposed: words as they are, numbers as multiples of the
 middle of what was measured. Chosen."""
+
+_ROUNDING = 0.005
+"""Part of a number by which three digits may change it."""
 
 # What one measurement beside the drive would settle, for the causes that it sees.
 _LOOKS = {
@@ -192,7 +195,7 @@ def _rounded(value: float) -> float:
 def _alike(one: Mapping[str, Value], other: Mapping[str, Value]) -> bool:
     """Whether two drives are the same but for the rounding of a proposal to three digits."""
     return all(
-        math.isclose(value, float(other[key]), rel_tol=0.005)
+        are_equal(value, float(other[key]), _ROUNDING)
         if isinstance(value, float)
         else value == other[key]
         for key, value in one.items()

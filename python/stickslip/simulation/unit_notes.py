@@ -1,0 +1,232 @@
+"""Values of a scenario that are hardly in SI units, and the unit that they may be in."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip import _core
+from stickslip._util.arrays import Array
+from stickslip._util.unit_factor import NEAR, unit_meant
+from stickslip.scenario.sections import COIL_NAMES, Coil, Robot
+from stickslip.simulation.note import Note
+
+if TYPE_CHECKING:
+    from stickslip.scenario.field_map import FieldMap
+    from stickslip.scenario.scenario import Scenario
+    from stickslip.scenario.waveform import Waveform
+
+LONG_PULSE = 1.0
+"""Shortest pulse that is noted, s. Chosen: the paper drives at 1 to 200 Hz."""
+
+MANY_TIME_CONSTANTS = 100.0
+"""The same in time constants of the slowest coil, which has to be exceeded too: large coils with
+little resistance take seconds to follow."""
+
+_TIMES_TABLE_I = 10.0
+"""Ratio to the size of Table I's coils below which those of a laboratory lie, 1 m: ten times more
+is in cm, and what is nearer to 1000 times more in mm."""
+
+_LONG = 30.0
+"""Ratio of a length of the body to its shortest beyond which it alone is in another unit. Chosen:
+thin sheets and rods have less."""
+
+_LEAST_BACKGROUND = 0.01
+"""Part of the coils' field below which a background is not noted: 10 uT at 1 A in those of Table
+I."""
+
+_COMMON = 5.0
+"""Ratio of a background to its scatter among coils from which on it is common. Chosen: of coils
+turned each on its own by chance, 3 sets of five in 10 000 have that, and 3 sets of four in 1000."""
+
+_AXES = np.array([0, 0, 1, 1, 2])
+"""Along which each coil's field points at the centre."""
+
+
+def unit_notes(scenario: Scenario, core: _core.Scenario) -> list[Note]:
+    """Notes on values in another unit; none for sound scenarios. `core` is that of the scenario."""
+    return [
+        *_of_map(scenario),
+        *_of_pulses(scenario, core),
+        *_of_coils(scenario),
+        *_of_robot(scenario),
+    ]
+
+
+def time_constants(scenario: Scenario, core: _core.Scenario) -> dict[str, float]:
+    """L/R of each coil, s."""
+    found = {}
+    for name, resistance in zip(COIL_NAMES, core.resistances(), strict=True):
+        own = float(scenario.get(f"effects.coil_{name}.inductance"))
+        found[name] = (own or scenario.coil.inductance) / resistance
+    return found
+
+
+def _of_map(scenario: Scenario) -> list[Note]:
+    field_map = scenario.coil.map
+    if field_map is None:
+        return []
+    made = _core.Scenario()
+    made.set_map(field_map.to_core())
+    return [*_of_places(field_map, made, scenario.coil.distance), *_of_background(field_map, made)]
+
+
+def _of_places(field_map: FieldMap, made: _core.Scenario, distance: float) -> list[Note]:
+    """Whether the places of a map are in another unit.
+
+    A wide map alone may be one of wide coils. How fast a field changes tells how far its coils are.
+    """
+    span = max(high - low for low, high in zip(field_map.low, field_map.high, strict=True))
+    if span <= distance:
+        return []
+    farther = np.median(_decay_lengths(made) / _decay_lengths(_core.Scenario()))
+    found = unit_meant("m", float(farther), _TIMES_TABLE_I)
+    if found is None:
+        return []
+    unit, factor = found
+    text = (
+        f"coil.map spans {span:.3g} m, {span / distance:.2g} times coil.distance = {distance:g}, "
+        f"and its field changes as slowly as that of coils {farther * distance:.2g} m away: are x, "
+        f"y and z in {unit}? Divide them by {factor:.7g}"
+    )
+    return [Note("unit-map", text, span)]
+
+
+def _decay_lengths(made: _core.Scenario) -> Array:
+    """Field over its derivative along itself, at the centre, of each coil with a field, m."""
+    coils, centre, each = made.coils(), np.zeros((len(COIL_NAMES), 3)), np.eye(len(COIL_NAMES))
+    at = np.arange(len(COIL_NAMES))
+    field = coils.field(centre, each)[at, _AXES]
+    slope = coils.gradient(centre, each).reshape(-1, 3, 3)[at, _AXES, _AXES]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.abs(field / slope))
+
+
+def _of_background(field_map: FieldMap, made: _core.Scenario) -> list[Note]:
+    """Whether the field of the surroundings is in that of each coil.
+
+    At the centre a coil has no field across its axis, but by its mounting, which differs from coil
+    to coil. A frame that is turned as a whole gives coils of two axes opposite fields.
+    """
+    fields = made.coils().field(np.zeros((len(COIL_NAMES), 3)), np.eye(len(COIL_NAMES)))
+    used = np.flatnonzero(np.linalg.norm(fields, axis=1) > 0.0)
+    if len(used) < len(COIL_NAMES) - 1:
+        return []
+    across = [fields[used[_AXES[used] != axis], axis] for axis in range(3)]
+    common = np.array([np.mean(each) for each in across])
+    left = np.concatenate([each - np.mean(each) for each in across])
+    scatter = math.sqrt(float(left @ left) / (len(left) - 3))
+    # The error of a mean over all points.
+    noise = max(field_map.residual[k] / math.sqrt(field_map.points[k]) for k in used)
+    size = float(np.linalg.norm(common))
+    coil = float(np.median(np.linalg.norm(fields[used], axis=1)))
+    if size < max(_LEAST_BACKGROUND * coil, _COMMON * math.hypot(scatter, noise)):
+        return []
+    vector = ", ".join(f"{1e6 * value:.1f}" for value in common)
+    text = (
+        f"coil.map: every coil has the field ({vector}) uT/A beside its own, "
+        f"{size / coil:.2g} of it, as if the field without current, such as the Earth's, was not "
+        "subtracted; subtract what the probe reads without current, then divide by the current"
+    )
+    return [Note("unit-map-background", text, size)]
+
+
+def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
+    drive = scenario.drive
+    lasting = 1.0 / drive.frequency
+    if drive.program is not None:
+        lasting = shortest_tooth(drive.program)
+    slowest = max(time_constants(scenario, core).values())
+    if not max(LONG_PULSE, MANY_TIME_CONSTANTS * slowest) < lasting < math.inf:
+        return []
+    meant = f"is drive.frequency = {drive.frequency:g} in kHz?"
+    if drive.program is not None:
+        meant = "are the times of the voltages in ms? Divide them by 1000"
+    times = f"{lasting / slowest:.3g} times the longest time constant of a coil"
+    return [Note("unit-time", f"a pulse lasts {lasting:.4g} s, {times}; {meant}", lasting)]
+
+
+def shortest_tooth(program: Waveform) -> float:
+    """Shortest time between two edges of a coil's voltage between which it comes back, s.
+
+    An edge is a jump, or a slope of over five times the mean of its block. Slow ramps have no
+    edges, and after the edge of a hold the voltage stays; infinity where no block has two teeth.
+    """
+    shortest = math.inf
+    for t, v, repeats in program.blocks:
+        times, voltages = type(program)([(t, v, min(repeats, 3))]).points()
+        each = [_shortest_tooth(times, voltages[:, k]) for k in range(len(COIL_NAMES))]
+        shortest = min(shortest, *each)
+    return shortest
+
+
+def _shortest_tooth(times: Array, volts: Array) -> float:
+    step, last = np.diff(volts), np.diff(times)
+    mean = float(np.sum(np.abs(step))) / float(times[-1])
+    edges = np.flatnonzero(np.abs(step) > 5.0 * mean * last)
+    if len(edges) < 3:
+        return math.inf
+    back = volts[edges[1:]] - volts[edges[:-1] + 1]
+    teeth = back * step[edges[:-1]] < -0.5 * step[edges[:-1]] ** 2
+    return float(np.min(np.diff(times[edges])[teeth])) if np.sum(teeth) > 1 else math.inf
+
+
+def _of_coils(scenario: Scenario) -> list[Note]:
+    coil, table_1 = scenario.coil, Coil()
+    notes = []
+    for name in ("side", "distance"):
+        size, usual = getattr(coil, name), getattr(table_1, name)
+        found = unit_meant("m", size / usual, _TIMES_TABLE_I)
+        if found is not None:
+            text = f"coil.{name} = {size:g} m is {size / usual:.3g} times that of Table I"
+            notes.append(Note("unit-length", f"{text}: {_question(found)}", size))
+    # Coils without iron have a third to three times this.
+    likely = coil.inductance / table_1.inductance
+    likely /= (coil.turns / table_1.turns) ** 2 * coil.side / table_1.side
+    found = unit_meant("H", likely)
+    if found is not None and coil.map is None:  # beside which turns and side are not stated
+        text = (
+            f"coil.inductance = {coil.inductance:g} H is {likely:.3g} times what coil.turns and "
+            f"coil.side make likely: {_question(found)}"
+        )
+        notes.append(Note("unit-inductance", text, coil.inductance))
+    return notes
+
+
+def _of_robot(scenario: Scenario) -> list[Note]:
+    """Whether the mass or the lengths make a density that only another unit can.
+
+    Magnets and what is made with them have 2 500 to 25 000 kg/m3.
+    """
+    robot, table_2 = scenario.robot, Robot()
+    names = ("length", "width", "height")
+    sizes = np.array([getattr(robot, name) for name in names])
+    density = robot.mass / float(np.prod(sizes))
+    usual = table_2.mass / (table_2.length * table_2.width * table_2.height)
+    said = f"a density of {density:.3g} kg/m3"
+    found = unit_meant("kg", density / usual)
+    if found is not None:
+        text = f"robot.mass = {robot.mass:g} kg makes {said}: {_question(found)}"
+        return [Note("unit-mass", text, robot.mass)]
+    for wrong in (sizes > _LONG * np.min(sizes), np.ones(3, dtype=bool)):
+        share = 1.0 / max(int(wrong.sum()), 1)  # each of them has the factor
+        found = unit_meant("m", (usual / density) ** share, NEAR**share)
+        if found is not None and wrong.any():
+            given = [
+                f"robot.{name} = {size:g} m"
+                for name, size, is_wrong in zip(names, sizes, wrong, strict=True)
+                if is_wrong
+            ]
+            text = f"{' and '.join(given)} make{'s' if len(given) == 1 else ''} {said}"
+            largest = float(np.max(sizes[wrong]))
+            return [Note("unit-length", f"{text}: {_question(found, len(given))}", largest)]
+    return []
+
+
+def _question(found: tuple[str, float], count: int = 1) -> str:
+    """Whether numbers are in another unit."""
+    unit, factor = found
+    ask, what = ("is it", "it") if count == 1 else ("are they", "them")
+    return f"{ask} in {unit}? Divide {what} by {factor:.7g}"

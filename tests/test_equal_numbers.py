@@ -1,0 +1,127 @@
+"""Numbers of settings that are the same but for their last digits."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import Measurement, Scenario, ScenarioError, sweep
+from stickslip._util.equal_numbers import representatives
+from stickslip.diagnosis.data.trials import pooled_velocities
+from stickslip.diagnosis.inference.experiment_design import _proposals
+from stickslip.facts import Code
+from stickslip.measurement import read_measurement
+from stickslip.sweeping.points import grid
+
+NOMINAL = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 6})
+
+
+def test_groups_begin_at_their_smallest_value():
+    # Neighbours in the chain are equal; the third is not equal to the first.
+    chain = [1.0, 1.0 + 8e-7, 1.0 + 1.6e-6]
+    assert representatives(chain) == {chain[0]: 1.0, chain[1]: 1.0, chain[2]: chain[2]}
+    # Where the group is begun from below, the middle one is another's.
+    assert representatives([chain[2], chain[1]]) == dict.fromkeys(chain[1:], chain[1])
+
+
+@pytest.mark.parametrize(
+    ("values", "kept", "one"),
+    [
+        ([25.000000000000004, 25.0, 24.999999999999996], (), 25.0),
+        ([-1 / 3, -0.33333334], (), -0.33333334),
+        ([0.0, 5e-324, -9e-13], (), 0.0),
+        ([25.0, 1 / 0.04 + 4e-15], (25.00000000000001,), 25.00000000000001),
+    ],
+)
+def test_what_stands_for_a_group(values, kept, one):
+    assert set(representatives(values, kept).values()) == {one}
+
+
+def test_numbers_that_a_person_tells_apart_stay_apart():
+    apart = [24.9999, 25.0, 25.0001, 1e-3, 1.00001e-3, 0.0, 2e-12]
+    assert representatives(apart) == {value: value for value in apart}
+    assert len(set(representatives([1e-17, 2e-17], absolute=0.0).values())) == 2
+
+
+def _table(last_bits):
+    rows = [
+        (mode, frequency, 1e-3 * frequency / 25 * (1 + 0.01 * trial))
+        for mode in ("IPP", "OPP")
+        for frequency in (25.0, 45.0, 70.0)
+        for trial in range(3)
+    ]
+    table = pd.DataFrame(rows, columns=["mode", "frequency", "velocity"])
+    if last_bits:
+        toward = np.tile([0.0, 1e9, np.nan], 6)
+        near = np.nextafter(table["frequency"], toward)
+        table["frequency"] = np.where(np.isnan(toward), table["frequency"], near)
+    return table
+
+
+def test_trials_whose_settings_differ_in_the_last_bit_are_repeats():
+    (clean,) = Measurement.from_dataframe(_table(False), NOMINAL).velocity
+    found = Measurement.from_dataframe(_table(True), NOMINAL)
+    (data,) = found.velocity
+    assert data.conditions == clean.conditions
+    np.testing.assert_array_equal(data.condition, clean.condition)
+    np.testing.assert_array_equal(data.sweep, clean.sweep)
+    (said,) = found.left_out  # once, not a line for each
+    assert said.code is Code.EQUAL_SETTINGS
+    named = {"table": "DataFrame", "column": "frequency", "count": 6, "relative": 1e-6}
+    assert said.fields == named
+
+
+def test_labels_numbers_of_trials_and_velocities_are_never_made_one():
+    table = _table(False).assign(block=[f"{k}e-13" for k in range(18)], order=1e-13 * np.arange(18))
+    table["velocity"] = 1e-3 + 1e-15 * np.arange(18)
+    (data,) = Measurement.from_dataframe(table, NOMINAL).velocity
+    assert len(set(data.velocity)) == len(set(data.order)) == len(set(data.block)) == 18
+
+
+def test_conditions_of_several_tables_and_of_the_scenario_are_the_same(tmp_path):
+    last_bit = float(np.nextafter(NOMINAL.drive.peak, 1.0))
+    second = _table(True).assign(peak=last_bit, hold=1e-3)
+    second["velocity"] *= 1.001
+    NOMINAL.to_toml(tmp_path / "nominal.toml")
+    _table(False).to_csv(tmp_path / "a.csv", index=False)
+    second.to_csv(tmp_path / "b.csv", index=False)
+    entries = "".join(f'[[velocity]]\nfile = "{name}.csv"\n' for name in "ab")
+    (tmp_path / "m.toml").write_text(
+        f'stickslip_measurement = 1\nscenario = "nominal.toml"\n{entries}'
+    )
+    added = Measurement.from_dataframe(_table(False), NOMINAL).with_velocities(second)
+    for found in (read_measurement(tmp_path / "m.toml"), added):
+        conditions, trials = pooled_velocities(found.velocity)
+        assert len(conditions) == 6
+        assert np.bincount(trials.condition).tolist() == [6] * 6
+        assert {each["drive.peak"] for each in conditions} == {NOMINAL.drive.peak}
+        assert [each.fields["column"] for each in found.left_out] == ["frequency", "peak"]
+
+
+def test_the_same_trials_again_are_refused_whatever_their_last_bits():
+    found = Measurement.from_dataframe(_table(False), NOMINAL)
+    with pytest.raises(ScenarioError, match="in the measurement already"):
+        found.with_velocities(_table(True))
+
+
+def test_an_axis_with_a_value_twice_but_for_its_last_bit_is_refused():
+    with pytest.raises(ScenarioError) as error:
+        sweep(NOMINAL, {"drive.frequency": [25.0, 50.0, 25.000000000000004]})
+    assert str(error.value) == (
+        "drive.frequency = 25.000000000000004: this value is given twice, as 25.0: numbers within "
+        "1e-06 are the same setting"
+    )
+    # Drags are smaller than what counts as 0 in a drive.
+    assert grid(NOMINAL, {"drag.rotational": [0.0, 4e-17, 9e-17, 2e-16]}).count == 4
+
+
+def test_a_measured_drive_is_not_proposed_whatever_its_last_bits():
+    def condition(frequency, base, peak):
+        return {
+            "drive.mode": "IPP", "drive.direction": "+x", "drive.edge": "rise", "drive.base": base,
+            "drive.peak": peak, "drive.hold": 1e-3, "drive.frequency": frequency,
+        }  # fmt: skip
+
+    exact = _proposals([condition(25.0, 0.0, 2.5e-3), condition(12.5, 0.0, 2.5e-3)])
+    near = [condition(25.000000000000004, 3e-17, 2.5e-3), condition(12.5, 0.0, 0.1 / 40 + 1e-18)]
+    settings = [{k: v for k, v in each.items() if k != "drive.base"} for each in _proposals(near)]
+    assert settings == [{k: v for k, v in each.items() if k != "drive.base"} for each in exact]
