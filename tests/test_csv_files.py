@@ -173,6 +173,9 @@ DIALECTS = {
     ],
     "Excel": lambda lines: ["sep=;", *(each.replace(",", ";") for each in lines)],
     "quotes": lambda lines: [",".join(f'"{cell}"' for cell in each.split(",")) for each in lines],
+    "quotes behind spaces": lambda lines: [
+        ", ".join(f'"{cell}"' for cell in each.split(",")) for each in lines
+    ],
     "savetxt": lambda lines: ["# of Monday", f"# {lines[0]}", *lines[1:]],
     "header and comment": lambda lines: [f"# {','.join('abcdefghijk')}", *lines],
     "commas at the end": lambda lines: [f"{each},," for each in lines],

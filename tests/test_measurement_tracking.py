@@ -7,6 +7,7 @@ import pytest
 
 from command_line import stickslip
 from films import NOISE, TRUE, film, write_table
+from stickslip import load, simulate
 from stickslip.diagnosis.observables.tracking.camera import Camera
 from stickslip.diagnosis.observables.tracking.film import FilmObservable
 from stickslip.errors import ScenarioError
@@ -249,3 +250,17 @@ def test_an_absurdly_large_number_is_not_a_reading(tmp_path, frames):
     (run,) = found.tracking
     assert len(run.columns["t"]) == len(columns["t"]) - 1
     assert Code.BAD_CELLS in [each.code for each in found.left_out]
+
+
+def test_the_csv_file_of_a_run_is_a_film(tmp_path):
+    path = write(tmp_path, TOML.replace("exposure = 3e-4\n", ""))
+    run = simulate(load(tmp_path / "nominal.toml").replace({"record.rate": 1000.0}))
+    run.save(tmp_path / "a.csv")
+    found = read_measurement(path)
+    (read,) = found.tracking
+    count = len(read.columns["t"])
+    assert count > 300
+    for name, column in read.columns.items():
+        assert column.tolist() == getattr(run, name)[:count].tolist()
+    (fact,) = [each for each in found.left_out if each.code is Code.COLUMNS_NOT_USED]
+    assert {"vx (m/s)", "current xp (A)", "contact"} <= set(fact.fields["columns"])

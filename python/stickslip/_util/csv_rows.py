@@ -10,7 +10,7 @@ import csv
 import io
 import itertools
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
@@ -19,7 +19,8 @@ INSTRUMENTS_PAGE = '"From your instruments" (docs/howto/instruments.md)'
 """The page that says how files of other programs become tables."""
 
 DECIMAL_COMMAS = (
-    "if these are decimal commas, separate the columns by semicolons or write decimal points"
+    "if these are decimal commas, separate the columns by semicolons or write decimal points; "
+    "else every column needs a name"
 )
 """What to do where a row has more cells than the header and commas separate them."""
 
@@ -71,7 +72,7 @@ def text_lines(data: bytes) -> Iterator[str]:
 
 def csv_line(line: str, cells: list[str]) -> str:
     """A line that has these cells between commas: the given one, if it has, as it is written."""
-    if [cell.strip() for cell in next(csv.reader([line]), [])] == cells:
+    if [cell.strip() for cell in next(_reader([line], ","), [])] == cells:
         return line
     file = io.StringIO()
     csv.writer(file, lineterminator="").writerow(cells)
@@ -204,7 +205,7 @@ class CsvTable:
                 yield line
 
         try:
-            for row in csv.reader(kept(), delimiter=self.separator):
+            for row in _reader(kept(), self.separator):
                 if len(taken) > 1:
                     raise ScenarioError(
                         f"line {taken[0]}: a quoted cell goes over several lines; allowed is one "
@@ -217,7 +218,7 @@ class CsvTable:
     def _cells(self, line: str) -> list[str]:
         """The cells of a line by itself; a line that is too long for them is one cell."""
         try:
-            return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator))]
+            return [cell.strip() for cell in next(_reader([line], self.separator))]
         except csv.Error:
             return [line]
 
@@ -230,6 +231,11 @@ class CsvTable:
         if len(row) < width and not any(self.header[len(row) :]):
             return row + [""] * (width - len(row))
         return row
+
+
+def _reader(lines: Iterable[str], separator: str) -> Iterator[list[str]]:
+    """Cells of lines; a quote counts after spaces too, as people write them behind commas."""
+    return csv.reader(lines, delimiter=separator, skipinitialspace=True)
 
 
 def _named(cells: list[str]) -> list[str]:

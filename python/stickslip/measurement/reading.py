@@ -149,8 +149,8 @@ class Measurement(OneLine):
         Raises
         ------
         ScenarioError
-            With one line, if a column is missing or unknown, no row is sound, or a key or a prior
-            is not allowed.
+            With one line, if a column is missing or like a known one, no row is sound, or a key or
+            a prior is not allowed.
         """
         if not isinstance(scenario, Scenario):
             refuse("scenario", scenario, "a Scenario")
@@ -174,8 +174,8 @@ class Measurement(OneLine):
         Raises
         ------
         ScenarioError
-            With one line, if a column is missing or unknown, a row with a velocity is not sound, no
-            row has one, or all trials are in the measurement already.
+            With one line, if a column is missing or like a known one, a row with a velocity is not
+            sound, no row has one, or all trials are in the measurement already.
         """
         units = velocity_units()
         if isinstance(table, str | PathLike):

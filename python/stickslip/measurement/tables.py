@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -170,12 +170,16 @@ def in_lines(
 
 
 def check_columns(
-    path: Path, header: Sequence[str], required: Iterable[str], known: Sequence[str] | None = None
+    path: Path,
+    header: Sequence[str],
+    required: Iterable[str],
+    known: Sequence[str] | None = None,
+    information: Collection[str] = (),
 ) -> list[str]:
     """The columns that are not `known`, if that is given: information beside the measurement.
 
     A ScenarioError names a required column that is missing, or one that may be meant as a known one
-    that is not there.
+    that is not there, if its name is none of `information`.
     """
     for name in required:
         if name not in header:
@@ -186,7 +190,7 @@ def check_columns(
     others = [name for name in header if known is not None and name not in known]
     for name in others:
         bare = split_unit(name)[0]
-        near = nearest(bare, known or ())
+        near = None if bare in information else nearest(bare, known or ())
         if near and (near not in header or near.casefold() == bare.casefold()):
             raise ScenarioError(
                 f'{path}: column {shown(name)} is not known; did you mean "{near}"? '
@@ -210,17 +214,21 @@ def stated_number(key: str, value: object, highest: float = math.inf) -> float:
 
 
 def read_numbers(
-    path: Path, required: Mapping[str, str], optional: Mapping[str, str] | None = None
+    path: Path,
+    required: Mapping[str, str],
+    optional: Mapping[str, str] | None = None,
+    information: Collection[str] = (),
 ) -> tuple[dict[str, Array], list[Fact]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     The columns are given with their SI units. A row is sound if all its required cells are numbers;
-    a gap in an optional column is NaN. A NothingSound says that no row is sound.
+    a gap in an optional column is NaN. `information` is as in `check_columns`. A NothingSound says
+    that no row is sound.
     """
     optional = optional or {}
     units = {**required, **optional}
     header, rows, facts, _ = read_rows(path, units)
-    others = check_columns(path, header, required, list(units))
+    others = check_columns(path, header, required, list(units), information)
     columns = {name: header.index(name) for name in header if name in units}
     table = np.array(
         [

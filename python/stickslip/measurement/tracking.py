@@ -15,15 +15,21 @@ from stickslip._util.equal_numbers import are_equal
 from stickslip._util.number_text import highest, is_number
 from stickslip._util.one_line import OneLine
 from stickslip._util.unit_factor import unit_meant
+from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import read_numbers, stated_number
 from stickslip.scenario.keys import refuse, shown
 from stickslip.scenario.path_keys import FILE
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.columns import COLUMNS
+from stickslip.simulation.csv_export import headings
 
 _REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
+
+_OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
+"""Columns of the CSV file of a run, which is a film too."""
 
 FEWEST = 20
 """Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
@@ -96,7 +102,7 @@ def read_tracking(
         stated = "frame_rate" in entry
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL)
+    columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL, _OF_A_RUN)
     unit = _unit_of_times(columns["t"], rate, own.window[1])
     if unit is not None:
         return None, [*left_out, unit.of(table=path.name)]

@@ -174,7 +174,7 @@ class Waveform:
         """Read points from a CSV file with the columns t, xp, xm, yp, ym, clamp, in any order.
 
         Times are in s and begin at 0; a repeated time is a jump, and a third row at one time is
-        refused. Voltages are in V.
+        refused. Voltages are in V. Headings may state other units, such as ``t (ms)``.
 
         Raises
         ------
