@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from asking_results import measurement
 from command_line import check, stickslip
-from stickslip import FieldMap, Scenario, ScenarioError, Waveform
+from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.units import per_si, to_si
 from stickslip.facts import Code
 from stickslip.measurement.tables import read_numbers, read_rows
@@ -319,6 +320,24 @@ def test_information_of_the_sound_trials_is_kept(tmp_path):
     path = write(tmp_path / "a.csv", lines)
     data, _ = read_velocity(path, read_rows(path, velocity_units()), Scenario(), 0.01)
     assert data.extra == {"operator": ("Ada", "Cleo"), "column 4": ("", "late")}
+
+
+def test_a_table_in_memory_has_units_and_information_too():
+    table = pd.DataFrame(
+        {
+            "frequency (kHz)": [0.02, 0.03],
+            "velocity (mm/s)": [1.0, 2.0],
+            "day": pd.to_datetime(["2024-05-01", None]),
+            "order": pd.to_datetime(["2024-05-01 10:00", "2024-05-01 10:01"]),
+        }
+    )
+    found = Measurement.from_dataframe(table, Scenario())
+    (data,) = found.velocity
+    assert data.velocity.tolist() == [1e-3, 2e-3]
+    assert [each["drive.frequency"] for each in data.conditions] == [20.0, 30.0]
+    assert data.order.tolist() == [0.0, 60.0]
+    assert data.extra == {"day": ("2024-05-01 00:00:00", "")}
+    assert [fact.code for fact in found.left_out] == [Code.COLUMNS_NOT_USED]
 
 
 REFUSED = {

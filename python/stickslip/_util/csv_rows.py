@@ -10,6 +10,7 @@ import csv
 import io
 import itertools
 import re
+import textwrap
 from collections.abc import Collection, Iterable, Iterator
 
 from stickslip._util.units import split_unit
@@ -136,8 +137,9 @@ class CsvTable:
         if not self.line:
             self.line, self.header = next(self._rows)
         if len(self.header) == 1 and " " in split_unit(self.header[0])[0]:
+            names = textwrap.shorten(self.header[0], 60, placeholder=" ...")
             raise ScenarioError(
-                f'line {self.line}: "{self.header[0]}" has no comma, semicolon or tab between '
+                f'line {self.line}: "{names}" has no comma, semicolon or tab between '
                 "names of columns; blanks separate none, so write commas instead "
                 '(numpy.savetxt with delimiter=",")'
             )

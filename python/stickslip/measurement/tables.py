@@ -124,7 +124,7 @@ def rows_of_frame(table: DataFrame, units: Units) -> Rows:
     """Header, and rows of text cells with their index label; as `read_rows` has them of a file.
 
     Numbers are written so that reading them again gives the same ones; a cell without a value is
-    empty. Dates and durations are in s, dates from the first one of their column.
+    empty. Dates and durations of columns in `units` are in s, dates from their first one.
     """
     import pandas as pd
 
@@ -133,11 +133,15 @@ def rows_of_frame(table: DataFrame, units: Units) -> Rows:
     with prefixed("DataFrame"):
         if table.empty:
             raise ScenarioError("has no row of data")
-        cells = [_in_seconds(table.iloc[:, k]) for k in range(len(table.columns))]
-        columns = [[_cell(value) for value in column] for column in cells]
+        names = [str(name) for name in table.columns]
+        cells = [table.iloc[:, k] for k in range(len(names))]
+        columns = [
+            [_cell(value) for value in (_in_seconds(column) if name in units else column)]
+            for name, column in zip(names, cells, strict=True)
+        ]
         pairs = zip(index_labels(table), zip(*columns, strict=True), strict=True)
         rows = [(label, list(row)) for label, row in pairs]
-        return Rows(_in_si([str(name) for name in table.columns], rows, units), rows)
+        return Rows(_in_si(names, rows, units), rows)
 
 
 def index_labels(table: DataFrame) -> list[Line]:
