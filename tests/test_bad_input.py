@@ -123,9 +123,9 @@ VOLTAGES = {
     "time as word": (CSV + "later,0,0,0,0,0\n", ["row 4", "column t", "later", "of s"]),
     "short row": (CSV + "2,0,0\n", ["row 4", "3 cells", "6"]),
     "long row": (CSV + "2,0,0,0,0,0,0\n", ["row 4", "7 cells", "6"]),
-    "cells separated by semicolons": (
-        CSV.replace(",", ";"),
-        ["separated by semicolons", "commas"],
+    "cells separated by blanks": (
+        CSV.replace(",", " "),
+        ["line 1", "t xp xm", "no comma, semicolon or tab", "write commas"],
     ),
     "line break in a cell": (CSV + '2,"a\nb",0,0,0,0\n', ["line 4", "quoted cell", "one line"]),
     "unlike name": (CSV.replace("clamp", "Clmap"), ["column clamp", '"Clmap" may be meant']),

@@ -1,7 +1,10 @@
 """Every kind of CSV file that is read: comment lines, the byte order mark, line numbers, quotes."""
 
 import codecs
+import itertools
+import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +12,21 @@ import pytest
 
 from asking_results import measurement
 from command_line import check, stickslip
-from stickslip import Scenario, ScenarioError, Waveform
+from stickslip import FieldMap, Scenario, ScenarioError, Waveform
+from stickslip._util.units import per_si, to_si
+from stickslip.facts import Code
 from stickslip.measurement.tables import read_numbers, read_rows
-from stickslip.measurement.velocity import read_velocity
+from stickslip.measurement.velocity import read_velocity, velocity_units
 from stickslip.reproduction.curves import read_measured
+from stickslip.scenario.sections import COIL_NAMES
 
-FRAMES = ("t", "x", "theta")
-ANGLES = ("Bx", "Bz", "theta")
-FIELDS = ("xp", "xm", "yp", "ym", "clamp", "x", "y", "z", "Bx", "By", "Bz")
+FRAMES = {"t": "s", "x": "m", "theta": "rad"}
+ANGLES = {"Bx": "T", "Bz": "T", "theta": "rad"}
+FIELDS = {
+    **dict.fromkeys(("xp", "xm", "yp", "ym", "clamp"), "A"),
+    **dict.fromkeys("xyz", "m"),
+    **dict.fromkeys(("Bx", "By", "Bz"), "T"),
+}
 
 
 def voltages(path):
@@ -24,7 +34,9 @@ def voltages(path):
 
 
 def velocities(path):
-    data, left_out = read_velocity(path, read_rows(path), Scenario(), float("nan"))
+    data, left_out = read_velocity(
+        path, read_rows(path, velocity_units()), Scenario(), float("nan")
+    )
     return (data.conditions, data.velocity.tolist()), left_out
 
 
@@ -46,6 +58,16 @@ def numbers_text(columns):
     return [",".join(columns), *rows, ",".join(["lost"] * len(columns))]
 
 
+# A box of points, in which no coil makes a field.
+BOX = [
+    ",".join([*(str(each) for each in place), coil, "0,0,0"])
+    for coil in COIL_NAMES
+    for place in itertools.product((-1e-3, 1e-3), repeat=3)
+]
+
+MEASURED = ("velocities", "tracking", "angle", "field")
+"""Kinds of tables that say what was left out of them."""
+
 # Each with its reader, and its lines; the last one is wrong.
 FILES = {
     "voltages": (voltages, ["t,xp,xm,yp,ym,clamp", "0,0,0,0,0,0", "1,5,0,0,0,-10", "2,0,x,0,0,0"]),
@@ -54,8 +76,12 @@ FILES = {
     "tracking": (numbers_of(FRAMES), numbers_text(FRAMES)),
     "angle": (numbers_of(ANGLES), numbers_text(ANGLES)),
     "field": (numbers_of(FIELDS), numbers_text(FIELDS)),
+    "map": (
+        lambda path: (FieldMap.from_file(path), ()),
+        ["x,y,z,coil,Bx,By,Bz", *BOX, "1e-3,1e-3,1e-3,zp,0,0,0"],
+    ),
     "digitised points": (
-        read_measured,
+        lambda path: (read_measured(path), ()),
         ["figure,mode,x,y", "fig12,IPP,10,1e-3", "fig13,OPP,10,1e-3", "fig12,IPP,20,lost"],
     ),
 }
@@ -66,7 +92,23 @@ FORMS = [(b"", "\n"), (codecs.BOM_UTF8, "\r\n"), (b"", "\r")]
 
 def commented(lines):
     """The lines with comments, one of which has a quote, and empty lines among them."""
-    return ['# the robot "A", 5" tube', "", *lines[:1], "  # a remark, in µm", *lines[1:]]
+    return ['# the robot "A", 5" tube', "", *lines[:1], "  # a remark in µm", *lines[1:]]
+
+
+def float_or_word(cell):
+    """Whether a cell is a number."""
+    return re.fullmatch(r"[-+.\de]+", cell) is not None
+
+
+def numbers_in(found):
+    """All numbers of what a reader gave, in order."""
+    if isinstance(found, FieldMap):
+        return [*found.low, *found.high]
+    if isinstance(found, Mapping):
+        return numbers_in(list(found.values()))
+    if isinstance(found, list | tuple):
+        return [number for each in found for number in numbers_in(each)]
+    return [found] if isinstance(found, float) else []
 
 
 def write(path, lines, mark=b"", end="\n"):
@@ -78,8 +120,13 @@ def write(path, lines, mark=b"", end="\n"):
 @pytest.mark.parametrize("kind", FILES)
 def test_comments_and_the_mark_change_nothing(tmp_path, kind, form):
     read, lines = FILES[kind]
-    plain = read(write(tmp_path / "a.csv", lines[:-1]))
-    assert read(write(tmp_path / "a.csv", commented(lines[:-1]), *form)) == plain
+    plain, nothing = read(write(tmp_path / "a.csv", lines[:-1]))
+    found, left_out = read(write(tmp_path / "a.csv", commented(lines[:-1]), *form))
+    assert found == plain
+    assert list(nothing) == []
+    assert [(fact.code, fact.fields["count"]) for fact in left_out] == (
+        [(Code.COMMENTS, 1)] if kind in MEASURED else []
+    )
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -114,6 +161,199 @@ def test_a_byte_that_is_no_text_is_named(tmp_path, kind):
     (tmp_path / "a.csv").write_bytes(text + b"\xff")
     with pytest.raises(ScenarioError, match=f"byte {len(text) + 1} is not UTF-8"):
         read(tmp_path / "a.csv")
+
+
+# Each as it comes from a program, and the lines of commas and points that mean the same.
+DIALECTS = {
+    "semicolons": lambda lines: [each.replace(",", ";") for each in lines],
+    "tabs": lambda lines: [each.replace(",", "\t") for each in lines],
+    "decimal commas": lambda lines: [each.replace(",", ";").replace(".", ",") for each in lines],
+    "tabs, decimal commas": lambda lines: [
+        each.replace(",", "\t").replace(".", ",") for each in lines
+    ],
+    "Excel": lambda lines: ["sep=;", *(each.replace(",", ";") for each in lines)],
+    "quotes": lambda lines: [",".join(f'"{cell}"' for cell in each.split(",")) for each in lines],
+    "savetxt": lambda lines: ["# of Monday", f"# {lines[0]}", *lines[1:]],
+    "header and comment": lambda lines: [f"# {','.join('abcdefghijk')}", *lines],
+    "commas at the end": lambda lines: [f"{each},," for each in lines],
+    "commas after the rows": lambda lines: [lines[0], *(f"{each}," for each in lines[1:])],
+    "blank cells": lambda lines: [*lines, "," * lines[0].count(",")],
+    "a number of commas": lambda lines: [*lines, "", ",,", ""],
+}
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("kind", FILES)
+def test_what_programs_write_is_read(tmp_path, kind, dialect):
+    read, lines = FILES[kind]
+    plain, _ = read(write(tmp_path / "a.csv", lines[:-1]))
+    found, left_out = read(write(tmp_path / "a.csv", DIALECTS[dialect](lines[:-1])))
+    assert found == plain
+    empty = {"commas at the end": 2, "commas after the rows": 1}.get(dialect)
+    assert [(fact.code, fact.fields["count"]) for fact in left_out] == (
+        [(Code.EMPTY_COLUMNS, empty)] if empty and kind in MEASURED else []
+    )
+
+
+@pytest.mark.parametrize("mark", [codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE])
+def test_utf_16_is_read(tmp_path, mark):
+    read, lines = FILES["voltages"]
+    plain = read(write(tmp_path / "a.csv", lines[:-1]))
+    code = "utf-16-le" if mark == codecs.BOM_UTF16_LE else "utf-16-be"
+    (tmp_path / "a.csv").write_bytes(mark + "\r\n".join(lines[:-1]).encode(code))
+    assert read(tmp_path / "a.csv") == plain
+
+
+@pytest.mark.parametrize("cell", ["#N/A", "#VALUE!", "#REF!", "#1"])
+@pytest.mark.parametrize("header", [True, False])
+@pytest.mark.parametrize("kind", FILES)
+def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell):
+    """Below a header of its own or in a comment; first of all rows, which is the hardest place."""
+    read, lines = FILES[kind]
+    names, first, *others = lines[:-1]
+    bad = ",".join([cell, *first.split(",")[1:]])
+    head = names if header else f"# {names}"
+    path = write(tmp_path / "a.csv", [head, bad, first, *others])
+    if kind in MEASURED:
+        _, left_out = read(path)
+        assert [2] in [fact.fields.get("lines") for fact in left_out]
+        return
+    with pytest.raises(ScenarioError, match=r"(?:row|line) 2\b"):
+        read(path)
+
+
+def test_a_label_may_begin_with_a_hash(tmp_path):
+    lines = ["block,frequency,velocity", "#1,20,1e-3", "# a remark", "#2,20,2e-3"]
+    path = write(tmp_path / "a.csv", lines)
+    data, left_out = read_velocity(path, read_rows(path, velocity_units()), Scenario(), 0.01)
+    assert data.block.tolist() == [0, 1]
+    assert [fact.code for fact in left_out] == [Code.COMMENTS]
+
+
+# Of each kind a column, one that is n times larger in another unit, and one of another quantity.
+UNITS = {
+    "voltages": ("t", "t (ms)", 1e3, "t (mV)", "ms"),
+    "velocities": ("velocity", "velocity [mm/s]", 1e3, "velocity (mm)", "mm/s"),
+    "new trials": ("frequency", "frequency (kHz)", 1e-3, "frequency (T)", "kHz"),
+    "tracking": ("theta", "theta (deg)", 180.0 / math.pi, "theta (m)", "deg"),
+    "angle": ("Bz", "Bz (mT)", 1e3, "Bz (mT/A)", "mT"),
+    "field": ("x", "x (mm)", 1e3, "x (mT)", "mm"),
+    "map": ("x", "x (mm)", 1e3, "x (T/A)", "mm"),
+    "digitised points": ("y", "y (mm/s)", 1e3, "y (mm)", "mm/s"),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_column_in_another_unit_is_converted(tmp_path, kind):
+    read, lines = FILES[kind]
+    name, heading, n, wrong, allowed = UNITS[kind]
+    names = lines[0].split(",")
+    at = names.index(name)
+
+    def with_column(heading, n):
+        rows = [each.split(",") for each in lines[1:-1]]
+        changed = [
+            [repr(float(c) * n) if k == at and float_or_word(c) else c for k, c in enumerate(row)]
+            for row in rows
+        ]
+        head = ",".join([*names[:at], heading, *names[at + 1 :]])
+        return write(tmp_path / "a.csv", [head, *map(",".join, changed)])
+
+    plain, _ = read(with_column(name, 1.0))
+    found, left_out = read(with_column(heading, n))
+    # A decimal number times n and over n again is rounded twice, by half a last bit each.
+    assert numbers_in(found) == pytest.approx(numbers_in(plain), rel=4e-16, abs=0.0)
+    assert list(left_out) == []
+    with pytest.raises(ScenarioError, match="the unit is not known; allowed are") as error:
+        read(with_column(wrong, 1.0))
+    assert allowed in str(error.value).split("allowed are ")[1].split(", ")
+    with pytest.raises(ScenarioError, match=f'"?{name}"?:? is there twice'):
+        read(write(tmp_path / "a.csv", [f"{lines[0]},{heading}", *(f"{e},1" for e in lines[1:])]))
+
+
+def test_numbers_in_other_units_are_those_of_the_text():
+    """20 times a power of ten is exact, so the double next to the decimal number is met."""
+    cells = [f"{digits}e{power}" for digits in (1, 3, 7, 9.3, 123.4567) for power in (0, 1, 2)]
+    for unit, power in {"mm": -3, "um": -6, "cm": -2, "km": 3}.items():
+        n = per_si(unit, "m")
+        whole = [cell for cell in cells if float(cell) == int(float(cell))]
+        assert [to_si(float(c), n) for c in whole] == [
+            float(f"{int(float(c))}e{power}") for c in whole
+        ]
+
+
+@pytest.mark.parametrize("kind", MEASURED)
+def test_information_is_named(tmp_path, kind):
+    read, lines = FILES[kind]
+    plain, _ = read(write(tmp_path / "a.csv", lines[:-1]))
+    beside = ["date,temperature (C)", *["2024-05-01,21.5"] * (len(lines) - 2)]
+    wide = [f"{a},{b}" for a, b in zip(lines[:-1], beside, strict=True)]
+    found, left_out = read(write(tmp_path / "a.csv", wide))
+    assert found == plain
+    (fact,) = left_out
+    assert (fact.code, fact.fields["columns"]) == (
+        Code.COLUMNS_NOT_USED, ["date", "temperature (C)"],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "header", "meant"),
+    [
+        ("velocities", "freqency,velocity", "frequency"),
+        ("velocities", "Frequency (kHz),velocity", "frequency"),
+        ("velocities", "frequency,velocity,Velocity", "velocity"),
+        ("tracking", "t,x,theta,Theta", "theta"),
+    ],
+)
+def test_a_column_like_a_known_one_is_refused(tmp_path, kind, header, meant):
+    row = ",".join("1" for _ in header.split(","))
+    with pytest.raises(ScenarioError, match=f'is not known; did you mean "{meant}"'):
+        FILES[kind][0](write(tmp_path / "a.csv", [header, row]))
+
+
+def test_information_of_the_sound_trials_is_kept(tmp_path):
+    lines = ["frequency,velocity,operator,", "20,1e-3,Ada,", "20,lost,Ben,", "30,2e-3,Cleo,late"]
+    path = write(tmp_path / "a.csv", lines)
+    data, _ = read_velocity(path, read_rows(path, velocity_units()), Scenario(), 0.01)
+    assert data.extra == {"operator": ("Ada", "Cleo"), "column 4": ("", "late")}
+
+
+REFUSED = {
+    "blanks": (b"frequency velocity\n20 1e-3\n", "no comma, semicolon or tab"),
+    "savetxt without a delimiter": (b"# frequency velocity\n2e+01 1e-03\n", "delimiter="),
+    "decimal commas between commas": (b"frequency,velocity\n20,5,0,001\n", "by semicolons"),
+    "one decimal comma": (b"frequency,velocity\n20,0,001\n", "by semicolons"),
+    "both marks": (b"frequency;velocity\n20,5;0.001\n", 'line 2: "0.001" has a decimal point'),
+    "thousands": (b'frequency,velocity\n"1,234.5",1e-3\n', "without separators of thousands"),
+    "python's number": (b"frequency,velocity\n20,1_0e-4\n", '"1_0e-4" is not a number'),
+    "workbook": (b"PK\x03\x04\x14\x00", r"an Excel workbook .*docs/howto/instruments\.md"),
+    "old workbook": (b"\xd0\xcf\x11\xe0\xa1\xb1", "an Excel workbook"),
+    "MATLAB": (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "a MATLAB file"),
+    "MATLAB 7.3": (b"\x89HDF\r\n\x1a\n\x00", "MATLAB 7.3"),
+    "XML": (codecs.BOM_UTF8 + b"\n<?xml version='1.0'?>\n<TrackMate>", "an XML file"),
+    "UTF-16 without its mark": ("a,b\n1,2\n".encode("utf-16-le"), "byte 2 is NUL; save it as CSV"),
+    "half of UTF-16": (codecs.BOM_UTF16_LE + b"a\x00b", "damaged UTF-16"),
+    "header only": (b"frequency,velocity\n", "no row of data"),
+    "header in a comment only": (b"# frequency,velocity\n", "no row of data"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_read_is_told_as_what_it_is(tmp_path, case):
+    data, said = REFUSED[case]
+    (tmp_path / "a.csv").write_bytes(data)
+    with pytest.raises(ScenarioError, match=said) as error:
+        FILES["velocities"][0](tmp_path / "a.csv")
+    assert str(tmp_path / "a.csv") in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_column_of_voltages_or_fields_without_a_name_has_to_be_empty(tmp_path):
+    for kind in ("voltages", "map"):
+        read, lines = FILES[kind]
+        path = write(tmp_path / "a.csv", [f"{each}," for each in lines[:-2]] + [f"{lines[-2]},7"])
+        with pytest.raises(ScenarioError, match=f'row {len(lines) - 1}: "7" .* has no name'):
+            read(path)
 
 
 def test_a_wrong_heading_of_voltages_is_named_by_its_line(tmp_path):

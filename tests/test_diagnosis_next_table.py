@@ -12,6 +12,8 @@ from stickslip import read_measurement
 from stickslip.cli.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
+from stickslip.measurement.tables import read_rows
+from stickslip.measurement.velocity import velocity_units
 
 
 @pytest.fixture
@@ -40,6 +42,30 @@ def test_what_was_filled_in_stays_as_it_is_and_new_drives_come_below(folder):
     written = (folder / TABLE).read_text().splitlines()
     assert written[:4] == [*noted[:3], noted[4]]
     assert len(written) == 4 + 2 * 3
+
+
+def test_a_table_that_a_spreadsheet_has_written_gets_new_drives_in_its_own_columns(folder):
+    folder, data = folder
+    _, begun = with_measured(data, folder, 2, 3)
+    begun.write(asking(data))
+    header, *rows = (folder / TABLE).read_text().splitlines()
+    assert header.split(",")[-1] == "velocity"
+    # With decimal commas, velocities in mm/s, a column for remarks and one that is empty.
+    filled = [f'{rows[0]}1.5,"the; first",', *(f"{each},," for each in rows[1:])]
+    written = [each.replace(",", ";").replace(".", ",") for each in filled]
+    head = header.replace("velocity", "velocity (mm/s)").replace(",", ";")
+    text = ["sep=;", "# by Ada", f"{head};operator;", *written]
+    (folder / TABLE).write_bytes("\r\n".join(text).encode("utf-16"))
+    more, going = with_measured(data, folder, 2, 3)
+    assert more.velocity[1].velocity.tolist() == [1.5e-3]
+    going.write(asking(more))
+    found = read_rows(folder / TABLE, velocity_units())
+    assert found.header == [*header.split(","), "operator"]
+    assert found.rows[0][1] == [*rows[0].split(",")[:-1], "0.0015", "the; first"]
+    assert [row for _, row in found.rows[1:]] == [[*each.split(","), ""] for each in rows]
+    assert "# by Ada" in (folder / TABLE).read_text().splitlines()
+    again, _ = with_measured(data, folder, 2, 3)
+    assert again.velocity[1].velocity.tolist() == [1.5e-3]
 
 
 def test_the_budget_is_counted_over_the_rounds_and_its_end_is_said(folder):

@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -174,6 +175,26 @@ def test_bad_csv_files_are_refused(tmp_path, case):
     said = refusal_of(path)
     for word in words:
         assert word in said
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        # A point that is off; a field of the wrong sign, at which the fit leaves most.
+        ((3, 0, 5.0), "coil xm, row {row}: x = 5.0: allowed are -1 to 1 m"),
+        ((5, 4, -1.0), "coil xm: the field of a coil .* the farthest is row {row}; look for"),
+    ],
+)
+def test_a_point_out_of_place_is_named_by_its_row(tmp_path, fields, change, said):
+    point, column, value = change
+    path = write_csv(tmp_path / "m.csv", grid(), fields)
+    lines = path.read_text().splitlines()
+    at = 1 + len(grid()) + point  # in the second coil, below the header
+    cells = lines[at].split(",")
+    cells[column] = repr(value if column == 0 else value * float(cells[column]))
+    lines[at] = ",".join(cells)
+    path.write_text("\n".join(["# of Monday", *lines]))
+    assert re.search(said.format(row=at + 2), refusal_of(path))
 
 
 def test_a_coil_that_is_missing_is_named(tmp_path, fields):

@@ -3,6 +3,7 @@
 import os
 import sys
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -17,6 +18,7 @@ from stickslip import Scenario, ScenarioError, Waveform
 from stickslip._util.atomic_files import check_folder, check_writable, read_bytes
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tables import read_rows
+from stickslip.measurement.velocity import velocity_units
 from test_bad_input import CSV, HEAD, PROGRAM, check
 
 MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
@@ -31,6 +33,10 @@ def refused(path, *words, read=Scenario.from_toml):
     assert text.startswith(str(path))
     for word in words:
         assert word in text, text
+
+
+def read_table(path):
+    return read_rows(path, velocity_units())
 
 
 DOCUMENTS = {
@@ -116,7 +122,7 @@ def test_devices_are_not_read(tmp_path):
     check(stickslip("run", tmp_path / "s.toml"), 'drive.file = "/dev/zero"', "device")
     check(stickslip("run", "/dev/zero"), "/dev/zero", "device")
     with pytest.raises(ScenarioError, match=r"/dev/zero: .* device"):
-        read_rows(os.path.join("/dev", "zero"))
+        read_table(Path("/dev/zero"))
 
 
 def test_a_pipe_is_read(tmp_path):
@@ -146,7 +152,7 @@ def test_an_endless_pipe_is_refused(tmp_path):
     assert not writer.is_alive()
 
 
-@pytest.mark.parametrize("read", [Scenario.from_toml, Waveform.from_csv, read_rows])
+@pytest.mark.parametrize("read", [Scenario.from_toml, Waveform.from_csv, read_table])
 def test_a_file_that_is_too_long_is_refused(tmp_path, read):
     path = tmp_path / "a"
     with path.open("wb") as file:
@@ -156,7 +162,7 @@ def test_a_file_that_is_too_long_is_refused(tmp_path, read):
 
 def test_a_table_of_endless_columns_is_refused(tmp_path):
     (tmp_path / "a.csv").write_text(",".join(map(str, range(200_000))) + "\n1\n")
-    refused(tmp_path / "a.csv", "200000 columns; allowed are 1000", read=read_rows)
+    refused(tmp_path / "a.csv", "200000 columns; allowed are 1000", read=read_table)
 
 
 def test_voltages_that_are_written_can_be_read(tmp_path):

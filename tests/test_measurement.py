@@ -9,7 +9,7 @@ from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.tables import read_rows
-from stickslip.measurement.velocity import read_velocity
+from stickslip.measurement.velocity import read_velocity, velocity_units
 from stickslip.scenario.scenario import Scenario
 
 TOML = """stickslip_measurement = 1
@@ -220,28 +220,26 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
         "# our robot\nmode,frequency,velocity\n\nIPP,30,1e-3\noop,30,1e-3\noop,40,1e-3\n"
         "# again\nIPP,50,lost\n"
     )
-    data, left_out = read_velocity(path, read_rows(path), Scenario(), float("nan"))
+    data, left_out = read_velocity(
+        path, read_rows(path, velocity_units()), Scenario(), float("nan")
+    )
     assert len(data.velocity) == 1
-    many, refused, lost = left_out
+    many, refused, lost, comments = left_out
     assert many == Fact(Code.ROWS_LEFT_OUT, {"table": "velocity.csv", "count": 3, "rows": 4})
     assert (refused.code, refused.fields["lines"]) == (Code.SETTING_REFUSED, [5, 6])
     assert lost == _fact(Code.NOT_A_NUMBER, 8, column="velocity", cell="lost")
+    assert comments == Fact(Code.COMMENTS, {"table": "velocity.csv", "count": 1})
 
 
 def test_one_field_in_another_unit_is_left_out(tmp_path):
     path = tmp_path / "velocity.csv"
     path.write_text("frequency,hold,velocity\n30,6e-4,1e-3\n40,6e-4,1e-3\n50,0.6,1e-3\n")
-    data, left_out = read_velocity(path, read_rows(path), Scenario(), float("nan"))
+    data, left_out = read_velocity(
+        path, read_rows(path, velocity_units()), Scenario(), float("nan")
+    )
     assert len(data.velocity) == 2
     limit = {"unit": "T", "limit": 0.1, "other": "mT"}
     assert _fact(Code.SETTING_TOO_LARGE, 4, key="hold", value=0.6, **limit) in left_out
-
-
-def test_other_separators_are_named(tmp_path):
-    path = tmp_path / "velocity.csv"
-    path.write_text("mode;velocity\nIPP;1e-3\n")
-    with pytest.raises(ScenarioError, match="semicolons; allowed are commas"):
-        read_velocity(path, read_rows(path), Scenario(), float("nan"))
 
 
 def test_a_prior_is_shown_in_a_few_characters():

@@ -4,9 +4,11 @@ import json
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from answer_examples import ANSWERS
+from stickslip import Measurement, Prior, Scenario
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import SENTENCES
 
@@ -47,6 +49,9 @@ EXAMPLES = {
     ),
     Code.TOO_FAST: ({**LINES, "limit": 1.0}, "above 1 m/s; .* mm/s"),
     Code.BAD_CELLS: ({**LINES, "rows": 18}, r"2 of 18 rows .* \(lines 3, 5\)"),
+    Code.COMMENTS: ({**FILE, "count": 2}, "2 lines below the header"),
+    Code.EMPTY_COLUMNS: ({**FILE, "count": 1}, "1 empty column without"),
+    Code.COLUMNS_NOT_USED: ({**FILE, "columns": ["date", "room"]}, "only: date and room"),
     Code.GAPS: ({**FILE, "count": 17, "column": "z"}, "column z has 17 cells"),
     Code.NO_SOUND_ROW: ({**FILE, "why": Fact(Code.REPEATED_ROW, LINES)}, "sound. .* repeats"),
     Code.FRAMES_SORTED: (FILE, "order of time"),
@@ -135,7 +140,10 @@ EXAMPLES = {
     Code.CONDITIONS_ALIKE: ({"ratio": 1.5, "needed": 3.0}, r"1\.5 times .* 3 times"),
     Code.ROUNDED: ({"percent": 60.0, "limit": 40.0}, "60 % .*40 %"),
     Code.DRIFT: ({"p_value": 1e-5, "level": 0.002}, r"1e-05, below 0\.002"),
-    Code.NOTHING_COMPUTED: ({}, r"\[uncertain\]"),
+    Code.NOTHING_COMPUTED: (
+        {"refusal": "b.static = 0.2 is too low"},
+        r"uncertain: b.static = 0.2 is too low; change the scenario, or narrow .* \[uncertain\]",
+    ),
     Code.VELOCITIES_SIZE: (FAR, "about .* times what the stated model gives"),
     Code.VELOCITY_SIZE: ({**FAR, "condition": "hold 1 mT"}, "of hold 1 mT is about .* fastest"),
     Code.OPPOSITE_SIGN: ({"cosine": -0.9, "limit": -0.8}, r"opposite sign .*-0\.9, below -0\.8"),
@@ -299,6 +307,18 @@ def test_it_is_one_full_sentence_with_the_numbers_in_it(code):
     assert re.search(r"[^.]\.$", sentence), sentence
     assert not re.search(r"  |[{}]|\bNone\b|\bnan\b|Code\.|\n", sentence), sentence
     assert sentence.count("(") == sentence.count(")")
+
+
+def test_a_prior_whose_middle_no_scenario_has_is_named_with_what_to_do():
+    table = pd.DataFrame({"frequency": [20.0, 30.0], "velocity": [1e-3, 1.1e-3]})
+    wide = {"contact.kinetic_friction": Prior("log-uniform", 0.15, 0.3)}
+    refusal = Measurement.from_dataframe(table, Scenario(), wide).refusal()
+    said = str(Fact(Code.NOTHING_COMPUTED, {"refusal": refusal}))
+    # The middle of a log-uniform prior is the root of 0.15 * 0.3 = 0.045.
+    assert "contact.kinetic_friction = 0.2121" in said
+    assert "raise contact.static_friction, or narrow the prior" in said
+    narrow = {"contact.kinetic_friction": Prior("log-uniform", 0.15, 0.19)}
+    assert Measurement.from_dataframe(table, Scenario(), narrow).refusal() is None
 
 
 @pytest.mark.parametrize("code", Code, ids=lambda code: code.value)

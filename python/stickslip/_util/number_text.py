@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from decimal import ROUND_FLOOR, Context
 from typing import TypeGuard
 
@@ -9,6 +10,22 @@ from typing import TypeGuard
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value of a TOML file is a number; True and False are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def number(cell: str, below: float = math.inf) -> float:
+    """The number of a cell of a table; NaN where it is none, or its size is not below a limit."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return math.nan
+    # Python reads 1_000 as a number; no laboratory writes it.
+    return value if abs(value) < below and "_" not in cell else math.nan
+
+
+def comma_hint(cell: str) -> str:
+    """What to do about a comma in a cell that is no number; "" for a cell without one."""
+    hint = "; write numbers with a decimal point and without separators of thousands"
+    return hint if "," in cell else ""
 
 
 def highest(limit: float) -> str:

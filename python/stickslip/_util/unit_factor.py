@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from stickslip._util.units import per_si
+
 FACTORS = (10.0, 100.0, 1e3, 1e6)
 """Mistakes of a unit, and their inverses."""
 
@@ -13,14 +15,14 @@ NEAR = math.sqrt(10.0)
 known to better than a factor of three, and beyond it another power of ten is nearer."""
 
 _SMALLER = {
-    "m": {1e2: "cm", 1e3: "mm", 1e6: "um"},
-    "m/s": {1e3: "mm/s", 1e6: "um/s"},
-    "kg": {1e3: "g", 1e6: "mg", 1e9: "ug"},
-    "s": {1e3: "ms", 1e6: "us"},
-    "T": {1e3: "mT", 1e6: "uT"},
-    "H": {1e3: "mH", 1e6: "uH"},
+    "m": ("cm", "mm", "um"),
+    "m/s": ("mm/s", "um/s"),
+    "kg": ("g", "mg", "ug"),
+    "s": ("ms", "us"),
+    "T": ("mT", "uT"),
+    "H": ("mH", "uH"),
 }
-"""Units that a laboratory uses in place of an SI unit, by the factor of numbers in them."""
+"""Units that a laboratory uses in place of an SI unit."""
 
 
 def unit_factor(
@@ -47,7 +49,8 @@ def unit_meant(
 
     With the factor of numbers in it, which is `least` or more; None where no such unit is near.
     """
-    units = {k: name for k, name in _SMALLER.get(unit, {}).items() if k >= least}
+    names = {per_si(name, unit): name for name in _SMALLER.get(unit, ())}
+    units = {factor: name for factor, name in names.items() if factor >= least}
     factor = unit_factor(ratio, within, units) if units and ratio > 1.0 else None
     return None if factor is None else (units[factor], factor)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
-from stickslip._util.csv_rows import text_lines
+from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 
@@ -118,14 +118,15 @@ def with_measured(
     from stickslip.diagnosis.next_trials import setting_columns
     from stickslip.measurement.new_trials import unmeasured
     from stickslip.measurement.tables import check_columns, read_rows
+    from stickslip.measurement.velocity import velocity_units
 
     path = folder / TABLE
     if not path.exists():
         return data, Rounds(folder, most, budget, 0, 0)
     _check_owner(data, folder)
-    header, rows = read_rows(path)
-    check_columns(path, header, [*setting_columns(data), "velocity"])
-    if len(unmeasured((header, rows))) == len(rows):
+    table = read_rows(path, velocity_units())
+    check_columns(path, table.header, [*setting_columns(data), "velocity"])
+    if len(unmeasured(table)) == len(table.rows):
         return data, Rounds(folder, most, budget, 0, 0)
     data = data.with_velocities(path)
     new = data.velocity[-1]
@@ -149,17 +150,26 @@ def _check_owner(data: Measurement, folder: Path) -> None:
 
 
 def _below_what_was_measured(path: Path, trials: Any) -> str:
-    """The text of the table: its lines without those that were not measured, and new ones below."""
+    """The text of the table: its lines without those that were not measured, and new ones below.
+
+    Comments stay, and so do lines that have the cells that were read, in SI units between commas.
+    """
     from stickslip.measurement.new_trials import unmeasured
     from stickslip.measurement.tables import read_rows
+    from stickslip.measurement.velocity import velocity_units
 
     if not path.exists():
         return str(trials.to_csv(index=False))
-    table = read_rows(path)
+    table = read_rows(path, velocity_units())
     empty = set(unmeasured(table))
-    lines = enumerate(text_lines(path.read_bytes()), start=1)
-    kept = [line for number, line in lines if number not in empty]
-    new = trials.reindex(columns=table[0]).to_csv(index=False, header=False)
+    cells = {table.line: table.header, **dict(table.rows)}
+    kept = []
+    for number, line in enumerate(text_lines(path.read_bytes()), start=1):
+        if number in cells and number not in empty:
+            kept.append(csv_line(line, cells[number]))
+        elif line.lstrip().startswith("#"):
+            kept.append(line)
+    new = trials.reindex(columns=table.header).to_csv(index=False, header=False)
     return "\n".join([*kept, str(new)])
 
 

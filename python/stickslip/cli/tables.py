@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.handy_units import handy
+from stickslip._util.units import handy
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.note import lines_of_json, shown_lines
 from stickslip.simulation.record_blocks import turns

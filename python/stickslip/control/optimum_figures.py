@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip._util.handy_units import handy, in_handy_units
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREEN, ORANGE, PURPLE, VERMILION
 from stickslip._util.picture import Picture
+from stickslip._util.units import handy, in_handy_units
 from stickslip.control.design_space import drive_waveform
 from stickslip.control.landscape import Slice
 from stickslip.control.optimum import Optimum

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stickslip._util import html_page
-from stickslip._util.handy_units import handy
+from stickslip._util.units import handy
 from stickslip.control import optimum_figures as figures
 from stickslip.control.goal import FIGURES
 from stickslip.control.landscape import ABOUT, NEAR, PLATEAU

@@ -248,7 +248,7 @@ def _data(
         singleton_condition=find_singleton_condition(walks.conditions),
         settings=_smooth_settings(walks.conditions),
         source=["velocity"] * len(walks.conditions) + source,
-        data_problem=wrong_size(*walks.seen) or wrong_sign(*walks.seen),
+        data_problem=wrong_size(*walks.seen, measurement.refusal()) or wrong_sign(*walks.seen),
     )
 
 

@@ -20,6 +20,9 @@ class Code(str, Enum):
     OUTLIER = "outlier"  #: A trial absurdly far from the others of its condition.
     TOO_FAST = "too-fast"  #: Velocities so large that their unit must be wrong.
     BAD_CELLS = "bad-cells"  #: Rows with a cell that is no number, too few cells or too many.
+    COMMENTS = "comments"  #: Lines between the rows that are comments.
+    EMPTY_COLUMNS = "empty-columns"  #: Columns without a name and without a cell.
+    COLUMNS_NOT_USED = "columns-not-used"  #: Columns that say nothing to the diagnosis.
     GAPS = "gaps"  #: An optional column has cells that are no number.
     NO_SOUND_ROW = "no-sound-row"  #: A table without a row that can be used.
     FRAMES_SORTED = "frames-sorted"  #: Frames were put in the order of time.

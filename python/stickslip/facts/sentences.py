@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stickslip._util.number_text import comma_hint
 from stickslip._util.unit_factor import factor_text
 from stickslip.facts.codes import Code
 from stickslip.scenario.keys import shown
@@ -72,7 +73,9 @@ def _named_lines(f: Fields) -> str:
 
 
 def _column_is(f: Fields) -> str:
-    return f"{f['column']} " + (f"{shown(f['cell'])} is not a number" if f["cell"] else "is empty")
+    if not f["cell"]:
+        return f"{f['column']} is empty"
+    return f"{f['column']} {shown(f['cell'])} is not a number{comma_hint(f['cell'])}"
 
 
 def _wrong_unit(f: Fields) -> str:
@@ -227,6 +230,16 @@ def _predicted_velocities(f: Fields) -> str:
     return f"Predicted is {', '.join(each)}. " if each else ""
 
 
+def _why_nothing(f: Fields) -> str:
+    """Why no condition can be simulated, and what to do."""
+    if f.get("refusal") is None:
+        return "look at its settings, and whether [uncertain] has values that it forbids"
+    friction = "contact.static_friction" in f["refusal"]
+    settings = "raise contact.static_friction" if friction else "change the scenario"
+    priors = "the prior of contact.kinetic_friction" if friction else "the priors"
+    return f"{f['refusal']}; {settings}, or narrow {priors} in [uncertain]"
+
+
 def _tried_in_vain(f: Fields) -> str:
     """How many causes explain nothing, alone or two together."""
     if f["count"] == 1:
@@ -267,6 +280,7 @@ _COMPUTED: Mapping[str, Callable[[Fields], str]] = {
     "extended_advance": _extended(", and the extended model by {extended!u:.5g} um"),
     "told_of_curve": _told_of_curve,
     "lead_in_words": lambda f: f"{abs(f['lead']):.1f} {'below' if f['lead'] < 0.0 else 'above'}",
+    "why_nothing": _why_nothing,
     "tried_in_vain": _tried_in_vain,
     "origin_of_u": lambda f: f" less {f['origin']:g} {f['unit']}" if f["origin"] else "",
     "also": lambda f: f"; nearly as likely: {_listed(f['others'])}" if f["others"] else "",

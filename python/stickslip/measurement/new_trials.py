@@ -11,9 +11,16 @@ from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.scenario import Scenario
 
-_OF_THE_WHOLE = (Code.ROWS_LEFT_OUT, Code.EQUAL_SETTINGS, Code.OUTLIER)
-"""Facts that blame no cell: how many rows are wrong, settings that count as one, and a trial that
-others contradict."""
+_OF_THE_WHOLE = (
+    Code.ROWS_LEFT_OUT,
+    Code.EQUAL_SETTINGS,
+    Code.OUTLIER,
+    Code.COMMENTS,
+    Code.EMPTY_COLUMNS,
+    Code.COLUMNS_NOT_USED,
+)
+"""Facts that blame no cell: how many rows are wrong, settings that count as one, a trial that
+others contradict, what is beside the rows."""
 
 
 def read_new_trials(
@@ -36,14 +43,14 @@ def read_new_trials(
         With the first row that is not sound, if none has a velocity, or if all trials are among the
         `earlier` ones.
     """
-    header, rows = table
-    check_columns(path, header, ["velocity"])
+    check_columns(path, table.header, ["velocity"])
     empty = set(unmeasured(table))
-    filled = [(line, row) for line, row in rows if line not in empty]
+    filled = [(line, row) for line, row in table.rows if line not in empty]
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
     try:
-        data, left_out = read_velocity(path, (header, filled), scenario, relative_sd, word, earlier)
+        table = table._replace(rows=filled)
+        data, left_out = read_velocity(path, table, scenario, relative_sd, word, earlier)
     except NothingSound as error:
         raise _refused(path, error.fact.fields["why"]) from None
     for fact in left_out:
@@ -58,9 +65,8 @@ def read_new_trials(
 
 def unmeasured(table: Rows) -> list[Line]:
     """Lines of the rows whose velocity is empty."""
-    header, rows = table
-    at = header.index("velocity")
-    return [line for line, row in rows if at < len(row) and not row[at]]
+    at = table.header.index("velocity")
+    return [line for line, row in table.rows if at < len(row) and not row[at]]
 
 
 def _refused(path: Path, fact: Fact) -> ScenarioError:

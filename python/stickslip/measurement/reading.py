@@ -25,7 +25,12 @@ from stickslip.measurement.tables import (
     stated_number,
 )
 from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import VelocityData, read_velocity, with_index_columns
+from stickslip.measurement.velocity import (
+    VelocityData,
+    read_velocity,
+    velocity_units,
+    with_index_columns,
+)
 from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
@@ -50,8 +55,12 @@ _WIDE = 3.0
 """Standard deviations of a prior that are looked at. Chosen: one value in 400 lies beyond."""
 
 _COLUMNS = {
-    "angle": ("Bx", "Bz", "theta"),
-    "field": (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"),
+    "angle": {"Bx": "T", "Bz": "T", "theta": "rad"},
+    "field": {
+        **dict.fromkeys(COIL_NAMES, "A"),
+        **dict.fromkeys(("x", "y", "z"), "m"),
+        **dict.fromkeys(("Bx", "By", "Bz"), "T"),
+    },
 }
 
 Table = Mapping[str, Array]
@@ -99,6 +108,15 @@ class Measurement(OneLine):
             f"<Measurement {shown(self.name)}: {', '.join(parts)}, {len(self.left_out)} left out>"
         )
 
+    def refusal(self) -> str | None:
+        """Why no scenario has the middles of all that is uncertain; None if one has."""
+        middles = {name: float(prior.value(0.0)) for name, prior in self.uncertain.items()}
+        try:
+            self.scenario.replace(middles)
+        except ScenarioError as error:
+            return str(error)
+        return None
+
     @staticmethod
     def from_dataframe(
         table: DataFrame,
@@ -137,7 +155,7 @@ class Measurement(OneLine):
         if not isinstance(scenario, Scenario):
             refuse("scenario", scenario, "a Scenario")
         path = Path("DataFrame")
-        rows = rows_of_frame(with_index_columns(table))
+        rows = rows_of_frame(with_index_columns(table), velocity_units())
         data, left_out = read_velocity(path, rows, scenario, _relative_sd(velocity_sd), "row")
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
@@ -159,10 +177,13 @@ class Measurement(OneLine):
             With one line, if a column is missing or unknown, a row with a velocity is not sound, no
             row has one, or all trials are in the measurement already.
         """
-        path, word = Path("DataFrame"), "row"
+        units = velocity_units()
         if isinstance(table, str | PathLike):
             path, word = Path(table), "line"
-        rows = read_rows(path) if word == "line" else rows_of_frame(with_index_columns(table))
+            rows = read_rows(path, units)
+        else:
+            path, word = Path("DataFrame"), "row"
+            rows = rows_of_frame(with_index_columns(table), units)
         no_sd = _relative_sd(None)  # what the other tables state counts for all
         data, lost = read_new_trials(path, rows, self.scenario, no_sd, self.velocity, word)
         return replace(self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost))
@@ -252,7 +273,7 @@ def _table(
     earlier: Sequence[VelocityData],
 ) -> tuple[Any, list[Fact]]:
     if observable == "velocity":
-        rows, sd = read_rows(file), _relative_sd(entry.get("velocity_sd"))
+        rows, sd = read_rows(file, velocity_units()), _relative_sd(entry.get("velocity_sd"))
         return read_velocity(file, rows, scenario, sd, earlier=earlier)
     if observable == "tracking":
         return read_tracking(file, entry, scenario)

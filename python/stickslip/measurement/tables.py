@@ -5,20 +5,22 @@ from __future__ import annotations
 import itertools
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import read_bytes
-from stickslip._util.csv_rows import csv_rows, refuse_other_separators
-from stickslip._util.number_text import is_number
+from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
+from stickslip._util.number_text import is_number, number
+from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import LINES
-from stickslip.scenario.keys import nearest, refuse, shown, suggestion
+from stickslip.scenario.csv_cells import Units, without_units
+from stickslip.scenario.keys import nearest, refuse, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -26,10 +28,20 @@ if TYPE_CHECKING:
 Line = int | str
 """Number of a line in a file, or the index label of a row in memory."""
 
-Rows = tuple[list[str], Sequence[tuple[Line, list[str]]]]
-"""Header of a table, and its rows of text cells, each with its line."""
 
-_LARGEST = 1e60
+class Rows(NamedTuple):
+    """Header of a table, its rows of text cells, each with its line, and what was left out of it.
+
+    `line` is that of the header, 0 of a table in memory.
+    """
+
+    header: list[str]
+    rows: Sequence[tuple[Line, list[str]]]
+    left_out: tuple[Fact, ...] = ()
+    line: int = 0
+
+
+LARGEST = 1e60
 """Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
@@ -44,37 +56,71 @@ class NothingSound(ScenarioError):
         super().__init__(self.fact)
 
 
-def read_rows(path: Path) -> Rows:
+def read_rows(path: Path, units: Units) -> Rows:
     """Header, and rows of text cells with the number of their line in the file.
 
-    Empty lines and lines that begin with # are skipped. A ScenarioError says that the file cannot
-    be read, is empty, has a column twice or other separators than commas.
+    Numbers of columns in `units` are in SI units. A ScenarioError says that the file cannot be read
+    or is empty, or that a column is there twice or in a unit that is not known.
     """
     with prefixed(path):
-        return _rows(read_bytes(path, _MOST_BYTES, "table"))
+        return _rows(path.name, CsvTable(read_bytes(path, _MOST_BYTES, "table"), units), units)
 
 
-def _rows(data: bytes) -> Rows:
-    rows = list(itertools.islice(csv_rows(data), _MOST_ROWS + 1))
+def _rows(name: str, table: CsvTable, units: Units) -> Rows:
+    rows = list(itertools.islice(table.rows(), _MOST_ROWS + 1))
+    width = len(table.header)
     if len(rows) > _MOST_ROWS:
         raise ScenarioError(f"has more rows than are allowed, {_MOST_ROWS}")
-    if len(rows) < 2:
+    if not rows:
         raise ScenarioError("has no row of data below a line of column names")
-    header = rows[0][1]
-    refuse_other_separators(header)
-    if len(header) > _MOST_COLUMNS:
-        raise ScenarioError(f"{len(header)} columns; allowed are {_MOST_COLUMNS}")
-    _refuse_twice(header)
-    return header, rows[1:]
+    if width > _MOST_COLUMNS:
+        raise ScenarioError(f"{width} columns; allowed are {_MOST_COLUMNS}")
+    line, row = rows[0]
+    if table.separator == "," and all(len(cells) > width for _, cells in rows):
+        few = f"line {line} has {len(row)} cells, and the header {width} names"
+        raise ScenarioError(f"{few}, and so on; {DECIMAL_COMMAS}")
+    # A column without a name is called by its place, or is not there if it has no cell either.
+    empty = [
+        k
+        for k, heading in enumerate(table.header)
+        if not heading and not any(row[k] for _, row in rows if len(row) == width)
+    ]
+    header = [heading or f"column {k + 1}" for k, heading in enumerate(table.header)]
+    if empty:
+        keep = [k for k in range(width) if k not in empty]
+        header = [header[k] for k in keep]
+        rows = [(n, [row[k] for k in keep] if len(row) == width else row) for n, row in rows]
+    point = table.with_point if table.separator != "," else None
+    counts = ((Code.COMMENTS, table.comments), (Code.EMPTY_COLUMNS, len(empty) + table.beyond))
+    left_out = tuple(Fact(code, {"table": name, "count": n}) for code, n in counts if n)
+    return Rows(_in_si(header, rows, units, point), rows, left_out, table.line)
 
 
-def _refuse_twice(header: Sequence[str]) -> None:
-    twice = sorted({name for name in header if header.count(name) > 1})
+def _in_si(
+    header: Sequence[str],
+    rows: Sequence[tuple[Line, list[str]]],
+    units: Units,
+    with_point: Callable[[Any, str], str] | None = None,
+) -> list[str]:
+    """Names of the columns without their units; the numbers in `rows` are replaced by SI ones."""
+    names, per = without_units(header, units)
+    twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise ScenarioError(f"column {shown(twice[0])} is there twice")
+    for k, name in enumerate(names):
+        if units.get(name) is None or (per[k] == 1.0 and with_point is None):
+            continue
+        for line, row in rows:
+            if len(row) != len(names):
+                continue
+            row[k] = row[k] if with_point is None else with_point(line, row[k])
+            value = number(row[k])
+            if per[k] != 1.0 and not math.isnan(value):
+                row[k] = repr(to_si(value, per[k]))
+    return names
 
 
-def rows_of_frame(table: DataFrame) -> Rows:
+def rows_of_frame(table: DataFrame, units: Units) -> Rows:
     """Header, and rows of text cells with their index label; as `read_rows` has them of a file.
 
     Numbers are written so that reading them again gives the same ones; a cell without a value is
@@ -84,15 +130,14 @@ def rows_of_frame(table: DataFrame) -> Rows:
 
     if not isinstance(table, pd.DataFrame):
         refuse("table", table, "a DataFrame")
-    header = [str(name) for name in table.columns]
     with prefixed("DataFrame"):
-        _refuse_twice(header)
         if table.empty:
             raise ScenarioError("has no row of data")
-    cells = [_in_seconds(table.iloc[:, k]) for k in range(len(header))]
-    columns = [[_cell(value) for value in column] for column in cells]
-    rows = zip(index_labels(table), zip(*columns, strict=True), strict=True)
-    return header, [(label, list(row)) for label, row in rows]
+        cells = [_in_seconds(table.iloc[:, k]) for k in range(len(table.columns))]
+        columns = [[_cell(value) for value in column] for column in cells]
+        pairs = zip(index_labels(table), zip(*columns, strict=True), strict=True)
+        rows = [(label, list(row)) for label, row in pairs]
+        return Rows(_in_si([str(name) for name in table.columns], rows, units), rows)
 
 
 def index_labels(table: DataFrame) -> list[Line]:
@@ -126,18 +171,34 @@ def in_lines(
 
 def check_columns(
     path: Path, header: Sequence[str], required: Iterable[str], known: Sequence[str] | None = None
-) -> None:
-    """Refuse a table without a column that it needs, or with one that is not `known`, if given."""
+) -> list[str]:
+    """The columns that are not `known`, if that is given: information beside the measurement.
+
+    A ScenarioError names a required column that is missing, or one that may be meant as a known one
+    that is not there.
+    """
     for name in required:
         if name not in header:
-            near = nearest(name, header)
+            near = nearest(name, [split_unit(each)[0] for each in header])
             meant = "" if near is None else f", and {shown(near)} may be meant as it"
             there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
             raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
-    for name in header:
-        if known is not None and name not in known:
-            hint = suggestion(name, known)
-            raise ScenarioError(f"{path}: column {shown(name)} is not known; {hint}")
+    others = [name for name in header if known is not None and name not in known]
+    for name in others:
+        bare = split_unit(name)[0]
+        near = nearest(bare, known or ())
+        if near and (near not in header or near.casefold() == bare.casefold()):
+            raise ScenarioError(
+                f'{path}: column {shown(name)} is not known; did you mean "{near}"? '
+                "Give a column of information a name that is less like it"
+            )
+    return others
+
+
+def not_used(path: Path, columns: Sequence[str]) -> list[Fact]:
+    """A fact about columns that are information only, if there are any."""
+    names = {"table": path.name, "columns": list(columns)}
+    return [Fact(Code.COLUMNS_NOT_USED, names)] if columns else []
 
 
 def stated_number(key: str, value: object, highest: float = math.inf) -> float:
@@ -148,41 +209,38 @@ def stated_number(key: str, value: object, highest: float = math.inf) -> float:
     return float(value)
 
 
-def number(cell: str) -> float:
-    """A cell's number; NaN where it is none."""
-    try:
-        value = float(cell)
-    except ValueError:
-        return math.nan
-    return value if abs(value) < _LARGEST else math.nan
-
-
 def read_numbers(
-    path: Path, required: Sequence[str], optional: Sequence[str] = ()
+    path: Path, required: Mapping[str, str], optional: Mapping[str, str] | None = None
 ) -> tuple[dict[str, Array], list[Fact]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
-    A row is sound if all its required cells are numbers; a gap in an optional column is NaN. A
-    NothingSound says that no row is sound.
+    The columns are given with their SI units. A row is sound if all its required cells are numbers;
+    a gap in an optional column is NaN. A NothingSound says that no row is sound.
     """
-    header, rows = read_rows(path)
-    check_columns(path, header, required, [*required, *optional])
+    optional = optional or {}
+    units = {**required, **optional}
+    header, rows, facts, _ = read_rows(path, units)
+    others = check_columns(path, header, required, list(units))
+    columns = {name: header.index(name) for name in header if name in units}
     table = np.array(
         [
-            [number(row[k]) if len(row) == len(header) else math.nan for k in range(len(header))]
+            [
+                number(row[k], LARGEST) if len(row) == len(header) else math.nan
+                for k in columns.values()
+            ]
             for _, row in rows
         ]
     )
-    needed = [k for k, name in enumerate(header) if name in required]
-    sound = np.all(np.isfinite(table[:, needed]), axis=1)
-    left_out = []
+    found = dict(zip(columns, table.T, strict=True))
+    sound = np.all([np.isfinite(found[name]) for name in required], axis=0)
+    left_out = [*facts, *not_used(path, others)]
     if not sound.all():
         lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
         left_out.append(in_lines(Code.BAD_CELLS, path.name, lines, rows=len(table)))
     if not sound.any():
-        raise NothingSound(path, left_out[0])
+        raise NothingSound(path, left_out[-1])
     for name in optional:
-        gaps = int(np.sum(~np.isfinite(table[sound, header.index(name)]))) if name in header else 0
+        gaps = int(np.sum(~np.isfinite(found[name][sound]))) if name in found else 0
         if gaps:
             left_out.append(Fact(Code.GAPS, {"table": path.name, "count": gaps, "column": name}))
-    return {name: table[sound, k] for k, name in enumerate(header)}, left_out
+    return {name: column[sound] for name, column in found.items()}, left_out

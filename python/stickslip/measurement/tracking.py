@@ -22,6 +22,9 @@ from stickslip.scenario.keys import refuse, shown
 from stickslip.scenario.path_keys import FILE
 from stickslip.scenario.scenario import Scenario
 
+_REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
+_OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
+
 FEWEST = 20
 """Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
 
@@ -93,7 +96,7 @@ def read_tracking(
         stated = "frame_rate" in entry
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, ("t", "x", "theta"), ("z", "current_x", "current_clamp"))
+    columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL)
     unit = _unit_of_times(columns["t"], rate, own.window[1])
     if unit is not None:
         return None, [*left_out, unit.of(table=path.name)]

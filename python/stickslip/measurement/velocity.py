@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,12 +13,22 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.equal_numbers import RELATIVE, representatives
+from stickslip._util.number_text import number
 from stickslip._util.one_line import OneLine
 from stickslip._util.unit_factor import unit_factor, unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
-from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns, in_lines, number
+from stickslip.measurement.tables import (
+    LARGEST,
+    Line,
+    NothingSound,
+    Rows,
+    check_columns,
+    in_lines,
+    not_used,
+)
+from stickslip.scenario.csv_cells import Units
 from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 
@@ -42,8 +52,8 @@ _MANY_LOST = 0.1
 _MOST = 0.5
 """Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
 
-NOT_SETTINGS = ("velocity", "trial", "block", "order")
-"""Columns that say nothing of the drive."""
+NOT_SETTINGS: Units = {"velocity": "m/s", "trial": None, "block": None, "order": "-"}
+"""Columns that say nothing of the drive, with the units of their numbers."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -68,6 +78,8 @@ class VelocityData(OneLine):
         order of the rows of a condition.
     relative_sd : float
         Stated relative error of one trial; NaN where it is not known.
+    extra : dict of tuple of str
+        Cells of the columns that are neither settings nor known otherwise, one for each trial.
     """
 
     conditions: tuple[Mapping[str, Value], ...]
@@ -77,6 +89,7 @@ class VelocityData(OneLine):
     order: Array
     sweep: Indices
     relative_sd: float = math.nan
+    extra: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class _Unsound(Exception):
@@ -95,6 +108,19 @@ class _Trial(NamedTuple):
     label: str
     order: float
     line: Line
+    extra: tuple[str, ...]
+
+
+def velocity_units() -> Units:
+    """The columns that a table of velocities may have, with the units of their numbers."""
+    drive = {name: key for name, key in known_keys().items() if name.startswith("drive.")}
+    return {
+        **NOT_SETTINGS,
+        **{
+            name.removeprefix("drive."): None if key.kind == "word" else key.unit
+            for name, key in drive.items()
+        },
+    }
 
 
 def with_index_columns(table: Any) -> Any:
@@ -102,9 +128,8 @@ def with_index_columns(table: Any) -> Any:
 
     They are what ``set_index`` and ``groupby`` leave there; other levels stay what rows are called.
     """
-    drive = {key.removeprefix("drive.") for key in known_keys() if key.startswith("drive.")}
     names = getattr(getattr(table, "index", None), "names", ())
-    known = [name for name in names if name in {*NOT_SETTINGS, *drive} and name not in table]
+    known = [name for name in names if name in velocity_units() and name not in table]
     return table.reset_index(known) if known else table
 
 
@@ -122,10 +147,11 @@ def read_velocity(
     of one trial, NaN if not known. Messages name the path, and call a row `word`. Settings that are
     equal to one of the scenario or of the `earlier` tables become that one.
     """
-    trials, left_out = _sound_rows(path, table, scenario, word)
+    others = check_columns(path, table.header, ["velocity"], list(velocity_units()))
+    trials, left_out = _sound_rows(path, table, scenario, word, others)
     known = [each for data in earlier for each in data.conditions]
     trials, merged = _with_equal_settings(path.name, trials, scenario, known)
-    left_out += merged
+    left_out += [*table.left_out, *not_used(path, others), *merged]
     velocity = np.array([each.velocity for each in trials])
     condition = _numbered([each.setting for each in trials])
     size = float(np.median(np.abs(velocity)))
@@ -150,6 +176,7 @@ def read_velocity(
         np.array([each.order for each in kept]),
         _sweeps(trials)[sound],
         relative_sd,
+        {name: tuple(each.extra[k] for each in kept) for k, name in enumerate(others)},
     )
     return data, left_out
 
@@ -209,12 +236,11 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
 
 
 def _sound_rows(
-    path: Path, table: Rows, scenario: Scenario, word: str
+    path: Path, table: Rows, scenario: Scenario, word: str, others: Sequence[str]
 ) -> tuple[list[_Trial], list[Fact]]:
     """Rows that can be used, at least one, and why the others cannot."""
-    header, rows = table
+    header, rows = table.header, table.rows
     drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
-    check_columns(path, header, ["velocity"], [*NOT_SETTINGS, *drive])
     counted = "trial" in header or "order" in header
     # Lines by what is wrong with them, in the order of the file.
     wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
@@ -226,7 +252,9 @@ def _sound_rows(
                 raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
             if counted and tuple(row) in seen:
                 raise _Unsound(Code.REPEATED_ROW)
-            kept.append(_trial(line, dict(zip(header, row, strict=True)), drive, scenario))
+            cells = dict(zip(header, row, strict=True))
+            extra = tuple(cells[name] for name in others)
+            kept.append(_trial(line, cells, extra, drive, scenario))
         except _Unsound as error:
             wrong.setdefault(error.why, []).append(line)
         else:
@@ -255,19 +283,25 @@ def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
         raise ScenarioError(f"{first} {count} rows are like this")
 
 
-def _trial(line: Line, cells: Mapping[str, str], drive: list[str], scenario: Scenario) -> _Trial:
+def _trial(
+    line: Line,
+    cells: Mapping[str, str],
+    extra: tuple[str, ...],
+    drive: list[str],
+    scenario: Scenario,
+) -> _Trial:
     """A row of the table, if it is sound."""
     velocity = _number("velocity", cells["velocity"])
     setting = _setting(cells, drive, scenario)
     _check_units(dict(setting))
     order = _number("order", cells["order"]) if cells.get("order") else math.nan
     words = (cells.get("block", ""), cells.get("trial", ""))
-    return _Trial(velocity, setting, *words, order, line)
+    return _Trial(velocity, setting, *words, order, line, extra)
 
 
 def _number(column: str, cell: str) -> float:
-    value = number(cell)
-    if not math.isfinite(value):
+    value = number(cell, LARGEST)
+    if math.isnan(value):
         raise _Unsound(Code.NOT_A_NUMBER, column=column, cell=cell)
     return value
 

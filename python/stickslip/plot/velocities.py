@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stickslip._util import palette
-from stickslip._util.handy_units import in_handy_units
+from stickslip._util.units import in_handy_units
 from stickslip.plot import style
 from stickslip.plot.canvas import drawing, legend_above, root_figure
 from stickslip.plot.scales import readable

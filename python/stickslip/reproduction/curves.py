@@ -18,9 +18,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip._util import palette
-from stickslip._util.handy_units import in_handy_units
+from stickslip._util.number_text import number
+from stickslip._util.units import in_handy_units
 from stickslip.errors import ScenarioError
-from stickslip.measurement.tables import check_columns, number, read_rows
+from stickslip.measurement.tables import check_columns, read_rows
 from stickslip.plot.canvas import drawing, root_figure
 from stickslip.reproduction.points import (
     KINETIC_SHARE,
@@ -58,7 +59,7 @@ _SECOND = (palette.GREEN, "-.")
 _SYMLOG_ABOVE, _LINEAR_UP_TO = 20e-3, 5.0
 _TICKS = (-5.0, -2.0, 0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
-MEASURED_COLUMNS = ("figure", "mode", "x", "y")
+MEASURED_COLUMNS = {"figure": None, "mode": None, "x": "-", "y": "m/s"}
 
 _MAX_VELOCITY = 1.0  # m/s; far above any robot's, and a velocity that is given in mm/s is above it
 
@@ -187,7 +188,7 @@ class MeasuredPoint(NamedTuple):
 def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
     """Read a CSV file with the columns figure, mode, x and y, in any order."""
     path = Path(path)
-    header, rows = read_rows(path)
+    header, rows, _, _ = read_rows(path, MEASURED_COLUMNS)
     check_columns(path, header, MEASURED_COLUMNS)
     points = []
     for line, cells in rows:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.map_fit import CoilFit, fit_coils
+from stickslip.scenario.map_fit import CoilFit, fit_coils, point_name
 from stickslip.scenario.sections import COIL_NAMES
 
 _AXES = "xxyyz"
@@ -131,7 +131,12 @@ class FieldMap:
         return cls.from_coils(each, source)
 
     @classmethod
-    def from_coils(cls, samples: Sequence[tuple[Array, Array]], source: str = "") -> FieldMap:
+    def from_coils(
+        cls,
+        samples: Sequence[tuple[Array, Array]],
+        source: str = "",
+        lines: Sequence[Sequence[int]] | None = None,
+    ) -> FieldMap:
         """Fit fields that were measured at points of its own for each coil, in a common box.
 
         Parameters
@@ -141,6 +146,8 @@ class FieldMap:
             order of `COIL_NAMES`.
         source : str
             The file's name, or "" for none.
+        lines : sequence of sequence of int, optional
+            Line of each point in the file, which messages name.
 
         Raises
         ------
@@ -149,9 +156,9 @@ class FieldMap:
             comes near to the values.
         """
         _check_count("samples", samples)
-        low, high, fits = fit_coils(samples)
-        for name, fit in zip(COIL_NAMES, fits, strict=True):
-            _refuse_bad_fit(name, fit)
+        low, high, fits = fit_coils(samples, lines)
+        for k, (name, fit) in enumerate(zip(COIL_NAMES, fits, strict=True)):
+            _refuse_bad_fit(name, fit, point_name(lines, k, fit.farthest))
         return cls(
             tuple(low.tolist()),
             tuple(high.tolist()),
@@ -207,11 +214,12 @@ def _check_count(name: str, given: Sequence[object]) -> None:
         )
 
 
-def _refuse_bad_fit(name: str, fit: CoilFit) -> None:
+def _refuse_bad_fit(name: str, fit: CoilFit, farthest: str) -> None:
     if fit.residual <= _WORST * fit.field:
         return
     raise ScenarioError(
         f"coil {name}: the field of a coil comes near to the values to {fit.residual:.3g} T/A rms "
-        f"only, {fit.residual / fit.field:.2g} of the field: allowed is at most {_WORST:g}; look "
-        "for columns that are exchanged, signs, places that are off, or iron within the map"
+        f"only, {fit.residual / fit.field:.2g} of the field: allowed is at most {_WORST:g}; the "
+        f"farthest is {farthest}; look for columns that are exchanged, signs, places that are off, "
+        "or iron within the map"
     )

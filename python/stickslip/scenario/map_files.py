@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from array import array
-from collections.abc import Iterator
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -14,25 +14,24 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, read_bytes
-from stickslip._util.csv_rows import csv_rows
 from stickslip._util.missing_extra import naming_the_extra
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.csv_cells import column_order, finite_number
+from stickslip.scenario.csv_cells import read_cells
 from stickslip.scenario.field_map import FieldMap
 from stickslip.scenario.keys import meant, refuse
 from stickslip.scenario.sections import COIL_NAMES
 
 PLACE = ("x", "y", "z")
 FIELD = ("Bx", "By", "Bz")
-COLUMNS = (*PLACE, "coil", *FIELD)
 
 FORMAT_VERSION = 1
 
 _UNITS = {**dict.fromkeys(PLACE, "m"), **dict.fromkeys(FIELD, "T/A")}
+_COLUMNS = {name: _UNITS.get(name) for name in (*PLACE, "coil", *FIELD)}
 _SAME_UNITS = {"m": ("m", "metre", "meter"), "T/A": ("T/A", "T A-1", "T A^-1", "T A**-1")}
 
 _MOST_ROWS = 500_000  # chosen: a grid of 46 planes each way for five coils
-_MOST_BYTES = _MOST_ROWS * 25 * len(COLUMNS)
+_MOST_BYTES = _MOST_ROWS * 25 * len(_COLUMNS)
 _MOST_JSON = 1 << 20
 _SUFFIXES = (".csv", ".json", *NETCDF_SUFFIXES)
 
@@ -49,7 +48,8 @@ def read_map(path: str | PathLike[str]) -> FieldMap:
         if suffix != ".csv":
             raise ScenarioError(f"allowed are names that end in {', '.join(_SUFFIXES)}")
         data = read_bytes(path, _MOST_BYTES, "field map")
-        return FieldMap.from_coils(_csv_samples(csv_rows(data)), path.name)
+        samples, lines = _csv_samples(data)
+        return FieldMap.from_coils(samples, path.name, lines)
 
 
 def map_text(field_map: FieldMap) -> str:
@@ -107,30 +107,21 @@ def _stored(data: bytes) -> FieldMap:
         ) from None
 
 
-def _csv_samples(rows: Iterator[tuple[int, list[str]]]) -> list[tuple[Array, Array]]:
-    """Points and fields of each coil in a file's rows; messages name lines of the file."""
-    line, header = next(rows, (0, []))
-    if not any(header):
-        raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
-    order = column_order(line, header, COLUMNS)
-    numbers = [name for name in COLUMNS if name != "coil"]
-    found = {name: array("d") for name in COIL_NAMES}
-    for line, row in rows:
-        if not any(row):
-            continue
-        if len(row) != len(COLUMNS):
-            raise ScenarioError(f"row {line} has {len(row)} cells: allowed are {len(COLUMNS)}")
-        coil = row[order["coil"]]
+def _csv_samples(data: bytes) -> tuple[list[tuple[Array, Array]], list[Sequence[int]]]:
+    """Points and fields of each coil in a file's rows, and the lines of these."""
+    found = {name: (array("d"), array("q")) for name in COIL_NAMES}
+    for count, (line, (coil,), values) in enumerate(read_cells(data, _COLUMNS)):
         if coil not in found:
             _refuse_coil(f"row {line}, column coil", coil)
-        found[coil].extend(
-            finite_number(row[order[name]], f"row {line}, column {name}", _UNITS[name])
-            for name in numbers
-        )
-        if sum(map(len, found.values())) > _MOST_ROWS * len(numbers):
+        if count == _MOST_ROWS:
             raise ScenarioError(f"row {line}: allowed are at most {_MOST_ROWS} rows")
-    tables = [np.frombuffer(own).reshape(-1, len(numbers)) for own in found.values()]
-    return [(table[:, :3].copy(), table[:, 3:].copy()) for table in tables]
+        numbers, lines = found[coil]
+        numbers.extend(values)
+        lines.append(line)
+    width = len(PLACE) + len(FIELD)
+    tables = [np.frombuffer(own).reshape(-1, width) for own, _ in found.values()]
+    samples = [(table[:, :3].copy(), table[:, 3:].copy()) for table in tables]
+    return samples, [lines for _, lines in found.values()]
 
 
 def _refuse_coil(where: str, coil: object) -> None:

@@ -38,23 +38,33 @@ rounding, so that the error at a point that is left out has seven digits and mor
 class CoilFit:
     """The harmonics of one coil: `coefficients` (T/A), what they leave and what there was.
 
-    `residual` and `field` are root mean squares of one component, T/A; `points` counts.
+    `residual` and `field` are root mean squares of one component, T/A; `points` counts, and
+    `farthest` is the index of the point at which the most is left.
     """
 
     coefficients: Array
     residual: float
     field: float
     points: int
+    farthest: int
 
 
-def fit_coils(samples: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, list[CoilFit]]:
+def point_name(lines: Sequence[Sequence[int]] | None, coil: int, point: int) -> str:
+    """What messages call a point of a coil: the row of the file, if `lines` has them."""
+    return f"point {point + 1}" if lines is None else f"row {lines[coil][point]}"
+
+
+def fit_coils(
+    samples: Sequence[tuple[Array, Array]], lines: Sequence[Sequence[int]] | None = None
+) -> tuple[Array, Array, list[CoilFit]]:
     """The box of all points, its low and high corner (m), and the fit of each coil.
 
-    `samples` has points, shape (n, 3), m, and fields, shape (n, 3), T/A, of each coil. A
-    ScenarioError names the coil, the value and what is allowed.
+    `samples` has points, shape (n, 3), m, and fields, shape (n, 3), T/A, of each coil, and
+    `lines` where these stand in a file. A ScenarioError names the coil, the point or its line, the
+    value and what is allowed.
     """
-    for name, (points, fields) in zip(COIL_NAMES, samples, strict=True):
-        _check(name, points, fields)
+    for k, (points, fields) in enumerate(samples):
+        _check(k, points, fields, lines)
     every = np.concatenate([points for points, _ in samples])
     low, high = every.min(axis=0), every.max(axis=0)
     _check_box(low, high)
@@ -105,6 +115,7 @@ class _Basis:
             float(np.sqrt(np.mean(left**2))),
             float(np.sqrt(np.mean(values**2))),
             len(fields),
+            int(np.argmax(np.sum(left.reshape(-1, 3) ** 2, axis=1))),
         )
 
     def _prediction_errors(self, values: Array, shares: Array) -> Array:
@@ -138,7 +149,8 @@ def _count(degree: int) -> int:
     return degree * (degree + 2)
 
 
-def _check(name: str, points: Array, fields: Array) -> None:
+def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int]] | None) -> None:
+    name = COIL_NAMES[coil]
     if len(points) < FEWEST:
         raise ScenarioError(
             f"coil {name}: {len(points)} points: allowed are {FEWEST} or more, as every coil has "
@@ -152,9 +164,10 @@ def _check(name: str, points: Array, fields: Array) -> None:
             at = int(np.argmax(np.where(np.isnan(values[:, axis]), np.inf, abs(values[:, axis]))))
             worst = float(values[at, axis])
             if not abs(worst) <= most:
+                where = f"coil {name}, {point_name(lines, coil, at)}"
                 raise ScenarioError(
-                    f"coil {name}, point {at + 1}: {column} = {shown(worst)}: allowed are "
-                    f"-{most:g} to {most:g} {unit}; {hint}"
+                    f"{where}: {column} = {shown(worst)}: allowed are -{most:g} to {most:g} "
+                    f"{unit}; {hint}"
                 )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from array import array
-from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,9 +12,8 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.atomic_files import read_bytes
-from stickslip._util.csv_rows import csv_rows
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.csv_cells import column_order, finite_number
+from stickslip.scenario.csv_cells import read_cells
 from stickslip.scenario.sections import COIL_NAMES
 
 if TYPE_CHECKING:
@@ -35,7 +33,7 @@ _UNITS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
 def read_points(path: str | PathLike[str]) -> tuple[Array, Array]:
     """Times (n,) in s and voltages (n, 5) in V; see `Waveform.from_csv`."""
     with prefixed(path):
-        table = _table(csv_rows(read_bytes(path, _MOST_BYTES, "file of voltages")))
+        table = _table(read_bytes(path, _MOST_BYTES, "file of voltages"))
     return table[:, 0].copy(), table[:, 1:].copy()
 
 
@@ -51,22 +49,11 @@ def write_rows(waveform: Waveform, path: Path) -> None:
         writer.writerows(np.column_stack([t, v]).tolist())
 
 
-def _table(rows: Iterator[tuple[int, list[str]]]) -> Array:
+def _table(data: bytes) -> Array:
     """The columns in the order of COLUMNS; row numbers in messages are lines of the file."""
-    line, header = next(rows, (0, []))
-    if not any(header):
-        raise ScenarioError("is empty: the first row has to be " + ",".join(COLUMNS))
-    order = column_order(line, header, COLUMNS)
     table, lines = array("d"), array("l")
-    for line, row in rows:
-        if not any(row):
-            continue
-        if len(row) != len(COLUMNS):
-            raise ScenarioError(f"row {line} has {len(row)} cells: allowed are {len(COLUMNS)}")
-        values = [
-            finite_number(row[index], f"row {line}, column {name}", _UNITS[name])
-            for name, index in order.items()
-        ]
+    line = 0
+    for line, _, values in read_cells(data, _UNITS):
         _check_time(values[0], table, line)
         table.extend(values)
         lines.append(line)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.handy_units import handy
 from stickslip._util.html_table import html_table
+from stickslip._util.units import handy
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_PLANE

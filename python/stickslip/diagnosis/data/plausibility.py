@@ -65,15 +65,17 @@ def refuse_larger(table: str, what: str, size: float, most: float, unit: str) ->
         )
 
 
-def wrong_size(conditions: Conditions, predicted: Array, velocity: Array) -> Fact | None:
+def wrong_size(
+    conditions: Conditions, predicted: Array, velocity: Array, refusal: str | None
+) -> Fact | None:
     """A fact if the velocities of all or of one condition have another size, or reversed signs.
 
     `predicted` are those of the stated model, `velocity` the means that were measured, shape (m,),
-    m/s.
+    m/s. `refusal` says why the stated model is none, if it is none.
     """
     sound = np.isfinite(predicted)
     if not sound.any():
-        return Fact(Code.NOTHING_COMPUTED, {})
+        return Fact(Code.NOTHING_COMPUTED, {"refusal": refusal})
     usual, measured = (float(np.median(np.abs(each[sound]))) for each in (predicted, velocity))
     if usual == 0.0 or measured == 0.0:
         return None
