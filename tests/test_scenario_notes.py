@@ -10,7 +10,7 @@ WEIGHT = 25.6e-9 * 9.81
 
 # One key of each is nonsense with the others at their defaults; the note has the text.
 NONSENSE = [
-    ({"robot.mass": 25.6e-6}, "robot.mass = 2.56e-05 kg makes a density of 7.88e+06 kg/m3: is it in g?"),
+    ({"robot.mass": 25.6e-6}, "robot.mass = 2.56e-05 kg makes a density of 7.88e+06 kg/m3: is"),
     ({"robot.mass": 25.6e-12}, "robot.mass = 2.56e-11 makes a density of 7.88 kg/m3"),
     ({"robot.length": 25e-3}, "density of 78.8 kg/m3"),
     ({"robot.height": 1e-6}, "density of 7.88e+05 kg/m3"),

@@ -13,14 +13,14 @@ MOST_SHOWN = 4
 CODES = (
     # What was not simulated or measured whole.
     "record-cut", "condition-not-met", "pulses-unfinished", "window-cut",
+    # Values in another unit, as far as can be seen.
+    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
+    "unit-inductance",
     # A robot that does not walk.
     "rest-no-field", "rest-no-moment", "rest-torque", "rest-drag", "rest-friction", "rest",
     "no-pulses", "flight", "pulled", "roll-over", "beyond-upright", "no-slip",
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
-    # Values in another unit, as far as can be seen.
-    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
-    "unit-inductance",
     # Other values that are hardly meant so.
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
     # What a reader should know, without a fault.

@@ -16,14 +16,14 @@ from stickslip.diagnosis.fit.profile_likelihood import FAR, Profile
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.inference.open_set import BAND, OpenSet
 from stickslip.diagnosis.inference.ranking import leading, set_members
-from stickslip.diagnosis.report.chart import UPWARDS
+from stickslip.diagnosis.report.chart import MARKERS, UPWARDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
-_MARKERS = "o^sDv"
+_MARKERS = tuple(MARKERS.values())
 _MAP_LABEL = 30
 """Characters of a name beside the map of cosines. Chosen: no cause of the library is longer, and a
 map of a single cause has place for it."""
