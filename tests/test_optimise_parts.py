@@ -71,8 +71,8 @@ def test_every_sawtooth_of_the_grid_is_as_strong_as_the_limit_allows():
     free |= {key: GRID[key] for key in ("drive.mode", "drive.edge", "drive.clamp")}
     space = design_space(START, free, None, (), None)
     points = sawtooths(space, goal, lambda drives: judge_all(goal, [START], drives, 2))
-    assert len(points) == POINTS
-    runs = simulate_batch([START.replace(each) for each in points[::16]])
+    assert len(points) == POINTS + 1  # the start
+    runs = simulate_batch([START.replace(each) for each in points[:-1:16]])
     fields = np.array([run.summary()["field_max"] for run in runs if run.ok])
     assert fields.max() <= limit
     # A hundredth below it are those whose field differs where a stronger one moves the robot.
@@ -143,7 +143,7 @@ def test_of_a_sawtooth_only_what_is_free_changes(knots):
     varied = {key: {each[key] for each in points} for key in points[0]}
     assert sorted(varied["drive.frequency"]) == pytest.approx([60.0, 90.9, 100.0])
     # The edge, and a hold at both ends of its range and between them; or the grid, at its nearest.
-    assert len(points) == (3 * 2 * 3 if knots is None else 3 * POINTS // 4)
+    assert len(points) == (3 * 2 * 3 if knots is None else 3 * POINTS // 4) + 1  # the start
     for key, values in varied.items():
         if key not in (*free, "drive.pulses") and knots is None:
             assert values == {START.get(key)}
@@ -155,7 +155,7 @@ def test_of_a_sawtooth_only_what_is_free_changes(knots):
 
 def _judged(goal, score):
     summary = {goal.figure: score, "theta_min": 0.0, "theta_max": 0.0}
-    run = SimpleNamespace(ok=True, _summary=summary, velocity=(0.0, 0.0))
+    run = SimpleNamespace(ok=True, numbers=summary, velocity=(0.0, 0.0))
     return judge(goal, [run])
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -124,11 +125,6 @@ def test_the_growth_is_the_least_from_quarter_to_quarter():
         assert run_of({**FIRST, "drive.pulses": pulses}).summary()["velocity_growth"] == 0.0
 
 
-def louder(scenario, factor):
-    keys = ("drive.peak", "drive.base", "drive.hold")
-    return scenario.replace({key: factor * scenario.get(key) for key in keys})
-
-
 # Changes that make a robot be noted, and what the note says to do.
 ADVICE = {
     "flight": (
@@ -149,7 +145,7 @@ ADVICE = {
         {**PAIRS, "robot.magnetization": 0.0},
         lambda s, _: s.replace({"robot.magnetization": 500e3}),
     ),
-    "rest-torque": ({"drive.peak": 1e-5, "drive.hold": 1e-5}, louder),
+    "rest-torque": ({"drive.peak": 1e-5, "drive.hold": 1e-5}, lambda s, named: s.replace(named)),
     "rest-friction": (
         {**PAIRS, "drive.mode": "OPP", "contact.static_friction": 2.0,
          "contact.kinetic_friction": 2.0},
@@ -167,10 +163,11 @@ def test_the_advice_of_a_note_helps(code):
     changes, advised = ADVICE[code]
     run = run_of({"drive.pulses": 40, **changes})
     (note,) = [each for each in run.notes if each.code == code]
-    factor = 1.0
+    named = {}
     if code == "rest-torque":
-        factor = float(note.text.split(" times the field")[0].split()[-1])
-    better = simulate(advised(run.scenario, factor))
+        words = dict(re.findall(r"(drive\.\w+) = ([0-9.e-]+)", note.text))
+        named = {key: float(value) for key, value in words.items()}
+    better = simulate(advised(run.scenario, named))
     assert not {*codes(better)} & {code, "rest", "rest-torque", "rest-friction", "rest-drag"}
     if code.startswith(("rest", "no-pulses")):
         assert abs(better.mean_velocity) > 10.0 * abs(run.mean_velocity)
@@ -178,6 +175,25 @@ def test_the_advice_of_a_note_helps(code):
     else:
         number, limit = LIMITS[code].number, LIMITS[code].limit
         assert better.summary()[number] < limit < run.summary()[number] == note.value
+
+
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"drive.hold": 0.0}, "rest-torque"),
+        ({"contact.static_friction": 100.0}, "rest-friction"),
+        ({"contact.static_friction": 100.0, "contact.kinetic_friction": 100.0}, "rest-friction"),
+        ({"drag.linear": 1.0}, "rest-drag"),
+        ({"contact.adhesion": 1e-3}, "rest-adhesion"),
+        ({"robot.magnetization": 500.0}, "rest-torque"),
+    ],
+)
+def test_the_constant_that_is_far_off_is_what_holds_a_robot(changes, code):
+    run = run_of({**FIRST, **changes})
+    (note,) = [each for each in run.notes if each.code.startswith("rest")]
+    assert note.code == code
+    assert all(key in note.text for key in list(changes)[:1])
+    assert "pulled" not in codes(run)
 
 
 def test_a_velocity_that_still_grows_is_noted_until_it_is_steady():

@@ -36,9 +36,9 @@ _OTHER_FORMATS = {
 }
 """First bytes of files that are taken for tables."""
 
-_SEPARATOR_LINE = re.compile(r'"?sep=(\S|\t)"?', re.IGNORECASE)  # what Excel writes and reads
+_SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)
 _QUOTED = re.compile('"[^"]*"')
-_DECIMAL = re.compile(r"[+-]?\d*([.,])\d*(?:[eE][+-]?\d+)?")
+_DECIMAL = re.compile(r"[+-]?(?=\d|[.,]\d)\d*([.,])\d*(?:[eE][+-]?\d+)?")
 _MARKS = {".": "point", ",": "comma"}
 
 
@@ -64,7 +64,7 @@ def text_lines(data: bytes) -> Iterator[str]:
     except UnicodeDecodeError as error:
         wrong, what = error.start, "not UTF-8"
     if wrong >= 0:
-        raise ScenarioError(f"is no text: byte {wrong + 1} is {what}; save it as CSV in UTF-8")
+        raise ScenarioError(f"is not text: byte {wrong + 1} is {what}; save it as CSV in UTF-8")
     # Lines as they are wanted: all of them together would take ten times the room of the bytes.
     with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig") as file:
         for line in file:
@@ -140,7 +140,7 @@ class CsvTable:
             names = textwrap.shorten(self.header[0], 60, placeholder=" ...")
             raise ScenarioError(
                 f'line {self.line}: "{names}" has no comma, semicolon or tab between '
-                "names of columns; blanks separate none, so write commas instead "
+                "names of columns; blanks do not separate columns; write commas "
                 '(numpy.savetxt with delimiter=",")'
             )
 

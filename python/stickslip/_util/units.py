@@ -45,7 +45,12 @@ def handy(unit: str) -> tuple[float, str]:
     """Factor from an SI unit to a handier one, and its name; "" for a pure number."""
     if unit in _SHOWN:
         return _known(unit)[_SHOWN[unit]], _SHOWN[unit]
-    return 1.0, "" if _is_pure(unit) else unit
+    return 1.0, unit_label(unit)
+
+
+def unit_label(unit: str) -> str:
+    """An SI unit as it is shown; "" for a pure number."""
+    return "" if _is_pure(unit) else unit
 
 
 def in_handy_units(words: str, unit: str) -> tuple[float, str]:

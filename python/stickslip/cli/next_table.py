@@ -167,8 +167,9 @@ def _below_what_was_measured(path: Path, trials: Any) -> str:
     for number, line in enumerate(text_lines(path.read_bytes()), start=1):
         if number in cells and number not in empty:
             kept.append(csv_line(line, cells[number]))
-        elif line.lstrip().startswith("#"):
-            kept.append(line)
+        elif line.lstrip().startswith("#"):  # between commas it must not look like a row
+            alike = line.count(",") + 1 == len(table.header)
+            kept.append(line.replace(",", ";") if alike else line)
     new = trials.reindex(columns=table.header).to_csv(index=False, header=False)
     return "\n".join([*kept, str(new)])
 

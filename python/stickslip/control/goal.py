@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util import units
 from stickslip._util.arrays import Array
 from stickslip._util.number_text import is_number
 from stickslip.control.search import Key
@@ -36,7 +37,7 @@ FIGURES = {**NUMBERS, **VELOCITIES, "tilt_max": _TILT}
 """What can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt either way."""
 
 WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}
-"""Default limits: a robot that hops or rolls over does not walk. Chosen: at the paper's drives
+"""Default limits: a robot that hops or stands on end does not walk. Chosen: at the paper's drives
 up to a fifth of the time is flight; 1.5 rad is just short of upright."""
 
 _QUANTILE = re.compile(r"q([1-9]\d?)")
@@ -75,7 +76,7 @@ class Goal:
 
     def beside_limit(self, name: str, value: float) -> str:
         """A figure that has a limit, beside it."""
-        unit = FIGURES[name].unit.replace("1", "")
+        unit = units.unit_label(FIGURES[name].unit)
         shown = f"{name} {value:.6g} of {self.limits[name]:.6g} {unit}".rstrip()
         return shown + (", default (--allow-flight removes it)" if name in self.assumed else "")
 

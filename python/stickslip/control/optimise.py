@@ -283,8 +283,8 @@ class _Selection:
             if not known.feasible or self._order(new) >= self._order(self.fresh["best"]):
                 return
             self.best = _Drive(space.values(arm, better), changes, known, (arm, better))
-            self.fresh.setdefault("search", self.fresh["best"])
-            self.fresh["best"] = new
+            self.fresh = {"search": self.fresh["best"], **self.fresh, "best": new}
+            self.slices = []  # those of the drive before
             self.moves += 1
 
     def _order(self, judged: Judged) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from stickslip._util import units
 from stickslip._util.atomic_files import text_writer, write_together
 from stickslip._util.one_line import OneLine
 from stickslip.control.design_space import DesignSpace
@@ -169,7 +170,7 @@ class Optimum(OneLine):
             elif isinstance(value, str):
                 lines.append(f"{name} = {value}")
             else:
-                unit = known_keys()[name].unit.strip("1-")
+                unit = units.unit_label(known_keys()[name].unit)
                 lines.append(f"{name} = {value:.6g} {unit}".rstrip())
         return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
 

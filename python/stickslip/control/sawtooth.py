@@ -44,7 +44,7 @@ _BELOW = 0.999  # chosen: a field is not quite proportional where the robot move
 def sawtooths(
     space: DesignSpace, goal: Goal, evaluate: Evaluate, grid: Grid = GRID
 ) -> list[dict[str, Value]]:
-    """The sawtooths of a grid, each once and as near as what is free allows, as values of keys.
+    """The sawtooths of a grid and the start, each once, as near as what is free allows, by keys.
 
     Where the peak is free, limits on voltage, current, field and power decide how high each is;
     without them all have the top of the peaks that are free, or the start's peak. `evaluate` judges
@@ -64,14 +64,15 @@ def sawtooths(
         asked = drive_waveform(space.scenario.replace(found[0])).voltages([drive.ramp])[0]
         if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.periodic.coils):
             return []
+    own = {key: space.scenario.get(key) for key in ("drive.peak", *grid)}  # the start
     if not growing:
-        return found
+        return _each_once(space, [*found, own])
     measured = evaluate([played(space, values) for values in found])
     scaled = [
         _scaled(values, min(_room(goal, each, name) for name in growing), *ends)
         for values, each in zip(found, measured, strict=True)
     ]
-    return _each_once(space, scaled)
+    return _each_once(space, [*scaled, own])
 
 
 def _each_once(

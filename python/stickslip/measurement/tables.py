@@ -20,7 +20,7 @@ from stickslip.errors import ScenarioError, prefixed
 from stickslip.facts import Code, Fact
 from stickslip.facts.sentences import LINES
 from stickslip.scenario.csv_cells import Units, without_units
-from stickslip.scenario.keys import nearest, refuse, shown
+from stickslip.scenario.keys import misspelt, nearest, refuse, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -194,7 +194,7 @@ def check_columns(
     others = [name for name in header if known is not None and name not in known]
     for name in others:
         bare = split_unit(name)[0]
-        near = None if bare in information else nearest(bare, known or ())
+        near = None if bare in information else misspelt(bare, known or ())
         if near and (near not in header or near.casefold() == bare.casefold()):
             raise ScenarioError(
                 f'{path}: column {shown(name)} is not known; did you mean "{near}"? '

@@ -191,11 +191,28 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
+_SLIP = 0.8
+"""Likeness of a misspelt word. Chosen: one letter of five; "time" and "edge_time" have 0.6."""
+
+
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """The name of `known` that is most like a word, in whatever case; None if none is like it."""
     names = {name.casefold(): name for name in known}
     near = difflib.get_close_matches(word.casefold(), names, n=1, cutoff=0.6)
     return names[near[0]] if near else None
+
+
+def misspelt(word: str, known: Iterable[str]) -> str | None:
+    """The name of `known` that a word is with a slip or two, or cut short; None if it is another.
+
+    Stricter than `nearest`, as the word may well be none of them.
+    """
+    whole = next((name for name in known if name.casefold().startswith(word.casefold())), None)
+    near = whole or nearest(word, known)
+    if near is None or whole:
+        return near
+    alike = difflib.SequenceMatcher(None, word.casefold(), near.casefold()).ratio()
+    return near if alike >= _SLIP else None
 
 
 def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
@@ -214,8 +231,9 @@ def meant(word: object, known: Iterable[str]) -> str:
 
 
 def in_allowed_case(key: Key, word: str) -> str:
-    """A word as the key allows it: an apparatus may write "ipp" and "+X"."""
-    spelt = (word, word.upper(), word.lower())
+    """A word as the key allows it: an apparatus may write "ipp", "+X", "x" or another minus."""
+    word = word.replace("\N{MINUS SIGN}", "-")
+    spelt = (word, word.upper(), word.lower(), f"+{word.lower()}")
     return next((each for each in spelt if each in key.words), word)
 
 

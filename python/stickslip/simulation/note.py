@@ -17,11 +17,12 @@ CODES = (
     "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
     "unit-inductance",
     # A robot that does not walk.
-    "rest-no-field", "rest-no-moment", "rest-torque", "rest-drag", "rest-friction", "rest",
+    "rest-no-field", "rest-no-moment", "rest-torque", "rest-adhesion", "rest-drag", "rest-friction",
+    "rest",
     "no-pulses", "flight", "pulled", "roll-over", "beyond-upright", "no-slip",
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
-    # Other values that are hardly meant so.
+    # Other values that are probably mistakes.
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
     # What a reader should know, without a fault.
     "map",
@@ -57,14 +58,15 @@ class Note:
 
 def by_seriousness(notes: Iterable[Note]) -> list[Note]:
     """The most serious first."""
-    return sorted(notes, key=lambda note: CODES.index(note.code))
+    ranks = {code: rank for rank, code in enumerate(CODES)}
+    return sorted(notes, key=lambda note: ranks.get(note.code, len(CODES)))
 
 
 def shown_lines(notes: Iterable[Note]) -> list[str]:
     """The notes that are printed, a line each, and how many more there are."""
     texts = [note.text for note in by_seriousness(notes)]
     more = len(texts) - MOST_SHOWN
-    return texts[:MOST_SHOWN] + ([f"{more} more in --json or Run.notes"] if more > 0 else [])
+    return texts[:MOST_SHOWN] + ([f"{more} more notes; --json has all"] if more > 0 else [])
 
 
 def notes_json(notes: Iterable[Note]) -> str:

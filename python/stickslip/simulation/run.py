@@ -277,7 +277,7 @@ class Run:
         Each has a code, one line of text with what to do, and the number that it is about. Of the
         run: not measured whole, a condition `until` that was never met, a robot at rest and what
         holds it, one that hops, is pulled by the field's gradient, rolls over, walks out of the
-        field or has no steady velocity. Of the scenario: values that are hardly meant so, such as
+        field or has no steady velocity. Of the scenario: values that are probably mistakes, such as
         no pulses, lengths in another unit, pulses far shorter than the coils' time constant, or a
         loose tolerance. Why a robot rests is found by a few short simulations.
         """

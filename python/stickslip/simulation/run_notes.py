@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE
+from stickslip.scenario.keys import RECORD_RATE, known_keys
 from stickslip.simulation.note import Note, by_seriousness
-from stickslip.simulation.scenario_notes import scenario_notes, weight, without_pulses
+from stickslip.simulation.scenario_notes import (
+    pulses_measured,
+    scenario_notes,
+    weight,
+    without_pulses,
+)
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -33,7 +38,21 @@ advance by more walks. Chosen: walks that are worth the name make 1e-2 and more.
 
 _TRIED_PULSES = 12  # of a trial; chosen: enough to see a step
 
-_UPRIGHT = "; at drive.base = 0 the holding coil alone turns it upright: set drive.base, say 5e-4"
+FAST = 300.0
+"""Frequency of pulses beyond which a robot is not asked for more, Hz. Chosen: the coils let none of
+faster pulses through."""
+
+BASE = 0.2
+"""Part of the peak that makes a sound base, as in the first example."""
+
+_ODD: tuple[tuple[str, tuple[str, ...], Callable[[float], bool]], ...] = (
+    ("rest-drag", ("drag.linear", "drag.rotational"), lambda ratio: ratio > 100.0),
+    ("rest-friction", ("contact.static_friction", "contact.kinetic_friction"),
+     lambda ratio: ratio > 10.0),
+    ("rest-adhesion", ("contact.adhesion",), lambda ratio: ratio > 20.0),
+    ("rest-torque", ("robot.magnetization",), lambda ratio: ratio < 0.05),
+)  # fmt: skip
+"""Ratios to the default beyond which a constant is tried first. Chosen: beyond published robots."""
 
 
 class Limit(NamedTuple):
@@ -47,13 +66,18 @@ class Limit(NamedTuple):
 
 def _flies(scenario: Scenario, part: float) -> str:
     drive = scenario.drive
+    if weight(scenario) + scenario.contact.adhesion == 0.0:
+        return (
+            f"the robot is in flight for {100.0 * part:.0f} % of the measuring window: without "
+            "weight and adhesion nothing holds it down"
+        )
     smaller = "let its voltages swing by less"
     if not _is_program(scenario):
         middle = 0.5 * (drive.base + drive.peak)
         smaller = f"bring drive.base nearer to drive.peak, such as {middle:.2g}"
     return (
         f"the robot is in flight for {100.0 * part:.0f} % of the measuring window: it hops and "
-        f"does not walk, and its velocity hangs on how it lands; {smaller}"
+        f"does not walk, and its velocity depends on how it lands; {smaller}"
     )
 
 
@@ -62,20 +86,20 @@ def _is_pulled(scenario: Scenario, ratio: float) -> str:
     if _is_program(scenario):
         instead = "drive opposite coils with the same current"
     elif drive.coils == "single":
-        instead = 'set drive.coils = "pairs"'
+        instead = 'set drive.coils = "pairs" for the walk alone'
     else:
         instead = "work nearer to the centre"
     return (
         f"the gradient of the in-plane field pulls the robot with up to {ratio:.2g} of what "
-        f"friction holds: it is dragged along, or held back, as it walks; {instead}"
+        f"friction holds, so that part of its velocity is no walk; {instead}"
     )
 
 
 def _leaves_the_field(scenario: Scenario, change: float) -> str:
-    fewer = "shorten the program" if _is_program(scenario) else "fewer drive.pulses"
+    shorter = "a shorter program" if _is_program(scenario) else "fewer drive.pulses"
     return (
         f"the field of the coils where the run ends differs by {100.0 * change:.0f} % from that "
-        f"where it begins: the mean velocity is that of no one field; {fewer} keep the robot near"
+        f"where it begins: the mean velocity mixes different fields; give {shorter}"
     )
 
 
@@ -120,8 +144,7 @@ def _is_program(scenario: Scenario) -> bool:
 
 def _window_pulses(scenario: Scenario) -> int:
     """Pulses of the measuring window; 0 of a program."""
-    start, end = scenario.window
-    return 0 if _is_program(scenario) else round((end - start) * scenario.drive.frequency)
+    return 0 if _is_program(scenario) else int(pulses_measured(scenario.drive.pulses))
 
 
 def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
@@ -155,6 +178,8 @@ def _of_limits(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     # Where the field changes, the velocity follows it; more pulses would lead further away.
     if "field-change" in beyond or _window_pulses(scenario) < FEWEST_PULSES:
         beyond.pop("velocity-grows", None)
+    if _step(scenario, summary) < REST:
+        beyond.pop("pulled", None)
     return [
         Note(code, each.said(scenario, summary[each.number]), summary[each.number])
         for code, each in beyond.items()
@@ -168,16 +193,24 @@ def _of_motion(scenario: Scenario, summary: Mapping[str, Any], is_whole: bool) -
     drive = scenario.drive
     measured = is_whole and math.isfinite(summary["mean_velocity"])
     if measured and (summary["field_max"] == 0.0 or not without_pulses(scenario)):
-        if _step(scenario, summary) < REST:
+        slips = any(summary[name] != 0.0 for name in ("slip_up", "slip_down", "slip_flat"))
+        # A program may lead out and back.
+        stays = _step(scenario, summary) < REST and not (_is_program(scenario) and slips)
+        if stays:
             notes.append(_why_it_rests(scenario, summary))
-        elif all(summary[name] == 0.0 for name in ("slip_up", "slip_down", "slip_flat")):
+        elif not slips:
             said = "the contact never slipped in the measuring window: the robot rolls or hops"
             notes.append(Note("no-slip", said))
+    advice = ""
+    if drive.mode == "IPP" and drive.base == 0.0:
+        advice = (
+            "; at drive.base = 0 the holding coil alone turns it upright: set drive.base, say "
+            f"{BASE * drive.peak:.1g}"
+        )
     if rolls:
         text = (
             f"the robot rolled over {rolls} time{'s' if rolls > 1 else ''}, forth or back: from "
-            "one corner over a face to the next (roll_over)"
-            + (_UPRIGHT if drive.mode == "IPP" and drive.base == 0.0 else "")
+            "one corner over a face to the next (roll_over)" + advice
         )
         notes.append(Note("roll-over", text, float(rolls)))
     upright = 0.5 * math.pi
@@ -207,7 +240,7 @@ def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
 def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
     """Way in a pulse, of a program in all of it, over the robot's length."""
     start, end = scenario.window
-    period = end - start if _is_program(scenario) else 1.0 / scenario.drive.frequency
+    period = end - start if _is_program(scenario) else 1.0 / min(scenario.drive.frequency, FAST)
     speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
     return speed * period / scenario.robot.length
 
@@ -225,17 +258,23 @@ def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
     if moment == 0.0:
         said = f"{rests}: it has no magnetic moment, which no field moves; set robot.magnetization"
         return Note("rest-no-moment", said, 0.0)
+    for code, text, changes, value in _odd_constants(scenario):
+        if _walks_with(scenario, changes):
+            return Note(code, f"{rests}: {text}; with the default it walks", value)
     torque, held = abs(moment) * field, _holding_torque(scenario, summary)
-    turns = (
-        f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m, and "
-        f"weight and adhesion hold it with {held:.2g} N m"
-    )
-    larger = "larger voltages" if _is_program(scenario) else "a larger drive.peak and drive.hold"
     for factor in (2.0, 20.0, 200.0):
-        times = factor * held / torque
-        if torque < 2.0 * held and _walks_with(scenario, _with_field(scenario, times)):
-            said = f"{rests}: {turns}; {larger}, {times:.2g} times the field, make it walk"
+        stronger = _with_field(scenario, factor * held / torque)
+        if torque < 2.0 * held and _walks_with(scenario, stronger):
+            said = (
+                f"{rests}: the field, {1e3 * field:.3g} mT at most, turns it with at most "
+                f"{torque:.2g} N m, and weight and adhesion hold it with {held:.2g} N m; it walks "
+                f"with {_in_words(stronger)}"
+            )
             return Note("rest-torque", said, torque)
+    tilting = 0.0 if _is_program(scenario) else 0.4 * scenario.drive.peak
+    if scenario.drive.hold < tilting and _walks_with(scenario, {"drive.hold": tilting}):
+        said = f"{rests}: no field across its moment tips it; it walks with drive.hold = "
+        return Note("rest-torque", f"{said}{tilting:.2g}", torque)
     friction, drag = scenario.contact.static_friction, scenario.drag
     keys = ("contact.kinetic_friction", "contact.static_friction")
     if _walks_with(scenario, {key: 0.25 * float(scenario.get(key)) for key in keys}):
@@ -246,22 +285,39 @@ def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
             "quarter of the friction it walks"
         )
         return Note("rest-friction", said, friction * pressed)
-    tilting = 0.0 if _is_program(scenario) else 0.4 * scenario.drive.peak
-    if scenario.drive.hold < tilting and _walks_with(scenario, {"drive.hold": tilting}):
-        said = f"{rests}: no field across its moment tips it; drive.hold = {tilting:.2g} does"
-        return Note("rest-torque", said, torque)
     keys = ("drag.linear", "drag.rotational")
     if _walks_with(scenario, {key: 1e-3 * float(scenario.get(key)) for key in keys}):
         said = (
             f"{rests}: drag holds it, drag.linear = {drag.linear:g} N s/m and drag.rotational = "
-            f"{drag.rotational:g} N m s; with a thousandth of both it walks"
+            f"{drag.rotational:g} N m s^2; with a thousandth of both it walks"
         )
         return Note("rest-drag", said, drag.rotational)
     for times in (2.0, 5.0):
-        if _walks_with(scenario, _with_field(scenario, times)):
-            said = f"{rests}: {turns}, too little to make it step; {larger}, {times:g} times, do"
+        stronger = _with_field(scenario, times)
+        if _walks_with(scenario, stronger):
+            said = f"{rests}: the field rocks it too little; it walks with {_in_words(stronger)}"
             return Note("rest-torque", said, torque)
-    return Note("rest", f"{rests}, and less drag, more field or less friction alone does not help")
+    tried = "5 times the field, a quarter of the friction or a thousandth of the drag"
+    return Note("rest", f"{rests}; none of {tried} alone makes it walk")
+
+
+def _odd_constants(scenario: Scenario) -> Iterator[tuple[str, str, dict[str, float], float]]:
+    """Constants far from their defaults in the way that holds a robot: code, text, defaults."""
+    for code, keys, is_odd in _ODD:
+        for key in keys:
+            value, usual = float(scenario.get(key)), float(known_keys()[key].default)
+            if not is_odd(value / usual):
+                continue
+            text = f"{key} = {value:g} {known_keys()[key].unit} is {value / usual:.2g} times the "
+            changes = {each: float(known_keys()[each].default) for each in keys}
+            yield code, f"{text.replace(' - ', ' ')}default", changes, value
+
+
+def _in_words(changes: Mapping[str, Any]) -> str:
+    """The drive of `_with_field`."""
+    if "drive.program" in changes:
+        return "larger voltages"
+    return ", ".join(f"{key} = {value:.2g}" for key, value in changes.items())
 
 
 def _moment(scenario: Scenario) -> float:
@@ -285,7 +341,9 @@ def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
         blocks = [(t, factor * volts, repeats) for t, volts, repeats in program.blocks]
         return {"drive.program": type(program)(blocks)}
     keys = ("drive.peak", "drive.base", "drive.hold")
-    return {key: factor * float(scenario.get(key)) for key in keys}
+    stronger = {key: factor * float(scenario.get(key)) for key in keys}
+    # At no base the holding coil alone turns it upright.
+    return stronger | {"drive.base": stronger["drive.base"] or BASE * stronger["drive.peak"]}
 
 
 def _walks_with(scenario: Scenario, changes: Mapping[str, Any]) -> bool:
@@ -297,4 +355,9 @@ def _walks_with(scenario: Scenario, changes: Mapping[str, Any]) -> bool:
     except ScenarioError:  # a value beyond its range
         return False
     (result,) = _core.simulate_batch([tried.to_core()], 1, lambda _: None, None)
-    return result.status == "ok" and _step(tried, result.summary()) > WALK
+    found = result.summary()
+    rocks = found["slip_up"] != 0.0 or found["slip_down"] != 0.0  # and is not dragged on a face
+    # One or two may be those of the start; without a base it rolls over in any case.
+    rolls = found["events"]["roll_over"] > 2 and tried.drive.base != 0.0
+    steps = rocks and not rolls and found["airborne_fraction"] < LIMITS["flight"].limit
+    return result.status == "ok" and steps and _step(tried, found) > WALK

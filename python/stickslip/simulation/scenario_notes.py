@@ -1,4 +1,4 @@
-"""What a colleague would ask about a scenario before it is run: values that are hardly meant so.
+"""What a colleague would ask about a scenario before it is run: values that are probably mistakes.
 
 Each limit lies beyond what robots, coils and drives of this kind have; within it there is no note.
 """
@@ -6,7 +6,7 @@ Each limit lies beyond what robots, coils and drives of this kind have; within i
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
 from stickslip.scenario.sections import Solver
@@ -38,6 +38,11 @@ STEADY_PULSES = 4
 """Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
 
 
+def pulses_measured(pulses: Any) -> Any:
+    """Pulses of the measuring window of a drive of so many, or of each of an array; section VII."""
+    return pulses - (STEADY_PULSES - 1) * (pulses >= STEADY_PULSES)
+
+
 def counts_start_up(scenario: Scenario) -> bool:
     """Whether a pulsed drive is so short that its measuring window begins after the ramp."""
     return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
@@ -50,7 +55,7 @@ def without_pulses(scenario: Scenario) -> bool:
 
 
 def scenario_notes(scenario: Scenario) -> list[Note]:
-    """Notes on values of a scenario that are hardly meant so; none for most scenarios."""
+    """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
     core = scenario.to_core()  # once for all notes
     units = unit_notes(scenario, core)
     # A unit explains the density that it makes.

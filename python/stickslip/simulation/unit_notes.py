@@ -141,7 +141,7 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     slowest = max(time_constants(scenario, core).values())
     if not max(LONG_PULSE, MANY_TIME_CONSTANTS * slowest) < lasting < math.inf:
         return []
-    meant = f"is drive.frequency = {drive.frequency:g} in kHz?"
+    meant = f"is drive.frequency = {drive.frequency:g} in kHz? Multiply it by 1000"
     if drive.program is not None:
         meant = "are the times of the voltages in ms? Divide them by 1000"
     times = f"{lasting / slowest:.3g} times the longest time constant of a coil"

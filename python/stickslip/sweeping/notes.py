@@ -5,7 +5,7 @@ from __future__ import annotations
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.run_notes import FEWEST_PULSES, LIMITS
-from stickslip.simulation.scenario_notes import scenario_notes
+from stickslip.simulation.scenario_notes import pulses_measured, scenario_notes
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import Results
 
@@ -18,11 +18,11 @@ def notes_of_points(points: Points, results: Results, things: str = "points") ->
     numbers = results.numbers
     beyond = {code: numbers[each.number] > each.limit for code, each in LIMITS.items()}
     beyond["velocity-grows"] &= ~beyond["field-change"]
-    beyond["velocity-grows"] &= points.at_each("drive.pulses") >= FEWEST_PULSES
+    pulses = pulses_measured(points.at_each("drive.pulses"))
+    beyond["velocity-grows"] &= pulses >= FEWEST_PULSES
     said = {code: each.of_many for code, each in LIMITS.items()}
-    beyond["rest"] = (numbers["mean_velocity"] == 0.0) & (
-        numbers["theta_min"] == numbers["theta_max"]
-    )
+    still = (numbers["mean_velocity"] == 0.0) & (numbers["mean_velocity_y"] == 0.0)
+    beyond["rest"] = still & (numbers["theta_min"] == numbers["theta_max"])
     said["rest"] = "the robot never moved; the notes of such a run alone say why"
     counts = {code: int(holds.sum()) for code, holds in beyond.items()}
     notes = [
