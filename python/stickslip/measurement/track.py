@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.arrays import Array
 from stickslip.errors import ScenarioError
 from stickslip.measurement.velocity import FASTEST
-from stickslip.scenario.keys import Value, known_keys, refuse
+from stickslip.scenario.keys import Value, check_kind, known_keys, refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive
 
@@ -64,6 +64,7 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     (0.001, 50.0, 13)
     """
     scenario = Scenario(drive=drive) if isinstance(drive, Drive) else drive
+    check_kind("drive", scenario, Scenario)
     velocity, _ = fitted_velocity(t, x, scenario)
     names = [key for key in known_keys() if key.startswith("drive.")]
     return {"velocity": velocity, **{name[6:]: scenario.get(name) for name in names}}
