@@ -182,8 +182,6 @@ def likeliest(scatter: Array, basis: Array, runs: Runs, origin: str) -> ErrorCor
     inside = np.flatnonzero(curve - curve[best] <= chi2_law.ppf(LEVEL, 1))
     peak, low, high = (float(np.tanh(_FINER[k])) for k in (best, inside[0], inside[-1]))
     value = float(np.clip(peak * (1.0 + 2.0 / free), *np.tanh(_TRIED[[0, -1]])))
-    # The bias is that of the value alone, which has to lie within all the same.
-    low, high = min(low, value), max(high, value)
     effective = float(len(scatter))
     if low > 0.0:
         effective = float(np.sum(runs.whitened(np.ones((len(scatter), 1)), value) ** 2))
