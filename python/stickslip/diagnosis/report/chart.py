@@ -21,8 +21,8 @@ _DIGITS = 4  # of values that are said on hover
 UPWARDS = 44
 """Characters of a label that runs upwards. Chosen: the height of a panel holds them."""
 
-MARKERS = ("circle", "square", "triangle", "diamond", "cross")
-"""Shapes of points, which stand for kinds of settings."""
+MARKERS = {"circle": "o", "square": "s", "triangle": "^", "diamond": "D", "pointing down": "v"}
+"""Shapes of points, which stand for kinds of settings, and matplotlib's letters for them."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ class _Drawing:
 
 def marker(kind: int, x: float, y: float, r: float = _LARGE) -> str:
     """The shape of a point."""
-    shape = MARKERS[kind % len(MARKERS)]
+    shape = list(MARKERS)[kind % len(MARKERS)]
     if shape == "circle":
         return f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="{r}"/>'
     if shape == "square":
@@ -223,7 +223,7 @@ def marker(kind: int, x: float, y: float, r: float = _LARGE) -> str:
     corners = {
         "triangle": ((0, -1.3), (1.2, 0.9), (-1.2, 0.9)),
         "diamond": ((0, -1.35), (1.35, 0), (0, 1.35), (-1.35, 0)),
-        "cross": ((0, 0), (1, 1), (0, 0), (1, -1), (0, 0), (-1, -1), (0, 0), (-1, 1)),
+        "pointing down": ((0, 1.3), (1.2, -0.9), (-1.2, -0.9)),
     }[shape]
     places = " ".join(f"{x + r * a:.1f},{y + r * b:.1f}" for a, b in corners)
     return f'<polygon class="mark" points="{places}"/>'
