@@ -8,7 +8,8 @@ console  lines with "$ stickslip" are run; the lines below each are what it prin
 text     right after a python block: what that prints; "..." stands for anything
 toml     written to the file that its first line names (# name.toml), else to scenario.toml
 csv      the same (# name.csv); the line of the name is left out
-sh       not run, but its stickslip commands must be ones that the command line takes
+sh       its stickslip commands are run, all but those of `NOT_RUN`, which must be ones that the
+         command line takes; other commands are not run
 cpp      not run
 """
 
@@ -27,6 +28,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from instrument_files import write_all
+
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
 
 _FENCE = re.compile(r"^( *)(`{3,})(.*)$")
@@ -36,6 +39,20 @@ _COMMAND = (sys.executable, "-m", "stickslip")
 _SHOWN = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 # s; a whole diagnosis takes some 40 on two processors, and a loaded machine has less to give.
 _LIMIT = 300
+NOT_RUN = {
+    "stickslip sweep scenario.toml --vary drive.frequency=5:200:400": "needs a cluster",
+    "stickslip run long.toml --out long.nc": "30 s, and a file of 890 MB",
+    "stickslip optimise": "a search of minutes",
+    "stickslip diagnose": "40 s; the pages on the diagnosis run one each",
+    "stickslip predict found/extended.toml": "needs the folder of a diagnosis",
+    "stickslip predict other-drive.toml": "needs the folder of a diagnosis",
+    "stickslip reproduce": "15 s for one figure, minutes for all",
+}
+"""How commands of `sh` begin that are not run, and why: what takes more than 10 s or is not there."""
+
+TIMED = ["/usr/bin/time", "-v"]
+# Files that a page reads and that no block of it writes.
+_GIVEN = {"instruments.md": write_all}
 
 
 @dataclass(frozen=True)
@@ -105,6 +122,8 @@ def play(page: Path) -> Iterator[Path]:
         folder = Path(name)
         os.chdir(folder)
         try:
+            if page.name in _GIVEN:
+                _GIVEN[page.name](folder)
             _run(blocks(page), folder)
             yield folder
         finally:
@@ -127,7 +146,7 @@ def _run(sequence: list[Block], folder: Path) -> None:
         elif block.language in ("toml", "csv"):
             _write(block, folder)
         elif block.language == "sh":
-            _parse(block)
+            _shell(block, folder)
         elif block.language != "cpp":
             raise AssertionError(f"{block}: {block.language}: known are {', '.join(LANGUAGES)}")
 
@@ -148,19 +167,19 @@ def _console(block: Block, folder: Path) -> None:
         words = shlex.split(command.group().replace("\\\n", " "))
         if words[0] != "stickslip":
             raise AssertionError(f"{block}: {words[0]}: a console block runs stickslip only")
-        result = subprocess.run(
-            [*_COMMAND, *words[1:]],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=_LIMIT,
-        )
+        result = _stickslip(words, folder)
         refused = expected.startswith("stickslip: ")
         if (result.returncode == 2) != refused or result.returncode not in (0, 2):
             raise AssertionError(f"{block}: {words}: {result.returncode}: {result.stderr}")
         if expected:
             # A slow machine shows a progress bar on standard error.
             _checked(block, expected, result.stderr if refused else result.stdout)
+
+
+def _stickslip(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*_COMMAND, *words[1:]], cwd=folder, capture_output=True, text=True, timeout=_LIMIT
+    )
 
 
 def _write(block: Block, folder: Path) -> None:
@@ -172,21 +191,32 @@ def _write(block: Block, folder: Path) -> None:
     (folder / (name.group(1) if name else "scenario.toml")).write_text(text, encoding="utf-8")
 
 
-def _parse(block: Block) -> None:
-    """Refuse commands that the command line would not take."""
+def _shell(block: Block, folder: Path) -> None:
+    for line in block.text.replace("\\\n", " ").splitlines():
+        words = shlex.split(line, comments=True)
+        if words[: len(TIMED)] == TIMED:
+            words = words[len(TIMED) :]
+        if words[:1] != ["stickslip"]:
+            continue
+        if any(" ".join(words).startswith(each) for each in NOT_RUN):
+            _parse(block, words)
+            continue
+        result = _stickslip(words, folder)
+        if result.returncode != 0:
+            raise AssertionError(f"{block}: {line}: {result.stderr}")
+
+
+def _parse(block: Block, words: list[str]) -> None:
+    """Refuse a command that the command line would not take."""
     import click
 
     from stickslip.cli.commands import stickslip
 
-    for line in block.text.replace("\\\n", " ").splitlines():
-        words = shlex.split(line, comments=True)
-        if not words or words[0] != "stickslip":
-            continue
-        context = click.Context(stickslip, info_name="stickslip")
-        command = stickslip.get_command(context, words[1])
-        if command is None:
-            raise AssertionError(f"{block}: {words[1]}: there is no such command")
-        try:
-            command.make_context(words[1], words[2:], parent=context)
-        except click.ClickException as error:
-            raise AssertionError(f"{block}: {line}: {error.format_message()}") from None
+    context = click.Context(stickslip, info_name="stickslip")
+    command = stickslip.get_command(context, words[1])
+    if command is None:
+        raise AssertionError(f"{block}: {words[1]}: there is no such command")
+    try:
+        command.make_context(words[1], words[2:], parent=context)
+    except click.ClickException as error:
+        raise AssertionError(f"{block}: {words}: {error.format_message()}") from None

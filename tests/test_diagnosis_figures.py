@@ -1,12 +1,16 @@
 """Figures of the diagnosis: which readings are hollow, what the legend says, what is a curve."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
+from matplotlib.markers import MarkerStyle
 
 from pictures import assert_legible
 from stickslip.diagnosis.report import figures
+from stickslip.diagnosis.report.chart import MARKERS, marker
 from stickslip.diagnosis.report.velocity_difference import velocity_figure
 from toy_model import X, shared_result
 
@@ -115,3 +119,40 @@ def test_a_curve_is_drawn_only_through_conditions_of_one_setting():
     assert not dashes.joined
     assert sorted(dashes.x) == sorted(hertz for hertz, _ in other)
     assert {peak for _, peak in simulated} == {2.5e-3}
+
+
+@pytest.mark.parametrize(("kind", "letter"), list(enumerate(MARKERS.values())))
+def test_a_kind_of_settings_has_one_shape_in_all_figures_of_a_page(kind, letter):
+    style = MarkerStyle(letter)
+    corners = style.get_path().transformed(style.get_transform()).vertices
+    sign = marker(kind, 0.0, 0.0)
+    points = re.search(r'points="(.*?)"', sign)
+    if points is None:
+        assert sign.split()[0] == {"o": "<circle", "s": "<rect"}[letter]
+        return
+    drawn = np.array([each.split(",") for each in points.group(1).split()], dtype=float)
+    drawn[:, 1] *= -1.0  # downwards in SVG
+    # The lowest and the highest place have the same number of corners.
+    for end in (np.min, np.max):
+        at = end(drawn[:, 1]), end(corners[:, 1])
+        distinct = [
+            {round(float(x), 6) for x, y in shape if abs(y - height) < 1e-6}
+            for shape, height in zip((drawn, corners), at, strict=True)
+        ]
+        assert len(distinct[0]) == len(distinct[1])
+
+
+def test_what_is_claimed_has_the_colour_of_the_extended_model():
+    found = shared_result(3, wave=1.0).findings
+    bars = {
+        name.get_text(): bar.get_facecolor()
+        for axes in figures.ranking(found).axes
+        for name, bar in zip(axes.get_yticklabels(), axes.patches, strict=True)
+    }
+    claimed = to_rgba(figures.COLOURS["extended"])
+    assert [name for name, colour in bars.items() if colour == claimed] == ["wave"]
+    lines = figures.residuals(found, X, "x").axes[0].lines
+    assert {line.get_color() for line in lines if line.get_label() == "extended"} == {
+        figures.COLOURS["extended"]
+    }
+    assert {line.get_marker() for line in lines} == {"o"}

@@ -8,7 +8,7 @@ import pytest
 from line_model import SD, WAVE, X, fitted, problem
 from stickslip.diagnosis.fit.fit_result import Start, make_candidate
 from stickslip.diagnosis.fit.multistart import fit_candidates
-from stickslip.diagnosis.fit.profile_likelihood import moved_to_profile_minimum, profile
+from stickslip.diagnosis.fit.profile_likelihood import Profile, moved_to_profile_minimum, profile
 
 
 def test_the_profile_of_a_small_effect_has_the_curvature_of_the_fit():
@@ -73,3 +73,13 @@ def test_the_fit_moves_to_a_lower_minimum_of_its_profile():
     assert not fit.converged
     assert better.converged
     assert found.chi2.min() == 0.0
+
+
+def test_the_value_of_the_fit_lies_within_its_interval():
+    # The least chi-square is in a narrow minimum that has less evidence, and is no place to go.
+    height = np.linspace(0.0, 1.0, 11)
+    chi2 = np.where(height == 1.0, 0.0, 9.0 + 400.0 * (height - 0.2) ** 2)
+    low, high = Profile("wave.size", "m", height, chi2, 0.1, best=0.2).interval(1.96**2)
+    assert (low, high) == (0.2, 1.0)
+    ends = Profile("wave.size", "m", height, chi2, 0.1, best=1.0).interval(1.96**2)
+    assert 0.9 < ends[0] < ends[1] == 1.0

@@ -1,6 +1,7 @@
 """What a person gets from a diagnosis: tables, predictions, pictures, text, and its options."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -158,12 +159,17 @@ def test_a_summary_of_a_set_says_whose_parameters_it_has():
     assert all(name in line for name in others)
 
 
-def test_convergence_is_not_denied_where_it_was_not_checked(waved):
+def test_convergence_is_not_denied_where_it_was_not_checked(waved, tmp_path):
     assert waved.compare().loc["wave", "converged"] == "yes"
     lone = replace(waved.findings.verdict.fit, converged=False, starts=(1.0,))
     ranking = replace(waved.findings.ranking, singles=(lone,))
     given = replace(waved, findings=replace(waved.findings, ranking=ranking))
     assert given.compare().loc["wave", "converged"] == "not checked"
+    given.save_report(tmp_path)
+    full = json.loads((tmp_path / "report.json").read_text())
+    assert full["ranking"][1]["converged"] == "not checked"
+    page = (tmp_path / "report.html").read_text()
+    assert re.findall(r"<tr><td>wave</td>.*<td>([a-z ]+)</td></tr>", page) == ["not checked"]
 
 
 def test_a_summary_is_one_screen_and_a_representation_one_line(waved, measured):

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import stickslip
-from documentation_blocks import blocks, pages, play, prints
+from documentation_blocks import NOT_RUN, TIMED, blocks, pages, play, prints
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -82,9 +82,24 @@ def test_a_command_that_is_not_there_is_seen(tmp_path):
     page.write_text("```sh\nstickslip run a.toml --no-such-option\n```\n")
     with pytest.raises(AssertionError, match="no-such-option"), play(page):
         pass
+    page.write_text("```sh\nstickslip predict found/extended.toml --no-such-option\n```\n")
+    with pytest.raises(AssertionError, match="no-such-option"), play(page):
+        pass
     page.write_text("```console\n$ stickslip run no-such-file.toml\n```\n")
     with pytest.raises(AssertionError, match="no-such-file"), play(page):
         pass
+
+
+def test_what_is_not_run_stands_on_a_page():
+    commands = [
+        line.removeprefix(f"{' '.join(TIMED)} ")
+        for page in PAGES
+        for block in blocks(page)
+        if block.language == "sh"
+        for line in block.text.replace("\\\n", " ").splitlines()
+    ]
+    for each in NOT_RUN:
+        assert any(" ".join(line.split()).startswith(each) for line in commands), each
 
 
 @pytest.mark.parametrize("name", modules())

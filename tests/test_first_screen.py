@@ -4,10 +4,12 @@ import re
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from report_page import Page
 from stickslip import Scenario
+from stickslip._util.number_text import alike
 from stickslip.diagnosis import Prior, Uncertain
 from stickslip.diagnosis.inference.ranking import set_members
 from stickslip.diagnosis.report.answers import Answers, answers
@@ -48,6 +50,18 @@ def test_an_interval_holds_its_value_where_both_signs_have_one_word(sign):
     assert low <= 100.0 * abs(entry["value"]) <= high
     # By the normal law 95 % are within 1.96 sd of 5 %, and the size is at least 0.
     assert (low, high) == (0.0, pytest.approx(5.0 + 1.96 * 10.0, abs=0.05))
+
+
+def test_a_value_and_its_ends_are_printed_to_the_same_place():
+    # By digits of their own, 12.346 would stand beside 12.3 to 12.3.
+    assert alike(0.0012, 12.34567, 12.3433, 12.348) == ["12.3457", "12.3433", "12.348"]
+    assert alike(3e-7, 1.0481e-5, 9.912e-6, 1.1e-5) == ["1.048e-05", "9.91e-06", "1.1e-05"]
+    random = np.random.default_rng(0)
+    for size in 10.0 ** random.uniform(-12.0, 12.0, 500):
+        low, value, high = np.sort(size * (random.standard_normal() + 1e-3 * random.random(3)))
+        shown = [float(each) for each in alike((high - low) / 4, low, value, high)]
+        assert shown == sorted(shown)
+        assert abs(shown[1] - value) < 0.02 * (high - low)
 
 
 @pytest.mark.parametrize(
@@ -236,7 +250,8 @@ def test_a_sure_cause_whose_gain_is_not_sure_has_too_few_conditions_for_that(int
         ),
         (
             True,
-            r": larger by \d\.\d+ % \(best value\)\. With a probability of 95 % it is 6 to 6 %\.$",
+            r": larger by (\d\.\d+) % \(best value\)\. "
+            r"With a probability of 95 % it is (\S+) to (\S+) %\.$",
         ),
     ],
 )
@@ -246,7 +261,12 @@ def test_a_size_has_its_best_value_after_the_word_for_its_sign(is_narrow, said):
     if is_narrow:
         # One standard deviation reaches beyond such an interval, and is not told beside it.
         name = found.profiles[0].name
-        narrow = SimpleNamespace(name=name, sd=1e-3, interval=lambda _: (0.06, 0.06))
+        value = found.profiles[0].best
+        narrow = SimpleNamespace(name=name, sd=1e-3, interval=lambda _: (value, value + 2e-5))
         found = replace(found, profiles=(narrow,))
     (size,) = answers(found, posed, [], "V").size
-    assert re.search(said, str(size)), str(size)
+    match = re.search(said, str(size))
+    assert match, str(size)
+    if is_narrow:
+        best, low, high = map(float, match.groups())
+        assert low <= best <= high

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from stickslip.errors import SimulationError as SimulationError
     from stickslip.measurement.reading import Measurement as Measurement
     from stickslip.measurement.reading import read_measurement as read_measurement
+    from stickslip.measurement.track import velocity_of_track as velocity_of_track
     from stickslip.reproduction.study import reproduce as reproduce
     from stickslip.scenario.field_map import FieldMap as FieldMap
     from stickslip.scenario.named_effects import effects as effects
@@ -89,6 +90,7 @@ _HOME = {
         "errors": ("ScenarioError", "SimulationError"),
         "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
+        "measurement.track": ("velocity_of_track",),
         "reproduction.study": ("reproduce",),
         "scenario.field_map": ("FieldMap",),
         "scenario.named_effects": ("effects",),

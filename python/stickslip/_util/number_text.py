@@ -32,3 +32,14 @@ def highest(limit: float) -> str:
     """A computed limit in six digits and not above it, so that what is printed is allowed."""
     below = Context(prec=6, rounding=ROUND_FLOOR).create_decimal(repr(float(limit)))
     return f"{float(below):.6g}"
+
+
+def alike(step: float, *values: float) -> list[str]:
+    """Numbers to the second digit of a step, all to the same place, so that they keep their order.
+
+    So a value that lies in an interval is printed within it.
+    """
+    if not (math.isfinite(step) and step > 0.0):
+        return [f"{each:.6g}" for each in values]
+    places = 1 - math.floor(math.log10(step))
+    return [f"{round(each, places) + 0.0:.12g}" for each in values]

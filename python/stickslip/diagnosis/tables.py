@@ -83,7 +83,7 @@ def candidate_table(found: Findings) -> DataFrame:
             "delta": fits[0].priced_evidence - fit.priced_evidence,
             "chi2": fit.chi2,
             "p": adequacy(found.problem, fit),
-            "converged": _agreement(fit),
+            "converged": fit.agreement,
         }
         for fit in fits
     }
@@ -114,13 +114,6 @@ def _fitted(found: Findings) -> tuple[Problem, Fit, list[Fitted]]:
     problem, fit = found.extended or (found.problem, found.null)
     learnt = found.verdict.kind != "data-problem"
     return problem, fit, free_parameters(problem, fit) if learnt else []
-
-
-def _agreement(fit: Fit) -> str:
-    """Whether fits of a candidate from several starts agree, in a word."""
-    if fit.converged:
-        return "yes"
-    return "no" if len(fit.starts) > 1 else "not checked"
 
 
 def _prior(problem: Problem, each: Fitted) -> str:

@@ -135,7 +135,7 @@ def singles_beside(
     for fit in fit_candidates(problem, [fit.candidate for fit in alone], begins, CAREFUL):
         if fit.name in found and fit.chi2 < found[fit.name].chi2 - AGREE:
             # Its starts began at one point, so that they agree says nothing.
-            found[fit.name] = replace(fit, converged=False)
+            found[fit.name] = replace(fit, converged=False, starts=fit.starts[:1])
     return ranked(search_until_converged(problem, list(found.values())))
 
 

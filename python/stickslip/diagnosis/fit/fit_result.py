@@ -93,6 +93,13 @@ class Fit(OneLine):
         return np.asarray(root @ root.T)
 
     @property
+    def agreement(self) -> str:
+        """Whether fits from several starts agree: yes, no, or not checked where none were tried."""
+        if self.converged:
+            return "yes"
+        return "no" if len(self.starts) > 1 else "not checked"
+
+    @property
     def priced_evidence(self) -> float:
         """`log_evidence` less ``PAIR_PRICE`` for a second cause: how a verdict weighs it."""
         return self.log_evidence - (PAIR_PRICE if len(self.candidate.causes) > 1 else 0.0)

@@ -58,6 +58,9 @@ class Profile(OneLine):
     sd : float
         The largest of the distances from the fit to where chi-square crosses 1 for the last time
         on either side, and of half those to where it crosses 4.
+    best : float
+        The value of the fit. The least chi-square can be elsewhere, in a minimum so narrow that it
+        has less evidence.
     """
 
     name: str
@@ -65,13 +68,16 @@ class Profile(OneLine):
     value: Array
     chi2: Array
     sd: float
+    best: float
 
     def interval(self, rise: float) -> tuple[float, float]:
         """Lowest and highest value at which chi-square has risen by so much, ``FAR`` at most.
 
-        Where it does not rise so far before the end of the physical range, that end.
+        Where it does not rise so far before the end of the physical range, that end. The value of
+        the fit lies within.
         """
-        return _crossings(self.value, self.chi2, rise)
+        low, high = _crossings(self.value, self.chi2, rise)
+        return min(low, self.best), max(high, self.best)
 
 
 @dataclass
@@ -141,7 +147,7 @@ def _profile(fit: Fit, each: Fitted, line: _Line) -> Profile:
         for root in (1.0, 2.0)
         for place in _crossings(value, chi2, root**2)
     ]
-    return Profile(each.name, each.unit, value, chi2, max(distances))
+    return Profile(each.name, each.unit, value, chi2, max(distances), here)
 
 
 def _along(problem: Problem, fit: Fit, each: Fitted) -> _Line:

@@ -209,7 +209,7 @@ def _with_narrow(
     for fit in fit_narrow(base.problem, scans, models, base.random_restarts):
         if fit.name not in known or fit.chi2 < known[fit.name].chi2:
             # Its starts may be of one minimum, so that they agree says nothing.
-            known[fit.name] = replace(fit, converged=False)
+            known[fit.name] = replace(fit, converged=False, starts=fit.starts[:1])
     ordered = ranked(list(known.values()))
     if ordered == ranked(fits):
         return ordered

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from stickslip._util.number_text import alike
 from stickslip.diagnosis.fit.fit_result import Fit
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.model.problem import Cause
@@ -278,17 +279,19 @@ def size_in_words(found: Findings, name: str, entry: Entry, words: SizeWords) ->
     way = words.up if value >= 0.0 else words.down
     fits = not (value * factor - sd < low or value * factor + sd > high)
     told_apart = words.up != words.down
-    ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
+    step = min(sd, (high - low) / 4.0)
+    unit = f" {words.unit}".rstrip()
+    ends = f"{' to '.join(alike(step, low, high))}{unit}"
     if told_apart and low < 0.0 < high:
-        unit = f" {words.unit}".rstrip()
-        ends = f"{-low:.3g}{unit} {words.down} to {high:.3g}{unit} {words.up}"
+        down, up = alike(step, -low, high)
+        ends = f"{down}{unit} {words.down} to {up}{unit} {words.up}"
     elif words.up:
         # A size whose sign has no word begins at 0 where both signs are possible.
         least = 0.0 if low < 0.0 < high else min(abs(low), abs(high))
         low, high = least, max(abs(low), abs(high))
-        ends = f"{low:.3g} to {high:.3g} {words.unit}".rstrip()
+        ends = f"{' to '.join(alike(step, low, high))}{unit}"
     shown = abs(value) if words.up else value
-    alone = f"{shown * factor:.3g} {words.unit}".rstrip()
+    alone = f"{alike(step, shown * factor)[0]}{unit}"
     if fits:
         amount = _with_unit(shown, entry, words)
     else:

@@ -21,9 +21,8 @@ _DIGITS = 4  # of values that are said on hover
 UPWARDS = 44
 """Characters of a label that runs upwards. Chosen: the height of a panel holds them."""
 
-MARKERS = {"circle": "o", "square": "s", "triangle": "^", "diamond": "D", "down": "v"}
-"""Shapes of points, which stand for kinds of settings in all figures of a page, and what Matplotlib
-calls them."""
+MARKERS = {"circle": "o", "square": "s", "triangle": "^", "diamond": "D", "pointing down": "v"}
+"""Shapes of points, which stand for kinds of settings, and matplotlib's letters for them."""
 
 
 @dataclass(frozen=True)
@@ -224,7 +223,7 @@ def marker(kind: int, x: float, y: float, r: float = _LARGE) -> str:
     corners = {
         "triangle": ((0, -1.3), (1.2, 0.9), (-1.2, 0.9)),
         "diamond": ((0, -1.35), (1.35, 0), (0, 1.35), (-1.35, 0)),
-        "down": ((0, 1.3), (1.2, -0.9), (-1.2, -0.9)),
+        "pointing down": ((0, 1.3), (1.2, -0.9), (-1.2, -0.9)),
     }[shape]
     places = " ".join(f"{x + r * a:.1f},{y + r * b:.1f}" for a, b in corners)
     return f'<polygon class="mark" points="{places}"/>'

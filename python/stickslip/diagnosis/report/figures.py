@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.palette import BLUE, DARK_GREY, GREEN, LIGHT_GREY, VERMILION
+from stickslip._util.palette import BLACK, BLUE, DARK_GREY, LIGHT_GREY, VERMILION
 from stickslip._util.picture import Picture
 from stickslip._util.plain_text import shortened
 from stickslip.diagnosis.data.conditions import Conditions, panel, sorted_by_settings
@@ -23,12 +23,23 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_MARKERS = tuple(MARKERS.values())
+_LETTERS = tuple(MARKERS.values())
+PLACES = ("drive.mode", "drive.direction")
+"""Settings of which each pair has a panel."""
 _MAP_LABEL = 30
 """Characters of a name beside the map of cosines. Chosen: no cause of the library is longer, and a
 map of a single cause has place for it."""
 
 COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
+"""Of the models, and thus of what is claimed, in all figures of a page; readings are black."""
+
+
+def kinds_of(conditions: Conditions, key: str) -> dict[str, list[int]]:
+    """Conditions by the settings that differ within a panel over `key`, in the order of `MARKERS`.
+
+    A panel has one mode and one direction.
+    """
+    return sorted_by_settings(conditions, (*PLACES, key), len(MARKERS))
 
 
 def new_figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, Any]:
@@ -58,13 +69,12 @@ def velocities(found: Findings, conditions: Conditions, given: Array) -> Figure 
     frequency = np.array([float(each["drive.frequency"]) for each in conditions])
     panels = list(dict.fromkeys(words.tolist()))
     figure, frames = new_figure(max(4.5, min(3.2 * len(panels), 12.8)), 5.0, 2, len(panels))
-    shown = ("drive.mode", "drive.direction", "drive.frequency")
-    kinds = sorted_by_settings(conditions, shown, len(_MARKERS))
+    kinds = kinds_of(conditions, "drive.frequency")
     for word, pair in zip(panels, frames.T, strict=True):
         for k, (settings, indices) in enumerate(kinds.items()):
             label = settings if k else ", ".join(filter(None, (_measured(sd), settings)))
             at = np.intersect1d(np.flatnonzero(words == word), indices)
-            _draw(pair, _MARKERS[k], label, frequency[at], observed[at],
+            _draw(pair, _LETTERS[k], label, frequency[at], observed[at],
                   None if sd is None else sd[at], {name: row[at] for name, row in models.items()},
                   found.held_out[at])  # fmt: skip
         mine = words == word
@@ -86,14 +96,14 @@ def law_curve(found: OpenSet) -> Figure:
     term, curve = found.first.term, found.curve
     axes.fill_between(curve.argument, curve.low, curve.high, color=LIGHT_GREY,
                       label=f"whole law, {BAND:.0%}")  # fmt: skip
-    axes.plot(curve.argument, curve.law, color=VERMILION, label="curve of free shape")
+    axes.plot(curve.argument, curve.law, color=COLOURS["extended"], label="curve of free shape")
     if found.formula is not None:
         formula = found.formula
         one = "1 + " if term.relative else ""
         change = formula.at(curve.argument)
         factor = np.maximum(1.0 + change, 0.0) if term.cut else 1.0 + change
         law = formula.without * factor if term.relative else formula.without + change
-        axes.plot(curve.argument, law, "--", color=BLUE, label=f"{one}{formula.text}")
+        axes.plot(curve.argument, law, "--", color=BLACK, label=f"{one}{formula.text}")
     axes.axhline(curve.without, color=DARK_GREY, lw=0.8, label="without f")
     unit = "" if curve.unit == "-" else f" ({curve.unit})"
     law_name = term.law if term.relative else f"f of {term.law}"
@@ -107,7 +117,7 @@ def law_places(found: OpenSet) -> Figure:
     names = [each.term.name for each in found.shapes]
     figure = Picture(figsize=(6.4, 0.8 + 0.22 * len(names)), layout="constrained")
     axes = figure.subplots()
-    colours = [VERMILION if each is found.first else BLUE for each in found.shapes]
+    colours = [COLOURS["extended"] if each is found.first else DARK_GREY for each in found.shapes]
     axes.barh(names, [each.lead for each in found.shapes], color=colours)
     axes.invert_yaxis()
     axes.set_xlabel("log-evidence above no change")
@@ -214,7 +224,7 @@ def against_model(
         return np.asarray(factor * values.reshape(-1, len(names))[order, k])
 
     for k, name in enumerate(names):
-        _draw((above, below), _MARKERS[k], _measured(sd, name), place[order], series(observed, k),
+        _draw((above, below), _LETTERS[k], _measured(sd, name), place[order], series(observed, k),
               None if sd is None else series(sd, k),
               {model: series(values, k) for model, values in models.items()},
               held_out[order], joined)  # fmt: skip
@@ -248,8 +258,8 @@ def residuals(found: Findings, place: Array, label: str) -> Figure:
     fits = {"recalibrated": found.null}
     if found.extended is not None:
         fits["extended"] = found.extended[1]
-    for (name, fit), marker in zip(fits.items(), "os", strict=False):
-        frame.plot(place, fit.residual[: len(place)], marker, color=COLOURS[name], ms=4, label=name)
+    for name, fit in fits.items():
+        frame.plot(place, fit.residual[: len(place)], "o", color=COLOURS[name], ms=4, label=name)
     _label_residuals(frame, label)
     frame.legend(fontsize=8, frameon=False)
     return figure
@@ -262,7 +272,7 @@ def profile(each: Profile) -> Figure:
     # A profile goes far out to find other local minima; it is drawn as far as the last of them.
     inside = np.flatnonzero(each.chi2[order] <= FAR)
     order = order[max(inside[0] - 1, 0) : inside[-1] + 2]
-    frame.plot(each.value[order], each.chi2[order], "o-", color=VERMILION, ms=4)
+    frame.plot(each.value[order], each.chi2[order], "o-", color=COLOURS["extended"], ms=4)
     for height in (1.0, 4.0):
         frame.axhline(height, color=DARK_GREY, lw=0.8, ls="--")
     frame.locator_params(axis="x", nbins=5)
@@ -285,9 +295,9 @@ def ranking(found: Findings) -> Figure | None:
     frame.barh(
         [shortened(fit.name) for fit in fits],
         [fit.priced_evidence - found.null.log_evidence for fit in fits],
-        color=[GREEN if fit.name in claimed else DARK_GREY for fit in fits],
+        color=[COLOURS["extended"] if fit.name in claimed else DARK_GREY for fit in fits],
     )
-    frame.set_xlabel("log-evidence above no cause (green: what is claimed)")
+    frame.set_xlabel("log-evidence above no cause (orange: what is claimed)")
     return figure
 
 

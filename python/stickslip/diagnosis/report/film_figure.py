@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.palette import BLUE, VERMILION
 from stickslip._util.picture import Picture
 from stickslip.diagnosis.observables.tracking.smoothed_motion import SmoothedMotion
+from stickslip.diagnosis.report.figures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,8 +50,8 @@ def film_figure(recalibrated: SmoothedMotion, extended: SmoothedMotion | None) -
     for each, trace in zip(frames, traces(recalibrated, extended), strict=True):
         lines = {
             "measured, smoothed": (trace.measured, "k", 1.6, "-"),
-            "recalibrated": (trace.recalibrated, BLUE, 1.4, "--"),
-            "extended": (trace.extended, VERMILION, 1.4, ":"),
+            "recalibrated": (trace.recalibrated, COLOURS["recalibrated"], 1.4, "--"),
+            "extended": (trace.extended, COLOURS["extended"], 1.4, ":"),
         }
         for label, (values, colour, width, style) in lines.items():
             if values is not None:

@@ -238,7 +238,7 @@ def _ranking(found: Findings) -> list[dict[str, Any]]:
             "misfit_p": adequacy(found.problem, fit),
             "log_evidence": fit.log_evidence - found.null.log_evidence,
             "priced_evidence": fit.priced_evidence - found.null.log_evidence,
-            "certified": fit.converged,
+            "converged": fit.agreement,
             "leading": fit.name in shown,
             "parameters": describe(found.problem, fit),
         }

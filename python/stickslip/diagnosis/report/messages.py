@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stickslip._util.number_text import alike
 from stickslip._util.plain_text import printable
 from stickslip.diagnosis.data.conditions import Conditions, changes
 from stickslip.diagnosis.inference.experiment_design import Experiment, advice, undecided
@@ -51,8 +52,9 @@ def parameter_lines(found: Findings) -> list[str]:
     for name, each in list(entries.items())[:LISTED]:
         low, high = interval_of(found, name, each)
         unit = "" if each["unit"] == "-" else f" {each['unit']}"
-        value = f"{short(name)} = {float(each['value']):.4g}{unit}"
-        lines.append(f"  {value}, with 95 % from {low:.3g} to {high:.3g}")
+        step = min(float(each["sd"]), (high - low) / 4.0)
+        value, *ends = alike(step, float(each["value"]), low, high)
+        lines.append(f"  {short(name)} = {value}{unit}, with 95 % from {' to '.join(ends)}")
     if len(entries) > LISTED:
         lines.append(f"  and {len(entries) - LISTED} parameters more")
     return [printable(line) for line in lines]

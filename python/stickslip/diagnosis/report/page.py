@@ -12,6 +12,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from stickslip._util.html_page import page_text, svg
+from stickslip._util.number_text import alike
 from stickslip._util.plain_text import printable
 from stickslip.diagnosis.data.conditions import changes, heading, in_words, shown_value, varied
 from stickslip.diagnosis.fit.goodness import ADEQUATE
@@ -135,6 +136,7 @@ def _details(
         "unseen": unseen_causes(found),
         "films_held_out": films and not conditions,
         "units": {short(each.name): each.unit for each in found.problem.parameters},
+        "alike": alike,
         "downward": {short(each.name) for each in found.problem.parameters if each.downward},
         # Readings of several units have no mean error.
         "shown": None if unit == MIXED else SHOWN.get(unit, (unit, 1.0)),

@@ -14,12 +14,11 @@ from stickslip.diagnosis.data.conditions import (
     in_words,
     panel,
     shown_unit,
-    sorted_by_settings,
     varied,
 )
 from stickslip.diagnosis.inference.findings import Findings
 from stickslip.diagnosis.posed_problem import PosedProblem
-from stickslip.diagnosis.report.chart import MARKERS, Line, Panel, Point
+from stickslip.diagnosis.report.chart import Line, Panel, Point
 from stickslip.diagnosis.report.differences import (
     GIVEN,
     Array,
@@ -30,9 +29,9 @@ from stickslip.diagnosis.report.differences import (
     curves,
     held_out,
 )
+from stickslip.diagnosis.report.figures import PLACES, kinds_of
 from stickslip.scenario.keys import Value, known_keys
 
-_PLACES = ("drive.mode", "drive.direction")  # which have a panel each
 _PILE = 0.5  # share of readings at one value; chosen: a setting that was left as it was has more
 _BETWEEN = 41  # points of a curve; chosen: its bends are seen, and a figure takes a second
 
@@ -104,7 +103,7 @@ def _velocity_panels(
     conditions, (ylabel, name) = posed.conditions, labels
     words = [panel(each) for each in conditions]
     at = np.array([float(each[key]) for each in conditions]) * shown_unit(key)[1]
-    kinds = sorted_by_settings(conditions, (*_PLACES, key), len(MARKERS))
+    kinds = kinds_of(conditions, key)
     levels = (0.0,) if np.any(rows.base) else ()
     panels = []
     for word in dict.fromkeys(words):
@@ -116,7 +115,7 @@ def _velocity_panels(
                 where = _condition(conditions[k], k, varied(conditions))
                 points.append(rows.point(k, float(at[k]), where, "mm/s", number))
             drawn = curves(at, rows.change, mine, name, label)
-            if not _alike([conditions[k] for k in mine], (*_PLACES, key)):
+            if not _alike([conditions[k] for k in mine], (*PLACES, key)):
                 # Between readings of different settings there is no curve and no drive to simulate.
                 drawn = [replace(each, joined=False) for each in drawn]
             finer = [_finer(found, posed, key, mine, each) for each in drawn]
