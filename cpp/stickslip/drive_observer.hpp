@@ -109,8 +109,8 @@ public:
 private:
     static constexpr double kEnough = 1e-8;
 
-    PerCoil resistance_;  // ohm
-    PerCoil voltage_ = {};     // V, the largest by size, of each coil
+    PerCoil resistance_;    // ohm
+    PerCoil voltage_ = {};  // V, the largest by size, of each coil
     double current_max_ = 0.0, slope_max_ = 0.0;
     double most_ = -1.0;                                      // T^2, of the run
     double least_ = std::numeric_limits<double>::infinity();  // T^2, of the window

@@ -213,7 +213,7 @@ private:
     bool stretch_is_open_ = false;           // whether one is played, or was and is not ended
     bool touches_down_ = false;              // as the run begins
     PerCoilOf<CoilField> start_fields_ = {};
-    double turned_before_ = 0.0;             // rad, of the heading before the measuring window
+    double turned_before_ = 0.0;  // rad, of the heading before the measuring window
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;

@@ -75,11 +75,13 @@ void check_bits(const std::vector<double>& a, const std::vector<double>& b) {
 std::vector<double> numbers(const RunResult& run) {
     const Summary& s = run.summary;
     const BodyState& body = run.final_body;
-    std::vector<double> all = {s.mean_velocity, s.theta_min, s.theta_max,         s.slip_up,
-                               s.slip_down,     s.slip_flat, s.airborne_fraction, s.simulated_time,
-                               body.x,          body.z,      body.angle,          body.vx,
-                               body.vz,         body.omega,  s.field_max,         s.field_min,
-                               s.current_max,   s.power_mean};
+    std::vector<double> all = {
+        s.mean_velocity,  s.theta_min,  s.theta_max,         s.slip_up,
+        s.slip_down,      s.slip_flat,  s.airborne_fraction, s.simulated_time,
+        body.x,           body.z,       body.angle,          body.vx,
+        body.vz,          body.omega,   s.field_max,         s.field_min,
+        s.current_max,    s.power_mean, s.pull_ratio,        s.field_change,
+        s.velocity_growth};
     for (const auto count : {run.steps.accepted, run.steps.rejected, run.steps.evaluations}) {
         all.push_back(static_cast<double>(count));
     }
