@@ -48,7 +48,7 @@ NOT_RUN = {
     "stickslip predict other-drive.toml": "needs the folder of a diagnosis",
     "stickslip reproduce": "15 s for one figure, minutes for all",
 }
-"""How commands of `sh` begin that are not run, and why: they take over 10 s, or are not there."""
+"""How commands of `sh` begin that are not run, and why: what is slow, or lacks what it needs."""
 
 TIMED = ["/usr/bin/time", "-v"]
 # Files that a page reads and that no block of it writes.

@@ -3,6 +3,7 @@
 import fcntl
 import json
 import sys
+from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -31,7 +32,7 @@ from blind.questions import (
     second_said,
 )
 from blind.report import FAMILY_WORDS, misses, report, table
-from blind.scoring import by_cause, calibration, interval, judged, read
+from blind.scoring import by_cause, calibration, counted, interval, judged, read
 from blind.writing import KEYS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -268,6 +269,33 @@ def test_the_documentation_has_the_numbers_of_the_record():
     ):
         assert words.format(**counts[kind, what]) in said, (kind, what)
     assert f"{len(rows)} data sets" in said
+
+
+def test_what_was_missed_is_counted_as_in_the_record():
+    rows = read(RECORD)
+    counts = {(each["kind"], each["what"]): each for each in judged(rows, pooled=True)}
+    page = " ".join((ROOT / "docs" / "theory" / "blind-study.md").read_text().split())
+    for kind, what, words in (
+        ("constant 5 sd", "that constant named", "of the {missed} are the rotational drag"),
+        ("weak", "detected", "{missed} are not detected"),
+        ("pair", "exact pair", "of the {missed} that are not claimed exactly"),
+        ("law", "hook right", "Of the {missed} that are missed"),
+        ("law", "its formula has the right form", "Of the {missed} formulas with another form"),
+    ):
+        each = counts[kind, what]
+        missed = words.format(missed=each["total"] - each["count"])
+        assert missed in page, missed
+    alarms = Counter(
+        row["said"]["verdict"] for row in counted(rows) if row["answer"]["kind"].startswith("none")
+    )
+    sets, other = alarms["ambiguous"], alarms["unexplained"]
+    assert f"{sets} are sets of causes, {other} is `unexplained`" in page
+    assert alarms.total() == alarms["none"] + sets + other
+    slow = Counter(row["answer"]["kind"] for row in rows if row["cpu_seconds"] > 240.0)
+    longest = max(rows, key=lambda row: row["cpu_seconds"])
+    most = f"{longest['cpu_seconds']:.0f} s at most, {longest['answer']['seed']}"
+    kinds = f"{slow['law']} laws ({most}), {slow['pair']} pairs and {slow['unknown']} waves"
+    assert f"{slow.total()} took more than 240 s of CPU time: {kinds}" in page
 
 
 def test_every_family_of_the_table_has_words():

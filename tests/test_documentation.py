@@ -147,6 +147,22 @@ def test_every_table_of_measurements_is_there_with_its_day_machine_and_command()
         assert COMMANDS[name] in text, name
 
 
+def test_the_speed_of_the_readme_is_that_of_the_table():
+    measured = json.loads((DOCS / "measured" / "bench.json").read_text())
+    speed = {
+        (each["method"], each["rtol"]): each["simulated_per_cpu_second"]
+        for each in measured["tolerances"]
+    }
+    said = " ".join((ROOT / "README.md").read_text().split())
+    for words in (
+        f"measured {speed['tsit5', 1e-6]:.0f} simulated seconds per CPU second at `rtol` 1e-6",
+        f"and {speed['tsit5', 1e-8]:.0f} at the default 1e-8",
+        f"{measured['equal_accuracy'][-1]['ratio']:.0f} times the speed of SUNDIALS' ARKODE",
+        f"100 times as many pulses take {measured['long_run']['ratio']:.0f} times as long",
+    ):
+        assert words in said, words
+
+
 def test_the_citation_is_of_this_version():
     text = (ROOT / "CITATION.cff").read_text()
     assert f"\nversion: {stickslip.__version__}\n" in text
