@@ -187,8 +187,10 @@ class Optimum(OneLine):
             lines.append("  no sawtooth to compare with")
         lines += [f"  {line}" for line in self.findings]
         lines.append("the best drive:")
-        flight = f"in flight {100.0 * self.run.summary()['airborne_fraction']:.3g} % of the time"
+        flight = f"in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time"
         shown = (*self.drive_lines, flight, *shown_lines(self.run.notes))
+        if self.origin == "sawtooth" and self.space.periodic is not None:
+            lines.append(f"  a sawtooth, written as voltages ({VOLTAGES})")
         lines += [f"  {line}" for line in shown]
         lines.append("its limits, in every draw of the search:")
         for name, worst in self.judged.worst.items():
