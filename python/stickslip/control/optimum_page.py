@@ -10,7 +10,6 @@ from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
 from stickslip.control.optimum import ACTIVE, Optimum
 from stickslip.control.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.note import shown_lines
 
 
 def page_text(found: Optimum) -> str:
@@ -30,7 +29,7 @@ def page_text(found: Optimum) -> str:
         grid=POINTS,
         about=ABOUT,
         flight=result["airborne_fraction"],
-        notes=shown_lines(found.run.notes),
+        notes=found.run.notes,
         near=NEAR,
         plateau=PLATEAU,
         active=ACTIVE,
