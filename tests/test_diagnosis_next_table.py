@@ -120,7 +120,7 @@ def test_a_table_of_another_measurement_is_refused(folder):
     [
         ("IPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s", 'next.csv line 2: velocity "1.1 mm/s" is not'),
         ("IPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3", 'next.csv line 2: frequency "fast" is not'),
-        ("IPP,x,50,2.5e-3,1e-3,rise,1,1e-3", r"next.csv line 2: drive.direction = \"x\": allowed"),
+        ("IPP,z,50,2.5e-3,1e-3,rise,1,1e-3", r"next.csv line 2: drive.direction = \"z\": allowed"),
     ],
 )
 def test_bad_rows_of_the_table_are_one_line_and_exit_code_two(tmp_path, rows, said):

@@ -265,7 +265,6 @@ def test_coils_that_work_against_each_other_are_not_taken_for_a_wrong_unit(tmp_p
     [
         (COLUMNS[:-1], '"Bz" is missing'),
         ((*COLUMNS[:-1], "B_z"), '"Bz" is missing'),
-        ((*COLUMNS, "T"), '"T" is not known'),
     ],
 )
 def test_a_table_without_what_it_needs_is_refused(tmp_path, columns, said):

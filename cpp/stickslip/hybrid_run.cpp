@@ -137,17 +137,13 @@ PerCoilOf<CoilField> HybridRun::field_of_coils() const {
 void HybridRun::write_pull_and_change() {
     const double held = model_.friction.static_coefficient *
                         (dynamics_.robot().adhesion + model_.mass * std::abs(model_.gravity_z));
-    if (held > 0.0) {
-        const double moment = std::abs(model_.moment * (1.0 + model_.gradient_excess));
-        result_.summary.pull_ratio = moment * drive_.slope_max() / held;
-    }
+    const double moment = std::abs(model_.moment * (1.0 + model_.gradient_excess));
+    result_.summary.pull_ratio = held > 0.0 ? moment * drive_.slope_max() / held : 0.0;
     const std::array<double, 3> before = drive_.steady_field(start_fields_),
                                 now = drive_.steady_field(field_of_coils());
     const double size = std::hypot(before[0], before[1], before[2]);
-    if (size > 0.0) {
-        result_.summary.field_change =
-            std::hypot(now[0] - before[0], now[1] - before[1], now[2] - before[2]) / size;
-    }
+    const double change = std::hypot(now[0] - before[0], now[1] - before[1], now[2] - before[2]);
+    result_.summary.field_change = size > 0.0 ? change / size : 0.0;
 }
 
 // Where the field may turn in the stretch that has begun, of which the robot is at its start. There

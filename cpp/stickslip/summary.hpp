@@ -38,10 +38,10 @@ struct Summary {
     /// largest speed of a quarter. Zero for a free program, and with fewer than four pulses.
     double velocity_growth = kNone;
     /// Largest pull of the in-plane coils' gradient on the robot, lying flat, over what friction
-    /// holds of weight and adhesion.
+    /// holds of weight and adhesion; zero where that is nothing.
     double pull_ratio = kNone;
     /// How much the field of steady currents by the largest voltages differs between the places
-    /// where the run ends and begins, over the size of the latter.
+    /// where the run ends and begins, over the size of the latter; zero without one.
     double field_change = kNone;
     double field_max = 0.0;       ///< T, |B| at the robot, of the whole run
     double field_min = kNone;     ///< T, the same, least over the window
