@@ -195,6 +195,15 @@ def test_the_constant_that_is_far_off_is_what_holds_a_robot(changes, code):
     assert "pulled" not in codes(run)
 
 
+@pytest.mark.parametrize("magnetization", [1e-320, 1e-300, 1.0])
+def test_a_moment_next_to_none_has_a_note_too(magnetization):
+    weak = {"robot.magnetization": magnetization, "contact.adhesion": 1e-2}
+    teeth = 20 * Waveform.sawtooth(0.01, {"xp": 1.0}, {"xp": 5.0})
+    for drive in (Drive(mode="program", program=teeth), Drive(base=0.5e-3, pulses=20)):
+        run = simulate(Scenario(drive=drive).replace(weak))
+        assert codes(run)[0] in ("rest", "rest-no-moment")
+
+
 def test_a_velocity_that_still_grows_is_noted_until_it_is_steady():
     # Without friction the robot glides down a slope on its face, braked by drag alone: its speed
     # nears its limit as 1 - exp(-t/tau), tau = mass/drag.linear = 0.256 s here.

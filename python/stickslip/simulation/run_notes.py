@@ -262,9 +262,10 @@ def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
         if _walks_with(scenario, changes):
             return Note(code, f"{rests}: {text}; with the default it walks", value)
     torque, held = abs(moment) * field, _holding_torque(scenario, summary)
-    for factor in (2.0, 20.0, 200.0):
+    # A field that is too weak by more than a thousand is not what is meant.
+    for factor in (2.0, 20.0, 200.0) if 1e-3 * held < torque < 2.0 * held else ():
         stronger = _with_field(scenario, factor * held / torque)
-        if torque < 2.0 * held and _walks_with(scenario, stronger):
+        if _walks_with(scenario, stronger):
             said = (
                 f"{rests}: the field, {1e3 * field:.3g} mT at most, turns it with at most "
                 f"{torque:.2g} N m, and weight and adhesion hold it with {held:.2g} N m; it walks "
