@@ -21,6 +21,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -30,6 +31,7 @@ from pathlib import Path
 
 from instrument_files import write_all
 
+ROOT = Path(__file__).parents[1]
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
 
 _FENCE = re.compile(r"^( *)(`{3,})(.*)$")
@@ -51,8 +53,14 @@ NOT_RUN = {
 """How commands of `sh` begin that are not run, and why: what is slow, or lacks what it needs."""
 
 TIMED = ["/usr/bin/time", "-v"]
+
+
+def _write_examples(folder: Path) -> None:
+    shutil.copytree(ROOT / "docs" / "examples", folder / "docs" / "examples")
+
+
 # Files that a page reads and that no block of it writes.
-_GIVEN = {"instruments.md": write_all}
+_GIVEN = {"instruments.md": write_all, "README.md": _write_examples}
 
 
 @dataclass(frozen=True)
