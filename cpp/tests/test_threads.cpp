@@ -42,7 +42,7 @@ std::vector<Scenario> eight_kinds() {
 std::vector<std::uint64_t> bits(const RunResult& run) {
     std::vector<std::uint64_t> result = {static_cast<std::uint64_t>(run.status)};
     for (const double value : {run.summary.mean_velocity, run.summary.simulated_time,
-                               run.final_body.x, run.final_body.theta, run.final_body.vx}) {
+                               run.final_body.x, run.final_body.angle, run.final_body.vx}) {
         result.push_back(std::bit_cast<std::uint64_t>(value));
     }
     for (const double x : run.recording.x) result.push_back(std::bit_cast<std::uint64_t>(x));
