@@ -10,8 +10,7 @@ import sys
 from stickslip import Drive, Scenario, simulate
 
 MEAN_VELOCITY = 1.9128050696217733e-3  # m/s, of g++ 12 on x86-64
-# Another compiler or C library rounds some operations otherwise, and a walk of 20 pulses forgets
-# where it was rounded: WebAssembly differs by 2e-14.
+# Another compiler or C library rounds some operations otherwise: Clang with musl differs by 8e-15.
 TOLERANCE = 1e-12
 
 
