@@ -110,10 +110,10 @@ def phase_portrait(
 def draw_fields(axes: Axes, shown: Motion) -> None:
     """Both components of the field, mT."""
     t = shown.t
-    lines = axes.plot(t, shown.bx * 1e3, color=palette.BLUE, label="$B_x$")
+    lines = axes.plot(t, shown.bx * 1e3, color=style.FIELD, label="$B_x$")
     if shown.by.any():
-        lines += axes.plot(t, shown.by * 1e3, color=palette.GREEN, linestyle=":", label="$B_y$")
-    lines += axes.plot(t, shown.bz * 1e3, color=palette.VERMILION, linestyle="--", label="$B_z$")
+        lines += axes.plot(t, shown.by * 1e3, color=style.FIELD, linestyle=":", label="$B_y$")
+    lines += axes.plot(t, shown.bz * 1e3, color=style.FIELD, linestyle="--", label="$B_z$")
     axes.set_xlim(t[0], t[-1])
     axes.set_ylabel("field (mT)")
     readable(axes, y=LEAST_FIELD)
@@ -164,7 +164,7 @@ def _draw_path(axes: Axes, x: Array, y: Array, contact: NDArray[np.int8]) -> Non
     handles = []
     for code in sorted(set(modes.tolist())):
         name = Run.contact_names[code]
-        colour = style.LINE_COLOURS[name]
+        colour = style.CONTACT_COLOURS[name]
         axes.add_collection(LineCollection(list(segments[modes == code]), colors=colour))
         label = style.CONTACT_LABELS[name]
         handles.append(Line2D([], [], color=colour, linewidth=2.5, label=label))

@@ -65,7 +65,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     if not isinstance(run, Run):
         refuse("run", run, "a Run, as simulate(scenario) makes it")
     whole = motion(run)
-    first, last, last_pulses = stretch(run.scenario, float(run.t[-1]), start, stop)
+    first, last, last_pulses = _stretch(run.scenario, float(run.t[-1]), start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
         figure, curves, contact = _panels(shown.turns)
@@ -98,7 +98,7 @@ def _panels(turns: bool) -> tuple[Picture, list[Axes], Axes]:
     return figure, curves, contact
 
 
-def stretch(
+def _stretch(
     scenario: Scenario, end: float, start: float | None, stop: float | None
 ) -> tuple[float, float, bool]:
     """First and last time to draw, s, and whether these are the last pulses of many.
