@@ -112,10 +112,9 @@ def timing(
 ) -> tuple[int, float]:
     """Frames and slowdown of a picture of `duration` (s); a ValueError if there are too many."""
     if slowdown is None:
-        exact = _LONGEST / duration
-        decade = 10.0 ** math.floor(math.log10(exact))
-        # The ends of the stretch have the rounding of their sums.
-        slowdown = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= exact * 1.001)
+        most = 1.001 * _LONGEST / duration  # the duration has the rounding of its ends
+        decade = 10.0 ** math.floor(math.log10(most))
+        slowdown = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= most)
     for name, value in (("slowdown", slowdown), ("frames_per_second", frames_per_second)):
         if not 0.0 < value < math.inf:
             raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
