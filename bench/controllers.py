@@ -1,6 +1,6 @@
 """A coarse and a fine controller put robots to x = 3 mm, on fresh draws of what is uncertain.
 
-`make bench-controllers` prints the table of docs/howto/control.md.
+`python -m bench controllers` prints the table of docs/howto/control.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Cost of diagnoses: CPU time and simulations of each measurement below a folder, on one thread.
 
-``make bench-diagnosis`` writes data sets of the blind study and diagnoses them. With
-``PYTHONPATH=<another tree>/python`` the same data are diagnosed by another state of the package.
+``python -m bench diagnosis FOLDER`` diagnoses the data sets that ``python -m bench blind --write
+FOLDER`` wrote. With ``PYTHONPATH=<another tree>/python`` another state of the package diagnoses the
+same data.
 """
 
 from __future__ import annotations

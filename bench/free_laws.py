@@ -1,4 +1,4 @@
-"""Laws hidden in a model of one's own, and what is said of them: ``make bench-laws``.
+"""Laws hidden in a model of one's own, and what is said of them: ``python -m bench laws``.
 
 The model is the sliding block of the tests, with free terms over speed, load and temperature.
 """

@@ -1,6 +1,6 @@
-"""Speed of a run in the whole plane beside that in one: `make bench-plane`.
+"""Speed of a run in the whole plane beside that in one: `python -m bench plane`.
 
-The reference run of `bench.py` (IPP at 100 Hz, 100 pulses, summaries only), straight ahead, which
+The reference run of `speed.py` (IPP at 100 Hz, 100 pulses, summaries only), straight ahead, which
 is simulated in one plane, and with headings that are not. One process on one core; CPU time is the
 median of calls through the Python interface, the headings measured in turn. Exit status 1 where the
 whole plane is slower than is asked of it; a busy machine shows in the first row.
@@ -12,7 +12,7 @@ import argparse
 import math
 import sys
 
-from bench import REFERENCE, simulated_time, with_solver
+from speed import REFERENCE, simulated_time, with_solver
 from measure import cpu_seconds_in_turn, pin
 
 import stickslip

@@ -1,6 +1,6 @@
 """Robots that differ follow a figure of eight of 4 mm by what a camera shows.
 
-`make bench-steering` prints the table of docs/howto/steering.md.
+`python -m bench steering` prints the table of docs/howto/steering.md.
 """
 
 from __future__ import annotations

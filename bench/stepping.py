@@ -1,6 +1,6 @@
 """Entering and leaving a run: restores without a changed bit, and what steps and rollouts cost.
 
-`make bench-stepping`. Exit status 1 where a bit differs or a promise is broken.
+`python -m bench stepping`. Exit status 1 where a bit differs or a promise is broken.
 """
 
 from __future__ import annotations

@@ -14,9 +14,9 @@ DOCS = Path(__file__).parent
 RESULTS = DOCS.parent / "bench" / "results"
 
 COMMANDS = {
-    "bench.json": "make bench",
-    "peers.json": "make bench-peers",
-    "sweep.json": "python bench/sweep.py",
+    "speed.json": "python -m bench speed",
+    "peers.json": "python -m bench peers",
+    "sweep.json": "python -m bench sweep",
 }
 """The tables of the pages, and the command that measures each."""
 

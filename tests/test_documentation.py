@@ -148,7 +148,7 @@ def test_every_table_of_measurements_is_there_with_its_day_machine_and_command()
 
 
 def test_the_speed_of_the_readme_is_that_of_the_table():
-    measured = json.loads((DOCS / "measured" / "bench.json").read_text())
+    measured = json.loads((DOCS / "measured" / "speed.json").read_text())
     speed = {
         (each["method"], each["rtol"]): each["simulated_per_cpu_second"]
         for each in measured["tolerances"]

@@ -46,7 +46,7 @@ def hidden(term, seed):
     return measured(seed, 1.0 + law(at))
 
 
-# `make bench-laws` counts the same on 90 others.
+# `python -m bench laws` counts the same on 90 others.
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("term", HIDDEN, ids=lambda term: term.argument)
 def test_a_hidden_term_is_found_over_its_argument(term, seed):

@@ -1,4 +1,4 @@
-"""A part of the search of `make fuzz` with fixed seeds; its checks on false records."""
+"""A part of the search of `python -m bench fuzz` with fixed seeds; its checks on false records."""
 
 import dataclasses
 import os

@@ -1,4 +1,4 @@
-"""The follower of the page on steering, on one robot; `make bench-steering` has many."""
+"""The follower of the page on steering, on one robot; `python -m bench steering` has many."""
 
 import math
 import sys

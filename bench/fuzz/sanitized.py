@@ -14,7 +14,7 @@ from stickslip.scenario.keys import known_keys
 from stickslip.scenario.sections import SAWTOOTH
 
 PROGRAM = Path("build/asan/stickslip_fuzz")
-"""Built by ``make fuzz-sanitized``."""
+"""Built by ``python -m bench fuzz --check sanitized``."""
 
 _SECONDS = 25.0
 

@@ -3,7 +3,7 @@
 With `--passive`, those for the adhesion of its geoms.
 
 Draws settings at random (with a seed), runs them on the tuning runs, and prints for each time step
-the best by root-mean-square velocity error. Nothing of `make bench-peers` depends on it.
+the best by root-mean-square velocity error. Nothing of `python -m bench peers` depends on it.
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ class BenchResults(SphinxDirective):
         path = MEASURED / self.arguments[0]
         self.env.note_dependency(str(path))
         results = json.loads(path.read_text())
-        table = {"bench.json": _bench, "peers.json": _peers, "sweep.json": _sweep}[path.name]
+        table = {"speed.json": _bench, "peers.json": _peers, "sweep.json": _sweep}[path.name]
         parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(path.name, results)}")
         return [nodes.container("", *parsed, classes=["measured"])]
 

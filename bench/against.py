@@ -1,13 +1,13 @@
-"""This version beside an earlier commit: `make bench-before BEFORE=<commit>`.
+"""This version beside an earlier commit: `python -m bench against COMMIT`.
 
-Protocol. The package of the earlier commit is built into build/before; the installed one is not
+Protocol. The package of the earlier commit is built into build/against; the installed one is not
 touched. Each version, and each limit of the lanes' width, is a process of its own on the same core
-(`before_worker.py`). They measure in turn, so that drift meets them alike; a figure is the median
+(`against_worker.py`). They measure in turn, so that drift meets them alike; a figure is the median
 of CPU time, a ratio the median of the ratios of the turns. Only the speed-up by a second thread is
 wall time, and best beside median, as other work on the machine can only lower it.
 
 Equal accuracy. The error of a version at a tolerance is the root mean square of the relative error
-of the mean velocity over the sixteen runs of `bench.py`, against the same version at rtol 1e-11.
+of the mean velocity over the sixteen runs of `speed.py`, against the same version at rtol 1e-11.
 CPU time against error is interpolated in the logarithms. Of the other workloads both versions have
 rtol 1e-6, and the median of the relative error stands beside.
 """
@@ -25,8 +25,8 @@ import tarfile
 from pathlib import Path
 
 import numpy as np
-from before_worker import RTOL
-from bench import REFERENCE, speed_at_error
+from against_worker import RTOL
+from speed import REFERENCE, speed_at_error
 from measure import machine, pin
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
@@ -34,7 +34,7 @@ EQUAL_ERRORS = (1e-4, 1e-5, 1e-6)
 WIDTHS = (1, 2, 4, 8)
 ALONE = "now, lanes <= 1"
 EXACT = 1e-11
-BUILD = Path("build/before")
+BUILD = Path("build/against")
 
 
 def git(*arguments: str) -> bytes:
@@ -73,7 +73,7 @@ class Version:
             environment["PYTHONPATH"] = str(package.resolve())
         if width is not None:
             environment["STICKSLIP_LANES"] = str(width)
-        worker = Path(__file__).with_name("before_worker.py")
+        worker = Path(__file__).with_name("against_worker.py")
         self._process = subprocess.Popen(
             [sys.executable, str(worker), *([] if pinned else ["--unpinned"])],
             stdin=subprocess.PIPE,
@@ -83,7 +83,7 @@ class Version:
         )
 
     def ask(self, request: str, **arguments):
-        """The answer to a request of `before_worker.py`."""
+        """The answer to a request of `against_worker.py`."""
         self._process.stdin.write(json.dumps([request, arguments]) + "\n")
         self._process.stdin.flush()
         line = self._process.stdout.readline()
@@ -252,17 +252,17 @@ def measure_all(package: Path, repeats: int) -> dict:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--before", default="f99d6ef", help="commit to compare with")
+    parser.add_argument("commit", help="the earlier commit")
     parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--out", type=Path, default=Path("bench/results/before.json"))
+    parser.add_argument("--out", type=Path, default=Path("bench/results/against.json"))
     options = parser.parse_args()
-    package = built(options.before)
+    package = built(options.commit)
     threads = second_thread(options.repeats)
     core = pin()
     result = {
         "machine": machine(),
         "core": core,
-        "before": git("describe", "--always", "--long", options.before).decode().strip(),
+        "before": git("describe", "--always", "--long", options.commit).decode().strip(),
         "now": git("describe", "--always", "--dirty").decode().strip(),
         "reference_run": REFERENCE.to_toml(),
         **measure_all(package, options.repeats),

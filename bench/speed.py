@@ -1,4 +1,4 @@
-"""Speed of the simulator: `make bench`.
+"""Speed of the simulator: `python -m bench speed`.
 
 Protocol. One process on one core. The reference run is IPP at 100 Hz, peak 2.5 mT, base 0.5 mT,
 hold 1 mT, sudden rise, 100 pulses, summaries only. CPU time is the median of repeated calls through
@@ -103,7 +103,7 @@ def long_run(repeats: int) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=9)
-    parser.add_argument("--out", type=Path, default=Path("bench/results/bench.json"))
+    parser.add_argument("--out", type=Path, default=Path("bench/results/speed.json"))
     options = parser.parse_args()
     core = pin()
 

@@ -1,4 +1,4 @@
-"""One version of stickslip under `bench/before.py`: measures what it is told, a line each.
+"""One version of stickslip under `bench/against.py`: measures what it is told, a line each.
 
 A line of standard input is a name of `REQUESTS` and its arguments as JSON; the answer is a line of
 JSON. A workload is prepared and run once when it is asked for first, so that neither counts.
@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from bench import PEAKS, REFERENCE, velocities, with_solver
+from speed import PEAKS, REFERENCE, velocities, with_solver
 from measure import pin
 
 import stickslip
@@ -122,7 +122,7 @@ def found(name: str, **arguments) -> list[float]:
 
 
 def about_reference(rtol: float) -> list[float]:
-    """The mean velocities of the runs over which bench.py takes its error, m/s."""
+    """The mean velocities of the runs over which speed.py takes its error, m/s."""
     return velocities("tsit5", rtol).tolist()
 
 

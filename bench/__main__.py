@@ -1,0 +1,59 @@
+"""Benchmarks and studies by name: ``python -m bench NAME [options]``; without a name, their list.
+
+Each is a module of this folder. It runs in a process of its own with one thread of the linear
+algebra, so that the CPU time that it measures is its own; its processes inherit both.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+PROGRAMS = {
+    "speed": ("speed", "both integrators at equal accuracy"),
+    "sweep": ("sweep", "sweeps: cost a run, threads, packs"),
+    "plane": ("plane", "the whole plane beside one plane; fails below its promise"),
+    "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
+    "stepping": ("stepping", "cost of steps and rollouts, bits after a restore"),
+    "against": ("against", "this version beside an earlier commit (against COMMIT)"),
+    "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
+    "controllers": ("controllers", "two controllers on 256 robots that differ"),
+    "steering": ("steering_follow", "a figure of eight, followed through a camera by 100 robots"),
+    "diagnosis": ("diagnosis", "cost of diagnoses of the data sets in a folder"),
+    "laws": ("free_laws", "laws hidden in a model of one's own"),
+    "blind": ("blind", "the blind study of the diagnosis"),
+    "blind-tables": ("blind.report", "the tables of the blind study from its record"),
+    "drops": ("real.drops", "drops of a real square beside the core"),
+    "scoreboard": ("real.scoreboard", "measured sets with a known answer, diagnosed"),
+    "fuzz": ("fuzz", "random scenarios and damaged files"),
+    "mutations": ("mutations", "whether the table of effects sees a lost effect"),
+    "sizes": ("sizes", "MB of an installation with each extra"),
+}
+"""Name, module and what it shows."""
+
+
+def main(arguments: list[str]) -> int:
+    """Print the list, or become the program; 2 for an unknown name."""
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(*(f"{name:<14}{text}" for name, (_, text) in PROGRAMS.items()), sep="\n")
+        return 0
+    name, *rest = arguments
+    if name not in PROGRAMS:
+        print(f"bench: {name}: allowed is one of {', '.join(PROGRAMS)}", file=sys.stderr)
+        return 2
+    module, _ = PROGRAMS[name]
+    paths = [str(HERE), os.environ.get("PYTHONPATH")]
+    environment = {
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(path for path in paths if path),
+    }
+    command = [sys.executable, "-m", module, *rest]
+    os.execve(sys.executable, command, environment)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
