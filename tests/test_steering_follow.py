@@ -7,10 +7,11 @@ from pathlib import Path as File
 import numpy as np
 import pytest
 
-sys.path.append(str(File(__file__).resolve().parents[1] / "bench"))
+ROOT = File(__file__).resolve().parents[1]
+sys.path += [str(ROOT / "bench"), str(ROOT / "docs" / "examples")]
 
 from controllers import drawn
-from path_follower import AHEAD, CAMERA, follow
+from steer import AHEAD, CAMERA, follow
 from steering_follow import ARRIVED, LOST, PLACE, TURNED, judged
 
 from stickslip import STATE_COLUMNS

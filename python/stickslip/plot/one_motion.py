@@ -122,7 +122,7 @@ def draw_fields(axes: Axes, shown: Motion) -> None:
 
 def draw_tilt(axes: Axes, shown: Motion) -> None:
     """Tilt in degrees."""
-    axes.plot(shown.t, np.degrees(shown.theta), color=palette.BLUE, label=r"$\theta$")
+    axes.plot(shown.t, np.degrees(shown.theta), color=palette.BLACK, label=r"$\theta$")
     axes.set_xlim(shown.t[0], shown.t[-1])
     axes.set_ylabel(r"tilt $\theta$ (degrees)")
     readable(axes, y=LEAST_TILT)
@@ -132,7 +132,7 @@ def draw_contact_velocity(axes: Axes, shown: Motion) -> None:
     """Velocity of the contact point in mm/s, of a robot that turns in two parts; none in flight."""
     along = "along the heading" if shown.turns else "contact velocity"
     look: Any = {"linewidth": 0.9}
-    axes.plot(shown.t, shown.slip_velocity * 1e3, color=palette.ORANGE, label=along, **look)
+    axes.plot(shown.t, shown.slip_velocity * 1e3, color=style.SLIP, label=along, **look)
     if shown.turns:
         across = shown.slip_across * 1e3
         axes.plot(shown.t, across, color=palette.PURPLE, label="to its left", **look)
