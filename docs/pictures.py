@@ -26,8 +26,9 @@ IMAGES = DOCS / "images"
 README = DOCS.parent / "README.md"
 sys.path[:0] = [str(DOCS / "_extensions"), str(DOCS.parent / "tests")]
 
-from documentation_blocks import EXAMPLES, pages, play  # noqa: E402
 from drawings import DRAWINGS  # noqa: E402
+
+from documentation_blocks import EXAMPLES, pages, play  # noqa: E402
 
 _LINK = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/[^)\s]+)\)")
 _COMMAND = re.compile(r"\*\*: `((?:stickslip|python) [^`]+)`")

@@ -7,8 +7,8 @@ from pathlib import Path as File
 import numpy as np
 import pytest
 
-ROOT = File(__file__).resolve().parents[1]
-sys.path += [str(ROOT / "bench"), str(ROOT / "docs" / "examples")]
+sys.path.append(str(File(__file__).resolve().parents[1] / "bench"))
+sys.path.append(str(File(__file__).resolve().parents[1] / "docs" / "examples"))
 
 from controllers import drawn
 from steer import AHEAD, CAMERA, follow
