@@ -26,8 +26,8 @@ from pathlib import Path
 
 import numpy as np
 from against_worker import RTOL
-from speed import REFERENCE, speed_at_error
 from measure import machine, pin
+from speed import REFERENCE, speed_at_error
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 EQUAL_ERRORS = (1e-4, 1e-5, 1e-6)

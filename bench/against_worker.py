@@ -16,8 +16,8 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from speed import PEAKS, REFERENCE, velocities, with_solver
 from measure import pin
+from speed import PEAKS, REFERENCE, velocities, with_solver
 
 import stickslip
 from stickslip import Drive, Scenario

@@ -12,8 +12,8 @@ import argparse
 import math
 import sys
 
-from speed import REFERENCE, simulated_time, with_solver
 from measure import cpu_seconds_in_turn, pin
+from speed import REFERENCE, simulated_time, with_solver
 
 import stickslip
 

@@ -1,4 +1,4 @@
-"""Promises about time, with their limits: `python -m bench promises`. Exit status 1 if one is broken.
+"""Promises about time: `python -m bench promises`. Exit status 1 if one is broken.
 
 A busy machine can only make a measurement worse. So the best of several repeats counts where wall
 time is promised, the median ratio of CPU times taken in turn where a ratio is.

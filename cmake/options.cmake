@@ -14,6 +14,8 @@ add_library(stickslip_options INTERFACE)
 target_compile_options(stickslip_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -ffp-contract=off
+  # Masks are one number or a pack of them, and both sides of an operator are worked out.
+  $<$<CXX_COMPILER_ID:Clang,AppleClang>:-Wno-bitwise-instead-of-logical>
   # Straight-line vectorisation packs what the stages of an integrator wrote one by one, and waits.
   $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-vectorize>
 )

@@ -20,6 +20,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,7 @@ from pathlib import Path
 
 from instrument_files import write_all
 
+ROOT = Path(__file__).parents[1]
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
 
 _FENCE = re.compile(r"^( *)(`{3,})(.*)$")
@@ -50,8 +52,14 @@ NOT_RUN = {
 
 EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
 TIMED = ["/usr/bin/time", "-v"]
+
+
+def _write_examples(folder: Path) -> None:
+    shutil.copytree(ROOT / "docs" / "examples", folder / "docs" / "examples")
+
+
 # Files that a page reads and that no block of it writes.
-_GIVEN = {"instruments.md": write_all}
+_GIVEN = {"instruments.md": write_all, "README.md": _write_examples}
 
 
 @dataclass(frozen=True)

@@ -259,16 +259,17 @@ def test_the_documentation_has_the_numbers_of_the_record():
     counts = {(each["kind"], each["what"]): each for each in judged(rows, pooled=True)}
     said = " ".join((ROOT / "README.md").read_text().split())
     for kind, what, words in (
-        ("single", "first in rank", "first in rank in {count} of {total}"),
-        ("single", "named", "named in {count}"),
-        ("single", "right when named", "rightly in {count} of these"),
-        ("none", "false alarm", "a false alarm came in {count} of {total}"),
-        ("pair", "exact pair", "both were named in {count} of {total}"),
-        ("weak", "detected", "were detected in {count} of {total}"),
-        ("law", "hook right", "the place was found in {count} of {total}"),
+        ("none", "false alarm", "{count} false alarms in {total} without a cause"),
+        (
+            "single",
+            "named",
+            "of {total} strong single causes {count} were named, each of them rightly",
+        ),
     ):
         assert words.format(**counts[kind, what]) in said, (kind, what)
-    assert f"{len(rows)} data sets" in said
+    right = counts["single", "right when named"]
+    assert right["count"] == right["total"] == counts["single", "named"]["count"]
+    assert f"on {len(rows)} made data sets" in said
 
 
 def test_what_was_missed_is_counted_as_in_the_record():

@@ -1,7 +1,7 @@
 """A few data sets of the blind study: an independent simulator made them, the diagnosis reads them.
 
-The study itself, `python -m bench blind`, has hundreds. These seeds are fixed and the verdicts were sound when
-they were chosen, so this guards against falling back and gives no rate.
+The study itself, `python -m bench blind`, has hundreds. These seeds are fixed and the verdicts were
+sound when they were chosen, so this guards against falling back and gives no rate.
 """
 
 import itertools

@@ -1,4 +1,4 @@
-"""The controllers of the page on control, on a few robots; `python -m bench controllers` has many."""
+"""The controllers of the page on control, on a few robots."""
 
 import sys
 from pathlib import Path

@@ -8,10 +8,12 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip
 from documentation_blocks import NOT_RUN, TIMED, blocks, pages, play, prints
+from test_reference_agreement import AGREEMENT, SCENARIOS
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -135,20 +137,36 @@ def test_every_table_of_measurements_is_there_with_its_day_machine_and_command()
         assert COMMANDS[name] in text, name
 
 
-def test_the_speed_of_the_readme_is_that_of_the_table():
+def test_the_numbers_of_the_readme_are_those_of_the_tables():
     measured = json.loads((DOCS / "measured" / "speed.json").read_text())
     speed = {
         (each["method"], each["rtol"]): each["simulated_per_cpu_second"]
         for each in measured["tolerances"]
     }
+    peers = json.loads((DOCS / "measured" / "peers.json").read_text())
+    # One run each; those of many runs have a unit of their own.
+    single = [each for each in peers["rows"] if each["unit"] == "CPU s / simulated s"]
+    ratios = {
+        name: sorted(each["ratio"] for each in single if each["peer"] == name)
+        for name in ("scipy", "heyoka")
+    }
+    creep = {each["who"]: each["drift_mm"] for each in peers["creep"]}
+    assert creep["stickslip"] == 0.0
+    drift = creep["mujoco, step 40 us, impratio 1"]
     said = " ".join((ROOT / "README.md").read_text().split())
     for words in (
-        f"measured {speed['tsit5', 1e-6]:.0f} simulated seconds per CPU second at `rtol` 1e-6",
-        f"and {speed['tsit5', 1e-8]:.0f} at the default 1e-8",
-        f"{measured['equal_accuracy'][-1]['ratio']:.0f} times the speed of SUNDIALS' ARKODE",
-        f"100 times as many pulses take {measured['long_run']['ratio']:.0f} times as long",
+        f"{speed['tsit5', 1e-6]:.0f} simulated seconds per CPU second at `rtol` 1e-6",
+        f"{speed['tsit5', 1e-8]:.0f} at the default 1e-8",
+        "{:.0f} to {:.0f} times faster than SciPy's".format(*np.round(ratios["scipy"][::2], -1)),
+        f"{ratios['heyoka'][0]:.1f} to {ratios['heyoka'][-1]:.1f} times faster than heyoka",
+        f"creep by {1e3 * drift:.1f} um in a second",
+        f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
     ):
         assert words in said, words
+
+
+def test_the_readme_is_one_page():
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 120
 
 
 def test_the_citation_is_of_this_version():

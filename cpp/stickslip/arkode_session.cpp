@@ -97,7 +97,7 @@ ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const doubl
 ArkodeSession::~ArkodeSession() = default;
 
 ArkodeSession::Outcome ArkodeSession::step(double t, double* y) {
-    Handles& h = *handles_;
+    const Handles& h = *handles_;
     sunrealtype reached = t;
     const int flag = ERKStepEvolve(h.memory, t_stop_, h.y, &reached, ARK_ONE_STEP);
     h.callback.rethrow();
@@ -109,7 +109,7 @@ ArkodeSession::Outcome ArkodeSession::step(double t, double* y) {
 }
 
 void ArkodeSession::interpolate(double t, double* y) const {
-    Handles& h = *handles_;
+    const Handles& h = *handles_;
     const int flag = ERKStepGetDky(h.memory, t, 0, h.interpolated);
     h.callback.rethrow();
     require(flag, "interpolation");

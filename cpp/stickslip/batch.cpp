@@ -14,6 +14,16 @@ namespace stickslip {
 
 void run_workers(int threads, RunControl& control, const std::function<void()>& work,
                  const std::function<void()>& poll) {
+#if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
+    constexpr bool kHasThreads = false;
+#else
+    constexpr bool kHasThreads = true;
+#endif
+    if (!kHasThreads) {
+        work();
+        poll();
+        return;
+    }
     std::mutex mutex;
     std::condition_variable finished;
     std::exception_ptr failure;

@@ -11,7 +11,8 @@ namespace stickslip {
 
 /// Runs `work()` on each of `threads` threads (at least one, this one not among them) and calls
 /// `poll` on this thread about every 50 ms until all are done. An exception of `work` or of `poll`
-/// makes the others stop (control.stop) and is thrown again here.
+/// makes the others stop (control.stop) and is thrown again here. Where there are no threads
+/// (WebAssembly), this one calls `work` and then `poll` once.
 void run_workers(int threads, RunControl& control, const std::function<void()>& work,
                  const std::function<void()>& poll);
 

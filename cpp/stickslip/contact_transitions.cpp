@@ -72,7 +72,6 @@ void ContactTransitions::leave_heading() {
 void ContactTransitions::react(Event event, double tau) {
     switch (event) {
         case Event::none:
-            break;
         case Event::slip_quickens:
             break;
         case Event::slip_slows:

@@ -12,9 +12,9 @@ constexpr double kStale = 1000.0;  // turns of a base pose that is of another qu
 
 }  // namespace
 
-Dynamics::Dynamics(const Model& model, LocalField field)
+Dynamics::Dynamics(const Model& model, const LocalField& field)
     : model_(&model),
-      field_(std::move(field)),
+      field_(field),
       forces_{model.gradient_excess, model.translational_drag * model.angle_drag,
               model.translational_drag_quadratic},
       extended_(model.has_force_effects()) {

@@ -99,8 +99,8 @@ class Dynamics {
 public:
     using Real = double;
 
-    Dynamics(const Model& model, LocalField field);
-    Dynamics(const Model&&, LocalField) = delete;  // the model has to outlive this
+    Dynamics(const Model& model, const LocalField& field);
+    Dynamics(const Model&&, const LocalField&) = delete;  // the model has to outlive this
 
     const Model& model() const { return *model_; }
     const PlainDynamics<double>& robot() const { return robot_; }

@@ -69,7 +69,7 @@ template <class Real>
     const Real low = (1.0 - z * (1.0 / 6)) + zz * (1.0 / 120 - z * (1.0 / 5040));
     const Real middle =
         (1.0 / 362880 - z * (1.0 / 39916800)) + zz * (1.0 / 6227020800 - z * (1.0 / 1307674368000));
-    const Real high = (1.0 / 355687428096000 - z * (1.0 / 121645100408832000)) +
+    const Real high = (1.0 / 355687428096000 - z * (1.0 / 121645100408832000.0)) +
                       zz * (1.0 / 51090942171709440000.0);
     const Real result = r * (low + zzzz * (middle + zzzz * high));
     // Half a turn more changes the sign.

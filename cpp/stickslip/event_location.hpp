@@ -319,7 +319,8 @@ bool search_around(double first, auto&& found) {
     constexpr int kArcs = 32;
     constexpr double kArc = 2.0 * std::numbers::pi / kArcs;
     for (int n = 0; n < kArcs; ++n) {
-        const double side = (n % 2 == 0 ? 1.0 : -1.0) * ((n + 1) / 2) * kArc;
+        const int away = (n + 1) / 2;
+        const double side = (n % 2 == 0 ? 1.0 : -1.0) * away * kArc;
         if (found(first + side - 0.5 * kArc, first + side + 0.5 * kArc)) return true;
     }
     return false;

@@ -135,7 +135,7 @@ private:
 
 void play_in_lanes(const LaneKernels& kernels, std::size_t count,
                    const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
-                   RunControl& control) {
+                   const RunControl& control) {
     LaneGroup group(kernels, count, done);
     bool more = true;
     while (!control.stop.load(std::memory_order_relaxed)) {

@@ -36,7 +36,7 @@ struct Lane {
 /// it has alone. `done` is called with a run that has nothing more to play or was interrupted.
 void play_in_lanes(const LaneKernels& kernels, std::size_t count,
                    const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
-                   RunControl& control);
+                   const RunControl& control);
 
 /// Simulates tasks until `next` gives none, in the same way. Each result goes to `done`.
 void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,

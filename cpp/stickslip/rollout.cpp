@@ -89,8 +89,8 @@ void write_states(Lane& lane, const ControlRows& rows, std::size_t first,
                   const StateOutput& output) {
     const bool with_currents =
         std::any_of(output.columns.begin(), output.columns.end(), is_current);
-    double* to = output.values + (lane.index * rows.steps + first) * output.columns.size();
-    lane.loop.play_steps([&output, &lane, with_currents, to]() mutable {
+    const std::size_t begin = (lane.index * rows.steps + first) * output.columns.size();
+    lane.loop.play_steps([&output, &lane, with_currents, to = output.values + begin]() mutable {
         const StateRow state = row_of(with_currents ? lane.loop.state() : lane.loop.motion());
         for (const std::size_t column : output.columns) *to++ = state[column];
     });

@@ -15,7 +15,7 @@ class ShelteredFile(io.RawIOBase):
     """An unbuffered file that is open to be read and written.
 
     `reserve` makes sure of room on the disk before HDF5 wants it. A write that fails all the same,
-    or is interrupted, passes as done; `raise_failure` then raises what happened.
+    or is interrupted, passes as done; `finish` then raises what happened.
     """
 
     def __init__(self, file: io.FileIO) -> None:
@@ -25,7 +25,12 @@ class ShelteredFile(io.RawIOBase):
         self._failure: BaseException | None = None
 
     def reserve(self, more: int) -> None:
-        """Take room for some bytes behind the end; an OSError if there is none."""
+        """Take room for some bytes behind the end; an OSError if there is none.
+
+        Where a system cannot, `finish` tells of a full disk.
+        """
+        if not hasattr(os, "posix_fallocate"):  # macOS, Windows
+            return
         try:
             os.posix_fallocate(self._file.fileno(), 0, self._end + more)
         except OSError as error:

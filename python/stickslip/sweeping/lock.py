@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 from collections.abc import Iterator
 from os import PathLike
@@ -11,18 +10,25 @@ from pathlib import Path
 
 from stickslip.errors import ScenarioError
 
+try:
+    import fcntl
+except ImportError:  # on Windows and in some browsers
+    HAS_LOCKS = False
+else:
+    HAS_LOCKS = True
+
 
 @contextlib.contextmanager
 def file_lock(path: str | PathLike[str] | None) -> Iterator[None]:
     """Keep every other sweep from writing the file `path`, if there is one.
 
     The lock is the kernel's, on a file ``.NAME.lock`` beside it, and ends with the process, also
-    with one that is killed: the file that it leaves locks nothing. On a file system without locks
-    there is none. A ScenarioError says that another sweep writes the file.
+    with one that is killed: the file that it leaves locks nothing. On a file system or a system
+    without such locks there is none. A ScenarioError says that another sweep writes the file.
     """
     target = Path(os.path.realpath(path or ""))
     # Where nothing can be written, no other sweep writes, and a file that is complete can be read.
-    if path is None or not os.access(target.parent, os.W_OK):
+    if path is None or not HAS_LOCKS or not os.access(target.parent, os.W_OK):
         yield
         return
     lock = target.with_name(f".{target.name}.lock")

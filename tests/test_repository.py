@@ -1,0 +1,52 @@
+"""What stands in more than one file of the repository is the same in all."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+ADDRESS = PROJECT["urls"]["Repository"]
+# Read where the project's table is not.
+WITH_ADDRESS = ("CITATION.cff", "SECURITY.md", ".github/ISSUE_TEMPLATE/config.yml")
+
+
+def test_the_project_has_one_address():
+    assert all(url == ADDRESS or url.startswith(f"{ADDRESS}/") for url in PROJECT["urls"].values())
+    for name in WITH_ADDRESS:
+        urls = re.findall(r"https?://[^\s\"')]+", (ROOT / name).read_text(encoding="utf-8"))
+        assert urls, name
+        assert all(re.match(rf"{re.escape(ADDRESS)}(/|$)", url) for url in urls), (name, urls)
+
+
+def test_the_placeholder_stands_nowhere_else():
+    placeholder = re.compile(r"example\.(?:org|com|net)/\w")
+    folders = (ROOT, *(ROOT / each for each in (".github", "docs", "python")))
+    found = {
+        str(path.relative_to(ROOT))
+        for folder in folders
+        for path in (folder.glob("*") if folder == ROOT else folder.rglob("*"))
+        if path.suffix in (".cff", ".md", ".py", ".toml", ".yaml", ".yml")
+        and "_build" not in path.parts
+        and placeholder.search(path.read_text(encoding="utf-8"))
+    }
+    assert found <= {"pyproject.toml", *WITH_ADDRESS}
+
+
+def test_the_check_of_a_wheel_passes_here_and_can_fail(tmp_path):
+    check = ROOT / "tests" / "check_run.py"
+    result = subprocess.run([sys.executable, check], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    code = check.read_text(encoding="utf-8")
+    changed = tmp_path / "check_run.py"
+    changed.write_text(code.replace("1.91280506962", "1.91280506963"), encoding="utf-8")
+    assert changed.read_text(encoding="utf-8") != code
+    result = subprocess.run([sys.executable, changed], capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "relative error" in result.stdout
