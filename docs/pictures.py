@@ -59,13 +59,17 @@ def make_drawings() -> None:
             picture.write_text(panel.svg(), encoding="utf-8")
 
 
+def readme_commands() -> list[str]:
+    """The commands that stand below the pictures of the README."""
+    return _COMMAND.findall(README.read_text(encoding="utf-8"))
+
+
 def make_readme() -> None:
-    """Run the commands that stand below the pictures of the README, where its examples are."""
-    commands = _COMMAND.findall(README.read_text(encoding="utf-8"))
+    """Run the commands of the README where its examples are."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         shutil.copytree(EXAMPLES, folder, dirs_exist_ok=True)
-        for command in commands:
+        for command in readme_commands():
             words = shlex.split(command)
             start = ["-m", "stickslip"] if words[0] == "stickslip" else []
             subprocess.run([sys.executable, *start, *words[1:]], cwd=folder, check=True)
