@@ -189,7 +189,7 @@ def test_a_run_shows_x_and_y_and_a_heading_without_jumps(runs):
     run = runs["half a turn and more"]
     assert np.abs(np.diff(run.heading)).max() > 6.0  # from -pi to pi
     figure = plot.run(run)
-    panels = {axes.get_ylabel(): axes for axes in figure.axes}
+    panels = {axes.get_ylabel().replace("\n", " "): axes for axes in figure.axes}
     position = panels["position (µm)"]
     for line, values in zip(position.get_lines(), (run.x, run.y), strict=True):
         np.testing.assert_allclose(line.get_ydata(), values * 1e6)
