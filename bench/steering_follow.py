@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path as File
 
 import numpy as np
 from controllers import drawn
 from numpy.typing import NDArray
-from path_follower import PULSE, STEP, follow
+
+sys.path.append(str(File(__file__).resolve().parents[1] / "docs" / "examples"))
+
+from steer import PULSE, STEP, follow
 
 from stickslip import STATE_COLUMNS, Scenario, SimulationError, rollout
 from stickslip.control import Path

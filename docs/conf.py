@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
+import re
 import sys
 from pathlib import Path
 
@@ -13,8 +13,6 @@ import stickslip
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE / "_extensions"), str(HERE.parent / "tests")]
-
-from documentation_blocks import pages, play  # noqa: E402
 
 project = "stickslip"
 author = "stickslip developers"
@@ -31,7 +29,7 @@ extensions = [
     "generated",
     "notebook",
 ]
-exclude_patterns = ["_build", "_extensions", "_pictures"]
+exclude_patterns = ["_build", "_extensions"]
 
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
@@ -56,20 +54,13 @@ html_show_sphinx = False
 pygments_style = "friendly"
 
 
-def _make_pictures(app: Sphinx) -> None:
-    """Run the code of every page that shows pictures, and take the pictures from there."""
-    target = HERE / "_pictures"
-    shutil.rmtree(target, ignore_errors=True)
-    for page in pages(HERE):
-        if "_pictures/" not in page.read_text(encoding="utf-8"):
-            continue
-        with play(page) as folder:
-            for picture in [*folder.glob("*.png"), *folder.glob("*.gif")]:
-                place = target / page.relative_to(HERE).with_suffix("")
-                place.mkdir(parents=True, exist_ok=True)
-                shutil.copy(picture, place / picture.name)
+def _add_navigation(app: Sphinx, name: str, source: list[str]) -> None:
+    """The pages that the list of recipes links to stand below it; GitHub would show a toctree."""
+    if name == "howto/index":
+        pages = re.findall(r"\]\(([\w-]+)\.md\)", source[0])
+        source[0] += "\n".join(["\n```{toctree}", ":hidden:", "", *pages, "```", ""])
 
 
 def setup(app: Sphinx) -> None:
-    app.connect("builder-inited", _make_pictures)
+    app.connect("source-read", _add_navigation)
     app.add_lexer("csv", TextLexer)

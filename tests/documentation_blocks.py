@@ -1,9 +1,8 @@
-"""The code blocks of the documentation's pages, and running them. The docs' build uses it too.
+"""The code blocks of the documentation's pages, and running them. docs/pictures.py uses it too.
 
 What a block is called says what is done with it:
 
-python   run; the blocks of a page share one namespace and one folder. A file of Python that a page
-         includes whole (literalinclude without a start and an end) is one of them
+python   run; the blocks of a page share one namespace and one folder, and can import docs/examples
 console  lines with "$ stickslip" are run; the lines below each are what it prints
 text     right after a python block: what that prints; "..." stands for anything
 toml     written to the file that its first line names (# name.toml), else to scenario.toml
@@ -35,7 +34,6 @@ ROOT = Path(__file__).parents[1]
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
 
 _FENCE = re.compile(r"^( *)(`{3,})(.*)$")
-_INCLUDED = re.compile(r"\{literalinclude\} (\S+\.py)$")
 _FILE_NAME = re.compile(r"# ([\w.-]+\.(?:toml|csv))$")
 _COMMAND = (sys.executable, "-m", "stickslip")
 _SHOWN = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
@@ -52,6 +50,7 @@ NOT_RUN = {
 }
 """How commands of `sh` begin that are not run, and why: what is slow, or lacks what it needs."""
 
+EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
 TIMED = ["/usr/bin/time", "-v"]
 
 
@@ -82,7 +81,7 @@ def pages(folder: Path) -> list[Path]:
 
 
 def blocks(page: Path) -> list[Block]:
-    """The code blocks of a page; other directives than included files, ```{name}, are none."""
+    """The code blocks of a page; a directive, ```{name}, is none."""
     found = []
     lines = iter(enumerate(page.read_text(encoding="utf-8").splitlines(), start=1))
     for number, line in lines:
@@ -95,11 +94,7 @@ def blocks(page: Path) -> list[Block]:
             if inner.strip() == ticks:
                 break
             text.append(inner.removeprefix(indent))
-        included = _INCLUDED.match(language)
-        if included and not any("start-" in option for option in text):
-            source = page.parent / included.group(1)
-            found.append(Block(page, number, "python", source.read_text(encoding="utf-8")))
-        elif language and not language.startswith("{"):
+        if language and not language.startswith("{"):
             found.append(Block(page, number, language, "\n".join(text) + "\n"))
     return found
 
@@ -126,6 +121,8 @@ def play(page: Path) -> Iterator[Path]:
         What a block raised.
     """
     before = os.getcwd()
+    if str(EXAMPLES) not in sys.path:
+        sys.path.append(str(EXAMPLES))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         os.chdir(folder)

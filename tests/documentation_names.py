@@ -21,7 +21,7 @@ _BEGINNINGS = (
     ROOT / "bench",
 )
 _TOP = ("bench", "cmake", "cpp", "docs", "python", "tests")
-_BUILT = ("bench/results", "docs/_build", "docs/_pictures", "build/")
+_BUILT = ("bench/results", "docs/_build", "build/")
 
 _FENCE = re.compile(r"^( *)(`{3,})(?!\{).*?^\1\2 *$", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"(?<!`)`([^`\n]+)`(?!`)")
@@ -129,8 +129,7 @@ def missing(text: str, folder: Path = ROOT) -> list[str]:
         elif _FOLDER.match(code):
             found += _folder(code, blocks)
     found += [f"there is no {name}" for name in _DOTTED.findall(prose) if not _is_there(name)]
-    links = [to for to in _LINK.findall(prose) if "_pictures" not in to]  # made with the pages
-    found += [f"no link to {to}" for to in links if not (folder / to).exists()]
+    found += [f"no link to {to}" for to in _LINK.findall(prose) if not (folder / to).exists()]
     return found
 
 

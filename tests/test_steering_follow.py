@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 sys.path.append(str(File(__file__).resolve().parents[1] / "bench"))
+sys.path.append(str(File(__file__).resolve().parents[1] / "docs" / "examples"))
 
 from controllers import drawn
-from path_follower import AHEAD, CAMERA, follow
+from steer import AHEAD, CAMERA, follow
 from steering_follow import ARRIVED, LOST, PLACE, TURNED, judged
 
 from stickslip import STATE_COLUMNS

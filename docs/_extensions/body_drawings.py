@@ -1,16 +1,15 @@
-"""The drawings of the body: its angles and forces, its tilt, what touches, and a walk.
+"""The drawings of the body: its angles and forces, its tilt, and what touches.
 
 The sizes are those of the package's defaults, so that a drawing cannot contradict them.
 """
 
 from __future__ import annotations
 
-from itertools import groupby
 from math import atan2, cos, pi, radians, sin
 
 from svg import Point, Sheet
 
-from stickslip import Drive, Record, Robot, Scenario, simulate
+from stickslip import Robot
 
 _ROBOT = Robot()
 
@@ -184,28 +183,3 @@ def contact_modes() -> list[Sheet]:
             sheet.text((0, 0), "no contact force", shift=(0, -25), style="red")
         panels.append(sheet)
     return panels
-
-
-def walk() -> list[Sheet]:
-    """A simulated walk to scale: outlines, the path of the middle, and where the contact slips."""
-    run = simulate(
-        Scenario(drive=Drive(frequency=30, base=0.5e-3, pulses=10), record=Record(rate=6e3))
-    )
-    sheet = Sheet(680, 250, origin=(150, 40), scale=0.82)
-    x, z = 1e6 * run.x, 1e6 * run.z
-    ground(sheet, -170, 630, 23)
-    begin = int(0.05 * 6e3) + 200  # after the ramp and one pulse
-    outlines = range(begin, begin + 1801, 600)  # every third pulse
-    for shade, k in zip(("ghost", "ghost", "ghost", "body"), outlines, strict=True):
-        points = corners((0.0, 0.0), float(run.theta[k]))
-        right, up = x[k] - points["middle"][0], z[k] - points["middle"][1]
-        moved = {name: (a + right, b + up) for name, (a, b) in points.items()}
-        outline(sheet, moved, shade)
-    sheet.line(*zip(x[begin:], z[begin:], strict=True), style="blue")
-    moment(sheet, moved, float(run.theta[k]))
-    slips = ["slip" in run.contact_names[mode] for mode in run.contact]
-    for slipping, samples in groupby(range(begin, len(x)), key=lambda k: slips[k]):
-        if slipping:
-            places = [1e6 * run.contact_x[k] for k in samples]
-            sheet.line((min(places), -26.0), (max(places), -26.0), style="orange thick")
-    return [sheet]

@@ -1,7 +1,7 @@
 """The drawings of the coils and their drives, and all drawings by name.
 
-Each is a function without arguments that gives the panels of one drawing, which the directive
-``drawing`` puts on a page.
+Each is a function without arguments that gives the panels of one drawing, which
+``docs/pictures.py`` writes to docs/images/drawings/.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import atan2, degrees
 
-from body_drawings import axis, clamp, contact_modes, corners, outline, robot, walk
+from body_drawings import axis, clamp, contact_modes, corners, outline, robot
 from svg import Point, Sheet
 
 from stickslip import Coil, Drive
@@ -171,5 +171,4 @@ DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
     "drives": drives,
     "sawtooth": sawtooth,
     "contact-modes": contact_modes,
-    "walk": walk,
 }

@@ -1,18 +1,15 @@
-"""Directives for what the package itself knows: keys, extensions, commands, results, drawings."""
+"""Directives for what the package itself knows: keys, extensions, commands, results."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import click
 from docutils import nodes
-from docutils.parsers.rst import directives
-from drawings import DRAWINGS
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
-from svg import Sheet
 from take_results import COMMANDS
 
 from stickslip import effects
@@ -202,28 +199,10 @@ def _sweep(results: dict[str, Any]) -> str:
     return _markdown_table(["what", "result"], rows)
 
 
-class Drawing(SphinxDirective):
-    """A drawing by its name; the content is its caption, ``alt`` what a screen reader says."""
-
-    required_arguments = 1
-    option_spec: ClassVar = {"alt": directives.unchanged_required}
-    has_content = True
-
-    def run(self) -> list[nodes.Node]:
-        panels = DRAWINGS[self.arguments[0]]()
-        words = [self.options["alt"], *("the next part of it" for _ in panels[1:])]
-        pictures = "".join(map(Sheet.svg, panels, words))
-        drawing = nodes.raw("", f'<div class="drawing">{pictures}</div>', format="html")
-        caption = self.parse_text_to_nodes("\n".join(self.content))
-        (paragraph,) = caption  # one, else it is no caption
-        return [nodes.figure("", drawing, nodes.caption("", "", *paragraph.children))]
-
-
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the directives."""
     app.add_directive("scenario-keys", ScenarioKeys)
     app.add_directive("effects-table", EffectsTable)
     app.add_directive("command-help", CommandHelp)
     app.add_directive("bench-results", BenchResults)
-    app.add_directive("drawing", Drawing)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,7 +1,6 @@
-"""A sheet on which drawings are made: SVG with text as text, coloured by the page's style sheet.
+"""A sheet on which drawings are made: SVG with text as text.
 
-Colours are classes (`docs/_static/pages.css`), so that a drawing follows the page from light to
-dark. Lengths are in pixels of the sheet; y points up, as in the formulas.
+Lengths are in pixels of the sheet; y points up, as in the formulas.
 """
 
 from __future__ import annotations
@@ -15,6 +14,21 @@ Point = tuple[float, float]
 
 FONT_SIZE = 13.0  # px; a panel is never shown wider than it is, and hardly narrower
 _HEAD = 7.0  # px, length of the head of an arrow
+
+# Colours by Okabe and Ito, darkened where they have to be read as text.
+_COLOURS = {"blue": "#0072b2", "orange": "#b87800", "green": "#007a59", "red": "#c44e00"}
+_STYLE = (
+    "svg { background: white; color: #1a1a1a; }"
+    "path, circle { fill: none; stroke: currentColor; stroke-width: 1.5; stroke-linejoin: round; }"
+    f"text {{ fill: currentColor; font: {FONT_SIZE:g}px sans-serif; }}"
+    ".thin, .faint { stroke-width: 1; }"
+    ".faint, .muted { color: #767676; }"
+    ".dashed { stroke-dasharray: 5 4; }"
+    ".body { fill: #0072b21f; }"
+    ".coil { stroke-width: 2.5; }"
+    ".filled { fill: currentColor; stroke: none; }"
+) + "".join(f".{name} {{ color: {colour}; }}" for name, colour in _COLOURS.items())
+
 _SUBSCRIPT = re.compile(r"_(\w+)")
 
 
@@ -126,12 +140,14 @@ class Sheet:
         gap = 0.6 * side if across else side
         self.text(middle, words, anchor, (gap * cos(angle), gap * sin(angle)))
 
-    def svg(self, about: str) -> str:
-        """The panel; `about` is what a screen reader says."""
+    def svg(self) -> str:
+        """The panel as a file."""
+        size = f"{self.width:g} {self.height:g}"
         return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" role="img" '
-            f'aria-label="{html.escape(about)}" width="{self.width:g}" '
-            f'viewBox="0 0 {self.width:g} {self.height:g}">{"".join(self._parts)}</svg>'
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width:g}" '
+            f'height="{self.height:g}" viewBox="0 0 {size}"><style>{_STYLE}</style>\n'
+            + "\n".join(self._parts)
+            + "\n</svg>\n"
         )
 
 

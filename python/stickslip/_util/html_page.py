@@ -1,6 +1,6 @@
 """HTML pages of one look that need nothing else: no network and no other file.
 
-A moving picture has a script, and so has a page with folded parts, which opens them.
+A page with folded parts has a script, which opens them.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ Example:
 @click.option(
     "--animate",
     type=PATH,
-    help="Write a moving picture: .gif, .html, or .mp4 where ffmpeg is installed.",
+    help="Write a moving picture: .gif, .webp, or .mp4 where ffmpeg is installed.",
 )
 @click.option(
     "--start",
@@ -81,7 +81,7 @@ Example:
     "--slowdown",
     type=float,
     metavar="FACTOR",
-    help="Seconds of --animate for one second of the motion; default: 20.",
+    help="Seconds of --animate for one second of the motion; default: it lasts 10 s at most.",
 )
 @JSON
 def command(

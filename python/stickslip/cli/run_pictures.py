@@ -68,8 +68,7 @@ class Pictures:
     def check_recorded(self, scenario: Scenario) -> None:
         """Say before a long simulation that its record could not be drawn after it."""
         from stickslip.plot.motion import DRAWN, DRAWN_ACROSS
-        from stickslip.plot.moving_picture import frame_count
-        from stickslip.plot.run_figure import stretch
+        from stickslip.plot.moving_picture import stretch, timing
 
         fields = str(scenario.record.fields)
         drawn = (*DRAWN, *DRAWN_ACROSS) if scenario.turns else DRAWN
@@ -82,9 +81,10 @@ class Pictures:
         with prefixed(self.option):
             check_memory(scenario)
         if self.animate is not None:
-            first, last, _ = stretch(scenario, scenario.duration, self.start, self.stop)
+            drive = vars(scenario.drive)
+            first, last = stretch(drive, 0.0, scenario.duration, self.start, self.stop)
             with prefixed("--animate", ValueError):
-                frame_count(last - first, **self._slowdown())
+                timing(last - first, self.slowdown)
 
     def draw(self, run: Run) -> bool:
         """Write all pictures; False if there was nothing to draw."""
@@ -98,17 +98,12 @@ class Pictures:
     def _animate(self, run: Run, path: Path) -> bool:
         from stickslip import plot
         from stickslip.plot.moving_picture import STAGE
-        from stickslip.plot.run_figure import stretch
 
-        first, last, _ = stretch(run.scenario, float(run.t[-1]), self.start, self.stop)
         try:
-            picture = plot.animation(run, first, last, **self._slowdown())
+            picture = plot.animation(run, self.start, self.stop, self.slowdown)
         except ValueError as error:  # of a run that failed before the time that is drawn
             return nothing_drawn("--animate", error)
         # What --out has written is there already.
         with ProgressBar(STAGE, kept=lambda stage: "") as bar:
             picture.save(path, progress=bar)
         return True
-
-    def _slowdown(self) -> dict[str, float]:
-        return {} if self.slowdown is None else {"slowdown": self.slowdown}

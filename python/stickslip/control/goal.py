@@ -60,7 +60,7 @@ class Goal:
     limits : dict of float
         Greatest value that is allowed of a number of the summary, in every draw, by its name.
     assumed : tuple of str
-        Figures whose limit nobody gave: it is that of `WALKING`.
+        Figures whose limit nobody gave: it is that of ``WALKING``.
     """
 
     figure: str

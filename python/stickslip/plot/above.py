@@ -133,7 +133,7 @@ def heading_arrows(shown: Motion, factor: float) -> dict[int, tuple[Point, Point
 
 def _heading_handle() -> Line2D:
     """What the arrows mean."""
-    look: Any = {"color": palette.BLUE, "linewidth": 1.4, "marker": ">", "markevery": [1]}
+    look: Any = {"color": palette.DARK_GREY, "linewidth": 1.4, "marker": ">", "markevery": [1]}
     return Line2D([], [], label="heading", **look)
 
 
@@ -165,10 +165,10 @@ def _draw_above(axes: Axes, shown: Motion, scale: Length, wanted: Array) -> None
     (dot,) = axes.plot(x[:1], y[:1], color=palette.VERMILION, label="start", **begins)
     handles = [dot, line, _heading_handle()]
     if wanted.size:
-        look = {"color": palette.ORANGE, "linewidth": 2.6, "zorder": 0.8, "label": "wanted"}
+        look = {"color": palette.PURPLE, "linewidth": 2.6, "zorder": 0.8, "label": "wanted"}
         handles += axes.plot(*(wanted * scale.factor).T, **look)
     for begin, tip in [*heading_arrows(shown, scale.factor).values(), body_arrow(last)]:
-        arrow = thin_arrow(palette.BLUE, 1.4)
+        arrow = thin_arrow(palette.DARK_GREY, 1.4)
         arrow.set_positions(begin, tip)
         axes.add_patch(arrow)
     places = [first, last, np.column_stack([x, y]), wanted * scale.factor]
@@ -183,7 +183,7 @@ def _draw_side(above: Axes, below: Axes, shown: Motion, scale: Length) -> None:
     above.set_ylabel(f"height ({up.unit})")
     above.tick_params(labelbottom=False)
     readable(above, x=scale.least, y=up.least)
-    below.plot(way, np.degrees(shown.theta), color=palette.BLUE, linewidth=0.9)
+    below.plot(way, np.degrees(shown.theta), color=palette.BLACK, linewidth=0.9)
     below.set_ylabel(r"tilt $\theta$ (degrees)")
     below.set_xlabel(f"way along the heading ({scale.unit})")
     readable(below, x=scale.least, y=LEAST_TILT)

@@ -236,7 +236,7 @@ def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -
     inset = axes.inset_axes(_INSET)
     inset.axhline(0.0, color=palette.BLACK, linewidth=1.0)
     inset.add_patch(Polygon(outline, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2))
-    moment = thin_arrow(palette.BLUE, 1.4)
+    moment = thin_arrow(palette.BLACK, 1.4)
     moment.set_positions(*body_arrow(middle))
     inset.add_patch(moment)
     if turns(scenario):

@@ -140,7 +140,7 @@ def mark_handles(before: str | None) -> list[Artist]:
     touch.set_label("contact, or lowest corner")
     dashed = Line2D([], [], color=palette.VERMILION, linestyle="--", linewidth=1.1)
     dashed.set_label(before or "")
-    moment = Line2D([], [], color=palette.BLUE, linewidth=1.4, marker=">", markevery=[1])
+    moment = Line2D([], [], color=palette.BLACK, linewidth=1.4, marker=">", markevery=[1])
     moment.set_label("magnetic moment")
     return [touch, dashed, moment] if before else [touch, moment]
 
@@ -153,7 +153,7 @@ def draw_body(axes: Axes, motion: Motion, sample: int) -> None:
         Polygon(outline, closed=True, facecolor=style.BODY, edgecolor=palette.BLACK, linewidth=1.2)
     )
     start, tip = body_arrow(outline)
-    look = {"arrowstyle": "->", "color": palette.BLUE, "linewidth": 1.4}
+    look = {"arrowstyle": "->", "color": palette.BLACK, "linewidth": 1.4}
     axes.annotate("", xy=tip, xytext=start, arrowprops=look)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -64,6 +65,7 @@ class Motion:
     height: float
     facing: float  # where the front is in the side view: 1.0 at the right, -1.0 at the left
     turns: bool  # whether the robot leaves its plane
+    drive: Mapping[str, Any]  # the keys of the scenario's [drive]
 
     @property
     def along(self) -> Array:
@@ -75,21 +77,19 @@ class Motion:
         """What `along` is called beside an axis."""
         return "way along the heading" if self.turns else "x"
 
-    @property
-    def b_along(self) -> Array:
-        """Field towards the right of the side view, T."""
-        if not self.turns:
-            return self.bx
-        return np.asarray(self.bx * np.cos(self.heading) + self.by * np.sin(self.heading))
-
     def between(self, start: float | None, stop: float | None) -> Motion:
         """The part from `start` to `stop`, s; it has two samples or more."""
         first = self.t[0] if start is None else start
         last = self.t[-1] if stop is None else stop
-        chosen = (self.t >= first) & (self.t <= last)
-        if np.count_nonzero(chosen) < 2:
+        chosen = np.flatnonzero((self.t >= first) & (self.t <= last))
+        if len(chosen) < 2:
             raise ValueError(f"there are less than two samples from {first:g} s to {last:g} s")
+        return self.samples(int(chosen[0]), int(chosen[-1]))
+
+    def samples(self, first: int, last: int) -> Motion:
+        """The part from one sample to another."""
         names = (*DRAWN, *DRAWN_ACROSS, "way")
+        chosen = slice(first, last + 1)
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     def sample(self, time: float) -> int:
@@ -102,6 +102,7 @@ def motion(data: Data) -> Motion:
     if isinstance(data, Run):
         events = data.scenario.record.rate == "events"
         robot: Any = vars(data.scenario.robot)
+        drive: Any = vars(data.scenario.drive)
         heading = data.final_state.heading
         leaves = turns(data.scenario)
     else:
@@ -113,7 +114,8 @@ def motion(data: Data) -> Motion:
         if missing:
             raise ValueError(f"the Dataset is not one of a run: it has no {', '.join(missing)}")
         events = "event" in data.variables
-        robot = tomllib.loads(data.attrs["scenario"])["robot"]
+        scenario = tomllib.loads(data.attrs["scenario"])
+        robot, drive = scenario["robot"], scenario["drive"]
         heading = json.loads(data.attrs["final_state"])["heading"]
     if events:
         raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
@@ -133,6 +135,7 @@ def motion(data: Data) -> Motion:
         height=robot["height"],
         facing=facing,
         turns=leaves,
+        drive=drive,
     )
 
 

@@ -110,10 +110,10 @@ def phase_portrait(
 def draw_fields(axes: Axes, shown: Motion) -> None:
     """Both components of the field, mT."""
     t = shown.t
-    lines = axes.plot(t, shown.bx * 1e3, color=palette.BLUE, label="$B_x$")
+    lines = axes.plot(t, shown.bx * 1e3, color=style.FIELD, label="$B_x$")
     if shown.by.any():
-        lines += axes.plot(t, shown.by * 1e3, color=palette.GREEN, linestyle=":", label="$B_y$")
-    lines += axes.plot(t, shown.bz * 1e3, color=palette.VERMILION, linestyle="--", label="$B_z$")
+        lines += axes.plot(t, shown.by * 1e3, color=style.FIELD, linestyle=":", label="$B_y$")
+    lines += axes.plot(t, shown.bz * 1e3, color=style.FIELD, linestyle="--", label="$B_z$")
     axes.set_xlim(t[0], t[-1])
     axes.set_ylabel("field (mT)")
     readable(axes, y=LEAST_FIELD)
@@ -122,7 +122,7 @@ def draw_fields(axes: Axes, shown: Motion) -> None:
 
 def draw_tilt(axes: Axes, shown: Motion) -> None:
     """Tilt in degrees."""
-    axes.plot(shown.t, np.degrees(shown.theta), color=palette.BLUE, label=r"$\theta$")
+    axes.plot(shown.t, np.degrees(shown.theta), color=palette.BLACK, label=r"$\theta$")
     axes.set_xlim(shown.t[0], shown.t[-1])
     axes.set_ylabel(r"tilt $\theta$ (degrees)")
     readable(axes, y=LEAST_TILT)
@@ -132,7 +132,7 @@ def draw_contact_velocity(axes: Axes, shown: Motion) -> None:
     """Velocity of the contact point in mm/s, of a robot that turns in two parts; none in flight."""
     along = "along the heading" if shown.turns else "contact velocity"
     look: Any = {"linewidth": 0.9}
-    axes.plot(shown.t, shown.slip_velocity * 1e3, color=palette.ORANGE, label=along, **look)
+    axes.plot(shown.t, shown.slip_velocity * 1e3, color=style.SLIP, label=along, **look)
     if shown.turns:
         across = shown.slip_across * 1e3
         axes.plot(shown.t, across, color=palette.PURPLE, label="to its left", **look)
@@ -164,7 +164,7 @@ def _draw_path(axes: Axes, x: Array, y: Array, contact: NDArray[np.int8]) -> Non
     handles = []
     for code in sorted(set(modes.tolist())):
         name = Run.contact_names[code]
-        colour = style.LINE_COLOURS[name]
+        colour = style.CONTACT_COLOURS[name]
         axes.add_collection(LineCollection(list(segments[modes == code]), colors=colour))
         label = style.CONTACT_LABELS[name]
         handles.append(Line2D([], [], color=colour, linewidth=2.5, label=label))

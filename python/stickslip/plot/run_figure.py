@@ -28,7 +28,7 @@ from stickslip.simulation.run import Run, resting_force
 # ones as the second says are drawn, which show the steady motion. Both chosen by eye.
 _MOST_PULSES, _SHOWN_PULSES = 12, 6
 
-# Part of the picture's time that is as wide as a dot of the picture: 8 inches of 150 dots.
+# Part of the picture's time that is as wide as a dot of the picture: 6.4 inches of 150 dots.
 _VISIBLE = 1e-3
 
 
@@ -65,7 +65,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     if not isinstance(run, Run):
         refuse("run", run, "a Run, as simulate(scenario) makes it")
     whole = motion(run)
-    first, last, last_pulses = stretch(run.scenario, float(run.t[-1]), start, stop)
+    first, last, last_pulses = _stretch(run.scenario, float(run.t[-1]), start, stop)
     shown = whole.between(first, last)
     with matplotlib.rc_context(style.RC):
         figure, curves, contact = _panels(shown.turns)
@@ -83,6 +83,8 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         _draw_contact(figure, contact, t, shown.contact)
         contact.set_xlim(t[0], t[-1])
         contact.set_xlabel("time (s)")
+        for axes in curves:
+            axes.set_ylabel(axes.get_ylabel().replace(" (", "\n("))  # a panel is low
         figure.align_ylabels(curves)
         figure.suptitle(_title(run, last_pulses), fontsize=10.5)
     return figure
@@ -93,12 +95,12 @@ def _panels(turns: bool) -> tuple[Picture, list[Axes], Axes]:
     heights = [1.0, 1.0, 1.0, 0.8, 1.0, 0.22]
     if turns:
         heights.insert(4, 0.8)
-    figure = Picture(figsize=(8.0, 11.7 if turns else 10.0), layout="constrained")
+    figure = Picture(figsize=(6.4, 8.8 if turns else 7.6), layout="constrained")
     *curves, contact = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     return figure, curves, contact
 
 
-def stretch(
+def _stretch(
     scenario: Scenario, end: float, start: float | None, stop: float | None
 ) -> tuple[float, float, bool]:
     """First and last time to draw, s, and whether these are the last pulses of many.
@@ -145,7 +147,7 @@ def _draw_position(axes: Axes, shown: Motion) -> None:
     lines = axes.plot(shown.t, shown.x * scale.factor, color=palette.BLACK, label="x")
     axes.set_ylabel(f"x ({scale.unit})")
     if shown.turns:
-        look: Any = {"color": palette.BLUE, "linestyle": "--"}
+        look: Any = {"color": palette.BLACK, "linestyle": "--"}
         lines += axes.plot(shown.t, shown.y * scale.factor, label="y", **look)
         axes.set_ylabel(f"position ({scale.unit})")
         legend_above(axes, lines)
@@ -175,14 +177,14 @@ def _shade_window(panels: list[Axes], t: Array, run: Run) -> list[Artist]:
 
 
 def _draw_force(axes: Axes, t: Array, force: Array, run: Run, shaded: list[Artist]) -> None:
-    axes.plot(t, force * 1e6, color=palette.GREEN, linewidth=0.9)
+    axes.plot(t, force * 1e6, color=palette.BLACK, linewidth=0.9)
     at_rest = resting_force(run.scenario) * 1e6
     # Above the force, which lies on it most of the time.
     resting = axes.axhline(
         at_rest,
-        color=palette.BLACK,
+        color=palette.DARK_GREY,
         linestyle=":",
-        linewidth=1.0,
+        linewidth=1.2,
         zorder=3.0,
         label="weight + adhesion",
     )
@@ -213,7 +215,7 @@ def _draw_contact(figure: Figure, axes: Axes, t: Array, contact: NDArray[np.int8
     axes.set_yticks([])
     axes.set_ylabel("contact", rotation=0, ha="right", va="center")
     axes.grid(visible=False)
-    rows = -(-len(handles) // 5)  # as many as fit side by side, in rows of about the same length
+    rows = -(-len(handles) // 4)  # as many as fit side by side, in rows of about the same length
     figure.legend(
         handles=handles,
         loc="outside lower center",

@@ -63,13 +63,16 @@ def _widened(low: float, high: float, least: float) -> tuple[float, float]:
     return (low, high) if missing <= 0.0 else (low - 0.5 * missing, high + 0.5 * missing)
 
 
-def length_bar(axes: Axes, width: float) -> None:
-    """A bar of a round length at the upper left of axes whose width is `width`, µm."""
+def length_bar(axes: Axes, width: float, height: float = 0.93) -> None:
+    """A bar of a round length at the upper left of axes whose width is `width`, µm.
+
+    `height` is a part of that of the axes.
+    """
     longest = _LONGEST_BAR * width
     decade = 10.0 ** np.floor(np.log10(longest))
     bar = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest)
     part = bar / width
-    left, height = 0.03, 0.93
+    left = 0.03
     look: Any = {"transform": axes.transAxes, "color": palette.BLACK}
     axes.add_line(Line2D([left, left + part], [height, height], linewidth=2.5, **look))
     axes.annotate(

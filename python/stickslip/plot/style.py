@@ -11,10 +11,15 @@ SHADE = "#F0F0F0"
 BODY = "#E8EEF4"
 NO_VALUE = "#BBBBBB"
 
+FIELD = palette.GREEN
+
+STICK, SLIP, FLIGHT = palette.BLUE, palette.ORANGE, palette.GREY
+"""What the contact does; nothing else in a figure of a motion has these colours."""
+
 CONTACT_COLOURS = {
-    "flight": "#FFFFFF",
-    "corner_stick": palette.BLUE,
-    "corner_slip_forward": palette.ORANGE,
+    "flight": FLIGHT,
+    "corner_stick": STICK,
+    "corner_slip_forward": SLIP,
     "corner_slip_backward": palette.VERMILION,
     "face_stick": palette.SKY,
     "face_slip_forward": palette.YELLOW,
@@ -22,6 +27,12 @@ CONTACT_COLOURS = {
 }
 
 CONTACT_LABELS = {name: name.replace("_", " ") for name in CONTACT_COLOURS}
+
+
+def contact_kind(mode: str) -> str:
+    """Of a contact mode only whether it is stick, slip or flight."""
+    return next(kind for kind in ("stick", "slip", "flight") if kind in mode)
+
 
 RC: Any = {
     "font.size": 9.0,
@@ -34,6 +45,3 @@ RC: Any = {
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
 }
-
-# White, which is flight's in a band of colours, is no line, and yellow next to none.
-LINE_COLOURS = {**CONTACT_COLOURS, "flight": palette.GREY, "face_slip_forward": palette.GREEN}

@@ -1,20 +1,23 @@
-"""A robot follows a path by what a camera shows: pure pursuit, pulse by pulse."""
+"""A robot follows a path by what a camera shows: pure pursuit, pulse by pulse.
+
+``python steer.py`` takes it along a figure of eight and draws its path into path.png.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from stickslip import Scenario, Simulator, State
+from stickslip import Drive, Run, Scenario, Simulator, State, Waveform, plot, simulate
 from stickslip.control import Camera, Film, Path, heading_voltages
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
 
 CAMERA = Camera(frame_rate=30.0, latency=0.05, noise_x=3e-6, noise_heading=0.02)
-COILS = ("xp", "xm", "yp", "ym", "clamp")
 STEP = 1e-3  # s
 STANDS = np.full(50, 13.0)  # V, of a coil along the heading: the robot stands up
 PULSE = np.linspace(26.0, 5.0, 10)  # V: the field rises at once and falls slowly
@@ -79,3 +82,19 @@ def follow(robot: Scenario, path: Path, random: Random) -> tuple[Array, Array]:
 def pose_of(state: State) -> Array:
     """What the camera sees: x, y, theta, heading."""
     return np.array([state.x, state.y, state.theta, state.heading])
+
+
+def replayed(played: Array) -> Run:
+    """The recorded run of voltages, (steps, 5), each held for a step."""
+    times = STEP * np.repeat(np.arange(len(played) + 1), 2)[1:-1]
+    program = Waveform.from_points(times, np.repeat(played, 2, axis=0))
+    steered = Scenario(drive=Drive(mode="program", program=program))
+    return simulate(steered.replace({"record.rate": 1e3}))
+
+
+if __name__ == "__main__":
+    eight = Path.figure_of_eight()
+    _, volts = follow(Scenario(), eight, np.random.default_rng(1))
+    figure = Figure(figsize=(6.0, 4.0), layout="constrained")
+    plot.path(replayed(volts), along=eight, ax=figure.subplots())
+    plot.save(figure, "path.png")

@@ -1,0 +1,127 @@
+"""Make the pictures of the README and of the pages, into docs/images/.
+
+``python docs/pictures.py`` makes all of them, ``python docs/pictures.py gallery drawings`` those of
+some sources: a page by its path in docs/ without suffix, ``readme`` or ``drawings``. The pictures
+of a page are those that its own code saves, and those of the README what its commands write in
+docs/examples. ``diagnosis.png`` needs the browser chromium; without it the stored one stays.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from PIL import Image
+
+DOCS = Path(__file__).resolve().parent
+IMAGES = DOCS / "images"
+README = DOCS.parent / "README.md"
+sys.path[:0] = [str(DOCS / "_extensions"), str(DOCS.parent / "tests")]
+
+from drawings import DRAWINGS  # noqa: E402
+
+from documentation_blocks import EXAMPLES, pages, play  # noqa: E402
+
+_LINK = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/[^)\s]+)\)")
+_COMMAND = re.compile(r"\*\*: `((?:stickslip|python) [^`]+)`")
+_SCREEN, _ZOOM = "860,704", "1.5"  # px; chosen so that it can be read at half the width of a page
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+
+def linked(page: Path) -> list[Path]:
+    """The pictures in docs/images/ that a page shows."""
+    links = _LINK.findall(page.read_text(encoding="utf-8"))
+    return list(dict.fromkeys((page.parent / link).resolve() for link in links))
+
+
+def make_page(page: Path) -> None:
+    """Run the code of a page, and keep what it saves and shows."""
+    with play(page) as folder:
+        for picture in linked(page):
+            if (folder / picture.name).is_file():
+                _keep(folder / picture.name, picture)
+
+
+def make_drawings() -> None:
+    """Write every panel of every drawing."""
+    for name, draw in DRAWINGS.items():
+        for number, panel in enumerate(draw(), start=1):
+            picture = IMAGES / "drawings" / f"{name}-{number}.svg"
+            picture.parent.mkdir(parents=True, exist_ok=True)
+            picture.write_text(panel.svg(), encoding="utf-8")
+
+
+def readme_commands() -> list[str]:
+    """The commands that stand below the pictures of the README."""
+    return _COMMAND.findall(README.read_text(encoding="utf-8"))
+
+
+def make_readme() -> None:
+    """Run the commands of the README where its examples are."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        shutil.copytree(EXAMPLES, folder, dirs_exist_ok=True)
+        for command in readme_commands():
+            words = shlex.split(command)
+            start = ["-m", "stickslip"] if words[0] == "stickslip" else []
+            subprocess.run([sys.executable, *start, *words[1:]], cwd=folder, check=True)
+        _photograph(folder / "found" / "report.html", folder / "diagnosis.png")
+        for picture in linked(README):
+            if (folder / picture.name).is_file():
+                _keep(folder / picture.name, picture)
+
+
+def _photograph(page: Path, picture: Path) -> None:
+    """The first screen of a page as a browser shows it, where there is one."""
+    browser = next(filter(None, map(shutil.which, _BROWSERS)), None)
+    if browser is None:
+        print(f"{picture.name}: stays as it is, as there is no {_BROWSERS[0]} here")
+        return
+    options = ["--headless", "--hide-scrollbars", f"--window-size={_SCREEN}"]
+    options.append(f"--force-device-scale-factor={_ZOOM}")
+    if os.geteuid() == 0:
+        options.append("--no-sandbox")
+    command = [browser, *options, f"--screenshot={picture}", page.as_uri()]
+    subprocess.run(command, check=True, capture_output=True)
+
+
+def _keep(made: Path, picture: Path) -> None:
+    """Put a picture in its place, a PNG with the colours that it needs, and say how large it is."""
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    if picture.suffix == ".png":
+        Image.open(made).convert("RGB").quantize(256).save(picture, optimize=True)
+    else:
+        shutil.copyfile(made, picture)
+    print(f"{picture.stat().st_size / 1e3:6.0f} kB  {picture.relative_to(DOCS)}")
+
+
+def sources() -> dict[str, Callable[[], None]]:
+    """What makes pictures, by name."""
+    found: dict[str, Callable[[], None]] = {"readme": make_readme, "drawings": make_drawings}
+    for page in pages(DOCS):
+        if any("drawings" not in picture.parts for picture in linked(page)):
+            name = page.relative_to(DOCS).with_suffix("").as_posix()
+            found[name] = functools.partial(make_page, page)
+    return found
+
+
+def main(names: list[str]) -> None:
+    """Make the pictures of some sources, or of all."""
+    known = sources()
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        sys.exit(f"{', '.join(unknown)}: known are {', '.join(known)}")
+    for name in names or known:
+        known[name]()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,110 @@
+"""The pictures of the README and the pages: there, shown with words beside them, small, made by
+what the reader sees; and pages that GitHub can show."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from documentation_blocks import EXAMPLES, blocks, pages
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+IMAGES = DOCS / "images"
+README = ROOT / "README.md"
+FILM = IMAGES / "walk.webp"
+PAGES = [README, *pages(DOCS)]
+ON_GITHUB = [
+    README,
+    *(DOCS / f"{name}.md" for name in ("start", "gallery", "limits", "faq")),
+    *sorted((DOCS / "howto").glob("*.md")),
+]
+
+_IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
+
+
+def by_name(page):
+    return str(page.relative_to(ROOT))
+
+
+def prose(page):
+    """A page without its code blocks; directives, ```{name}, are not code."""
+    text = page.read_text(encoding="utf-8")
+    return re.sub(r"^( *)(`{3,})(?!\{).*?^\1\2 *$", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def shown(page):
+    """Words and place of each picture of a page."""
+    return [(words, (page.parent / link).resolve()) for words, link in _IMAGE.findall(prose(page))]
+
+
+@pytest.fixture(scope="module")
+def maker():
+    """docs/pictures.py."""
+    spec = importlib.util.spec_from_file_location("docs_pictures", DOCS / "pictures.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("page", PAGES, ids=by_name)
+def test_pictures_of_a_page_are_there_and_have_words_for_who_cannot_see_them(page):
+    for words, picture in shown(page):
+        assert picture.is_file(), picture
+        assert IMAGES in picture.parents, picture
+        assert len(words) > 15, picture
+
+
+def test_every_picture_is_shown_and_small():
+    stored = {path for path in IMAGES.rglob("*") if path.is_file()}
+    assert stored == {picture for page in PAGES for _, picture in shown(page)}
+    for picture in stored:
+        assert picture.stat().st_size < (1.2e6 if picture == FILM else 300e3), picture
+
+
+@pytest.mark.parametrize("page", pages(DOCS), ids=by_name)
+def test_the_code_of_a_page_saves_the_pictures_that_are_its_own(page):
+    own = IMAGES / page.relative_to(DOCS).with_suffix("")
+    code = "".join(block.text for block in blocks(page) if block.language == "python")
+    for _, picture in shown(page):
+        if picture.parent == own:
+            assert f'"{picture.name}"' in code, picture
+
+
+def test_the_commands_of_the_readme_make_its_pictures(maker):
+    commands = "\n".join(maker.readme_commands())
+    made = f"{commands}\n{(EXAMPLES / 'steer.py').read_text(encoding='utf-8')}"
+    names = {picture.name for _, picture in shown(README) if picture.parent.name == "readme"}
+    assert {"run.png", "sweep.png", "path.png", "diagnosis.png"} == names
+    for name in names - {"diagnosis.png"}:
+        assert name in made
+    assert "stickslip diagnose measurement.toml --out found" in commands
+    assert "python steer.py" in commands
+
+
+def test_the_film_is_as_wide_and_as_long_as_a_page_wants_it_and_repeats():
+    with Image.open(FILM) as film:
+        assert film.width == 640
+        assert film.info["loop"] == 0
+        length = 0.0
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            film.load()
+            length += film.info["duration"]
+    assert length == pytest.approx(10e3, rel=0.05)
+
+
+@pytest.mark.parametrize("page", ON_GITHUB, ids=by_name)
+def test_a_page_that_github_shows_has_no_markup_of_sphinx(page):
+    text = prose(page)
+    assert not re.search(r"^ *`{3,}\{|^:{3,}\{?", text, re.MULTILINE)
+    assert not re.search(r"\{[a-z:-]+\}`", text)
+    assert "<!--" not in text
+
+
+def test_a_source_of_pictures_that_is_unknown_is_refused(maker):
+    assert {"readme", "drawings", "gallery", "howto/steering"} <= set(maker.sources())
+    with pytest.raises(SystemExit, match=r"no/page: known are readme, drawings, .*gallery"):
+        maker.main(["no/page"])
