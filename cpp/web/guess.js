@@ -65,7 +65,7 @@ class Puzzle {
   }
 }
 
-const PUZZLE_FREQUENCIES = Array.from({ length: 15 }, (_, i) => 10 + 10 * i);
+const PUZZLE_FREQUENCIES = Array.from({ length: 29 }, (_, i) => 10 + 5 * i);
 
 /** Lines of the stated model, and of the truth once it is known, a few runs at a time. */
 async function computePuzzleLines(puzzle, changed, current) {

@@ -4,7 +4,7 @@ const $ = (id) => document.getElementById(id);
 const SLOWNESS = [5, 10, 20, 40, 80, 160, 320, 640];
 const USUAL_SLOWNESS = 40;
 
-const state = { changes: {}, effect: null, forces: false, playing: true, slowness: USUAL_SLOWNESS, t: 0, preset: null };
+const state = { changes: {}, effect: null, forces: false, playing: true, slowness: USUAL_SLOWNESS, t: null };
 let run = null;
 let failure = "";
 let curve = null;
@@ -92,8 +92,8 @@ function withoutEffects(changes) {
 }
 
 function choosePreset(index) {
-  state.t = 0;
-  state.playing = true;
+  state.t = null;
+  setPlaying(true);
   setChanges({ ...PRESETS[index][1] });
 }
 
@@ -136,7 +136,7 @@ function recompute() {
     failure = error.message;
   }
   timing.run = performance.now() - began;
-  if (run) state.t = Math.min(state.t, run.end);
+  if (run) state.t = Math.min(state.t ?? run.first, run.end);
   showSettings();
   showWords(changes);
   writeHash();
@@ -240,7 +240,10 @@ function frame(now) {
   const passed = Math.min((now - lastFrame) / 1e3, 0.1);
   lastFrame = now;
   if (!$("play").hidden) {
-    if (run && state.playing && run.end > 0) state.t = (state.t + passed / state.slowness) % run.end;
+    if (run && state.playing) {
+      state.t += passed / state.slowness;
+      if (state.t >= run.end) state.t = run.first;
+    }
     drawAll();
   }
   requestAnimationFrame(frame);
@@ -285,9 +288,10 @@ function showPlayback() {
   $("slower").disabled = state.slowness === SLOWNESS[SLOWNESS.length - 1];
   $("faster").disabled = state.slowness === SLOWNESS[0];
   $("forces").setAttribute("aria-pressed", String(state.forces));
+  $("force-legend").hidden = !state.forces;
 }
 function reset() {
-  state.t = 0;
+  state.t = null;
   state.slowness = USUAL_SLOWNESS;
   state.forces = false;
   setPlaying(true);
@@ -327,7 +331,7 @@ function startPuzzle(seed) {
 function showPuzzle() {
   const { left, answer, cause } = puzzle;
   $("experiment").querySelector("button").disabled = left === 0 || answer !== null;
-  $("experiment").querySelector("output").textContent = `${left} of ${MOST_EXPERIMENTS} left`;
+  $("experiment").querySelector("output.left").textContent = `${left} of ${MOST_EXPERIMENTS} left`;
   for (const input of $("answer").querySelectorAll("input, button")) input.disabled = answer !== null;
   if (!answer) for (const input of $("answer").querySelectorAll("input")) input.checked = false;
   $("truth-legend").hidden = $("see").hidden = answer === null;
@@ -389,6 +393,7 @@ function show(name) {
     $("tab-" + each).setAttribute("aria-selected", String(each === name));
     $("tab-" + each).tabIndex = each === name ? 0 : -1;
   }
+  if (name === "play" && core && !run) refresh();
   if (name === "guess") {
     if (!puzzle) startPuzzle(1 + Math.floor(Math.random() * 9999));
     showPuzzle();
@@ -416,7 +421,8 @@ function pickFrequency(event) {
 }
 
 function onKey(event) {
-  const typing = event.target.closest("input, select, textarea, button, summary");
+  // Where a space has a meaning of its own.
+  const typing = event.target.closest("input[type=radio], select, button, summary");
   if (event.ctrlKey || event.metaKey || event.altKey || $("play").hidden) return;
   const keys = {
     ",": () => step(-1), ".": () => step(1), "-": () => setSlowness(1), "+": () => setSlowness(-1), "=": () => setSlowness(-1),
@@ -481,7 +487,6 @@ async function main() {
   buildGuess();
   wire();
   showPlayback();
-  state.t = 0.05; // after the ramp, where the first pulse begins
   openHash();
   requestAnimationFrame(frame);
 }

@@ -33,7 +33,7 @@ function storyOf(changes, run) {
   parts.push(...slips);
   if (run.shares.flight > 0.01) parts.push(`is in the air for ${ms(run.shares.flight * period)}${Math.abs(flown) > 0.04 * Math.abs(forward * period) ? `, which moves it ${um(Math.abs(flown))} ${flown > 0 ? "forward" : "backward"}` : ""}`);
   const list = parts.length > 1 ? parts.slice(0, -1).join(", ") + " and " + parts[parts.length - 1] : parts[0];
-  const verb = forward > 0 ? (run.shares.flight > 0.2 ? "It hops" : "It walks") : "It slides back";
+  const verb = run.events.roll_over ? "It tips over" : forward < 0 ? "It slides back" : run.shares.flight > 0.2 ? "It hops" : "It walks";
   return `${verb}: ${mm(Math.abs(forward))} ${way}, ${um(Math.abs(forward) * period)} a pulse. In each pulse of ${ms(period)} ${list}.`;
 }
 

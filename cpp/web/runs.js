@@ -20,6 +20,9 @@ function playRun(changes) {
   run.period = 1 / frequency;
   run.direction = changes["drive.direction"] === "-x" ? -1 : 1;
   run.end = run.t[run.t.length - 1];
+  // Where it is shown from: the ramp before the pulses only if the robot rolls over in it or nothing follows.
+  const steps = Math.abs(run.mean_velocity) > 0 && !run.events.roll_over;
+  run.first = steps ? Math.min(settingOf(changes, "drive.ramp"), run.end) : 0;
   run.kind = Array.from(run.contact, (code) => kindOf(code));
   const shares = { stick: 0, slip: 0, flight: 0 };
   let counted = 0;

@@ -29,7 +29,7 @@ function drawScene(canvas, run, t, shown) {
   const body = corners.map(([x, z]) => [px(now.x + x), pz(now.z + z)]);
   drawBody(ctx, body, now, scale, length, run.direction, px, pz);
   drawContact(ctx, corners, now, px, pz, diagonal);
-  if (shown.forces) drawForces(ctx, run, now, corners, px, pz, h, shown);
+  if (shown.forces) drawForces(ctx, run, now, corners, px, pz, w, h, shown);
   ctx.restore();
   drawCompass(ctx, now, run, tilt);
   drawScaleBar(ctx, w, scale);
@@ -107,7 +107,7 @@ function drawContact(ctx, corners, now, px, pz, diagonal) {
   ctx.stroke();
 }
 
-function drawForces(ctx, run, now, corners, px, pz, h, shown) {
+function drawForces(ctx, run, now, corners, px, pz, w, h, shown) {
   const longest = 0.42 * h;
   const perNewton = (0.3 * h) / Math.max(shown.weight + shown.adhesion, 1e-9);
   const force = (x, z, fx, fz, colour, text) => {
@@ -115,6 +115,7 @@ function drawForces(ctx, run, now, corners, px, pz, h, shown) {
     if (size < 2) return;
     const factor = (perNewton * Math.min(size, longest)) / size;
     arrow(ctx, x, z, fx * factor, -fz * factor, colour, 3);
+    if (w < 480 || size < 16) return; // where words would hide more than they say; the legend has their colours
     const side = fx * factor < -4 ? "right" : "left";
     label(ctx, text, x + fx * factor + (side === "left" ? 6 : -6), z - fz * factor + (fz > 0 ? -4 : 12), colour, side);
   };
@@ -128,11 +129,11 @@ function drawForces(ctx, run, now, corners, px, pz, h, shown) {
   }
   force(centre[0], centre[1], weight * Math.sin(tilt), -weight * Math.cos(tilt), colours.ink, "weight");
   force(centre[0], centre[1], now.magnetic_x, now.magnetic_z, colours.stick, "magnetic");
-  drawTorque(ctx, centre, now, run, shown);
+  drawTorque(ctx, centre, now, run, shown, w);
 }
 
 /** The magnetic torque as an arc about the centre, of three quarters of a turn at its largest. */
-function drawTorque(ctx, centre, now, run, shown) {
+function drawTorque(ctx, centre, now, run, shown, w) {
   const mx = run.direction * Math.cos(now.theta), mz = -Math.sin(now.theta);
   // About +y, which turns the nose of a robot that faces +x down: clockwise on the screen.
   const torque = (mz * now.bx - mx * now.bz) * shown.moment;
@@ -147,7 +148,7 @@ function drawTorque(ctx, centre, now, run, shown) {
   const end = start + sign * span;
   const x = centre[0] + radius * Math.cos(end), y = centre[1] + radius * Math.sin(end);
   arrow(ctx, x, y, -sign * 8 * Math.sin(end), sign * 8 * Math.cos(end), colours.stick, 3);
-  label(ctx, "torque", centre[0] + radius + 6, centre[1] - 12, colours.stick);
+  if (w >= 480) label(ctx, "torque", centre[0] + radius + 6, centre[1] - 12, colours.stick);
 }
 
 /** The field at the robot, its length in proportion to the largest of the run. */

@@ -32,7 +32,7 @@ function drawStrips(canvas, run, t) {
   run.ranges ??= { field: rangeOf(run, ["bx", "bz"]), speed: rangeOf(run, ["vx"], run.window_start) };
   const row = (top, bottom, range, factor, names, text) => {
     const py = (value) => bottom - ((value - range[0]) / (range[1] - range[0])) * (bottom - top);
-    for (const value of ticks(range[0] * factor, range[1] * factor, 2.5)) {
+    for (const value of ticks(range[0] * factor, range[1] * factor, 3)) {
       line(ctx, [[box.left, py(value / factor)], [box.right, py(value / factor)]], colours.line, value === 0 ? 2 : 1);
       label(ctx, tickText(value), box.left - 6, py(value / factor) + 4, colours.soft, "right");
     }
