@@ -73,3 +73,7 @@ def _make_pictures(app: Sphinx) -> None:
 def setup(app: Sphinx) -> None:
     app.connect("builder-inited", _make_pictures)
     app.add_lexer("csv", TextLexer)
+    app.connect(
+        "build-finished",
+        lambda *_: shutil.copytree(HERE / "play", Path(app.outdir) / "play", dirs_exist_ok=True),
+    )

@@ -1,7 +1,7 @@
 """Build the page to play with: the core by em++, its page beside it, all in one file.
 
-``python3 cpp/web/build.py [page]`` writes docs/play/index.html, or another page. Exit status 2 where
-the compiler is missing; the page then stays as it is.
+``python3 cpp/web/build.py [page]`` writes docs/play/index.html, or another page. Without the
+compiler the exit status is 2 and the page stays as it is.
 """
 
 from __future__ import annotations
@@ -21,7 +21,18 @@ ROOT = HERE.parents[1]
 PAGE = ROOT / "docs" / "play" / "index.html"
 BUILD = ROOT / "build" / "play"
 
-SCRIPTS = ("keys", "runs", "drawing", "scene", "strips", "curve", "notes", "export", "guess", "main")
+SCRIPTS = (
+    "keys",
+    "runs",
+    "drawing",
+    "scene",
+    "strips",
+    "curve",
+    "notes",
+    "export",
+    "guess",
+    "main",
+)
 """In the order in which one needs the other."""
 
 LEAST_COMPILER = 3, 1, 69
@@ -63,9 +74,17 @@ def require_tools() -> None:
 
 def compile_core() -> None:
     BUILD.mkdir(parents=True, exist_ok=True)
-    for command in (["emcmake", "cmake", "--preset", "play"], ["cmake", "--build", "--preset", "play"]):
+    for command in (
+        ["emcmake", "cmake", "--preset", "play"],
+        ["cmake", "--build", "--preset", "play"],
+    ):
         done = subprocess.run(
-            command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+            command,
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
         )
         if done.returncode != 0:
             print(done.stdout, file=sys.stderr)

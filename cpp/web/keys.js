@@ -83,6 +83,9 @@ const PRESETS = [
   ["Stays: steady field", { "drive.base": 1.5e-3 }],
 ];
 
+/** Settings of which the first may not exceed the second. */
+const ORDERED = [["drive.base", "drive.peak"], ["contact.kinetic_friction", "contact.static_friction"]];
+
 const effectOf = (key) => EFFECTS.find(([, setting]) => setting.key === key);
 
 /** What `value` is in SI units, without the noise of a product. */

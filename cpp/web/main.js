@@ -98,7 +98,17 @@ function choosePreset(index) {
 }
 
 function change(values) {
-  setChanges({ ...state.changes, ...values });
+  setChanges({ ...state.changes, ...inOrder(values) });
+}
+
+/** These values, and beside each the one that has to follow it: a base is no higher than the peak. */
+function inOrder(values) {
+  const result = { ...values };
+  for (const [low, high] of ORDERED) {
+    if (low in values) result[high] = Math.max(values[low], valueOf(high));
+    if (high in values) result[low] = Math.min(values[high], valueOf(low));
+  }
+  return result;
 }
 
 /** Takes these values beside those of the start; one that is the start's or the default is left out. */
