@@ -20,6 +20,12 @@ target_compile_options(stickslip_options INTERFACE
   $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-tree-vectorize>
 )
 
+if(EMSCRIPTEN)
+  # Exceptions of WebAssembly itself: half the size of those that go through JavaScript.
+  target_compile_options(stickslip_options INTERFACE -fwasm-exceptions)
+  target_link_options(stickslip_options INTERFACE -fwasm-exceptions)
+endif()
+
 if(STICKSLIP_SANITIZE)
   target_compile_options(stickslip_options INTERFACE
     -fsanitize=${STICKSLIP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -64,3 +64,7 @@ def _add_navigation(app: Sphinx, name: str, source: list[str]) -> None:
 def setup(app: Sphinx) -> None:
     app.connect("source-read", _add_navigation)
     app.add_lexer("csv", TextLexer)
+    app.connect(
+        "build-finished",
+        lambda *_: shutil.copytree(HERE / "play", Path(app.outdir) / "play", dirs_exist_ok=True),
+    )

@@ -11,6 +11,24 @@
 #include "stickslip/lanes.hpp"
 
 namespace stickslip {
+namespace {
+
+/// Threads that are joined where they go out of scope; libc++ has no std::jthread before LLVM 20.
+class Pool {
+public:
+    Pool() = default;
+    Pool(const Pool&) = delete;
+    Pool& operator=(const Pool&) = delete;
+    ~Pool() {
+        for (std::thread& each : threads_) each.join();
+    }
+    void start(const std::function<void()>& work) { threads_.emplace_back(work); }
+
+private:
+    std::vector<std::thread> threads_;
+};
+
+}  // namespace
 
 void run_workers(int threads, RunControl& control, const std::function<void()>& work,
                  const std::function<void()>& poll) {
@@ -41,10 +59,9 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
         if (--running == 0) finished.notify_one();
     };
 
-    std::vector<std::jthread> pool;
-    pool.reserve(static_cast<std::size_t>(threads));
+    Pool pool;
     try {
-        for (int i = 0; i < threads; ++i) pool.emplace_back(guarded);
+        for (int i = 0; i < threads; ++i) pool.start(guarded);
     } catch (...) {  // no more threads: those that run are joined as the pool is left
         control.stop = true;
         throw;

@@ -1,30 +1,77 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
 /// Numbers as they stand in messages.
 namespace stickslip {
 
-/// The shortest digits that read back as the same number: for what the user gave.
-inline std::string digits(double value) {
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-    return {text.data(), end};
-}
+/// Whether the standard library writes floating numbers; libc++ does from LLVM 14 on.
+template <class Number>
+concept WrittenByLibrary = requires(char* text, Number value) {
+    std::to_chars(text, text, value);
+};
 
 inline constexpr int kRoundedDigits = 6;
 
-/// For what was computed.
+/// The texts below by `printf`, for a library without a floating `std::to_chars`: the same, but for
+/// one power of two in fifty, which gets a digit more.
+namespace by_printf {
+
+inline std::string formatted(const char* format, int precision, double value) {
+    std::array<char, 400> text;  // the largest number has 309 digits before its point
+    const int size = std::snprintf(text.data(), text.size(), format, precision, value);
+    return {text.data(), static_cast<std::size_t>(size)};
+}
+
+inline std::string digits(double value) {
+    if (!std::isfinite(value)) return formatted("%.*g", 1, value);
+    constexpr int kMost = 16;  // digits after the first that tell any double from its neighbours
+    int precision = 0;
+    std::string scientific = formatted("%.*e", precision, value);
+    while (precision < kMost && std::strtod(scientific.c_str(), nullptr) != value) {
+        scientific = formatted("%.*e", ++precision, value);
+    }
+    const int exponent = std::atoi(scientific.c_str() + scientific.find('e') + 1);
+    const std::string fixed = formatted("%.*f", std::max(precision - exponent, 0), value);
+    return fixed.size() <= scientific.size() ? fixed : scientific;
+}
+
 inline std::string rounded(double value) {
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                   std::chars_format::general, kRoundedDigits)
-                         .ptr;
-    return {text.data(), end};
+    return formatted("%.*g", kRoundedDigits, value);
+}
+
+}  // namespace by_printf
+
+/// The shortest digits that read back as the same number: for what the user gave.
+template <class Number>
+std::string digits(Number value) {
+    if constexpr (WrittenByLibrary<Number>) {
+        std::array<char, 32> text;
+        const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+        return {text.data(), end};
+    } else {
+        return by_printf::digits(value);
+    }
+}
+
+/// For what was computed.
+template <class Number>
+std::string rounded(Number value) {
+    if constexpr (WrittenByLibrary<Number>) {
+        std::array<char, 32> text;
+        const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
+                                       std::chars_format::general, kRoundedDigits)
+                             .ptr;
+        return {text.data(), end};
+    } else {
+        return by_printf::rounded(value);
+    }
 }
 
 /// For a limit, which may be taken as it stands: rounded down, or up, where the nearest is refused.
