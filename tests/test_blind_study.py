@@ -65,7 +65,7 @@ def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
         assert np.max(np.abs(gap) / sd) < 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_files_of_a_data_set_are_the_stored_ones_and_do_not_contain_the_answer(tmp_path):
     answer = json.loads(json.dumps(write_case(tmp_path / "a", "single", 20018)))
     text = "".join(path.read_text() for path in (tmp_path / "a").iterdir())
@@ -87,14 +87,14 @@ def test_files_of_a_data_set_are_the_stored_ones_and_do_not_contain_the_answer(t
     assert (answer["answer"], answer["kind"]) == (before["answer"], before["kind"])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_data_set_without_a_cause_gives_none():
     _, said, _ = _said("none", 20001)
     assert said["verdict"] == "none"
     assert said["bounds"]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("seed", "cause"), SINGLES)
 def test_a_single_cause_is_ranked_first(seed, cause):
     answer, said, names = _said("single", seed)
@@ -105,14 +105,14 @@ def test_a_single_cause_is_ranked_first(seed, cause):
     assert max(chance, key=chance.get) == cause
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_exact_twins_are_never_told_apart():
     _, said, names = _said("exact twins", 9051)
     assert said["verdict"] == "ambiguous"
     assert {"length_scale", "clock_scale"} <= names
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
     before, after = DATA / f"near-twins-{TWINS}", tmp_path / "after"
     answer, said, names = _said("near twins", TWINS)
@@ -134,7 +134,7 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
     assert abs(found["value"] - truth) < 3.0 * found["sd"]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_causes_are_given_as_a_pair_or_a_set():
     answer, _, names = _said("hiding", 20001)
     # Of the one that the other hides, beside it.
@@ -143,7 +143,7 @@ def test_two_causes_are_given_as_a_pair_or_a_set():
     assert set(answer["answer"]) <= names
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_effect_outside_the_library_is_not_named(monkeypatch):
     # Laws of a free shape are looked for after the verdict, which is what counts here.
     monkeypatch.setattr(measurement_problem, "search_terms", lambda *a, **k: None)

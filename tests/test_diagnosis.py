@@ -34,7 +34,7 @@ def _named(*names):
     return lambda found: found.verdict.kind == "named" and found.verdict.causes == names
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_false_alarms_are_as_rare_as_promised():
     # Of 160 tests at 5 %, more than 15 are seen once in 140.
     assert _count(range(160), lambda found: found.detection.found) <= 15
@@ -62,7 +62,7 @@ def test_scatter_between_known_set_ups_is_not_taken_for_a_cause():
     assert alarms <= 8
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_true_cause_is_named_and_no_other():
     found = [shared_diagnosis(seed, ripple=0.3) for seed in range(40)]
     named = [each.verdict.causes for each in found if each.verdict.kind == "named"]
@@ -81,7 +81,7 @@ def test_the_amplitude_is_within_its_error():
     assert 0.5 < np.std(pulls) < 1.5
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_wrong_constant_is_named():
     assert _count(range(30), _named("k0"), shift={0: 5.0}) >= 25
     blamed = {cause.name for cause in CAUSES}
@@ -93,7 +93,7 @@ def test_a_wrong_constant_is_named():
     assert structure <= 4
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_indistinguishable_causes_are_a_set_with_the_true_one():
     for seed in range(20):
         verdict = shared_diagnosis(seed, split=0.6).verdict
@@ -134,14 +134,14 @@ def test_trials_and_data_of_another_kind_have_to_have_one_cause():
         assert np.all(both.gain.held_out < half)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_causes_are_a_pair():
     verdicts = [shared_diagnosis(seed, wave=0.5, swell=-0.5).verdict for seed in range(20)]
     right = [each for each in verdicts if set(each.causes) == {"wave", "swell"}]
     assert sum(each.kind == "pair" for each in right) >= 16
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_what_no_cause_explains_is_unexplained():
     unknown = 0.25 * np.sin(31 * X + MODE)
     found = [diagnosis(seed, extra=unknown).verdict for seed in range(20)]

@@ -146,7 +146,7 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path, old, new, said):
     assert not (tmp_path / "found").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
     path = write(tmp_path, {"effects.surface_tilt.angle": 0.04})
     out = tmp_path / "found"
@@ -178,7 +178,7 @@ def test_the_command_is_listed_with_an_example():
     assert "Example:" in stickslip("diagnose", "--help").stdout
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_answer_does_not_depend_on_the_number_of_threads(tilted):
     folder, said = tilted
     done = stickslip(

@@ -105,6 +105,7 @@ def rates_of_false_alarms(correlation, count):
     return alarms.mean(axis=0)
 
 
+@pytest.mark.nightly
 def test_correlated_errors_raise_no_more_false_alarms_than_independent_ones():
     # 400 tables tell a rate of 5 % to 1.1 %.
     without, with_estimate = rates_of_false_alarms(0.6, 400)
@@ -119,6 +120,7 @@ def test_independent_errors_keep_their_rate():
     assert np.all(with_estimate <= 0.08)
 
 
+@pytest.mark.nightly
 def test_correlated_errors_of_a_stated_size_raise_few_false_alarms():
     # One sweep of four curves of 30 readings; the score of a cause that acts in one of them, and
     # the lack of fit. 150 tables tell a rate of 5 % to 1.8 %.

@@ -197,7 +197,7 @@ def measured(hidden, conditions, seed):
     return rows
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_hidden_law_is_found_at_its_place_with_its_curve(monkeypatch, tmp_path):
     import pandas as pd
 

@@ -99,6 +99,7 @@ def test_predictions_at_new_conditions_have_the_error_of_the_fit(waved):
     np.testing.assert_allclose(table["extended_sd"], np.sqrt(variance), rtol=0.01)
 
 
+@pytest.mark.nightly
 def test_the_extended_scenario_has_the_covariance_of_what_was_fitted(measured):
     scenario = measured.extended
     keys = list(scenario.uncertain.keys)

@@ -162,7 +162,7 @@ def test_what_measure_returns_and_numbers_are_checked(diagnosed, measure, more, 
         diagnose_in_rounds(measurement(), measure, **more)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_near_twins_are_told_apart_in_rounds():
     truth = NOMINAL.replace({"contact.kinetic_friction": 0.151, "effects.surface_tilt.angle": 0.04})
     random = np.random.default_rng(1)

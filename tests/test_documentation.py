@@ -36,7 +36,7 @@ def _is_slow(page):
 
 @pytest.mark.parametrize(
     "page",
-    [pytest.param(page, marks=pytest.mark.slow if _is_slow(page) else ()) for page in PAGES],
+    [pytest.param(page, marks=pytest.mark.nightly if _is_slow(page) else ()) for page in PAGES],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_the_code_of_a_page_runs_and_prints_what_it_says(page):

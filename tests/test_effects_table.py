@@ -26,26 +26,22 @@ def differences(choice, way):
     return list(WAYS[way](table_of(choice)))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_an_effect_acts_alike_in_each_way_to_run(way):
     assert differences("singles", way) == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_two_effects_act_alike_in_each_way_to_run(way):
     assert differences("pairs", way) == []
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_any_two_effects_act_alike_in_each_way_to_run(way):
     assert differences("all", way) == []
 
 
-@pytest.mark.slow
 def test_every_effect_acts_on_a_drive_of_the_table():
     """Ten times as much as two programs may differ, so that leaving it out would be seen."""
     table = table_of("singles")
@@ -53,7 +49,6 @@ def test_every_effect_acts_on_a_drive_of_the_table():
     assert acting == set(rows())
 
 
-@pytest.mark.slow
 def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
     """On drives that are simulated in both, so that an effect that one of them lost is seen."""
     table = table_of("singles")
@@ -66,7 +61,6 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
     assert {case.effects[0] for case in pushed} == planar - set(OWN)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "choice", ["singles", "pairs", pytest.param("all", marks=pytest.mark.nightly)]
 )
@@ -75,7 +69,6 @@ def test_every_run_of_the_table_comes_to_its_end(choice):
     assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}
 
 
-@pytest.mark.slow
 def test_an_instrument_changes_no_state():
     """What a camera reads wrongly moves nothing: the steps of a `Simulator` know none of it."""
     table = table_of("singles")

@@ -21,7 +21,7 @@ GRAVITY = 9.81  # m/s^2
 SHORT = {**IPP, "pulses": 5}
 
 # The kernel takes 11 s to compile, and then less than a second for a walk.
-needs_kernel = pytest.mark.slow
+needs_kernel = pytest.mark.nightly
 TABLE = {entry["name"]: entry for entry in json.loads(FILE.read_text())["walks"]}
 
 

@@ -108,7 +108,7 @@ def test_extremes_of_random_programs_are_those_of_a_dense_record(in_plane):
     check_random(range(10), in_plane)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("in_plane", [True, False])
 @pytest.mark.parametrize("first", range(10, 110, 20))
 def test_extremes_of_many_random_programs(first, in_plane):

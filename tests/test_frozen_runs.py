@@ -60,14 +60,12 @@ def test_a_changed_bit_is_found(chosen):
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2])
 def test_frozen_runs_are_what_they_were_with_threads(threads, chosen):
     assert changes(freeze.simulated(chosen, threads)) == []
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("width", ["1", "2", "4", "8"])
 def test_frozen_runs_have_their_bits_in_packs_of_any_width(width):
     """In a process of its own, which reads the width once."""

@@ -111,7 +111,7 @@ def test_an_ambiguous_set_has_the_indistinguishable_causes(tmp_path):
     assert report_section.lines[-1].code is Code.NO_ANGLE_WITHOUT_FIELD
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_velocities_and_angles_together(tmp_path):
     # Velocities see the misalignment too, but here the angles say how large it is.
     hidden = {"effects.misalignment.angle": 0.1}

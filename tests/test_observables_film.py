@@ -124,7 +124,7 @@ def test_frames_far_from_their_phase_are_left_out():
     assert np.mean(whitened(observable) ** 2) < 1.4
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_film_of_the_independent_simulator_fits_the_true_model():
     contact = {"kinetic_friction": TRUE["contact.kinetic_friction"]}
     drive = {"mode": "IPP", "frequency": 30.0, "base": 0.5e-3, "hold": 1e-3, "pulses": 12}
@@ -230,7 +230,7 @@ def test_the_camera_of_another_model_moves_no_drawn_curve():
 # From films to a verdict.
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_tilt_is_found_in_films_of_both_directions(tmp_path):
     path = write_films(tmp_path, {"effects.surface_tilt.angle": 0.03}, 500.0, seed=4)
     done = stickslip("diagnose", path, "--out", tmp_path / "found", "--json")
@@ -262,7 +262,7 @@ def test_aliased_films_without_a_cause_name_nothing(tmp_path):
     assert found.detection.p_value > 0.05
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_film_and_velocities_of_opposite_directions_are_diagnosed_together(tmp_path, monkeypatch):
     # What helps the robot one way hinders it the other; of either alone the constants can make up
     # for most. Three causes are enough to choose from.

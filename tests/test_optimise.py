@@ -110,6 +110,7 @@ def test_the_largest_field_is_where_both_currents_are_at_their_limit(few):
     assert found.judged.worst["current_max"] > 0.98
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "more",
     [

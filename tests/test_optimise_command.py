@@ -105,6 +105,7 @@ def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, mon
     assert not (tmp_path / "found").exists()
 
 
+@pytest.mark.nightly
 def test_limits_of_walking_are_default_until_flight_is_allowed(scenario):
     words = ("optimise", scenario, *WAVE, *FEW, "--json", "--limit", "tilt_max=1.2")
     walk, fly = (json.loads(stickslip(*words, *flag).stdout) for flag in ((), ("--allow-flight",)))

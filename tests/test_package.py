@@ -72,7 +72,7 @@ def test_an_unknown_name_is_an_attribute_error():
         _ = stickslip.no_such_name
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_type_checkers_see_names_that_are_not_there(tmp_path):
     file = tmp_path / "typos.py"
     file.write_text(

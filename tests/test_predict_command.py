@@ -128,6 +128,7 @@ def test_an_interrupt_leaves_no_file(files):
     assert not (files / "b.csv").exists()
 
 
+@pytest.mark.nightly
 def test_what_a_diagnosis_leaves_is_predicted_with(tilted):
     folder, said = tilted
     extended = load(folder / "found" / "extended.toml")

@@ -116,21 +116,20 @@ without_rebound = scenarios(restitution=st.just(0.0))
 with_rebound = scenarios(restitution=number(0.0, 0.9))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @settings(max_examples=300, **SETTINGS)
 @given(scenario=st.one_of(without_rebound, with_rebound))
 def test_invariants_hold_at_a_tight_tolerance(scenario):
     assert_sound(scenario, rtol=1e-10, slack=1e-9, speed_slack=1e-9)
 
 
-@pytest.mark.slow
 @settings(max_examples=300, **SETTINGS)
 @given(scenario=st.one_of(without_rebound, with_rebound))
 def test_invariants_hold_at_the_default_tolerance(scenario):
     assert_sound(scenario, rtol=1e-7, slack=1e-2, speed_slack=1e-4, gap_slack=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @settings(max_examples=100, **SETTINGS)
 @given(scenario=scenarios(restitution=number(0.9, 1.0)))
 def test_elastic_bounces_end(scenario):

@@ -128,7 +128,7 @@ def test_a_turned_probe_is_named_without_repeats(tmp_path, seed):
     assert abs(row["value"] - 0.02) < 3.0 * row["sd"] < 0.01
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_velocities_with_a_wrong_zero_are_named_beside_a_slope(monkeypatch):
     few_causes(monkeypatch, "surface_tilt", "friction_anisotropy", "field_gain", "edge_time")
     base = Scenario().replace({"drive.base": 5e-4, "drive.pulses": 8})
@@ -160,7 +160,7 @@ def test_velocities_with_a_wrong_zero_are_named_beside_a_slope(monkeypatch):
     assert shift == pytest.approx(row["value"], abs=0.1 * abs(row["value"]))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_marker_off_the_centre_of_mass_is_named(tmp_path, monkeypatch):
     few_causes(monkeypatch, "surface_tilt", "angle_offset", "length_scale")
     path = write_films(tmp_path, {}, 400.0, seed=2, marker=3e-5)

@@ -34,6 +34,7 @@ def made_by_the_core(number, seed):
     return Drops(np.arange(number), poses + NOISE * rng.standard_normal(poses.shape))
 
 
+@pytest.mark.nightly
 def test_the_constants_of_drops_that_the_core_made_come_back():
     drops = made_by_the_core(28, seed=1)
     found = fits.fit(drops, tries=100)

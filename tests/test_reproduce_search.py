@@ -75,6 +75,7 @@ def test_without_any_pair_that_keeps_s1_to_s4_there_is_no_evidence():
     assert (said.kept, said.most, said.conflicts) == (0, 0, [])
 
 
+@pytest.mark.nightly
 def test_the_search_is_not_worse_than_the_grid_and_says_what_its_best_is(found):
     assert found.tried >= 12
     assert len(found.points) == found.tried

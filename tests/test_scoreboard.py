@@ -43,6 +43,7 @@ def test_the_drops_give_no_confident_wrong_angle():
     assert scoreboard.judged(found, scoreboard.HEIGHTS) == "open, the truth in the set"
 
 
+@pytest.mark.nightly
 def test_the_robust_fit_does_not_depend_on_where_it_begins():
     # A search ends where the log-likelihood of 57 readings changes by less than 0.001, which is an
     # error that is 1 % off; other minima leave errors that are tens of per cent larger or smaller.

@@ -93,7 +93,7 @@ def test_an_interrupt_keeps_what_was_done(tmp_path, expected):
     assert_resumes(tmp_path / "a.nc", expected)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_killed_sweep_resumes(tmp_path):
     slower = SLOW.replace({"solver.max_step": 1e-6})
     # Runs that step together end together: enough of them that some end long after the first.

@@ -67,7 +67,7 @@ def test_another_word_or_number_is_seen():
     assert differs("tilt 2.44", "slope 2.44", ANY_FIT) == ("tilt ", "slope ")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_all_cells_run_and_show_what_is_stored():
     check(CELLS)
 

@@ -38,7 +38,7 @@ def test_it_joins_the_library_with_its_range():
     assert np.all(np.isfinite(size.limits))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_it_is_found_and_extends_the_scenario(tmp_path):
     register(pulling, parameter(unit="N", low=-1e-7, high=1e-7))
     hidden = 2e-8

@@ -79,7 +79,7 @@ def test_a_function_may_return_anything_of_three_numbers():
     assert array.mean_velocity == listed.mean_velocity
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_function_is_kept_as_long_as_it_is_in_use():
     class Force:
         def __call__(self, state, parameters):

@@ -91,7 +91,7 @@ def test_circuit_meets_a_voltage_jump_inside_a_step(lag):
     assert lagged[0] == pytest.approx(expected, rel=1e-4 if lag else 1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_block_held_inside_the_friction_cone_does_not_creep():
     weight, adhesion = 25.6e-9 * GRAVITY, 0.22e-6
     # sin(a) = 0.9 mu (cos(a) + adhesion / weight), solved to first order twice.
