@@ -1,4 +1,4 @@
-"""A short tour: both modes of driving at two frequencies, as a table and as pictures.
+"""A short tour: both modes of driving at two frequencies, as a table, pictures and a film.
 
 ``python -m stickslip.demo`` writes to ``demo_output/`` in the current folder.
 """
@@ -60,7 +60,7 @@ def table(runs: list[Run]) -> str:
 
 
 def main() -> int:
-    """Simulate, print the table, write the pictures; 1 if a simulation failed.
+    """Simulate, print the table, write film and pictures; 1 if a simulation failed.
 
     Raises
     ------
@@ -73,6 +73,9 @@ def main() -> int:
     print(table(runs))
     OUTPUT.mkdir(exist_ok=True)
     print()
+    film = OUTPUT / "walk.webp"
+    plot.animation(runs[0]).save(film)
+    print(f"wrote {film.resolve()}")
     for run in runs:
         drive = run.scenario.drive
         path = OUTPUT / f"{drive.mode.lower()}_{drive.frequency:g}hz.png"
