@@ -14,8 +14,8 @@ function choice(key, label, words) {
 
 const GROUPS = [
   ["Drive", [
-    choice("drive.mode", "Pulses come from", [["IPP", "coil ahead (IPP)"], ["OPP", "coil below (OPP)"]]),
-    choice("drive.edge", "Sudden stroke", [["rise", "rise"], ["fall", "fall"]]),
+    choice("drive.mode", "Pulses come from", [["IPP", "coil ahead: in-plane (IPP)"], ["OPP", "coil below: out-of-plane (OPP)"]]),
+    choice("drive.edge", "The field jumps", [["rise", "up"], ["fall", "down"]]),
     choice("drive.clamp", "Leans on", [["down", "front edge"], ["up", "rear edge"]]),
     choice("drive.direction", "Faces", [["+x", "right (+x)"], ["-x", "left (-x)"]]),
     slider("drive.frequency", "Frequency", "Hz", 1, 5, 150, 1),
@@ -100,7 +100,7 @@ const withUnit = (text, unit) => text + (unit === "" ? "" : unit === "°" ? unit
 /** Throws for a value that a setting of this page does not take. */
 function checked(key, text) {
   const setting = SETTINGS.get(key);
-  if (!setting) throw new Error(`${key} is no setting of this page`);
+  if (!setting) throw new Error(`unknown setting ${key}`);
   if (setting.words) {
     if (!setting.words.some(([word]) => word === text)) throw new Error(`${key} = ${text}: allowed is ${setting.words.map(([word]) => word).join(" or ")}`);
     return text;
