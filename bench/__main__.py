@@ -1,7 +1,7 @@
 """Benchmarks and studies by name: ``python -m bench NAME [options]``; without a name, their list.
 
 Each is a module of this folder. It runs in a process of its own with one thread of the linear
-algebra, so that the CPU time that it measures is its own; its processes inherit both.
+algebra, so that the CPU time that it measures is its own; child processes inherit the thread limit.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ PROGRAMS = {
 
 def main(arguments: list[str]) -> int:
     """Print the list, or become the program; 2 for an unknown name."""
-    if not arguments or arguments[0] in ("-h", "--help"):
+    if not arguments or arguments[0] in ("list", "-h", "--help"):
         print(*(f"{name:<14}{text}" for name, (_, text) in PROGRAMS.items()), sep="\n")
         return 0
     name, *rest = arguments

@@ -1,6 +1,6 @@
 """What ``make test`` leaves out, in a fixed rotation: ``python tests/nightly.py --minutes 25``.
 
-Every hour the rotation begins at another job, so that short nights visit all of them in turn. A job
+Every hour and every day the rotation begins at another job: short nights visit all of them. A job
 begins only if its usual time still fits. Exit status 1 if one failed; the others still run.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PYTHON = shlex.quote(sys.executable)
-HOUR, WEEK = 3600, 7 * 24 * 3600
+HOUR, DAY, WEEK = 3600, 24 * 3600, 7 * 24 * 3600
 PARTS = 6
 
 
@@ -53,7 +53,9 @@ def main() -> int:
     parser.add_argument("--start", choices=every, help="first job; without it, by the hour")
     options = parser.parse_args()
     names = list(every)
-    first = names.index(options.start) if options.start else int(now // HOUR) % len(names)
+    first = (
+        names.index(options.start) if options.start else int(now // HOUR + now // DAY) % len(names)
+    )
     order = names[first:] + names[:first]
     print(f"nightly: from {order[0]} on; `--start {order[0]}` repeats this order", flush=True)
     end = time.monotonic() + 60 * options.minutes

@@ -259,17 +259,17 @@ def test_the_documentation_has_the_numbers_of_the_record():
     counts = {(each["kind"], each["what"]): each for each in judged(rows, pooled=True)}
     said = " ".join((ROOT / "README.md").read_text().split())
     for kind, what, words in (
-        ("none", "false alarm", "{count} false alarms in {total} without a cause"),
+        ("none", "false alarm", "{count} false alarms in {total} sets without a cause"),
         (
             "single",
             "named",
-            "of {total} strong single causes {count} were named, each of them rightly",
+            "Of {total} sets with one strong cause, it named {count}, all correctly",
         ),
     ):
         assert words.format(**counts[kind, what]) in said, (kind, what)
     right = counts["single", "right when named"]
     assert right["count"] == right["total"] == counts["single", "named"]["count"]
-    assert f"on {len(rows)} made data sets" in said
+    assert f"on {len(rows)} synthetic data sets" in said
 
 
 def test_what_was_missed_is_counted_as_in_the_record():

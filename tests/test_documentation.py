@@ -159,7 +159,7 @@ def test_the_numbers_of_the_readme_are_those_of_the_tables():
         f"{speed['tsit5', 1e-8]:.0f} at the default 1e-8",
         "{:.0f} to {:.0f} times faster than SciPy's".format(*np.round(ratios["scipy"][::2], -1)),
         f"{ratios['heyoka'][0]:.1f} to {ratios['heyoka'][-1]:.1f} times faster than heyoka",
-        f"creep by {1e3 * drift:.1f} um in a second",
+        f"creeps by {1e3 * drift:.1f} um in a second",
         f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
     ):
         assert words in said, words

@@ -131,9 +131,9 @@ MOVED = """(async () => {
 })()"""
 
 
+@pytest.mark.nightly  # a time, which other tests beside it would spoil
 @needs_chromium
 def test_the_robot_moves_within_a_second(opened):
-    # The best of three: other tests may have the processor.
     assert min(opened().evaluate(MOVED) for _ in range(3)) < 1000
     assert opened().evaluate("performance.getEntriesByType('resource').length") == 0
 
@@ -167,6 +167,8 @@ def test_keys_change_a_slider_and_stop_the_film(opened):
         "drive.frequency=fast",
         "drive.frequency=1e4",
         "drive.base=0.003",  # above the peak
+        "effects.friction_patches.amplitude=0.5&effects.friction_patches.period=5",
+        "effects.eddy_lag.time=0.001&effects.edge_time.time=0.001",
         "guess=some",
         "%",
     ],

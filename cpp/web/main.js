@@ -216,13 +216,16 @@ function readHash() {
     const key = part.slice(0, cut);
     changes[key] = checkedAny(key, part.slice(cut + 1));
   }
+  const acting = EFFECTS.filter(([, { key }]) => key in changes);
+  if (acting.length > 1) throw new Error(`${acting.map(([, { key }]) => key).join(" and ")}: one effect at a time`);
   return { changes };
 }
 /** As `checked`, also for what belongs to an effect. */
 function checkedAny(key, text) {
   const beside = EFFECTS.find(([, , , values]) => values && key in values);
-  if (beside) return beside[3][key];
-  return checked(key, text);
+  if (!beside) return checked(key, text);
+  if (Number(text) !== beside[3][key]) throw new Error(`${key} = ${text}: allowed is ${beside[3][key]}`);
+  return beside[3][key];
 }
 
 function openHash() {

@@ -77,6 +77,7 @@ void add_magnetic_force(const Scenario& scenario, const Recording& record, val& 
     }
     out.set("magnetic_x", copied(fx));
     out.set("magnetic_z", copied(fz));
+    out.set("misalignment", model.misalignment);
 }
 
 /// What `make` gives, or {error: what a scenario is refused for}.

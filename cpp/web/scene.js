@@ -27,7 +27,7 @@ function drawScene(canvas, run, t, shown) {
   drawTrace(ctx, run, t, h - ground - 10, px, shown);
   const corners = cornersOf(length, height, now.theta, run.direction);
   const body = corners.map(([x, z]) => [px(now.x + x), pz(now.z + z)]);
-  drawBody(ctx, body, now, scale, length, run.direction, px, pz);
+  drawBody(ctx, body, now, scale, length, run, px, pz);
   drawContact(ctx, corners, now, px, pz, diagonal);
   if (shown.forces) drawForces(ctx, run, now, corners, px, pz, w, h, shown);
   ctx.restore();
@@ -76,7 +76,7 @@ function drawTrace(ctx, run, t, depth, px, shown) {
   if (points.length) flush();
 }
 
-function drawBody(ctx, body, now, scale, length, direction, px, pz) {
+function drawBody(ctx, body, now, scale, length, run, px, pz) {
   ctx.beginPath();
   body.forEach(([x, y], i) => ctx[i ? "lineTo" : "moveTo"](x, y));
   ctx.closePath();
@@ -86,7 +86,8 @@ function drawBody(ctx, body, now, scale, length, direction, px, pz) {
   ctx.lineWidth = 2;
   ctx.stroke();
   // The moment, from the south to the north end.
-  const half = 0.32 * length, c = Math.cos(now.theta), s = Math.sin(now.theta);
+  const { direction } = run, angle = now.theta + run.misalignment;
+  const half = 0.32 * length, c = Math.cos(angle), s = Math.sin(angle);
   const tail = [px(now.x - direction * half * c), pz(now.z + half * s)];
   arrow(ctx, tail[0], tail[1], 2 * direction * half * c * scale, 2 * half * s * scale, colours.soft, 2);
 }
@@ -134,7 +135,8 @@ function drawForces(ctx, run, now, corners, px, pz, w, h, shown) {
 
 /** The magnetic torque as an arc about the centre, of three quarters of a turn at its largest. */
 function drawTorque(ctx, centre, now, run, shown, w) {
-  const mx = run.direction * Math.cos(now.theta), mz = -Math.sin(now.theta);
+  const angle = now.theta + run.misalignment;
+  const mx = run.direction * Math.cos(angle), mz = -Math.sin(angle);
   // About +y, which turns the nose of a robot that faces +x down: clockwise on the screen.
   const torque = (mz * now.bx - mx * now.bz) * shown.moment;
   const span = Math.min(1, Math.abs(torque) / Math.max(shown.moment * run.field_max, 1e-30)) * 1.5 * Math.PI;
