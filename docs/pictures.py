@@ -29,11 +29,11 @@ sys.path[:0] = [str(DOCS / "_extensions"), str(DOCS.parent / "tests")]
 from drawings import DRAWINGS  # noqa: E402
 
 from documentation_blocks import EXAMPLES, pages, play  # noqa: E402
+from play.browser import PROGRAM as BROWSER  # noqa: E402
 
 _LINK = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/[^)\s]+)\)")
 _COMMAND = re.compile(r"\*\*: `((?:stickslip|python) [^`]+)`")
 _SCREEN, _ZOOM = "860,704", "1.5"  # px; chosen so that it can be read at half the width of a page
-_BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 def linked(page: Path) -> list[Path]:
@@ -81,15 +81,14 @@ def make_readme() -> None:
 
 def _photograph(page: Path, picture: Path) -> None:
     """The first screen of a page as a browser shows it, where there is one."""
-    browser = next(filter(None, map(shutil.which, _BROWSERS)), None)
-    if browser is None:
-        print(f"{picture.name}: stays as it is, as there is no {_BROWSERS[0]} here")
+    if BROWSER is None:
+        print(f"{picture.name}: stays as it is, as there is no Chromium here")
         return
     options = ["--headless", "--hide-scrollbars", f"--window-size={_SCREEN}"]
     options.append(f"--force-device-scale-factor={_ZOOM}")
     if os.geteuid() == 0:
         options.append("--no-sandbox")
-    command = [browser, *options, f"--screenshot={picture}", page.as_uri()]
+    command = [BROWSER, *options, f"--screenshot={picture}", page.as_uri()]
     subprocess.run(command, check=True, capture_output=True)
 
 
