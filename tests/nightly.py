@@ -33,7 +33,6 @@ def jobs(seed: int) -> dict[str, tuple[int, str]]:
             f"{_preset('asan', 'stickslip_fuzz')} && {fuzz} --check sanitized --minutes 3"
             " --out bench/results/fuzz-sanitized",
         ),
-        "promises": (4, f"{PYTHON} -m bench promises"),
         "wheel": (6, "make wheel"),
         "docs": (5, "make docs"),
         "lint": (15, "make lint"),
