@@ -29,9 +29,9 @@ def modules():
 
 
 def _is_slow(page):
-    # Whole diagnoses, and a walk of six seconds with its film.
+    # Whole diagnoses, and films.
     code = [block.text for block in blocks(page) if block.language != "text"]
-    return any(word in text for text in code for word in ("diagnose", "follow.webp"))
+    return any(word in text for text in code for word in ("diagnose", "animation("))
 
 
 @pytest.mark.parametrize(
