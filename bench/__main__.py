@@ -37,6 +37,7 @@ PROGRAMS = {
 def main(arguments: list[str]) -> int:
     """Print the list, or become the program; 2 for an unknown name."""
     if not arguments or arguments[0] in ("list", "-h", "--help"):
+        print("usage: python -m bench NAME [options]\n")
         print(*(f"{name:<14}{text}" for name, (_, text) in PROGRAMS.items()), sep="\n")
         return 0
     name, *rest = arguments

@@ -13,6 +13,7 @@ import pytest
 
 import stickslip
 from documentation_blocks import NOT_RUN, TIMED, blocks, pages, play, prints
+from stickslip import Drive, Scenario, simulate
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
 ROOT = Path(__file__).parents[1]
@@ -163,6 +164,17 @@ def test_the_numbers_of_the_readme_are_those_of_the_tables():
         f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
     ):
         assert words in said, words
+
+
+def test_the_speeds_of_the_readme_are_those_of_the_film():
+    film = Scenario(drive=Drive(frequency=50, base=0.3e-3, pulses=30))  # that of the gallery
+    single, pairs = (
+        1e3 * simulate(each).mean_velocity
+        for each in (film, film.replace({"drive.coils": "pairs"}))
+    )
+    said = " ".join((ROOT / "README.md").read_text().split())
+    assert f"walks at {single:.2g} mm/s (pulses of 50 Hz)" in said
+    assert f"it walks at {pairs:.2g} mm/s" in said
 
 
 def test_the_readme_is_one_page():
