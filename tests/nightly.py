@@ -27,10 +27,11 @@ def jobs(seed: int) -> dict[str, tuple[int, str]]:
     return result | {
         "asan": (10, _preset("asan", "stickslip_tests") + " && ctest --preset asan -j 2"),
         "tsan": (8, _preset("tsan", "stickslip_tests") + " && ctest --preset tsan -j 2"),
-        "fuzz": (6, f"{fuzz} --minutes 5"),
+        # New scenarios each week, which may find something: for nights of an hour, not for each change.
+        "fuzz": (26, f"{fuzz} --minutes 25"),
         "fuzz-sanitized": (
-            12,
-            f"{_preset('asan', 'stickslip_fuzz')} && {fuzz} --check sanitized --minutes 3"
+            26,
+            f"{_preset('asan', 'stickslip_fuzz')} && {fuzz} --check sanitized --minutes 15"
             " --out bench/results/fuzz-sanitized",
         ),
         "wheel": (6, "make wheel"),

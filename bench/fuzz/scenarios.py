@@ -199,6 +199,9 @@ def _wild_program(draw: Draw) -> Keys:
     count = draw.whole(2, 12)
     steps = [draw.corner(0.0, draw.decades(1e-4, 0.05), 0.3) for _ in range(count - 1)]
     steps[-1] = steps[-1] or draw.decades(1e-4, 0.05)
+    for k in range(1, count - 1):  # a jump has two points at one time
+        if steps[k - 1] == 0.0:
+            steps[k] = steps[k] or draw.decades(1e-4, 0.05)
     times = np.concatenate([[0.0], np.cumsum(steps)])
     voltages = draw.random.normal(0.0, 20.0, (count, 5)) * draw.random.integers(0, 2, (1, 5))
     voltages[:, 3] = -voltages[:, 2]  # equal coils of y, which together have no field across

@@ -21,9 +21,12 @@ inline constexpr double kTurningLook = 0.3;
 void for_each_part(const CurrentSegment& segment, auto&& use) {
     const double fastest =
         *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
+    // What fades within the rounding of the stretch's times, as a rate that overflowed, is not
+    // seen.
+    const double least = std::max(1.0 / fastest, 1e-16 * segment.duration);
     double tau = 0.0;
     while (tau < segment.duration) {
-        tau += kTurningLook * std::max(1.0 / fastest, tau);
+        tau += kTurningLook * std::max(least, tau);
         // Not a last part that is far shorter than the others.
         if (tau > 0.95 * segment.duration) tau = segment.duration;
         use(tau);

@@ -218,3 +218,15 @@ TEST_CASE("the least value of a function is that of its parabolas") {
         }
     }
 }
+
+TEST_CASE("turning points: a rate that overflowed has an end") {
+    CurrentSegment segment;
+    segment.exponentials = 1;
+    segment.rate[0] = std::numeric_limits<double>::infinity();
+    segment.duration = 0.1;
+    std::vector<double> ends;
+    for_each_part(segment, [&](double tau) { ends.push_back(tau); });
+    REQUIRE(!ends.empty());
+    CHECK(ends.size() < 200);
+    CHECK(ends.back() == segment.duration);
+}
