@@ -27,7 +27,7 @@ def jobs(seed: int) -> dict[str, tuple[int, str]]:
     return result | {
         "asan": (10, _preset("asan", "stickslip_tests") + " && ctest --preset asan -j 2"),
         "tsan": (8, _preset("tsan", "stickslip_tests") + " && ctest --preset tsan -j 2"),
-        # New scenarios each week, which may find something: for nights of an hour, not for each change.
+        # New scenarios each week may find something: for long nights, not for each change.
         "fuzz": (26, f"{fuzz} --minutes 25"),
         "fuzz-sanitized": (
             26,
