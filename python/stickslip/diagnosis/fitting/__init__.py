@@ -1,0 +1,1 @@
+"""The problem, its discrepancy, and the fits of models."""

@@ -1,0 +1,64 @@
+"""Whatever may be wrong with a model or its data, as one type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.terms.curve import Curve
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import refuse
+
+Read = Callable[[Array, Array, dict[str, Array]], Array]
+"""``read(readings, predicted, p)``: what an instrument makes of the readings so far, where
+`predicted` is what the physics predicts, both of shape (vectors, rows); ``p[name]`` has the shape
+(vectors, 1)."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Cause(OneLine):
+    """A term that may be added to a model.
+
+    Attributes
+    ----------
+    name, meaning : str
+    parameters : tuple of Parameter
+        Amplitudes and shapes. None for a constant that is other than stated.
+    frees : str, optional
+        Name of a constant whose prior is widened to ten times its standard deviation: of the
+        constant that is the suspect itself, or of the one that a law of a free shape replaces.
+    read : callable, optional
+        Of an instrument: how it changes the readings of `table`.
+    table : str, optional
+        Name of the table that an instrument reads; all of them, if not given.
+    curve : Curve, optional
+        Of a law of a free shape, whose values at the knots are the parameters.
+
+    Raises
+    ------
+    ScenarioError
+        If a value is not allowed.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...] = ()
+    meaning: str = ""
+    frees: str | None = None
+    read: Read | None = field(default=None, repr=False)
+    table: str | None = None
+    curve: Curve | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name or self.name == "none":
+            refuse("name of a cause", self.name, 'a text other than "none"')
+        if isinstance(self.parameters, Parameter):
+            object.__setattr__(self, "parameters", (self.parameters,))
+        given = self.parameters
+        if not isinstance(given, tuple | list) or not all(isinstance(p, Parameter) for p in given):
+            raise ScenarioError(f"cause {self.name}: parameters: allowed are Parameters")
+        object.__setattr__(self, "parameters", tuple(given))
+        if not self.parameters and self.frees is None:
+            raise ScenarioError(f"cause {self.name}: allowed is one with a Parameter")

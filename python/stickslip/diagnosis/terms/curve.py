@@ -1,0 +1,67 @@
+"""Curves through knots: a law of a free shape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import OneLine
+
+SIZES, LENGTHS = (0.5, 1.0, 2.0), (0.35, 0.8)
+"""Sizes, in a knot's usual size, and lengths, in the curve's range, of the process that is the
+curve's prior. Chosen: factors of two about the usual; a bend in the middle, and about one bend."""
+
+_NUGGET = 1e-4
+"""Variance of a knot by itself, in that of the process: a covariance that can be inverted."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Curve(OneLine):
+    """A law f of one argument by its values at knots, in which it is linear.
+
+    The knots' prior is a squared-exponential process, averaged over a grid of its size and length.
+
+    Attributes
+    ----------
+    law, argument : str
+        What f changes and what it depends on: ``friction``, ``slip speed``.
+    unit, law_unit : str
+        Of the argument, and of the law as it is drawn.
+    low, high : float
+        Range of the argument.
+    places : ndarray, shape (knots,)
+        Argument at each knot.
+    design : callable
+        ``design(argument)``: what each knot adds to f, shape (*argument.shape, knots).
+    constant : str, optional
+        Name of the constant that the law is times 1 + f, if it is one.
+    stated : float
+        The law without f.
+    relative : bool
+        Whether the law is `stated` times 1 + f; else it is their sum.
+    fixed : dict
+        Values that the extended model has besides the knots, by name.
+    """
+
+    law: str
+    argument: str
+    unit: str
+    law_unit: str
+    low: float
+    high: float
+    places: Array
+    design: Callable[[Array], Array]
+    constant: str | None
+    stated: float
+    relative: bool
+    fixed: dict[str, float]
+
+    def precisions(self) -> list[Array]:
+        """Inverse prior covariances of the knots' coordinates, one for each size and length."""
+        apart = np.subtract.outer(self.places, self.places) / (self.high - self.low)
+        alike = [np.exp(-0.5 * (apart / length) ** 2) for length in LENGTHS]
+        nugget = _NUGGET * np.eye(len(self.places))
+        return [np.linalg.inv(size**2 * (each + nugget)) for size in SIZES for each in alike]

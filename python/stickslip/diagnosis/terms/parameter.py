@@ -1,0 +1,156 @@
+"""A number of a model that is not known exactly, and the coordinate in which it is fitted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.number_text import is_number
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import refuse, shown
+from stickslip.scenario.priors import Prior
+
+_FARTHEST = 3.5
+"""Largest coordinate of a range or a shape, whose ends it has nearly reached there. Chosen: a
+log-uniform range to within 0.05 % of its ends."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter by its prior, or an amplitude by its usual size.
+
+    Its coordinate u is standard normal under the prior. An amplitude is
+    ``absent + size sinh(u) / sinh(1)``: linear near zero and exponential far out, where a size
+    would surprise in any case. If its range begins at `absent`, its prior is half-normal.
+
+    Attributes
+    ----------
+    name : str
+    prior : Prior, optional
+        Of a constant, or of the shape of an effect, such as a period.
+    unit : str
+    low, high : float
+        Physical range, in the unit; of an amplitude both have to be finite.
+    size : float, optional
+        Of an amplitude, in place of a prior: the change that would not surprise, in the unit.
+    absent : float
+        Value of an amplitude at which it does nothing.
+    falls : bool
+        The effect of an amplitude begins as it falls below `high`, such as a limit: at the
+        coordinate u it is ``high - size u``, and `absent` (no limit) at 0.
+    suspect : bool
+        Whether a constant may be named itself, as other than stated.
+    negligible : float
+        Distance from `absent` below which an amplitude does nothing, in the unit.
+    fineness : float
+        Share of the coordinate's unit over which predictions change; below 1, minima are narrow.
+
+    Raises
+    ------
+    ScenarioError
+        If a value is not allowed.
+    """
+
+    name: str
+    prior: Prior | None = None
+    unit: str = "-"
+    low: float = -math.inf
+    high: float = math.inf
+    size: float | None = None
+    absent: float = 0.0
+    falls: bool = False
+    suspect: bool = True
+    negligible: float = 0.0
+    fineness: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            refuse("name of a parameter", self.name, "a text")
+        at = f"parameter {self.name}: "
+        if self.prior is not None and not isinstance(self.prior, Prior):
+            refuse(f"{at}prior", self.prior, 'a Prior, as Prior("normal", 1, 0.1)')
+        if (self.prior is None) == (self.size is None):
+            raise ScenarioError(f"{at}allowed is one of prior and size")
+        for field in ("low", "high", "absent", "negligible", "fineness", "size"):
+            value = getattr(self, field)
+            if not is_number(value) and not (field == "size" and value is None):
+                refuse(at + field, value, "a number")
+        if not self.low < self.high:
+            said = f"low = {shown(self.low)}, high = {shown(self.high)}"
+            raise ScenarioError(f"{at}{said}: allowed is low < high")
+        if not 1e-4 <= self.fineness <= 1.0:
+            refuse(at + "fineness", self.fineness, "0.0001 to 1")
+        if self.size is None:
+            return
+        if not 0.0 < self.size < math.inf:
+            refuse(at + "size", self.size, "a number above 0")
+        if not math.isfinite(self.low) or not math.isfinite(self.high):
+            raise ScenarioError(f"{at}allowed are a finite low and high for an amplitude")
+        if not self.falls and not self.low <= self.absent <= self.high:
+            refuse(at + "absent", self.absent, f"{self.low} to {self.high}")
+
+    @property
+    def is_amplitude(self) -> bool:
+        """Whether it says how strong an effect is."""
+        return self.size is not None
+
+    def value(self, u: Array) -> Array:
+        """Physical value at coordinates."""
+        if self.prior is not None:
+            return np.clip(self.prior.value(u), self.low, self.high)
+        assert self.size is not None
+        if self.falls:
+            return np.where(u <= 0.0, self.absent, self._limit(u))
+        value = np.clip(self.absent + self.size * np.sinh(u) / math.sinh(1.0), self.low, self.high)
+        return np.where(np.abs(value - self.absent) < self.negligible, self.absent, value)
+
+    def smooth_value(self, u: Array) -> Array:
+        """The value without its jump to `absent`."""
+        return self._limit(np.maximum(u, 0.0)) if self.falls else self.value(u)
+
+    def _limit(self, u: Array) -> Array:
+        assert self.size is not None
+        return np.maximum(self.high - self.size * u, self.low)
+
+    @cached_property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest coordinate."""
+        if self.size is not None:
+            if self.falls:
+                return 0.0, (self.high - self.low) / self.size
+            ends = np.array([self.low, self.high]) - self.absent
+            low, high = np.arcsinh(ends * math.sinh(1.0) / self.size).tolist()
+            return low, high
+        assert self.prior is not None
+        # A shape, which is no suspect, stays near its middle; a stated constant may be far off.
+        near = not self.prior.has_middle or not self.suspect
+        ends = [-_FARTHEST, _FARTHEST] if near else [-math.inf, math.inf]
+        if math.isfinite(self.low):
+            ends[0] = max(ends[0], self._coordinate(self.low))
+        if math.isfinite(self.high):
+            ends[1] = min(ends[1], self._coordinate(self.high))
+        return ends[0], ends[1]
+
+    def _coordinate(self, value: float) -> float:
+        assert self.prior is not None
+        if self.prior.kind != "normal" and value <= 0.0:
+            return -math.inf
+        return self.prior.coordinate(value)
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether its prior is half-normal."""
+        return self.is_amplitude and self.limits[0] == 0.0
+
+    @property
+    def prior_in_words(self) -> str:
+        """Its prior as a short text for tables."""
+        if self.prior is not None:
+            return repr(self.prior)
+        if self.falls:
+            return f"size {self.size:g} below {self.high:g}"
+        return f"size {self.size:g} about {self.absent:g}"
