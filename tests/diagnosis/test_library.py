@@ -1,0 +1,120 @@
+"""The simulator's named extensions as causes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip import EffectParameter, Scenario, register_effect, simulate, unregister_effect
+from stickslip.diagnosis.terms.library import _OTHER_NAMES, _SHAPES, _SIZES, library
+from stickslip.scenario.named_effects import effects
+from stickslip.scenario.priors import Prior
+
+VOLTS = 20.0
+SHORT = Scenario().replace({"drive.frequency": 50.0, "drive.pulses": 5, "drive.base": 0.5e-3})
+
+
+def parameters(causes):
+    return {each.name: each for cause in causes for each in cause.parameters}
+
+
+def test_every_extension_of_a_known_law_is_a_cause_that_starts_absent():
+    causes = library(SHORT, {}, VOLTS)
+    # The 13 curves of free shape and the own values of 5 coils are none.
+    left_out = [each.name for each in effects() if each.name not in {c.name for c in causes}]
+    assert len(left_out) == 13 + 5
+    assert all(name.startswith(("free_", "coil_")) for name in left_out)
+    absent = {name: float(each.value(np.zeros(1))[0]) for name, each in parameters(causes).items()}
+    assert simulate(SHORT.replace(absent)).mean_velocity == simulate(SHORT).mean_velocity
+
+
+def test_every_extension_has_a_size_of_its_own():
+    # Else it would be guessed from its range, which is as wide as physics allows.
+    own = {f"effects.{name}" for name in [*_SIZES, *_SHAPES, "amplifier_limit.voltage"]}
+    assert set(parameters(library(SHORT, {}, VOLTS))) == own
+
+
+@pytest.mark.parametrize(
+    ("name", "at_one", "far", "unit"),
+    [
+        # The size at the coordinate 1, and sinh(3) / sinh(1) = 8.524 sizes, or the end, at -3.
+        ("surface_tilt.angle", 0.025, -0.2131, "rad"),
+        ("field_gain.clamp", 0.05, -0.4262, "-"),
+        ("angle_drag.strength", 1.0, -0.9, "-"),
+        ("rotational_drag.coefficient", 1e-13, 0.0, "N m s"),
+        # exp(0.7 u) times the middle.
+        ("friction_patches.period", 5e-4 * 2.0138, 5e-4 * 0.12246, "m"),
+        ("adhesion_ageing.time", 0.01 * 2.0138, 0.01 * 0.12246, "s"),
+        # 0.15 of the largest voltage below it; no limit is zero.
+        ("amplifier_limit.voltage", 0.85 * VOLTS, 0.0, "V"),
+    ],
+)
+def test_coordinates_give_known_sizes(name, at_one, far, unit):
+    parameter = parameters(library(SHORT, {}, VOLTS))[f"effects.{name}"]
+    assert parameter.unit == unit
+    np.testing.assert_allclose(parameter.value(np.array([1.0, -3.0])), [at_one, far], rtol=2e-4)
+
+
+def test_a_fast_controller_has_no_steps_and_a_slow_one_a_fine_scan():
+    period = parameters(library(SHORT, {}, VOLTS))["effects.sample_hold.period"]
+    just = math.asinh(1e-4 / 4e-4 * math.sinh(1.0))
+    assert period.value(np.array([just - 1e-6])) == 0.0
+    assert period.value(np.array([just + 1e-6])) > 1e-4
+    assert period.fineness == 0.01
+
+
+def test_what_the_model_has_already_is_no_cause():
+    tilted = SHORT.replace({"effects.surface_tilt.angle": 0.01})
+    uncertain = {"effects.misalignment.angle": Prior("normal", 0.0, 0.1)}
+    names = {each.name for each in library(tilted, uncertain, VOLTS)}
+    assert names.isdisjoint({"surface_tilt", "misalignment"})
+    assert len(names) == len(library(SHORT, {}, VOLTS)) - 2
+
+
+def test_another_name_of_an_uncertain_constant_is_not_offered():
+    everything = {each.name for each in library(SHORT, {}, VOLTS)}
+    assert set(_OTHER_NAMES) <= everything
+    for name, constant in _OTHER_NAMES.items():
+        left = {each.name for each in library(SHORT, {constant: Prior("normal", 1.0, 0.1)}, VOLTS)}
+        assert everything - left == {name}
+    friction = {"contact.kinetic_friction": Prior("normal", 0.145, 0.01)}
+    assert {each.name for each in library(SHORT, friction, VOLTS)} == everything
+
+
+@pytest.mark.parametrize(
+    ("effect", "constant"),
+    [
+        ({"effects.magnetization_scale.fraction": 0.1}, {"robot.magnetization": 5.5e5}),
+        ({"effects.restitution.coefficient": 0.2}, {"contact.restitution": 0.3}),
+    ],
+)
+def test_other_names_say_the_same(effect, constant):
+    model = SHORT.replace({"robot.magnetization": 5e5, "contact.restitution": 0.1})
+    base, one, other = (
+        simulate(model.replace(each)).mean_velocity for each in ({}, effect, constant)
+    )
+    assert abs(one - base) > 1e-2 * abs(base)
+    assert one == pytest.approx(other, rel=1e-6)
+
+
+def test_rotational_drags_look_alike_over_the_drives():
+    drives = [{"drive.mode": m, "drive.frequency": f} for m in ("IPP", "OPP") for f in (5, 20, 30)]
+    more = Scenario().drag.rotational + 1.6e-16
+    changes = [{}, {"effects.rotational_drag.coefficient": 4e-14}, {"drag.rotational": more}]
+    level, linear, quadratic = (
+        np.array([simulate(Scenario().replace({**d, **c})).mean_velocity for d in drives])
+        for c in changes
+    )
+    one, other = linear - level, quadratic - level
+    assert one @ other > 0.97 * np.linalg.norm(one) * np.linalg.norm(other)
+
+
+def test_of_an_own_effect_the_range_gives_the_size():
+    parameter = EffectParameter(name="k", unit="N", low=-1.0, high=4.0, meaning="of a test")
+    register_effect("own", lambda state, p: (0.0, 0.0, 0.0), [parameter], meaning="of a test")
+    try:
+        own = parameters(library(SHORT, {}, VOLTS))["effects.own.k"]
+    finally:
+        unregister_effect("own")
+    assert own.size == pytest.approx(4.0 / 5.0)
+    assert (own.low, own.high, own.unit) == (-1.0, 4.0, "N")
