@@ -64,4 +64,6 @@ class Curve(OneLine):
         apart = np.subtract.outer(self.places, self.places) / (self.high - self.low)
         alike = [np.exp(-0.5 * (apart / length) ** 2) for length in LENGTHS]
         nugget = _NUGGET * np.eye(len(self.places))
-        return [np.linalg.inv(size**2 * (each + nugget)) for size in SIZES for each in alike]
+        return [
+            np.asarray(np.linalg.inv(size**2 * (each + nugget))) for size in SIZES for each in alike
+        ]

@@ -122,8 +122,8 @@ class Parameter:
         if self.size is not None:
             if self.falls:
                 return 0.0, (self.high - self.low) / self.size
-            ends = np.array([self.low, self.high]) - self.absent
-            low, high = np.arcsinh(ends * math.sinh(1.0) / self.size).tolist()
+            span = np.array([self.low, self.high]) - self.absent
+            low, high = np.arcsinh(span * math.sinh(1.0) / self.size).tolist()
             return low, high
         assert self.prior is not None
         # A shape, which is no suspect, stays near its middle; a stated constant may be far off.
