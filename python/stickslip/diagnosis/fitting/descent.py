@@ -1,0 +1,214 @@
+"""Levenberg-Marquardt descents of predictions that are only piecewise smooth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip._util.arrays import Array, Indices
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fitting.forms import Form, Softened
+from stickslip.diagnosis.fitting.problem import LOST, Problem
+from stickslip.diagnosis.terms.cause import Cause
+
+STAGES = ((10.0, np.inf), (3.0, np.inf), (1.0, 1.5))
+"""Factors of the errors and bounds of outliers of the stages before the stated errors, so that no
+search is lost in a narrow minimum. In the last one a row whose motion is still of another kind does
+not hold the others back. Chosen: half decades, and a bound at which two errors count for half."""
+
+DAMPINGS = np.array([0.0, 0.3, 10.0])
+"""Dampings that are tried in one batch, relative to the curvature, and a hundred times as much if
+none of them lowers the cost by exact slopes. Chosen."""
+
+SETTLED = 0.02
+"""A step that lowers the cost by less ends a descent: far below what a test or a lead counts."""
+
+# Lengths below are in coordinates, of which 1 is a standard deviation of the prior.
+# Widest difference: with a narrower one slopes see small steps of the model, with a wider one its
+# curvature. Narrowest: below it the error of a simulation is no slope. Chosen.
+_WIDE, _NARROW = 0.03, 1e-3
+# Change of a row, in its errors, that may be a jump and no slope. Chosen.
+_JUMP = 1.0
+# Steps over which a change of a row is a slope even if it jumps. Share of the promised fall of the
+# cost below which slopes are taken anew. Chosen.
+_STRIDE, _GOOD = 0.3, 0.3
+# Longest step of an amplitude or a shape; constants may be many standard deviations off.
+_STEP, _CONSTANT_STEP = 2.5, 50.0
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class End(OneLine):
+    """Where a descent is: coordinates, residual (n,), and slopes of the predictions, (n, free).
+
+    `exact` slopes were taken by differences at `x`, others updated by the steps to it.
+    """
+
+    x: Array
+    residual: Array
+    slopes: Array
+    cost: float
+    exact: bool = True
+
+
+def precision_of(problem: Problem, causes: Sequence[Cause]) -> Array:
+    """Inverse covariance of the prior in a descent: of a law, that of the middle of its grid."""
+    every = problem.precisions(causes)
+    return every[len(every) // 2]
+
+
+def cost(form: Form, h: Array, own: Array, precision: Array, residual: Array) -> Array:
+    """Misfit of residuals, (vectors, n), and prior of the free coordinates `own`, (vectors, k)."""
+    return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", own, precision, own))
+
+
+def descend(
+    problem: Problem,
+    form: Form,
+    h: Array,
+    causes: Sequence[Cause],
+    x: Array,
+    *,
+    precision: Array | None = None,
+    steps: int = 10,
+    begin: End | None = None,
+    slopes: Array | None = None,
+    hopeless: float = np.inf,
+) -> End:
+    """The minimum of misfit and prior near `x`; each step takes two batches of predictions.
+
+    Softened forms use the problem's draft. `begin` is an end at `x` of the same model, whose
+    residual and slopes are taken over; `slopes` are some that were found near by. A descent that is
+    above `hopeless` after two steps ends.
+    """
+    free, draft = problem.free(causes), isinstance(form, Softened) and form.is_soft
+    precision = precision_of(problem, causes) if precision is None else precision
+    low, high = problem.limits[:, free]
+    x = x.copy()
+    absent = np.ones(problem.size, dtype=bool)
+    absent[free] = False
+    x[absent] = 0.0
+    x[free] = np.clip(x[free], low, high)
+    if begin is None:
+        residual = problem.residuals(x[None, :], draft)[0]
+        exact = slopes is None
+        slopes = derivatives(problem, x, free, residual, draft) if slopes is None else slopes
+    else:
+        residual, slopes, exact = begin.residual, begin.slopes, begin.exact
+    now = float(cost(form, h, x[None, free], precision, residual[None, :])[0])
+    longest = np.where(free < len(problem.constants), _CONSTANT_STEP, _STEP)
+    factor = 1.0
+    for count in range(steps):
+        if count >= 2 and now > hopeless:
+            break
+        prepared = form.prepared(np.column_stack([slopes, residual]))
+        gram = form.weighted(prepared, residual, h)
+        curvature = gram[:-1, :-1] + precision
+        downhill = gram[:-1, -1] - precision @ x[free]
+        stuck = ((x[free] <= low) & (downhill < 0.0)) | ((x[free] >= high) & (downhill > 0.0))
+        tries = np.tile(x, (len(DAMPINGS), 1))
+        for row, damping in zip(tries, factor * DAMPINGS, strict=True):
+            step = _step(curvature, downhill, stuck, damping)
+            row[free] = np.clip(x[free] + np.clip(step, -longest, longest), low, high)
+        residuals = problem.residuals(tries, draft)
+        costs = cost(form, h, tries[:, free], precision, residuals)
+        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+        move, fall = (tries[best] - x)[free], now - float(costs[best])
+        hoped = float(2.0 * downhill @ move - move @ curvature @ move)
+        learnt = _updated(slopes, residual - residuals[best], move, problem.sd)
+        if fall > 0.0:
+            x, residual, now = tries[best], residuals[best], float(costs[best])
+            slopes, was_exact, exact, factor = learnt, exact, False, 1.0
+            if fall < SETTLED and (was_exact or hoped < SETTLED):
+                break
+            if fall > _GOOD * hoped:
+                continue
+        elif exact:
+            if factor > 1.0 or hoped < SETTLED:
+                break
+            factor = 100.0
+            continue
+        inverse = np.diag(np.linalg.pinv(curvature))
+        slopes = derivatives(problem, x, free, residual, draft, np.sqrt(np.maximum(inverse, 0.0)))
+        exact = True
+    return End(x, residual, slopes, now, exact)
+
+
+def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
+    """Slopes that agree with the change of the predictions over a step (Broyden, 1965)."""
+    length = float(np.linalg.norm(move))
+    # A short step says more of the jumps of the model than of its slope.
+    if length <= _NARROW:
+        return slopes
+    gap = change - slopes @ move
+    if length < _STRIDE:
+        gap = np.clip(gap, -_JUMP * sd, _JUMP * sd)
+    return np.asarray(slopes + np.outer(gap, move) / length**2)
+
+
+def _step(curvature: Array, downhill: Array, stuck: Array, damping: float) -> Array:
+    """A damped step; coordinates that are stuck at the end of their range stay."""
+    if not len(downhill):
+        return downhill
+    damped = curvature + damping * np.diag(np.diag(curvature))
+    moving = np.where(stuck, 0.0, downhill)
+    damped[stuck] = damped[:, stuck] = 0.0
+    damped[stuck, stuck] = 1.0
+    try:
+        return np.asarray(np.linalg.solve(damped, moving))
+    except np.linalg.LinAlgError:
+        return np.zeros(len(downhill))
+
+
+def derivatives(
+    problem: Problem,
+    x: Array,
+    free: Indices,
+    residual: Array,
+    draft: bool = False,
+    spread: Array | None = None,
+    central: bool = False,
+) -> Array:
+    """Slopes of the predictions by differences, shape (n, free).
+
+    Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
+    some row, or with `central`, the other side is looked at too: where both sides differ by a
+    jump, the milder one is the slope.
+    """
+    fineness = problem.fineness[free]
+    width = _WIDE * fineness
+    if spread is not None:
+        width = np.clip(spread, _NARROW * fineness, width)
+    low, high = problem.limits[:, free]
+    first = np.where(x[free] + 0.5 * width > high, -width, np.minimum(width, high - x[free]))
+    second = np.where(x[free] - 0.5 * width < low, 2.0 * width, -np.minimum(width, x[free] - low))
+    second = np.where(first < 0.0, 2.0 * first, second)
+    near = _differences(problem, x, free, residual, first, draft)
+    jumps = np.any(np.abs(near * first) > _JUMP * problem.sd[:, None], axis=0)
+    again = np.flatnonzero(jumps | central)
+    if not len(again):
+        return near
+    far = _differences(problem, x, free[again], residual, second[again], draft)
+    one, two = first[again], second[again]
+    # With both steps to one side, the slope of the stretch beyond the first.
+    beyond = (two * far - one * near[:, again]) / np.where(one == two, 1.0, two - one)
+    far = np.where(one * two > 0.0, beyond, far)
+    reach = np.maximum(np.abs(one), np.abs(two))
+    jumped = np.abs(near[:, again] - far) * reach > _JUMP * problem.sd[:, None]
+    milder = np.where(np.abs(near[:, again]) < np.abs(far), near[:, again], far)
+    near[:, again] = np.where(jumped, milder, 0.5 * (near[:, again] + far))
+    return near
+
+
+def _differences(
+    problem: Problem, x: Array, free: Indices, residual: Array, steps: Array, draft: bool
+) -> Array:
+    """Slopes over one step of each coordinate, by one batch; 0 where a row is not computed."""
+    if not len(free):
+        return np.zeros((len(residual), 0))
+    points = np.tile(x, (len(free), 1))
+    points[np.arange(len(free)), free] += steps
+    moved = problem.residuals(points, draft)
+    lost = (moved == LOST * problem.sd) | (residual == LOST * problem.sd)
+    return np.where(lost, 0.0, (residual - moved) / steps[:, None]).T

@@ -1,0 +1,362 @@
+"""The errors and the discrepancy of a model: the inner products in which it is fitted.
+
+A discrepancy d stands beside the terms of any model: y = f(x) + d + e, with independent e of kappa
+times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001). Its forms:
+
+``none``
+    d = 0 and kappa = 1: the errors are as stated, or Student's where their size was estimated.
+``white``
+    Only kappa is free.
+``ar1``
+    First-order correlated along each run, with size s and correlation time tau.
+``smooth``
+    A squared-exponential process over the settings of each table, with size s and length l.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.linalg import cholesky_banded, lapack
+from scipy.special import gammaln
+
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.fitting.problem import Problem
+
+PRIOR = {"none": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
+"""Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for none hardly a verdict of the
+prototype changed."""
+
+HYPER = {
+    "kappa": (0.0, 0.7, math.log(0.1), math.log(100.0)),
+    "s": (0.0, 2.0, -5.0, 8.0),
+    "tau": (math.log(0.03), 1.0, math.log(1e-4), math.log(0.1)),
+    "l": (0.0, 0.5, math.log(0.5), math.log(4.0)),
+}
+"""Middle, standard deviation and range of the logarithms of kappa; s over the median error of its
+table; tau over the span of a run; l over half the range of a setting. Chosen: with longer tau a
+discrepancy takes what a cause does, with shorter l the causes of a table over one setting."""
+
+FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
+"""Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
+Chosen."""
+
+_EDGE = 1.5  # where the sines of the smooth process end, in half ranges of the settings
+_SINES = {1: 24, 2: 9}  # of each setting; of three and more four
+_MOST_SINES = 60
+
+
+class Form:
+    """``none`` and ``white``, and what the other forms share.
+
+    Hyperparameters h are the logarithms named in `names`. `prepared` does what does not depend on
+    them, `gram` the rest.
+    """
+
+    name = "white"
+    names: tuple[str, ...] = ("kappa",)
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem, self.n = problem, len(problem.y)
+        # s is counted in the median error of each table.
+        self.unit = np.empty(self.n)
+        for part in problem.rows:
+            self.unit[part] = np.median(problem.sd[part])
+
+    def prepared(self, columns: Array) -> Any:
+        """What `gram` needs of columns, shape (n, k)."""
+        whitened = self.problem.whitened(columns)
+        return whitened.T @ whitened
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        """A' C^-1 A, shape (k, k)."""
+        return np.asarray(prepared * math.exp(-2.0 * h[0]))
+
+    def log_det(self, h: Array) -> float:
+        """Logarithm of the determinant of C; to be asked after `gram` with the same h."""
+        return self.problem.log_det + 2.0 * self.n * float(h[0])
+
+    def cost(self, residual: Array, h: Array) -> Array:
+        """r' C^-1 r of residuals, shape (vectors, n)."""
+        return np.diag(self.gram(self.prepared(residual.T), h)).copy()
+
+    def density(self, residual: Array, h: Array) -> Array:
+        """Log-likelihood of residuals, shape (vectors, n)."""
+        cost = self.cost(residual, h)
+        return -0.5 * (cost + self.log_det(h) + self.n * math.log(2.0 * math.pi))
+
+    def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
+        """`gram` for a step from a residual; robust forms weigh by it."""
+        del residual
+        return self.gram(prepared, h)
+
+    def begin(self, residual: Array) -> Array:
+        """Hyperparameters to begin with."""
+        scatter = float(np.mean(self.problem.whitened(residual[:, None]) ** 2))
+        return np.array([0.5 * math.log(max(scatter, 0.05))])
+
+    def limits(self) -> tuple[Array, Array, Array, Array]:
+        """Middle, standard deviation, lowest and highest of each hyperparameter."""
+        middle, sd, low, high = np.array([HYPER[name] for name in self.names]).reshape(-1, 4).T
+        return middle.copy(), sd.copy(), low.copy(), high.copy()
+
+    def sizes(self, h: Array) -> dict[str, float]:
+        """Hyperparameters as they are told, s in the median error of a table."""
+        return {name: math.exp(value) for name, value in zip(self.names, h.tolist(), strict=True)}
+
+
+class Stated(Form):
+    """``none``: normal errors, or Student's for each table whose errors were estimated."""
+
+    name = "none"
+    names = ()
+
+    def prepared(self, columns: Array) -> Any:
+        return self.problem.whitened(columns)
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        return np.asarray(prepared.T @ prepared)
+
+    def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
+        chi2 = self.problem.chi2_of_tables(residual[None, :])[:, 0]
+        return np.asarray(prepared.T @ (self._weights(chi2)[:, None] * prepared))
+
+    def _weights(self, chi2: Array) -> Array:
+        """Of each row, the derivative of the cost by the chi-square of its table."""
+        weights = np.ones(self.n)
+        for part, dof, value in zip(self.problem.rows, self.problem.dof, chi2, strict=True):
+            if math.isfinite(dof):
+                weights[part] = (dof + part.stop - part.start) / (dof + value)
+        return weights
+
+    def cost(self, residual: Array, h: Array) -> Array:
+        total = np.zeros(len(residual))
+        chi2 = self.problem.chi2_of_tables(residual)
+        for part, dof, value in zip(self.problem.rows, self.problem.dof, chi2, strict=True):
+            count = part.stop - part.start
+            total += (dof + count) * np.log1p(value / dof) if math.isfinite(dof) else value
+        return total
+
+    def log_det(self, h: Array) -> float:
+        """With what Student's density has beside its power."""
+        total = self.problem.log_det
+        for part, dof in zip(self.problem.rows, self.problem.dof, strict=True):
+            count = part.stop - part.start
+            if math.isfinite(dof):
+                beside = gammaln((dof + count) / 2) - gammaln(dof / 2)
+                total -= 2.0 * float(beside) - count * math.log(dof / 2.0)
+        return total
+
+    def begin(self, residual: Array) -> Array:
+        return np.zeros(0)
+
+
+class Softened(Form):
+    """Errors larger by a factor, for a search from afar; with `outlier` Cauchy's loss beyond it."""
+
+    name = "softened"
+    names = ()
+
+    def __init__(self, problem: Problem, factor: float, outlier: float = math.inf) -> None:
+        super().__init__(problem)
+        self._factor, self._outlier = factor, outlier
+
+    @property
+    def is_soft(self) -> bool:
+        """Whether the errors are so large that a draft of the model will do."""
+        return self._factor > 1.0
+
+    def prepared(self, columns: Array) -> Any:
+        return self.problem.whitened(columns) / self._factor
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        return np.asarray(prepared.T @ prepared)
+
+    def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
+        own = self.prepared(residual[:, None])
+        return np.asarray(prepared.T @ (prepared / (1.0 + (own / self._outlier) ** 2)))
+
+    def cost(self, residual: Array, h: Array) -> Array:
+        squares = self.prepared(residual.T) ** 2
+        if math.isfinite(self._outlier):
+            squares = self._outlier**2 * np.log1p(squares / self._outlier**2)
+        return np.asarray(np.sum(squares, axis=0))
+
+    def begin(self, residual: Array) -> Array:
+        return np.zeros(0)
+
+
+class Correlated(Form):
+    """``ar1``, in O(n), for any gaps of a run.
+
+    Differences B along a run, unit bidiagonal, make B C B' tridiagonal; with its banded Cholesky
+    factor L, L^-1 B whitens. Rows of tables without runs have the errors alone.
+    """
+
+    name = "ar1"
+    names = ("kappa", "s", "tau")
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem)
+        run, place = np.empty(self.n), np.zeros(self.n)
+        first = 0.0
+        for table, part in zip(problem.tables, problem.rows, strict=True):
+            count = part.stop - part.start
+            if table.run is None or table.order is None:
+                run[part] = first + np.arange(count)  # a run each
+                self.unit[part] = 0.0
+                first += count
+            else:
+                run[part], place[part] = first + table.run, table.order
+                first += float(table.run.max()) + 1.0
+        self._order = np.lexsort((place, run))
+        run, place = run[self._order], place[self._order]
+        begins = np.concatenate([[True], run[1:] != run[:-1]])
+        self._gap = np.where(begins, np.inf, np.concatenate([[0.0], np.diff(place)]))
+        # A gap's share of the span of its run, so that runs of any unit can stand together.
+        number = np.cumsum(begins) - 1
+        span = np.array([np.ptp(place[number == k]) for k in range(int(number[-1]) + 1)])
+        self._share = self._gap / np.where(span > 0.0, span, 1.0)[number]
+        self._step = float(np.median(self._share[np.isfinite(self._share)]))
+        self._unit2, self._variance = self.unit[self._order] ** 2, problem.sd[self._order] ** 2
+        self._log_det = 0.0
+
+    def prepared(self, columns: Array) -> Any:
+        return np.asfortranarray(columns[self._order])
+
+    def _whitened(self, prepared: Array, h: Array) -> Array:
+        kappa2, s2, tau = np.exp([2.0 * h[0], 2.0 * h[1], h[2]])
+        phi = np.exp(-self._share / tau)
+        variance = kappa2 * self._variance
+        before = np.concatenate([[0.0], variance[:-1]])
+        band = np.zeros((2, self.n))
+        band[0] = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
+        band[1, :-1] = -phi[1:] * variance[:-1]
+        lower = cholesky_banded(band, lower=True, check_finite=False)
+        differences = prepared.copy(order="F")
+        differences[1:] -= phi[1:, None] * prepared[:-1]
+        whitened, _ = lapack.dtbtrs(lower, differences, uplo="L")
+        self._log_det = 2.0 * float(np.sum(np.log(lower[0])))
+        return np.asarray(whitened)
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        whitened = self._whitened(prepared, h)
+        return np.asarray(whitened.T @ whitened)
+
+    def cost(self, residual: Array, h: Array) -> Array:
+        return np.asarray(np.sum(self._whitened(self.prepared(residual.T), h) ** 2, axis=0))
+
+    def log_det(self, h: Array) -> float:
+        return self._log_det
+
+    def begin(self, residual: Array) -> Array:
+        ordered = residual[self._order] / self.problem.sd[self._order]
+        linked = np.isfinite(self._gap[1:])
+        power = float(np.sum(ordered[:-1][linked] ** 2))
+        alike = float(np.sum((ordered[1:] * ordered[:-1])[linked])) / max(power, 1e-300)
+        tau = -self._step / math.log(min(max(alike, 0.2), 0.99))
+        return np.array([0.0, math.log(max(float(np.std(ordered)), 0.3)), math.log(tau)])
+
+    def limits(self) -> tuple[Array, Array, Array, Array]:
+        middle, sd, low, high = super().limits()
+        # A correlation time below half a step is white.
+        low[2] = math.log(0.5 * self._step)
+        high[2] = max(high[2], low[2] + 0.5)
+        middle[2] = min(max(middle[2], low[2]), high[2])
+        return middle, sd, low, high
+
+
+class Smooth(Form):
+    """``smooth``, by sines over the settings of each table (Solin and Sarkka, Stat. Comput. 2020).
+
+    One product with the data, then hyperparameters cost nothing in n.
+    """
+
+    name = "smooth"
+    names = ("kappa", "s", "l")
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem)
+        blocks, frequencies, dimensions = [], [], []
+        for table, part in zip(problem.tables, problem.rows, strict=True):
+            if not _is_smooth(table):
+                continue
+            sines, frequency = _sines(np.asarray(table.places))
+            block = np.zeros((self.n, sines.shape[1]))
+            block[part] = sines * self.unit[part, None]
+            blocks.append(problem.whitened(block))
+            frequencies.append(frequency)
+            dimensions += [np.asarray(table.places).shape[1]] * sines.shape[1]
+        self._sines = np.hstack(blocks)
+        self._square = np.concatenate(frequencies)
+        self._dimension = np.array(dimensions)
+        self._alike = self._sines.T @ self._sines
+        self._log_det = 0.0
+
+    def prepared(self, columns: Array) -> Any:
+        whitened = self.problem.whitened(columns)
+        return whitened, self._sines.T @ whitened
+
+    def _explained(self, along: Array, h: Array) -> Array:
+        kappa2, s2, length = np.exp([2.0 * h[0], 2.0 * h[1], h[2]])
+        power = s2 * (math.sqrt(2.0 * math.pi) * length) ** self._dimension
+        root = np.sqrt(power) * np.exp(-0.25 * length**2 * self._square)
+        inner = root[:, None] * self._alike * root / kappa2 + np.eye(len(root))
+        lower = np.linalg.cholesky(inner)
+        self._log_det = 2.0 * float(np.sum(np.log(np.diag(lower))))
+        return np.asarray(np.linalg.solve(lower, root[:, None] * along) / kappa2)
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        whitened, along = prepared
+        explained = self._explained(along, h)
+        return np.asarray(whitened.T @ whitened * math.exp(-2.0 * h[0]) - explained.T @ explained)
+
+    def cost(self, residual: Array, h: Array) -> Array:
+        whitened, along = self.prepared(residual.T)
+        own = np.sum(whitened**2, axis=0) * math.exp(-2.0 * h[0])
+        return np.asarray(own - np.sum(self._explained(along, h) ** 2, axis=0))
+
+    def log_det(self, h: Array) -> float:
+        return self.problem.log_det + 2.0 * self.n * float(h[0]) + self._log_det
+
+    def begin(self, residual: Array) -> Array:
+        size = float(np.std(residual / self.problem.sd))
+        return np.array([0.0, math.log(max(size, 0.3)), math.log(0.6)])
+
+
+def _sines(places: Array) -> tuple[Array, Array]:
+    """Sines over settings, shape (n, sines), and the squares of their frequencies, (sines,)."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    z = (places - (low + high) / 2.0) / ((high - low) / 2.0)
+    d = z.shape[1]
+    index = np.array(list(itertools.product(range(1, _SINES.get(d, 4) + 1), repeat=d)))
+    frequency = np.pi * index / (2.0 * _EDGE)
+    kept = np.argsort(np.sum(frequency**2, axis=1), kind="stable")[:_MOST_SINES]
+    frequency = frequency[kept]
+    sines = np.prod(np.sin((z[:, None, :] + _EDGE) * frequency) / math.sqrt(_EDGE), axis=2)
+    return sines, np.sum(frequency**2, axis=1)
+
+
+def _is_smooth(table: Table) -> bool:
+    return table.places is not None and len(table.mean) >= FEWEST_SMOOTH
+
+
+def _has_runs(problem: Problem, table: int) -> bool:
+    run = problem.tables[table].run
+    long = run is not None and int(np.bincount(run).max()) >= FEWEST_IN_RUN
+    return long and problem.errors[table].covariance is None
+
+
+def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
+    """The forms of the discrepancy that the data allow."""
+    found: dict[str, Form] = {"none": Stated(problem), "white": Form(problem)}
+    if any(_has_runs(problem, k) for k in range(len(problem.tables))):
+        found["ar1"] = Correlated(problem)
+    if any(_is_smooth(each) for each in problem.tables):
+        found["smooth"] = Smooth(problem)
+    return {name: each for name, each in found.items() if name in wanted}

@@ -1,0 +1,281 @@
+"""Fits of models: a set of causes, a form of the discrepancy, and the log-evidence of both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import log_ndtr, logsumexp
+
+from stickslip._util.arrays import Array, Indices
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fitting.descent import End, derivatives, descend, precision_of
+from stickslip.diagnosis.fitting.forms import PRIOR, Form
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.terms.cause import Cause
+
+PRIOR_NONE, PRIOR_CAUSES, PRIOR_MORE = 0.6, 0.4, 0.1
+"""Prior probability of no cause, of a single one (shared by all), and of each further one beside
+the first as a share of that. Chosen."""
+
+_ROUNDS = 4
+# g' A^-1 g below which a descent is at the minimum that the evidence takes: an evidence that is
+# promised too large by less does not matter.
+_AT_MINIMUM = 0.3
+_STEP_H = 0.05  # of the second differences of the hyperparameters
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Fit(OneLine):
+    """A fitted model.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+    form : str
+        Of the discrepancy.
+    x : ndarray, shape (size,)
+    h : ndarray
+        Logarithms of the form's hyperparameters.
+    free : ndarray of int
+        Coordinates that are fitted.
+    residual, slopes : ndarray, shape (n,), (n, free)
+        Data less predictions, and derivatives of the predictions.
+    precision : ndarray, shape (free, free)
+        Inverse covariance of the prior.
+    covariance : ndarray, shape (free, free)
+    log_evidence : float
+        Of the data, with all constants.
+    chi2 : float
+        Of the data with the stated errors, whatever the form.
+    cost : float
+        Misfit in the form's inner product, and prior.
+    sizes : dict
+        Hyperparameters as they are told.
+    ends : int
+        How many descents have ended here.
+    """
+
+    causes: tuple[Cause, ...]
+    form: str
+    x: Array
+    h: Array
+    free: Indices
+    residual: Array
+    slopes: Array
+    precision: Array
+    covariance: Array
+    log_evidence: float
+    chi2: float
+    cost: float
+    sizes: dict[str, float]
+    ends: int = 1
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of the causes."""
+        return frozenset(each.name for each in self.causes)
+
+    @property
+    def name(self) -> str:
+        """Names of the causes, or ``none``."""
+        return " + ".join(sorted(self.names)) or "none"
+
+    @property
+    def end(self) -> End:
+        """Where it is, to begin another descent of the same model."""
+        return End(self.x, self.residual, self.slopes, math.nan)
+
+
+def log_prior(causes: Sequence[Cause], form: str, count: int) -> float:
+    """Log prior probability of a model where there are `count` causes in all."""
+    k = len(causes)
+    if not k:
+        return math.log(PRIOR_NONE * PRIOR[form])
+    return (
+        k * math.log(PRIOR_CAUSES / count) + (k - 1) * math.log(PRIOR_MORE) + math.log(PRIOR[form])
+    )
+
+
+def fit(
+    problem: Problem,
+    form: Form,
+    causes: Sequence[Cause],
+    x: Array,
+    *,
+    h: Array | None = None,
+    begin: End | None = None,
+    slopes: Array | None = None,
+    hopeless: float = math.inf,
+    steps: int = 10,
+) -> Fit:
+    """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
+
+    They take turns until the coordinates are at the minimum of the new inner product.
+    """
+    causes = tuple(sorted(causes, key=lambda each: each.name))
+    free, precision = problem.free(causes), precision_of(problem, causes)
+    end = begin
+    if h is None:
+        first = problem.residuals(x[None, :])[0] if end is None else end.residual
+        h = form.begin(first)
+    for turn in range(_ROUNDS):
+        end = descend(
+            problem, form, h, causes, x, precision=precision, steps=steps, begin=end,
+            slopes=slopes, hopeless=hopeless,
+        )  # fmt: skip
+        x = end.x
+        if not end.exact and end.cost < hopeless:
+            end = replace(end, slopes=derivatives(problem, x, free, end.residual), exact=True)
+        h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
+        if (not form.names and len(problem.precisions(causes)) == 1) or (
+            left < _AT_MINIMUM and turn
+        ):
+            break
+        steps = 6
+    else:
+        # No minimum was reached: what was only promised does not count.
+        log_evidence -= 0.5 * left
+    assert end is not None
+    return _fit(problem, form, causes, free, end, h, precision, covariance, log_evidence)
+
+
+def _fit(problem: Problem, form: Form, causes: tuple[Cause, ...], free: Indices, end: End,
+         h: Array, precision: Array, covariance: Array, log_evidence: float) -> Fit:  # fmt: skip
+    chi2 = float(np.sum(problem.chi2_of_tables(end.residual[None, :])))
+    own = end.x[free]
+    total = float(form.cost(end.residual[None, :], h)[0] + own @ precision @ own)
+    return Fit(
+        causes, form.name, end.x, h, free, end.residual, end.slopes, precision, covariance,
+        log_evidence, chi2, total, form.sizes(h),
+    )  # fmt: skip
+
+
+def sharpened(problem: Problem, form: Form, old: Fit) -> Fit:
+    """The same fit with central derivatives, and so a better evidence."""
+    spread = np.sqrt(np.maximum(np.diag(old.covariance), 0.0))
+    slopes = derivatives(problem, old.x, old.free, old.residual, spread=spread, central=True)
+    end = End(old.x, old.residual, slopes, math.nan)
+    h, log_evidence, precision, covariance, _ = evidence(problem, form, old.causes, end, old.h)
+    new = _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)
+    return replace(new, ends=old.ends)
+
+
+def promised(problem: Problem, form: Form, old: Fit, h: Array | None = None) -> Fit:
+    """A fit of another form where `old` is, its evidence that of the linear model there."""
+    end = old.end
+    h = form.begin(old.residual) if h is None else h
+    h, log_evidence, precision, covariance, _ = evidence(problem, form, old.causes, end, h)
+    return _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)
+
+
+def evidence(
+    problem: Problem, form: Form, causes: Sequence[Cause], end: End, h: Array
+) -> tuple[Array, float, Array, Array, float]:
+    """Hyperparameters at their likeliest and the log-evidence, by Laplace's rule.
+
+    Also the prior's precision that is likeliest, the covariance of the coordinates, and by how much
+    the linear model promises twice the log-likelihood to grow from here.
+    """
+    prepared = form.prepared(np.column_stack([end.slopes, end.residual]))
+    every = problem.precisions(causes)
+    at_end = _At(problem, causes, end)
+
+    def value(h: Array, precision: Array) -> tuple[float, Array, float]:
+        gram = form.weighted(prepared, end.residual, h)
+        misfit = float(form.cost(end.residual[None, :], h)[0])
+        beside = form.log_det(h) + form.n * math.log(2.0 * math.pi)
+        return at_end.integral(gram, misfit, beside, precision)
+
+    if form.names:
+        middle, sd, low, high = form.limits()
+        first = every[len(every) // 2]
+
+        def loss(h: Array, precision: Array = first) -> float:
+            try:
+                own = value(h, precision)[0]
+            except np.linalg.LinAlgError:
+                return 1e12
+            price = 0.5 * float(np.sum(((h - middle) / sd) ** 2))
+            return price - own if math.isfinite(own) else 1e12
+
+        options = {"maxiter": 15, "ftol": 1e-9, "gtol": 2e-2, "eps": 1e-3}
+        limits = list(zip(low, high, strict=True))
+        found = minimize(
+            loss, np.clip(h, low, high), method="L-BFGS-B", bounds=limits, options=options
+        )
+        h = np.asarray(found.x)
+        spread = -0.5 * _log_curvature(loss, h, sd) - float(np.sum(np.log(sd)))
+        total = spread - 0.5 * float(np.sum(((h - middle) / sd) ** 2))
+    else:
+        total = 0.0
+    each = [value(h, precision) for precision in every]
+    best = int(np.argmax([one[0] for one in each]))
+    total += float(logsumexp([one[0] for one in each])) - math.log(len(every))
+    return h, total, every[best], each[best][1], each[best][2]
+
+
+def _log_curvature(loss, h: Array, sd: Array) -> float:  # type: ignore[no-untyped-def]
+    """Log-determinant of the second differences of a loss at its minimum."""
+    d, e = len(h), _STEP_H
+    steps = e * np.eye(d)
+    here = loss(h)
+    up, down = [loss(h + each) for each in steps], [loss(h - each) for each in steps]
+    second = np.empty((d, d))
+    for i in range(d):
+        second[i, i] = (up[i] + down[i] - 2.0 * here) / e**2
+        for j in range(i):
+            both = loss(h + steps[i] + steps[j])
+            second[i, j] = second[j, i] = (both - up[i] - up[j] + here) / e**2
+    # At the edge of a range the curvature says little: no more than the prior is left open.
+    return float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2))))
+
+
+class _At:
+    """Integral over the coordinates of a model that is linearised at an end."""
+
+    def __init__(self, problem: Problem, causes: Sequence[Cause], end: End) -> None:
+        free = problem.free(causes)
+        self._x = end.x[free]
+        low, high = problem.limits[:, free]
+        self._low, self._high = self._x <= low + 1e-9, self._x >= high - 1e-9
+        one_sided = np.array([each.one_sided for each in problem.parameters], dtype=bool)
+        self._sides = one_sided[free]
+
+    def integral(
+        self, gram: Array, misfit: float, beside: float, precision: Array
+    ) -> tuple[float, Array, float]:
+        """Log of the integral, the covariance, and the promised fall of the cost.
+
+        Half-normal priors have twice the density on their side. A coordinate that is pushed
+        against an end of its range falls off exponentially there.
+        """
+        x = self._x
+        curvature = gram[:-1, :-1] + precision
+        downhill = gram[:-1, -1] - precision @ x
+        pushed = (self._low & (downhill < 0.0)) | (self._high & (downhill > 0.0))
+        inner = np.flatnonzero(~pushed)
+        lower = np.linalg.cholesky(curvature[np.ix_(inner, inner)])
+        inverse = np.linalg.inv(lower)
+        inverse = inverse.T @ inverse
+        fall = float(downhill[inner] @ inverse @ downhill[inner])
+        total = -0.5 * (misfit + float(x @ precision @ x) - fall + beside)
+        total += 0.5 * float(np.linalg.slogdet(precision)[1]) - float(
+            np.sum(np.log(np.diag(lower)))
+        )
+        total += math.log(2.0) * int(np.sum(self._sides))
+        move = np.zeros(len(x))
+        move[inner] = inverse @ downhill[inner]
+        for k in np.flatnonzero(pushed).tolist():
+            score = -abs(downhill[k]) / math.sqrt(curvature[k, k])
+            total += 0.5 * score**2 + float(log_ndtr(score)) - 0.5 * math.log(curvature[k, k])
+        for place, k in enumerate(inner.tolist()):
+            if self._sides[k]:
+                inside = (x[k] + move[k]) / math.sqrt(inverse[place, place])
+                total += float(log_ndtr(max(inside, -5.0)))
+        covariance = np.zeros_like(precision)
+        covariance[np.ix_(inner, inner)] = inverse
+        return total, covariance, fall

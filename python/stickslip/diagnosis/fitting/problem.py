@@ -1,0 +1,241 @@
+"""What is fitted: tables of data, a forward model of all their rows, its constants and causes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from stickslip._util.arrays import Array, Indices
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
+
+Model = Callable[[Array], Array]
+"""From physical parameters, shape (vectors, size), to predictions of all rows, (vectors, n)."""
+
+FREED = 10.0
+"""Standard deviation of the coordinate of a constant that is freed from its prior. Chosen: an error
+of several stated standard deviations then does not surprise."""
+
+LOST = 1e3
+"""Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
+usable model, and its square still leaves ten digits to the other rows."""
+
+_HUGE = 1e100  # predictions beyond it are as good as none: their squares overflow
+# Numbers that the cache of predictions keeps, 128 MiB.
+_MOST_CACHED = 1 << 24
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Problem(OneLine):
+    """Tables, the model that is to explain them, and what may be added to it.
+
+    Attributes
+    ----------
+    tables : tuple of Table
+    model : callable
+        Its columns are the constants and then the parameters of all causes, in their order.
+    constants : tuple of Parameter
+    causes : tuple of Cause
+    draft : callable, optional
+        A cheaper model for searches from afar, where errors are taken as too large.
+    errors : tuple of Errors
+        Of the tables.
+    roughness : ndarray, shape (n,)
+        Scatter of the model itself, in the units of the rows, as a further independent error.
+    """
+
+    tables: tuple[Table, ...]
+    model: Model
+    constants: tuple[Parameter, ...]
+    causes: tuple[Cause, ...] = ()
+    draft: Model | None = None
+    errors: tuple[Errors, ...] = ()
+    roughness: Array | None = None
+
+    def __post_init__(self) -> None:
+        if not self.errors:
+            object.__setattr__(self, "errors", tuple(each.errors for each in self.tables))
+
+    # ------------------------------------------------------------------ parameters
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The constants and then the parameters of all causes."""
+        return (*self.constants, *(each for cause in self.causes for each in cause.parameters))
+
+    @property
+    def names(self) -> list[str]:
+        """Names of `parameters`."""
+        return [each.name for each in self.parameters]
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.parameters)
+
+    @cached_property
+    def limits(self) -> Array:
+        """Lowest and highest coordinates, shape (2, size)."""
+        return np.array([each.limits for each in self.parameters], dtype=float).reshape(-1, 2).T
+
+    @cached_property
+    def fineness(self) -> Array:
+        """Share of each coordinate's unit over which predictions change, shape (size,)."""
+        return np.array([each.fineness for each in self.parameters])
+
+    def columns(self, causes: Sequence[Cause]) -> Indices:
+        """Coordinates of the parameters of some causes."""
+        chosen, at = {each.name for each in causes}, len(self.constants)
+        result: list[int] = []
+        for cause in self.causes:
+            if cause.name in chosen:
+                result += range(at, at + len(cause.parameters))
+            at += len(cause.parameters)
+        return np.array(result, dtype=np.int64)
+
+    def free(self, causes: Sequence[Cause]) -> Indices:
+        """Coordinates that a model with these causes fits: the constants, and the causes' own."""
+        return np.concatenate([np.arange(len(self.constants)), self.columns(causes)])
+
+    def precisions(self, causes: Sequence[Cause]) -> list[Array]:
+        """Inverse covariances of the prior of the free coordinates; several where a law is one.
+
+        A model's evidence is the mean over them: see `Curve`.
+        """
+        base = np.ones(len(self.free(causes)))
+        names = [each.name for each in self.constants]
+        for cause in causes:
+            if cause.frees in names:
+                base[names.index(str(cause.frees))] = FREED**-2
+        found, at = [np.diag(base)], len(names)
+        for cause in sorted(causes, key=lambda each: self.causes.index(each)):
+            end = at + len(cause.parameters)
+            if cause.curve is not None:
+                blocks = cause.curve.precisions()
+                found = [_with_block(each, slice(at, end), one) for each in found for one in blocks]
+            at = end
+        return found
+
+    def physical(self, x: Array) -> Array:
+        """Values of the parameters at coordinates, shape (vectors, size)."""
+        columns = [each.value(x[:, k]) for k, each in enumerate(self.parameters)]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(x), 0))
+
+    # ------------------------------------------------------------------------ rows
+    @cached_property
+    def y(self) -> Array:
+        """Means of all conditions of all tables, shape (n,)."""
+        return np.concatenate([each.mean for each in self.tables])
+
+    @cached_property
+    def rows(self) -> list[slice]:
+        """Rows of each table."""
+        ends = np.cumsum([0, *(len(each.mean) for each in self.tables)]).tolist()
+        return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+    @cached_property
+    def group(self) -> Indices:
+        """Rows that are held out together, shape (n,), numbered over all tables."""
+        first = np.cumsum([0, *(int(each.group.max()) + 1 for each in self.tables)])
+        return np.concatenate([t.group + k for t, k in zip(self.tables, first, strict=False)])
+
+    @cached_property
+    def dof(self) -> Array:
+        """Degrees of freedom of each table's errors."""
+        return np.array([each.dof if each.dof > 0 else math.inf for each in self.errors])
+
+    @cached_property
+    def sd(self) -> Array:
+        """Standard deviation of each row, with the model's roughness, shape (n,)."""
+        sd = np.concatenate([each.sd for each in self.errors])
+        return sd if self.roughness is None else np.hypot(sd, self.roughness)
+
+    def covariance(self, table: int) -> Array | None:
+        """Covariance of a table's rows; None where they are independent."""
+        known = self.errors[table].covariance
+        if known is None or self.roughness is None:
+            return known
+        return np.asarray(known + np.diag(self.roughness[self.rows[table]] ** 2))
+
+    @cached_property
+    def _lower(self) -> list[Array | None]:
+        covariances = [self.covariance(k) for k in range(len(self.tables))]
+        return [
+            None if each is None else np.asarray(np.linalg.cholesky(each)) for each in covariances
+        ]
+
+    @cached_property
+    def log_det(self) -> float:
+        """Logarithm of the determinant of the errors' covariance."""
+        total = 0.0
+        for part, lower in zip(self.rows, self._lower, strict=True):
+            size = self.sd[part] if lower is None else np.diag(lower)
+            total += 2.0 * float(np.sum(np.log(size)))
+        return total
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns, shape (n, k), in which the stated errors are independent and of size 1."""
+        result = columns / self.sd[:, None]
+        for part, lower in zip(self.rows, self._lower, strict=True):
+            if lower is not None:
+                result[part] = solve_triangular(lower, columns[part], lower=True)
+        return result
+
+    def chi2_of_tables(self, residual: Array) -> Array:
+        """Chi-square of each table, shape (tables, vectors), of residuals (vectors, n)."""
+        squares = self.whitened(residual.T) ** 2
+        return np.stack([np.sum(squares[part], axis=0) for part in self.rows])
+
+    def with_shared_errors_at(self, level: Array) -> Problem:
+        """The same where errors that conditions share follow the predictions `level`, (n,)."""
+        level = np.where(np.isfinite(level), level, self.y)
+        moved = [each.at(level[part]) for each, part in zip(self.errors, self.rows, strict=True)]
+        return replace(self, errors=tuple(moved))
+
+    # ----------------------------------------------------------------- predictions
+    def residuals(self, x: Array, draft: bool = False) -> Array:
+        """Data less predictions at coordinates, shape (vectors, n); `LOST` errors where none."""
+        model = self.draft if draft and self.draft is not None else self.model
+        with np.errstate(over="ignore", invalid="ignore"):
+            predicted = model(self.physical(x))
+            sound = np.abs(predicted) < _HUGE
+        return np.where(sound, self.y - np.where(sound, predicted, 0.0), LOST * self.sd)
+
+
+def _with_block(whole: Array, part: slice, block: Array) -> Array:
+    result = whole.copy()
+    result[part, part] = block
+    return result
+
+
+class Cached:
+    """A model whose predictions are kept: fits begin where others have ended."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._rows: OrderedDict[bytes, Array] = OrderedDict()
+        self.made = 0
+
+    def __call__(self, values: Array) -> Array:
+        keys = [row.tobytes() for row in np.ascontiguousarray(values)]
+        new = {key: row for key, row in zip(keys, values, strict=True) if key not in self._rows}
+        if new:
+            made = np.asarray(self._model(np.stack(list(new.values()))), dtype=float)
+            self.made += len(new)
+            # A row by itself, as a view would keep all rows of its call.
+            self._rows |= {key: row.copy() for key, row in zip(new, made, strict=True)}
+        found = np.stack([self._rows[key] for key in keys])
+        for key in dict.fromkeys(keys):
+            self._rows.move_to_end(key)
+        while len(self._rows) * found.shape[1] > _MOST_CACHED and len(self._rows) > len(keys):
+            self._rows.popitem(last=False)
+        return found

@@ -1,0 +1,157 @@
+"""What each further cause would do about a fit, and where its own fit should begin."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fitting.descent import End, precision_of
+from stickslip.diagnosis.fitting.forms import Form
+from stickslip.diagnosis.fitting.problem import LOST, Problem
+from stickslip.diagnosis.terms.cause import Cause
+
+AMPLITUDES = (0.15, 0.6, 2.0)
+"""Coordinates of amplitudes at which responses are taken, as piecewise smooth models have causes
+without a slope at zero. Chosen: a factor of about four apart."""
+
+_SHAPES = (-1.5, 0.0, 1.5)  # of a shape: 1.5 standard deviations of its prior; chosen
+# Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
+# one. Chosen: a response says little of amplitudes far beyond its own.
+_MULTIPLE, _FAR = 1.8, 6.0
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Response(OneLine):
+    """A cause beside a fit, to first order.
+
+    Attributes
+    ----------
+    cause : Cause
+    x : ndarray, shape (size,)
+        Coordinates of its best amplitudes with the rest recalibrated.
+    gain : float
+        By how much they lower the cost of misfit and prior.
+    gaps : ndarray, shape (amplitudes, n)
+        Changes of the predictions by one amplitude each.
+    slopes : ndarray, shape (n, free)
+        Of the model with the cause, to begin its fit with.
+    """
+
+    cause: Cause
+    x: Array
+    gain: float
+    gaps: Array
+    slopes: Array
+
+
+@dataclass(frozen=True)
+class _Probe:
+    """Amplitudes of a cause that are moved one at a time, to `values`, beside its shapes."""
+
+    cause: Cause
+    columns: list[int]
+    values: list[float]
+    shapes: dict[int, float]
+
+
+def responses(
+    problem: Problem,
+    end: End,
+    causes: Sequence[Cause],
+    offered: Sequence[Cause],
+    form: Form,
+    h: Array,
+    sizes: Sequence[float] = AMPLITUDES,
+) -> list[Response]:
+    """Responses of causes that are offered beside `causes`, which are fitted at `end`.
+
+    By one batch of predictions. `form` and `h` are the inner product, `sizes` the coordinates at
+    which amplitudes are tried; those of the largest gain come first.
+    """
+    probes = [each for cause in offered for each in _probes(problem, cause, sizes)]
+    points = []
+    for each in probes:
+        for column, value in zip(each.columns, each.values, strict=True):
+            points.append(end.x.copy())
+            points[-1][[*each.shapes, column]] = [*each.shapes.values(), value]
+    gaps = np.zeros((0, len(problem.y)))
+    if points:
+        moved = problem.residuals(np.array(points))
+        lost = (moved == LOST * problem.sd) | (end.residual == LOST * problem.sd)
+        gaps = np.where(lost, 0.0, end.residual - moved)
+    # One product for all: the slopes of what is fitted, the gaps, the residual.
+    prepared = form.prepared(np.column_stack([end.slopes, gaps.T, end.residual]))
+    gram = form.weighted(prepared, end.residual, h)
+    found, at = [], end.slopes.shape[1]
+    for each in probes:
+        rows = range(at, at + len(each.columns))
+        at += len(each.columns)
+        own = gaps[rows.start - end.slopes.shape[1] : rows.stop - end.slopes.shape[1]]
+        found.append(_best(problem, end, causes, each, gram, rows, own))
+    return sorted(found, key=lambda each: -each.gain)
+
+
+def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Probe]:
+    low, high = problem.limits
+    columns = problem.columns([cause]).tolist()
+    shapes = [k for k in columns if not problem.parameters[k].is_amplitude and cause.curve is None]
+    moved = [k for k in columns if k not in shapes]
+    signs = (1.0,) if all(low[k] == 0.0 for k in moved) else (1.0, -1.0)
+    return [
+        _Probe(
+            cause,
+            moved,
+            [float(np.clip(sign * size, low[k], high[k])) for k in moved],
+            dict(zip(shapes, shape, strict=True)),
+        )
+        for shape in itertools.product(_SHAPES, repeat=len(shapes))
+        for size, sign in itertools.product(sizes if moved else (0.0,), signs)
+    ]
+
+
+def _best(
+    problem: Problem,
+    end: End,
+    causes: Sequence[Cause],
+    probe: _Probe,
+    gram: Array,
+    rows: range,
+    gaps: Array,
+) -> Response:
+    """The amplitudes of a probe, within what is trusted, that lower the cost most."""
+    fitted, both = problem.free(causes), [*causes, probe.cause]
+    p, values = len(fitted), np.array(probe.values)
+    free = problem.free(both).tolist()
+    used = [*range(p), *rows]
+    scale = np.concatenate([np.ones(p), 1.0 / values])
+    inner = scale[:, None] * gram[np.ix_(used, used)] * scale
+    along = scale * gram[used, -1]
+    place = [free.index(k) for k in (*fitted.tolist(), *probe.columns)]
+    precision = precision_of(problem, both)[np.ix_(place, place)]
+    before = precision_of(problem, causes)
+    here = end.x[fitted]
+    curvature = inner + precision
+    downhill = along - precision @ np.concatenate([here, np.zeros(len(rows))])
+    step = np.linalg.solve(curvature, downhill)
+    low, high = problem.limits[:, probe.columns]
+    ends = np.sort(np.stack([np.zeros(len(rows)), _MULTIPLE * values]), axis=0)
+    amplitudes = np.clip(np.clip(step[p:], *ends), low, high)
+    # The constants again for the amplitudes as they are.
+    rest = np.linalg.solve(curvature[:p, :p], downhill[:p] - curvature[:p, p:] @ amplitudes)
+    rest = np.clip(rest, -_FAR, _FAR) if probe.columns else rest
+    move = np.concatenate([rest, amplitudes])
+    freed = float(here @ (before - precision[:p, :p]) @ here)
+    price = float(sum(value**2 for value in probe.shapes.values()))
+    gain = float(2.0 * downhill @ move - move @ curvature @ move) + freed - price
+    x = end.x.copy()
+    x[fitted] += rest
+    x[probe.columns] = amplitudes
+    x[list(probe.shapes)] = list(probe.shapes.values())
+    slopes = np.zeros((len(end.residual), len(free)))
+    slopes[:, place] = np.hstack([end.slopes, gaps.T / values])
+    return Response(probe.cause, x, gain, gaps, slopes)

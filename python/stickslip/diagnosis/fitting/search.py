@@ -1,0 +1,292 @@
+"""The search over models: sets of causes, each with every form of the discrepancy.
+
+`Models` keeps the best fit of each. Until the leaders are the same, all models with one cause more,
+less or exchanged are fitted, begun at the leader's end; so no model fits worse than what it
+contains.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
+import numpy as np
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivatives, descend
+from stickslip.diagnosis.fitting.forms import Form, Softened, forms
+from stickslip.diagnosis.fitting.models import Fit, fit, log_prior, promised, sharpened
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.responses import AMPLITUDES, Response, responses
+from stickslip.diagnosis.terms.cause import Cause
+
+_Item = TypeVar("_Item")
+Progress = Callable[[float, str], None]
+"""``progress(fraction, stage)`` is told the fraction that is done and what comes next."""
+
+LEADERS, ROUNDS = 3, 4
+"""Models that are looked at beside in a round, and most rounds. Chosen: with fewer leaders a near
+twin is missed."""
+
+NEAR, MOST_CAUSES = 6.0, 2
+"""Log posterior odds within which models are refined, and most causes of a model. Chosen."""
+
+# Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors.
+_SCAN, _DESCENTS = 128, (6, 4, 3, 2)
+# Distance, in coordinates, of starts that lead elsewhere, and below which ends are one.
+_APART, _SAME = 0.7, 0.05
+# Steps of a first look at a model, and how far behind the best cost one may be to go on.
+_LOOK, _HOPELESS = 3, 30.0
+# Causes that are tried about a leader, of each kind of neighbour; least fall of the cost that one
+# more has to promise (with less its model is not compared); and least growth of the log-evidence
+# after which a leader is looked beside again.
+_MORE, _WORTH, _BETTER = 6, 2.0, 1.0
+# Ends about which single causes are looked for, and starts of each that are looked at.
+_VIEWS, _LOOKED_AT = 3, 6
+# Models that are fitted with each further form of the discrepancy.
+_OTHER_FORMS = 6
+
+
+class Models:
+    """The best fit of each model, by the names of its causes and its form."""
+
+    def __init__(self, problem: Problem, offered: Sequence[Cause]) -> None:
+        self.problem, self.offered = problem, tuple(offered)
+        self.forms: dict[str, Form] = forms(problem)
+        self.best: dict[tuple[frozenset[str], str], Fit] = {}
+
+    def add(self, new: Fit) -> Fit:
+        """Keep a fit if it is the best of its model."""
+        key = new.names, new.form
+        old = self.best.get(key)
+        if old is None or new.log_evidence > old.log_evidence:
+            self.best[key] = new
+        return self.best[key]
+
+    def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
+        """The fit of a model, if there is one."""
+        return self.best.get((frozenset(causes), form))
+
+    @property
+    def null(self) -> Fit:
+        """The recalibrated model with the errors as they are stated."""
+        return self.best[frozenset(), "none"]
+
+    def log_posterior(self, one: Fit) -> float:
+        """Log-evidence and log prior probability of a model, up to what all have."""
+        return one.log_evidence + log_prior(one.causes, one.form, len(self.offered))
+
+    def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
+        """Models by their posterior, the best first."""
+        fits = [each for each in self.best.values() if form in (None, each.form)]
+        return sorted(fits, key=self.log_posterior, reverse=True)[:count]
+
+    def fit(
+        self,
+        form: str,
+        causes: Sequence[Cause],
+        x: Array,
+        slopes: Array | None = None,
+        h: Array | None = None,
+    ) -> None:
+        """Fit a model from a start, unless nothing can be fitted there."""
+        hopeless = math.inf
+        if form == "none" and self.best:
+            first = min(each.cost for each in self.leaders(1, form))
+            hopeless = first + _HOPELESS
+        try:
+            own = fit(
+                self.problem, self.forms[form], causes, x, h=h, slopes=slopes, hopeless=hopeless
+            )
+        except np.linalg.LinAlgError:
+            return
+        self.add(own)
+
+
+def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
+    """The model without a cause from starts all over the priors, and the ends at larger errors."""
+    constants = range(len(problem.constants))
+    softest = Softened(problem, *STAGES[0])
+    h, stated = np.zeros(0), forms(problem, ["none"])["none"]
+    count = _SCAN if len(constants) > 1 else _SCAN // 4
+    starts = _scan(problem, softest, count, seed)
+    ends: list[End] = []
+    for stage, most in zip(STAGES, _DESCENTS, strict=False):
+        soft = Softened(problem, *stage)
+        found = [descend(problem, soft, h, (), x) for x in starts[:most]]
+        found.sort(key=lambda each: each.cost)
+        distinct = list(_separated(found, lambda each: each.x, _SAME))
+        starts = [each.x for each in distinct]
+        ends += distinct
+    fits = [fit(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
+    return max(fits, key=lambda each: each.log_evidence), ends
+
+
+def _scan(problem: Problem, form: Form, count: int, seed: int) -> list[Array]:
+    """Points drawn from the priors of the constants, the best first, apart from each other."""
+    p, x = len(problem.constants), np.zeros((count, problem.size))
+    if p:
+        sobol = qmc.Sobol(p, scramble=True, seed=seed).random(count)
+        x[1:, :p] = ndtri(np.clip(sobol, 1e-3, 1.0 - 1e-3))[1:]
+    cost = form.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
+    return list(_separated(x[np.argsort(cost, kind="stable")], lambda each: each, _APART))
+
+
+def _separated(
+    items: Iterable[_Item], place: Callable[[_Item], Array], distance: float
+) -> Iterator[_Item]:
+    """Those that are not closer than a distance to an earlier one."""
+    kept: list[_Item] = []
+    for item in items:
+        if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
+            kept.append(item)
+            yield item
+
+
+def search(
+    problem: Problem,
+    null: Fit,
+    ends: Sequence[End],
+    offered: Sequence[Cause],
+    say: Progress = lambda fraction, stage: None,
+) -> Models:
+    """Fit the models that the data may come from; `null` and `ends` are of `recalibrated`."""
+    models = Models(problem, offered)
+    models.add(null)
+    _fit_singles(models, ends)
+    done = {null.names: null.log_evidence}
+    for turn in range(ROUNDS):
+        say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
+        new = [
+            each
+            for each in _worth_a_look(models)
+            if each.log_evidence > done.get(each.names, -math.inf) + _BETTER
+        ]
+        if not new:
+            break
+        for leader in new:
+            done[leader.names] = leader.log_evidence
+            _look_beside(models, leader)
+        _fit_other_forms(models)
+    for each in _near(models):
+        models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
+    return models
+
+
+def _near(models: Models) -> list[Fit]:
+    """The models that a verdict compares, and the recalibrated one."""
+    leaders = models.leaders()
+    least = models.log_posterior(leaders[0]) - NEAR
+    return [each for each in leaders if models.log_posterior(each) > least or not each.causes]
+
+
+def _worth_a_look(models: Models) -> list[Fit]:
+    """The leaders, each set of causes once, and the best single causes at least."""
+    sets: dict[frozenset[str], Fit] = {}
+    for each in [*_near(models), *models.leaders(form="none")[:2]]:
+        sets.setdefault(each.names, each)
+    return [each for each in sets.values() if each.causes][:LEADERS]
+
+
+def _fit_singles(models: Models, ends: Sequence[End]) -> None:
+    """A fit of each cause by itself, begun where responses about several ends promise most."""
+    problem, null = models.problem, models.null
+    soft = _softened(problem, null)
+    views = [null.end]
+    for end in _separated(ends, lambda each: each.x, _APART):
+        # A view has to show where it is with the stated model, not with a draft.
+        views.append(_end_at(problem, (), end.x))
+        if len(views) == _VIEWS:
+            break
+    starts: dict[str, list[Response]] = {each.name: [] for each in models.offered}
+    for view in views:
+        for each in responses(problem, view, (), models.offered, soft, np.zeros(0)):
+            starts[each.cause.name].append(each)
+    robust, looks = Softened(problem, *STAGES[-1]), []
+    for cause in models.offered:
+        # Responses are right to first order: their ends are looked at as they are.
+        near = list(_separated(starts[cause.name], lambda each: each.x, _APART))[:_LOOKED_AT]
+        residual = problem.residuals(np.array([each.x for each in near]))
+        order = np.argsort(soft.cost(residual, np.zeros(0)))[:2].tolist()
+        for each in (near[k] for k in order):
+            end = descend(
+                problem, soft, np.zeros(0), (cause,), each.x, steps=_LOOK, slopes=each.slopes
+            )
+            end = descend(
+                problem, robust, np.zeros(0), (cause,), end.x, steps=_LOOK, slopes=end.slopes
+            )
+            looks.append((end, cause))
+    looks.sort(key=lambda each: each[0].cost)
+    for end, cause in looks:
+        if end.cost < looks[0][0].cost + _HOPELESS or models.get([cause.name]) is None:
+            models.fit("none", (cause,), end.x, end.slopes)
+    for cause in models.offered:
+        own = models.get([cause.name])
+        if own is None or own.cost > null.cost + SETTLED:
+            models.fit("none", (cause,), null.x)  # no fit is worse than what it contains
+
+
+def _softened(problem: Problem, base: Fit) -> Softened:
+    """Errors as large as a fit misses the data."""
+    inflation = math.sqrt(max(base.chi2 / len(problem.y), 1.0))
+    return Softened(problem, min(inflation, STAGES[0][0]))
+
+
+def _end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> End:
+    residual = problem.residuals(x[None, :])[0]
+    slopes = derivatives(problem, x, problem.free(causes), residual)
+    return End(x, residual, slopes, math.nan)
+
+
+def _look_beside(models: Models, leader: Fit) -> None:
+    """Fit the models with one cause more, less or exchanged, from where a leader is."""
+    problem, metric, h = models.problem, models.forms[leader.form], leader.h
+    if leader.form == "none":
+        metric, h = _softened(problem, leader), np.zeros(0)
+    bases = [(leader.causes, leader.end)] if len(leader.causes) < MOST_CAUSES else []
+    for cause in leader.causes:
+        rest = tuple(each for each in leader.causes if each is not cause)
+        x = leader.x.copy()
+        x[problem.columns([cause])] = 0.0
+        end = _end_at(problem, rest, x)
+        models.fit(leader.form, rest, x, end.slopes)
+        bases.append((rest, end))
+    for rest, end in bases:
+        offered = [each for each in models.offered if each not in (*rest, *leader.causes)]
+        least = _WORTH if rest == leader.causes else -math.inf
+        tried: dict[str, int] = {}
+        for each in responses(problem, end, rest, offered, metric, h, AMPLITUDES[1:2]):
+            name = each.cause.name
+            if each.gain < least or (name not in tried and len(tried) == _MORE):
+                continue
+            tried[name] = tried.get(name, 0) + 1
+            if tried[name] > 2:
+                continue
+            both = (*rest, each.cause)
+            models.fit(leader.form, both, each.x, each.slopes, h if metric.names else None)
+            if rest == leader.causes and tried[name] == 1:
+                # Nested: never worse than what it contains.
+                models.fit(leader.form, both, leader.x, each.slopes, h if metric.names else None)
+
+
+def _fit_other_forms(models: Models) -> None:
+    """Fit the most promising models with each further form of the discrepancy."""
+    for name, form in models.forms.items():
+        if name == "none":
+            continue
+        hopes = []
+        for old in models.leaders(form="none"):
+            known = models.get(old.names, name)
+            try:
+                hope = promised(models.problem, form, old) if known is None else known
+            except np.linalg.LinAlgError:
+                continue
+            hopes.append((models.log_posterior(hope), old, hope))
+        hopes.sort(key=lambda each: -each[0])
+        for place, (_, old, hope) in enumerate(hopes):
+            wanted = place < _OTHER_FORMS or not old.causes
+            if wanted and models.get(old.names, name) is None:
+                models.fit(name, old.causes, old.x, old.slopes, hope.h)
