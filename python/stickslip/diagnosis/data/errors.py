@@ -363,7 +363,8 @@ class _Scatter(OneLine):
             ratio = np.ones(len(mean)) if stated else there / here
             signs = np.where(level == 0.0, np.sign(mean), np.sign(level))
             both = np.outer(ratio, ratio)
-            return (both if linked else 1.0) * own + both * (shift + np.outer(signs, signs) * gain)
+            readings = both * own if linked else own
+            return np.asarray(readings + both * (shift + np.outer(signs, signs) * gain))
 
         covariance = of_level(mean)
         sd = np.sqrt(np.diag(covariance))
@@ -473,11 +474,8 @@ class _Scatter(OneLine):
             )
         place, lag, product = np.concatenate(found, axis=1)
         pairs, which = np.unique(np.stack([place, lag]), axis=1, return_inverse=True)
-        return (
-            np.asarray(pairs[0], dtype=np.int64),
-            np.asarray(pairs[1]),
-            np.bincount(np.ravel(which), product),
-        )
+        together = np.asarray(np.bincount(np.ravel(which), product), dtype=float)
+        return np.asarray(pairs[0], dtype=np.int64), np.asarray(pairs[1]), together
 
 
 def _sample(
