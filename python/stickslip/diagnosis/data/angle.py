@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.arrays import Array, Indices
-from stickslip.diagnosis.data.errors import of_means, reading_error
+from stickslip.diagnosis.data.errors import of_readings
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_angles, read_by
 from stickslip.errors import ScenarioError
@@ -68,8 +68,7 @@ class AngleTable(Table):
         super().__init__({"Bx": bx, "Bz": bz}, theta, sd=READING, name="angle", unit="rad")
         self.fields = np.stack([bx, bz], axis=1)[self.first]
         design = _lines(self.fields, self.mean)[self.condition]
-        found = reading_error(theta, design, self.condition, READING)
-        self.errors = of_means(found, np.bincount(self.condition), title, "rad")
+        self.errors = of_readings(theta, design, self.condition, READING, "rad")
         self.notes = list(self.errors.notes)
         self.suspects = of_angles(self.mean)
 
@@ -95,8 +94,8 @@ class AngleTable(Table):
                 "to pi. If angles are in degrees, multiply them by pi/180"
             )
         for each in theta[beyond].tolist():
-            text = f"theta of {each:.4g} rad is not used, as it is more than half a turn."
-            self.left_out.append(Note("angle-beyond-turn", f"{self.title}: {text}", each))
+            text = f"theta = {each:.4g} rad is not used, as it is more than half a turn."
+            self.left_out.append(Note("angle-beyond-turn", text, each))
         return rows[~beyond]
 
     def _without_outliers(self, rows: Array) -> Array:
@@ -108,8 +107,8 @@ class AngleTable(Table):
         far = order[1:-1][far_from_their_neighbours(distance, slope, _ALONE_LEAST)]
         for bx, bz, theta in rows[far].tolist():
             text = (
-                f"{self.title}: theta of {theta:.4g} rad at Bx = {bx:.4g} T, Bz = {bz:.4g} T is "
-                "not used, as it is far from both its neighbours, which agree."
+                f"theta = {theta:.4g} rad at Bx = {bx:.4g} T, Bz = {bz:.4g} T is not used, as it "
+                "is far from both its neighbours, which agree."
             )
             self.left_out.append(Note("lonely-angle", text, theta))
         return np.delete(rows, far, axis=0)

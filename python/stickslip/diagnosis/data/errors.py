@@ -211,6 +211,25 @@ def reading_error(
     return (sd, dof, origin) if sd > smallest else (smallest, math.inf, "smallest")
 
 
+def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:
+    """Errors of the means of a table's conditions by `reading_error`, with a note on their origin.
+
+    `unit` is that of the readings; the others are as there.
+    """
+    sd, dof, origin = reading_error(y, design, condition, smallest)
+    size = f"{math.degrees(sd):.2g} degrees" if unit == "rad" else f"{sd:.2g} {unit}"
+    text = {
+        "repeats": f"A reading scatters by {size}, from repeats",
+        "free fit": f"A reading scatters by {size} about a free fit",
+        "smallest": f"Readings scatter by less than {size}, which is used",
+        "unknown": f"Readings are too few to tell their error; {size} is used",
+    }[origin]
+    text += f" ({dof:.0f} degrees of freedom)." if math.isfinite(dof) else "."
+    own = sd / np.sqrt(np.bincount(condition))
+    note = Note(f"noise-{origin.replace(' ', '-')}", text, sd)
+    return Errors(own, None, dof, {"s0": sd, "rho": 0.0}, (note,))
+
+
 def _stated(
     sd: Array | None, relative: float, free: int, size: float, level: Array, notes: list[Note]
 ) -> tuple[dict[str, float], float]:
@@ -320,7 +339,7 @@ class _Scatter(OneLine):
     def errors(self, seed: int, notes: list[Note]) -> Errors:
         """Errors of the means, over draws of the hyperparameters."""
         shared = not {"phi", "shift"}.isdisjoint(self.names)
-        p, weight = _sample(self._shared_loss if shared else self._own_loss, self.names, seed)
+        p, weight = sample(self._shared_loss if shared else self._own_loss, self.names, seed)
         told = {"s0": self.pooled * math.sqrt(weight @ np.exp(2.0 * p["s0"]))}
         if self.sd is None:
             told["rho"] = self.pooled / self.size * math.sqrt(weight @ np.exp(2.0 * p["rho"]))
@@ -331,7 +350,7 @@ class _Scatter(OneLine):
             usual = weight @ size**2
             count = np.bincount(self.condition)
             own = np.bincount(self.condition, self.unit**2) / count**2
-            dof = _satterthwaite(np.mean(size**2 / usual, axis=1), weight)
+            dof = satterthwaite(np.mean(size**2 / usual, axis=1), weight)
             return Errors(np.sqrt(own * usual), None, dof, told, tuple(notes))
         if "phi" in p:
             told["phi"] = float(weight @ ndtr(p["phi"]))
@@ -444,7 +463,7 @@ class _Scatter(OneLine):
         mean = sum(w * parts(k) for k, w in enumerate(weight.tolist()))
         inverse = gained * np.linalg.inv(np.sum(gained * mean, axis=0))
         scale = np.array([np.sum(inverse * parts(k)) / m for k in range(len(weight))])
-        return np.asarray(mean), _satterthwaite(scale, weight)
+        return np.asarray(mean), satterthwaite(scale, weight)
 
     def _pairs(self, weight: Array) -> tuple[Indices, Array, Array]:
         """Pairs of readings in a run: place of their conditions in a flat matrix, distance, weight.
@@ -477,7 +496,7 @@ def _note_of_correlation(phi: Array, weight: Array) -> Note:
     return Note("errors-correlated", text, float(weight @ phi))
 
 
-def _sample(
+def sample(
     loss: Callable[[dict[str, Array]], Array], names: list[str], seed: int
 ) -> tuple[dict[str, Array], Array]:
     """Draws of the hyperparameters, each of shape (draws,), and their weights, of sum 1.
@@ -511,6 +530,6 @@ def _sample(
     return dict(zip(names, (centre + width * h).T, strict=True)), weight / np.sum(weight)
 
 
-def _satterthwaite(scale: Array, weight: Array) -> float:
+def satterthwaite(scale: Array, weight: Array) -> float:
     """Degrees of freedom of a size whose draws are `scale`, of mean 1."""
     return 2.0 / max(float(weight @ (scale - weight @ scale) ** 2), 1e-9)

@@ -11,7 +11,7 @@ from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip._util.unit_factor import far_size
 from stickslip.diagnosis.data.angle import refuse_larger
-from stickslip.diagnosis.data.errors import FEWEST, of_means, reading_error
+from stickslip.diagnosis.data.errors import FEWEST, of_readings
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_fields, read_by
 from stickslip.errors import ScenarioError
@@ -80,8 +80,7 @@ class FieldTable(Table):
         self.group //= 3
         rows = self.first[::3] // 3
         self.currents, self.points = currents[rows], points[rows]
-        found = reading_error(self.y, _design(shares), self.condition, smallest)
-        self.errors = of_means(found, np.bincount(self.condition), title, "T")
+        self.errors = of_readings(self.y, _design(shares), self.condition, smallest, "T")
         self.notes = list(self.errors.notes)
         self.suspects = of_fields(self.mean)
 
@@ -107,8 +106,8 @@ class FieldTable(Table):
             raise ScenarioError(f"{self.title}: every probe lies on the wire of a coil")
         if not off.all():
             count = int(np.sum(~off))
-            text = f"rows whose probe lies on the wire of a coil are not used; {count} left out."
-            self.left_out.append(Note("probes-on-wire", f"{self.title}: {text}", count))
+            text = f"Rows whose probe lies on the wire of a coil are not used; {count} left out."
+            self.left_out.append(Note("probes-on-wire", text, count))
         return off
 
     def _near(self, currents: Array, fields: Array, shares: Array) -> Mask:
@@ -124,8 +123,8 @@ class FieldTable(Table):
         far = far_from_a_fit(left_by, len(fields), smallest)
         for field, amperes in zip(fields[far], currents[far], strict=True):
             text = (
-                f"{self.title}: a reading of {_numbers(field)} T with currents {_numbers(amperes)} "
-                "A is far from what any gain of the coils gives."
+                f"A reading of {_numbers(field)} T with currents {_numbers(amperes)} A is far from "
+                "what any gain of the coils gives."
             )
             self.left_out.append(Note("far-field", text, float(np.max(np.abs(field)))))
         return ~far
