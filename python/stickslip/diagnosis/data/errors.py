@@ -211,6 +211,25 @@ def reading_error(
     return (sd, dof, origin) if sd > smallest else (smallest, math.inf, "smallest")
 
 
+def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:
+    """Errors of the means of a table's conditions by `reading_error`, with a note on their origin.
+
+    `unit` is that of the readings; the others are as there.
+    """
+    sd, dof, origin = reading_error(y, design, condition, smallest)
+    size = f"{math.degrees(sd):.2g} degrees" if unit == "rad" else f"{sd:.2g} {unit}"
+    text = {
+        "repeats": f"A reading scatters by {size}, from repeats",
+        "free fit": f"A reading scatters by {size} about a free fit",
+        "smallest": f"Readings scatter by less than {size}, which is used",
+        "unknown": f"Readings are too few to tell their error; {size} is used",
+    }[origin]
+    text += f" ({dof:.0f} degrees of freedom)." if math.isfinite(dof) else "."
+    own = sd / np.sqrt(np.bincount(condition))
+    note = Note(f"noise-{origin.replace(' ', '-')}", text, sd)
+    return Errors(own, None, dof, {"s0": sd, "rho": 0.0}, (note,))
+
+
 def _stated(
     sd: Array | None, relative: float, free: int, size: float, level: Array, notes: list[Note]
 ) -> tuple[dict[str, float], float]:
@@ -320,14 +339,14 @@ class _Scatter(OneLine):
     def errors(self, seed: int, notes: list[Note]) -> Errors:
         """Errors of the means, over draws of the hyperparameters."""
         shared = not {"phi", "shift"}.isdisjoint(self.names)
-        p, weight = _sample(self._shared_loss if shared else self._own_loss, self.names, seed)
+        p, weight = sample(self._shared_loss if shared else self._own_loss, self.names, seed)
         size = self._sizes(p)
         usual = weight @ size**2
         if shared:
             parts, scale = self._covariances(p, weight, size)
         else:
             scale = np.mean(size**2 / usual, axis=1)
-        factor, dof = _size_of(scale, weight)
+        factor, dof = satterthwaite(scale, weight)
         if self.sd is None:
             square = factor * self.pooled**2
             told = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
@@ -478,7 +497,7 @@ class _Scatter(OneLine):
         return np.asarray(pairs[0], dtype=np.int64), np.asarray(pairs[1]), together
 
 
-def _sample(
+def sample(
     loss: Callable[[dict[str, Array]], Array], names: list[str], seed: int
 ) -> tuple[dict[str, Array], Array]:
     """Draws of the hyperparameters, each of shape (draws,), and their weights, of sum 1.
@@ -514,8 +533,8 @@ def _sample(
     return dict(zip(names, (centre + width * h).T, strict=True)), weight / np.sum(weight)
 
 
-def _size_of(scale: Array, weight: Array) -> tuple[float, float]:
-    """A size whose draws are `scale`, and its degrees of freedom.
+def satterthwaite(scale: Array, weight: Array) -> tuple[float, float]:
+    """A size whose draws are `scale`, shape (draws,), and its degrees of freedom.
 
     By the first two moments of its inverse: of errors with one variance they give the F law. Of the
     size itself they would count four degrees of freedom less, and make it too large.
