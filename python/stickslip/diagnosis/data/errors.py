@@ -520,7 +520,7 @@ def sample(
         return np.asarray(density(h + step) - density(h - step)) / 0.1
 
     found = minimize(lambda h: float(density(h[None])[0]), np.zeros(d), jac=slope, method="BFGS",
-                     options={"gtol": 1e-2, "maxiter": 60}).x  # fmt: skip
+                     options={"gtol": 1e-5, "maxiter": 100}).x  # fmt: skip
     curvature = np.array([(slope(found + each) - slope(found - each)) / 0.1 for each in step])
     values, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
     # The prior alone has a curvature of 1.
