@@ -14,6 +14,10 @@ NEAR = math.sqrt(10.0)
 """Ratio to one of `FACTORS` within which a number is near it. Chosen: what is expected is seldom
 known to better than a factor of three, and beyond it another power of ten is nearer."""
 
+_MOST = 50.0
+"""Ratio beyond which a size is far from the usual one. Chosen: below 57 (degrees for rad) and 1000
+(mm for m), the commonest mistakes of units."""
+
 _SMALLER = {
     "m": ("cm", "mm", "um"),
     "m/s": ("mm/s", "um/s"),
@@ -58,3 +62,21 @@ def unit_meant(
 def factor_text(factor: float) -> str:
     """``1000`` or ``1/1000``."""
     return f"{factor:.7g}" if factor >= 1.0 else f"1/{1.0 / factor:.7g}"
+
+
+def far_size(measured: float, usual: float, unit: str, whose: str) -> str | None:
+    """How a size differs from `whose`, which is usual, by more than a factor of 50; else None.
+
+    Both sizes are in `unit` and not below 0; of a size of 0 nothing is said.
+    """
+    if measured == 0.0 or usual == 0.0 or 1.0 / _MOST < measured / usual < _MOST:
+        return None
+    text = (
+        f"about {measured / usual:.3g} times {whose} ({measured:.3g} against {usual:.3g} {unit}; "
+        f"allowed is {1.0 / _MOST:g} to {_MOST:g} times)"
+    )
+    factor = unit_factor(measured / usual)
+    if factor is None:
+        return text
+    size = factor_text(max(factor, 1.0 / factor))
+    return f"{text}, so a column may be in a unit that is wrong by {size}"

@@ -1,15 +1,66 @@
-"""The errors of readings: one model, estimated by restricted likelihood."""
+"""The errors of readings: one model, estimated by restricted likelihood.
+
+A reading i of the condition k in the set-up q is
+
+    y_i = level_k + s_k (shift_q + sign(level_k) gain_q + e_i),  s_k^2 = s0^2 + (rho level_k)^2,
+
+with errors e of variance 1, of which those of neighbours in a run have the correlation phi. The
+levels are free, so that no model and no cause changes what is estimated (restricted likelihood;
+Patterson and Thompson, Biometrika 58 (1971) 545). The logarithms of s0, rho and of the sizes of
+shifts and gains, and the probit of phi, have weak normal priors. Sobol draws about the mode of
+their posterior, with importance weights, give the covariance of the means of the conditions and the
+degrees of freedom of its size (Satterthwaite, Biometrics Bulletin 2 (1946) 110).
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.optimize import minimize, nnls
+from scipy.special import ndtr, ndtri
+from scipy.stats import chi2 as chi2_law
+from scipy.stats import qmc
 
-from stickslip._util.arrays import Array, Indices
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.one_line import OneLine
+from stickslip._util.root_mean_square import root_mean_square
 from stickslip.simulation.note import Note
+
+FEWEST, ENOUGH = 4, 12
+"""Degrees of freedom from which on a scatter tells the error, and from which on repeats need no
+comparison. Chosen: they determine it to 35 and to 20 %."""
+
+_PRIORS = {
+    "s0": (-0.7, 1.5),
+    "rho": (-0.7, 1.5),
+    "phi": (-1.0, 1.2),
+    "shift": (-1.0, 1.0),
+    "gain": (-1.0, 1.0),
+}
+"""Mean and standard deviation of each coordinate: the logarithms of s0 and of rho at the usual
+level over the pooled scatter, the probit of phi, and the logarithms of the sizes of shifts and
+gains in errors of a reading. Chosen: weak, with equal parts of s0 and rho."""
+
+_SHARED = ("shift", "gain")
+"""What readings of a set-up share."""
+
+_DRAWS, _TAILS, _WIDER = 256, 4.0, 1.15
+"""Number of draws, the degrees of freedom of their law, and its width beside that of the posterior
+at its mode. Chosen: the effective sample is then half of the draws."""
+
+_ALIKE = 1e-9
+"""Part of the usual level by which readings differ that differ by rounding alone. Chosen: between
+the rounding of a double, 1e-16, and that of any table."""
+
+_STRONGEST = 0.9999
+"""Correlation of neighbours beyond which a run is one error. Chosen."""
+
+_NEAR_ZERO = 0.1
+"""Part of the usual error that a stated relative error leaves near the level zero. Chosen."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -23,9 +74,10 @@ class Errors(OneLine):
     covariance : ndarray, shape (m, m), or None
         Of the means; None where they are independent.
     dof : float
-        Degrees of freedom of their size; infinity where it was stated.
+        Degrees of freedom of their size: infinity where it was stated, 0 where nothing is known.
     told : dict
-        What is reported of them: ``s0``, ``rho``, ``phi``, ``shift``, ``gain``.
+        What is reported of them: ``s0`` in the unit of the readings, ``rho``, ``phi``, and
+        ``shift`` and ``gain`` in errors of a reading.
     notes : tuple of Note
     """
 
@@ -34,15 +86,23 @@ class Errors(OneLine):
     dof: float = math.inf
     told: dict[str, float] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
+    _of_level: Callable[[Array], Array] | None = field(default=None, repr=False)
 
     def at(self, level: Array) -> Errors:
-        """The same where errors that conditions share follow another level, shape (m,)."""
-        del level
-        return self
+        """The same where errors that conditions share follow another level, shape (m,).
+
+        They must not follow what was measured: conditions that came out low would weigh more, and
+        a fit would end below them all. Errors of a condition's own stay as they are.
+        """
+        if self._of_level is None:
+            return self
+        covariance = self._of_level(level)
+        return replace(self, sd=np.sqrt(np.diag(covariance)), covariance=covariance)
 
     def of_reading(self, level: Array) -> Array:
         """Standard deviation of one reading at levels, shape (k,)."""
-        return np.full(len(level), float(np.median(self.sd)))
+        s0 = self.told.get("s0", float(np.median(self.sd)))
+        return np.asarray(np.hypot(s0, self.told.get("rho", 0.0) * level), dtype=float)
 
 
 def estimate(
@@ -56,10 +116,429 @@ def estimate(
     setup: Indices | None = None,
     seed: int = 0,
 ) -> tuple[Array, Errors]:
-    """Means of the conditions, shape (m,), and their errors."""
+    """Means of the conditions, shape (m,), and their errors.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n,)
+        Readings.
+    condition : ndarray of int, shape (n,)
+        Condition of each reading, 0 to m - 1, none missing.
+    sd : ndarray, shape (n,), optional
+        Standard deviation of each reading, if stated. Repeats then tell only what readings of a run
+        or of a set-up share.
+    relative : float
+        Stated relative standard deviation of a reading, used where repeats are too few.
+    run : ndarray of int, shape (n,), optional
+        Run of each reading; -1 where it is not known.
+    place : ndarray, shape (n,), optional
+        Place in the run, counted in the usual step; the order of the rows, if not given.
+    setup : ndarray of int, shape (n,), optional
+        Set-up of each reading; -1 where it is not known: such a reading has one of its own. Used
+        where conditions were repeated in another one.
+    seed : int
+        Of the draws.
+    """
     count = np.bincount(condition).astype(float)
     mean = np.bincount(condition, y) / count
+    # Readings that are all zero, below the resolution of a camera, have no scatter. Their error is
+    # that of the level zero.
+    moves = np.bincount(condition, y != 0.0) > 0
+    moves = moves if moves.any() else ~moves
+    size = root_mean_square(mean[moves]) or 1.0
+    away = y - mean[condition]
+    free = int(np.sum(moves[condition])) - int(np.sum(moves))
+    if not np.any(np.abs(away) > _ALIKE * size):
+        free = 0
+    notes: list[Note] = []
+    setup = _crossed(condition, setup, moves[condition], notes)
+    order, gap = _along_runs(run, place, moves[condition], (count > 1.0)[condition])
+    shared = setup is not None or bool(np.any(np.isfinite(gap)))
+    if free < FEWEST or (sd is not None and not shared):
+        told, dof = _stated(sd, relative, free, size, mean[condition], notes)
+        one = np.hypot(told["s0"], told["rho"] * mean[condition]) if sd is None else sd
+        own = np.sqrt(np.bincount(condition, one**2)) / count
+        return mean, Errors(own, None, dof, told, tuple(notes))
+    pooled = math.sqrt(float(np.sum(away**2)) / free)
+    scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, setup, order, gap)
+    return mean, scatter.errors(seed, notes)
+
+
+def scatter_of(y: Array, design: Array) -> tuple[float, float]:
+    """Standard deviation of readings about a free fit, and its degrees of freedom.
+
+    `y` has shape (n,), `design` (n, k): what may be free, such as gains of coils or local lines.
+    NaN and 0 where the fit leaves nothing.
+    """
+    fitted, _, rank, _ = np.linalg.lstsq(design, y, rcond=None)
+    free = len(y) - int(rank)
+    if free == 0:
+        return math.nan, 0.0
+    return math.sqrt(float(np.sum((y - design @ fitted) ** 2)) / free), float(free)
+
+
+def reading_error(
+    y: Array, design: Array, condition: Indices, smallest: float
+) -> tuple[float, float, str]:
+    """Standard deviation of one reading of a table, its degrees of freedom, and its origin.
+
+    From ``repeats``, readings of one condition, if they have at least 12 degrees of freedom, or 4
+    and no fewer than the ``free fit``; else from that. With fewer than 4 the error is ``unknown``,
+    and `smallest` stands for it, as it does where an estimate is below it (``smallest``). Either
+    counts as stated, with infinite degrees of freedom.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n,)
+        Readings that share one standard deviation.
+    design : ndarray, shape (n, k)
+        What is free; see `scatter_of`.
+    condition : ndarray of int, shape (n,)
+        Condition of each reading, 0 to m - 1, none missing.
+    smallest : float
+        An error below which none is believed, in the unit of `y`.
+    """
+    count = np.bincount(condition)
+    away = y - (np.bincount(condition, y) / count)[condition]
+    dof, origin = float(len(y) - len(count)), "repeats"
+    sd = math.sqrt(float(np.sum(away**2)) / dof) if dof else math.nan
+    if dof < ENOUGH:
+        fitted, free = scatter_of(y, design)
+        if dof < max(free, FEWEST):
+            sd, dof, origin = fitted, free, "free fit"
+    if dof < FEWEST:
+        return smallest, math.inf, "unknown"
+    return (sd, dof, origin) if sd > smallest else (smallest, math.inf, "smallest")
+
+
+def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:
+    """Errors of the means of a table's conditions by `reading_error`, with a note on their origin.
+
+    `unit` is that of the readings; the others are as there.
+    """
+    sd, dof, origin = reading_error(y, design, condition, smallest)
+    size = f"{math.degrees(sd):.2g} degrees" if unit == "rad" else f"{sd:.2g} {unit}"
+    text = {
+        "repeats": f"A reading scatters by {size}, from repeats",
+        "free fit": f"A reading scatters by {size} about a free fit",
+        "smallest": f"Readings scatter by less than {size}, which is used",
+        "unknown": f"Readings are too few to tell their error; {size} is used",
+    }[origin]
+    text += f" ({dof:.0f} degrees of freedom)." if math.isfinite(dof) else "."
+    own = sd / np.sqrt(np.bincount(condition))
+    note = Note(f"noise-{origin.replace(' ', '-')}", text, sd)
+    return Errors(own, None, dof, {"s0": sd, "rho": 0.0}, (note,))
+
+
+def _stated(
+    sd: Array | None, relative: float, free: int, size: float, level: Array, notes: list[Note]
+) -> tuple[dict[str, float], float]:
+    """s0 and rho of a reading whose error is stated or unknown, and its degrees of freedom."""
     if sd is not None:
-        return mean, Errors(np.sqrt(np.bincount(condition, sd**2)) / count)
-    spread = math.sqrt(float(np.sum((y - mean[condition]) ** 2)) / max(len(y) - len(mean), 1))
-    return mean, Errors(spread / np.sqrt(count), dof=float(len(y) - len(mean)))
+        s0, rho = np.sqrt(nnls(np.column_stack([level**0, (level / size) ** 2]), sd**2)[0])
+        return {"s0": float(s0), "rho": float(rho) / size}, math.inf
+    few = f"repeats have {free} degrees of freedom, {FEWEST} are needed"
+    if math.isfinite(relative):
+        text = f"The stated relative error of {relative:.3g} is used, as {few}."
+        notes.append(Note("noise-stated", text, relative))
+        return {"s0": _NEAR_ZERO * relative * size, "rho": relative}, math.inf
+    notes.append(Note("noise-unknown", f"The error of a reading is not known: {few}.", free))
+    return {"s0": size, "rho": 0.0}, 0.0
+
+
+def _crossed(
+    condition: Indices, setup: Indices | None, known: Mask, notes: list[Note]
+) -> Indices | None:
+    """Set-ups, numbered from 0, if their errors can be told from the levels of conditions."""
+    if setup is None or np.all(setup < 0):
+        return None
+    lost = setup < 0
+    numbers = np.where(lost, np.max(setup) + np.cumsum(lost), setup)
+    setup = np.unique(numbers, return_inverse=True)[1].astype(np.int64)
+    most = max(len(np.unique(condition[known])), len(np.unique(setup[known])) + 1)
+    if np.max(setup) == 0:
+        text = "All readings are of one set-up: what they share is not known."
+        notes.append(Note("one-set-up", text))
+        return None
+    if len(np.unique(condition[known] * len(setup) + setup[known])) <= most:
+        text = "No condition was repeated in another set-up: what readings of one share is unknown."
+        notes.append(Note("set-ups-not-crossed", text))
+        return None
+    return setup
+
+
+def _along_runs(
+    run: Indices | None, place: Array | None, known: Mask, repeated: Mask
+) -> tuple[Indices, Array]:
+    """The known readings, run by run, and the distance of each from the one before it.
+
+    It is infinite for the first of a run, and for all where no neighbours were repeated: only there
+    do errors show how they are correlated.
+    """
+    if run is None:
+        rows = np.flatnonzero(known)
+        return rows, np.full(len(rows), math.inf)
+    at = np.arange(len(run), dtype=float) if place is None else place
+    order = np.lexsort((at, run))
+    same = (np.diff(run[order], prepend=-2) == 0) & (run[order] >= 0)
+    step = np.diff(at[order], prepend=0.0)
+    if place is None:
+        step = np.ones(len(run))
+    elif np.any(same & (step > 0.0)):
+        step = np.maximum(step / np.median(step[same & (step > 0.0)]), 1.0)
+    number = np.cumsum(np.where(same, step, 0.0))[known[order]]
+    order = order[known[order]]
+    same = (np.diff(run[order], prepend=-2) == 0) & (run[order] >= 0)
+    gap = np.where(same, np.diff(number, prepend=0.0), math.inf)
+    shown = repeated[order]
+    if not np.any(same[1:] & shown[1:] & shown[:-1]):
+        gap[:] = math.inf
+    return order, gap
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class _Scatter(OneLine):
+    """Readings that tell their errors.
+
+    `away` is their distance from the mean of their condition, `pooled` its standard deviation, and
+    `order` and `gap` are those of `_along_runs`; the others are as in `estimate`.
+    """
+
+    condition: Indices
+    mean: Array
+    moves: Mask
+    size: float
+    away: Array
+    sd: Array | None
+    pooled: float
+    setup: Indices | None
+    order: Indices
+    gap: Array
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Hyperparameters that these readings tell."""
+        signed = len(set(np.sign(self.mean[self.moves]).tolist())) > 1
+        names = ["s0"] + ["rho"] * (self.sd is None)
+        names += ["phi"] * bool(np.any(np.isfinite(self.gap)))
+        # Where all levels have one sign, a shift and a gain are the same.
+        return names + (["shift"] + ["gain"] * signed) * (self.setup is not None)
+
+    @cached_property
+    def unit(self) -> Array:
+        """In which the errors of readings are counted, shape (n,)."""
+        return np.full(len(self.away), self.pooled) if self.sd is None else self.sd
+
+    @cached_property
+    def shares(self) -> Array:
+        """Set-up of each reading as columns of 0 and 1, shape (n, set-ups)."""
+        if self.setup is None:
+            return np.zeros((len(self.away), 0))
+        return np.eye(int(self.setup.max()) + 1)[self.setup]
+
+    def errors(self, seed: int, notes: list[Note]) -> Errors:
+        """Errors of the means, over draws of the hyperparameters."""
+        shared = not {"phi", "shift"}.isdisjoint(self.names)
+        p, weight = sample(self._shared_loss if shared else self._own_loss, self.names, seed)
+        size = self._sizes(p)
+        usual = weight @ size**2
+        if shared:
+            parts, scale = self._covariances(p, weight, size)
+        else:
+            scale = np.mean(size**2 / usual, axis=1)
+        factor, dof = satterthwaite(scale, weight)
+        if self.sd is None:
+            square = factor * self.pooled**2
+            told = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
+            told["rho"] = math.sqrt(square * (weight @ np.exp(2.0 * p["rho"]))) / self.size
+        else:
+            told, _ = _stated(self.sd, math.nan, 0, self.size, self.mean[self.condition], notes)
+        if not shared:
+            own = np.bincount(self.condition, self.unit**2) / np.bincount(self.condition) ** 2
+            return Errors(np.sqrt(factor * own * usual), None, dof, told, tuple(notes))
+        told |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in _SHARED if name in p}
+        if "shift" in p:
+            text = (
+                f"Set-ups differ by a shift of {told['shift']:.2g} and a gain of "
+                f"{told.get('gain', 0.0):.2g} errors of a reading."
+            )
+            notes.append(Note("set-ups", text, told["shift"]))
+        if "phi" in p:
+            phi = ndtr(p["phi"])
+            order = np.argsort(phi)
+            low, high = np.interp((0.025, 0.975), np.cumsum(weight[order]), phi[order])
+            told["phi"] = float(weight @ phi)
+            text = (
+                f"Errors of readings that follow each other have a correlation of "
+                f"{told['phi']:.2f} ({low:.2f} to {high:.2f})."
+            )
+            notes.append(Note("errors-correlated", text, told["phi"]))
+        own, shift, gain = factor * parts
+        mean, linked, stated = self.mean, "phi" in p, self.sd is not None
+
+        def of_level(level: Array) -> Array:
+            """Covariance of the means where what they share follows a level, shape (m,)."""
+            there, here = np.hypot(told["s0"], told["rho"] * np.array([level, mean]))
+            ratio = np.ones(len(mean)) if stated else there / here
+            signs = np.where(level == 0.0, np.sign(mean), np.sign(level))
+            both = np.outer(ratio, ratio)
+            readings = both * own if linked else own
+            return np.asarray(readings + both * (shift + np.outer(signs, signs) * gain))
+
+        covariance = of_level(mean)
+        sd = np.sqrt(np.diag(covariance))
+        return Errors(sd, covariance, dof, told, tuple(notes), of_level)
+
+    def _sizes(self, p: dict[str, Array]) -> Array:
+        """Errors of a reading of each condition, in `unit`, shape (draws, m)."""
+        s2 = np.exp(2.0 * p["s0"])[:, None] * np.ones(len(self.mean))
+        if "rho" in p:
+            s2 += np.exp(2.0 * p["rho"])[:, None] * (self.mean / self.size) ** 2
+        return np.asarray(np.sqrt(s2))
+
+    def _own_loss(self, p: dict[str, Array]) -> Array:
+        """-2 ln of the restricted likelihood of independent readings, shape (draws,)."""
+        squares = np.bincount(self.condition, (self.away / self.unit) ** 2)[self.moves]
+        freedom = np.bincount(self.condition)[self.moves] - 1.0
+        s2 = self._sizes(p)[:, self.moves] ** 2
+        return np.asarray(np.log(s2) @ freedom + (1.0 / s2) @ squares)
+
+    def _shared_loss(self, p: dict[str, Array]) -> Array:
+        """The same of readings that share errors, shape (draws,)."""
+        phi = ndtr(p["phi"]) if "phi" in p else np.zeros(len(p["s0"]))
+        none = np.full(len(phi), -math.inf)
+        parts = zip(self._sizes(p), phi, p.get("shift", none), p.get("gain", none), strict=True)
+        return np.array([self._loss_of(*each) for each in parts])
+
+    def _loss_of(self, size: Array, phi: float, shift: float, gain: float) -> float:
+        """By Henderson's mixed-model equations, linear in the number of readings.
+
+        Divided by their errors, readings have the covariance R + W W' with R of the runs, whose
+        inverse has three diagonals, and W of the set-ups.
+        """
+        rows, c, m = self.order, self.condition[self.order], len(self.mean)
+        link = min(float(phi), _STRONGEST) ** self.gap
+        fresh = 1.0 / np.sqrt(1.0 - link**2)
+        of_setups = [self.shares[rows] * np.sign(self.mean)[c, None] ** k for k in range(2)]
+        target = self.away[rows] / (self.unit[rows] * size[c])
+        columns = np.column_stack([math.exp(shift) * of_setups[0], math.exp(gain) * of_setups[1],
+                                   target])  # fmt: skip
+        white = columns.copy()
+        white[1:] -= link[1:, None] * columns[:-1]
+        white *= fresh[:, None]
+        inner = white.T @ white + np.diag([*np.ones(columns.shape[1] - 1), 0.0])
+        # R^-1 times the columns, and the three diagonals between the conditions' levels.
+        back = fresh[:, None] * white
+        back[:-1] -= (link * fresh)[1:, None] * white[1:]
+        base = self.pooled / self.unit[rows]
+        middle = fresh**2
+        middle[:-1] += (link * fresh)[1:] ** 2
+        beside = -(link * fresh**2 * base)[1:] * base[:-1]
+        lower = np.bincount(m * c[1:] + c[:-1], beside, m * m).reshape(m, m)
+        levels = lower + lower.T + np.diag(np.bincount(c, middle * base**2, m) + ~self.moves)
+        across = np.zeros((m, columns.shape[1]))
+        np.add.at(across, c, base[:, None] * back)
+        pivots = np.diag(np.linalg.cholesky(np.block([[levels, across], [across.T, inner]])))
+        determinants = 2.0 * np.sum(np.log(pivots[:-1])) - 2.0 * np.sum(np.log(fresh))
+        sizes = 2.0 * np.sum(np.log(size[c])) - 2.0 * np.sum(np.log(size[self.moves]))
+        return float(determinants + sizes + pivots[-1] ** 2)
+
+    def _covariances(self, p: dict[str, Array], weight: Array, size: Array) -> tuple[Array, Array]:
+        """Mean covariances of the means, shape (3, m, m), and the size of each draw's beside it.
+
+        By errors of readings, by shifts, and by gains as they are for levels of one sign.
+        """
+        m, count = len(self.mean), np.bincount(self.condition)
+        unit = self.unit / count[self.condition]
+        shares = np.zeros((m, self.shares.shape[1]))
+        np.add.at(shares, self.condition, unit[:, None] * self.shares)
+        alike = shares @ shares.T
+        alone = np.diag(np.bincount(self.condition, unit**2))
+        place, lag, product = self._pairs(unit)
+        # How large a stated error is counts as known.
+        one = size if self.sd is None else np.ones_like(size)
+
+        def parts(k: int) -> Array:
+            own = alone
+            if "phi" in p:
+                half = np.bincount(place, product * float(ndtr(p["phi"][k])) ** lag, m * m)
+                own = alone + half.reshape(m, m) + half.reshape(m, m).T
+            own = own * np.outer(one[k], one[k])
+            both = alike * np.outer(size[k], size[k])
+            factors = [math.exp(2.0 * p[name][k]) if name in p else 0.0 for name in _SHARED]
+            return np.array([own, factors[0] * both, factors[1] * both])
+
+        signs = np.sign(self.mean)
+        gained = np.array([np.ones((m, m)), np.ones((m, m)), np.outer(signs, signs)])
+        mean = np.zeros((3, m, m))
+        for k, each in enumerate(weight):
+            mean += each * parts(k)
+        inverse = gained * np.linalg.inv(np.sum(gained * mean, axis=0))
+        return mean, np.array([np.sum(inverse * parts(k)) / m for k in range(len(weight))])
+
+    def _pairs(self, weight: Array) -> tuple[Indices, Array, Array]:
+        """Pairs of readings in a run: place of their conditions in a flat matrix, distance, weight.
+
+        Pairs of the same conditions at one distance, as of sweeps, are taken together.
+        """
+        m, c = len(self.mean), self.condition[self.order]
+        starts = np.flatnonzero(np.isinf(self.gap))
+        found = []
+        for rows in np.split(np.arange(len(c)), starts[1:]):
+            number = np.cumsum(np.r_[0.0, self.gap[rows[1:]]])
+            i, j = np.tril_indices(len(rows), -1)
+            weights = weight[self.order[rows]]
+            found.append(
+                [m * c[rows[i]] + c[rows[j]], number[i] - number[j], weights[i] * weights[j]]
+            )
+        place, lag, product = np.concatenate(found, axis=1)
+        pairs, which = np.unique(np.stack([place, lag]), axis=1, return_inverse=True)
+        together = np.asarray(np.bincount(np.ravel(which), product), dtype=float)
+        return np.asarray(pairs[0], dtype=np.int64), np.asarray(pairs[1]), together
+
+
+def sample(
+    loss: Callable[[dict[str, Array]], Array], names: list[str], seed: int
+) -> tuple[dict[str, Array], Array]:
+    """Draws of the hyperparameters, each of shape (draws,), and their weights, of sum 1.
+
+    `loss` is -2 ln of their likelihood.
+    """
+    centre, width = np.array([_PRIORS[name] for name in names]).T
+    d = len(names)
+
+    def density(h: Array) -> Array:
+        """-ln of the posterior, of h of shape (draws, d), in prior standard deviations."""
+        values = centre + width * h
+        return np.asarray(
+            0.5 * loss(dict(zip(names, values.T, strict=True))) + 0.5 * np.sum(h**2, axis=1)
+        )
+
+    step = 0.05 * np.eye(d)
+
+    def slope(h: Array) -> Array:
+        return np.asarray(density(h + step) - density(h - step)) / 0.1
+
+    found = minimize(lambda h: float(density(h[None])[0]), np.zeros(d), jac=slope, method="BFGS",
+                     options={"gtol": 1e-5, "maxiter": 100}).x  # fmt: skip
+    curvature = np.array([(slope(found + each) - slope(found - each)) / 0.1 for each in step])
+    values, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
+    # The prior alone has a curvature of 1.
+    spread = _WIDER * axes / np.sqrt(np.maximum(values, 0.5))
+    uniform = np.clip(qmc.Sobol(d + 1, seed=seed).random(_DRAWS), 1e-9, 1.0 - 1e-9)
+    z = ndtri(uniform[:, :d]) * np.sqrt(_TAILS / chi2_law.ppf(uniform[:, d:], _TAILS))
+    h = found + z @ spread.T
+    log_weight = -density(h) + 0.5 * (_TAILS + d) * np.log1p(np.sum(z**2, axis=1) / _TAILS)
+    weight = np.exp(log_weight - np.max(log_weight))
+    return dict(zip(names, (centre + width * h).T, strict=True)), weight / np.sum(weight)
+
+
+def satterthwaite(scale: Array, weight: Array) -> tuple[float, float]:
+    """A size whose draws are `scale`, shape (draws,), and its degrees of freedom.
+
+    By the first two moments of its inverse: of errors with one variance they give the F law. Of the
+    size itself they would count four degrees of freedom less, and make it too large.
+    """
+    inverse = 1.0 / scale
+    mean = float(weight @ inverse)
+    return 1.0 / mean, 2.0 * mean**2 / max(float(weight @ (inverse - mean) ** 2), 1e-9)

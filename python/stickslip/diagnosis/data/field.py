@@ -1,0 +1,181 @@
+"""Calibration of the coils' field: currents, places, and what a probe read there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from stickslip import _core
+from stickslip._util.arrays import Array, Mask
+from stickslip._util.root_mean_square import root_mean_square
+from stickslip._util.unit_factor import far_size
+from stickslip.diagnosis.data.angle import refuse_larger
+from stickslip.diagnosis.data.errors import FEWEST, of_readings
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.instruments import of_fields, read_by
+from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import far_from_a_fit
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES
+from stickslip.simulation.note import Note
+
+_STRONGEST, _FARTHEST = 1.0, 1.0
+"""Largest field (T) and place (m) that are accepted. Chosen: these coils make millitesla within
+decimetres, so beyond them a unit is wrong."""
+
+_READING, _RELATIVE = 5e-7, 1e-3
+"""Smallest error of a probe's reading, in T and in the field's root mean square. Chosen: 1 % of the
+Earth's field; a probe is at best placed to 0.1 mm and turned to 2 degrees, some 1e-3 each."""
+
+_PLACE, _FIELD = ("x", "y", "z"), ("Bx", "By", "Bz")
+
+
+class FieldTable(Table):
+    """A table of fields, with the five coils' Biot-Savart field, or their map, as its model.
+
+    Each component of a field is a reading. Without repeats their error is what free gains of the
+    coils, a free uniform field and a free turn of the probe leave over.
+
+    Parameters
+    ----------
+    table : mapping
+        Columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
+    scenario : Scenario
+        What no parameter sets.
+    title : str
+        Of the table, in messages.
+
+    Raises
+    ------
+    ScenarioError
+        If a column is in another unit, or every probe is on a wire or outside of the field map.
+    """
+
+    nuisance = ()
+
+    def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
+        self.title, self._base = title, scenario.to_core()
+        self.left_out: list[Note] = []
+        currents, points, fields = (
+            np.stack([table[key] for key in keys], axis=1) for keys in (COIL_NAMES, _PLACE, _FIELD)
+        )
+        refuse_larger(title, "field", fields, _STRONGEST, "T")
+        refuse_larger(title, "place", points, _FARTHEST, "m")
+        coils = self._base.coils()
+        _refuse_outside(coils.box, points, title)
+        # Fields of each coil alone, T.
+        shares = coils.shares(points, currents)
+        used = self._off_wires(shares)
+        used[used] = self._near(currents[used], fields[used], shares[used])
+        currents, points, fields, shares = (
+            each[used] for each in (currents, points, fields, shares)
+        )
+        _refuse_currents(currents, shares, fields, title)
+        settings = dict(zip((*COIL_NAMES, *_PLACE), np.hstack([currents, points]).T, strict=True))
+        columns = {key: np.repeat(each, 3) for key, each in settings.items()}
+        columns["component"] = np.tile(_FIELD, len(fields))
+        smallest = _smallest(fields)
+        super().__init__(columns, fields.reshape(-1), sd=smallest, name="field", unit="T")
+        self.group //= 3
+        rows = self.first[::3] // 3
+        self.currents, self.points = currents[rows], points[rows]
+        self.errors = of_readings(self.y, _design(shares), self.condition, smallest, "T")
+        self.notes = list(self.errors.notes)
+        self.suspects = of_fields(self.mean)
+
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Bx, By, Bz of each condition one after another, T, shape (vectors, m).
+
+        `names` are scenario keys and parameters of `suspects`; `values` have the shape (vectors,
+        names). NaN for a geometry that puts a wire on a probe.
+        """
+
+        def physics(keys: Sequence[str], own: Array) -> Array:
+            seen = _core.probe_readings(self._base, list(keys), own, self.points, self.currents)
+            seen = seen.reshape(len(own), -1)
+            seen[np.isnan(seen).any(axis=1)] = np.nan
+            return seen
+
+        return read_by(self.suspects, names, values, physics)
+
+    def _off_wires(self, shares: Array) -> Mask:
+        """Rows whose probe lies on no wire, where there is no field."""
+        off = np.asarray(np.isfinite(shares).all(axis=(1, 2)))
+        if not off.any():
+            raise ScenarioError(f"{self.title}: every probe lies on the wire of a coil")
+        if not off.all():
+            count = int(np.sum(~off))
+            text = f"Rows whose probe lies on the wire of a coil are not used; {count} left out."
+            self.left_out.append(Note("probes-on-wire", text, count))
+        return off
+
+    def _near(self, currents: Array, fields: Array, shares: Array) -> Mask:
+        """Rows that some gains, uniform field and turn bring near the others."""
+        smallest = _smallest(fields)
+
+        def left_by(rows: Mask) -> Array | None:
+            design, y = _design(shares[rows]), fields[rows].reshape(-1)
+            solution, _, rank, _ = np.linalg.lstsq(design, y, rcond=None)
+            few = len(y) - int(rank) < FEWEST
+            return None if few else (y - design @ solution).reshape(-1, 3)
+
+        far = far_from_a_fit(left_by, len(fields), smallest)
+        for field, amperes in zip(fields[far], currents[far], strict=True):
+            text = (
+                f"A reading of {_numbers(field)} T with currents {_numbers(amperes)} A is far from "
+                "what any gain of the coils gives."
+            )
+            self.left_out.append(Note("far-field", text, float(np.max(np.abs(field)))))
+        return ~far
+
+
+def _numbers(values: Array) -> str:
+    return f"({', '.join(f'{each:.4g}' for each in values)})"
+
+
+def _design(shares: Array) -> Array:
+    """What a field may be without noise, shape (3 n, columns), from shares, shape (n, 5, 3).
+
+    A probe that is turned a little reads the field and a share of it across: that is no noise.
+    """
+    driven = np.any(shares != 0.0, axis=(0, 2))
+    gains = np.moveaxis(shares[:, driven], 1, 2).reshape(-1, int(driven.sum()))
+    made = shares.sum(axis=1)
+    turns = np.stack([np.cross(axis, made) for axis in np.eye(3)], axis=-1).reshape(-1, 3)
+    return np.hstack([gains, np.tile(np.eye(3), (len(shares), 1)), turns])
+
+
+def _smallest(fields: Array) -> float:
+    """Smallest error of a reading that is believed, T."""
+    return max(_READING, _RELATIVE * root_mean_square(fields))
+
+
+def _refuse_outside(box: tuple[Array, Array] | None, places: Array, title: str) -> None:
+    """Refuse places, shape (n, 3), m, outside of the box of a field map."""
+    if box is None:
+        return
+    outside = np.any((places < box[0]) | (places > box[1]), axis=1)
+    if outside.any():
+        first = ", ".join(f"{each:g}" for each in places[int(np.argmax(outside))])
+        raise ScenarioError(
+            f"{title}: {int(outside.sum())} of {len(places)} probes lie outside of coil.map, the "
+            f"first at ({first}) m: allowed are probes in the box of the map"
+        )
+
+
+def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) -> None:
+    """Refuse currents, shape (n, 5), A, that could not make such fields, shape (n, 3), T."""
+    read, made, most = map(
+        root_mean_square, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1))
+    )
+    # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
+    usual = float(np.clip(read, made, most))
+    far = far_size(read, usual, "T", "what the stated coils make of them")
+    if far is not None:
+        strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
+        largest = float(np.max(np.abs(currents[:, strongest])))
+        raise ScenarioError(
+            f"{title}: with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
+            f"the fields are {far}"
+        )

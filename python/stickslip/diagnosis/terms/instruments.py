@@ -1,0 +1,354 @@
+"""What an instrument does to its readings, as causes beside the physics.
+
+Each public function makes a `Cause` with a `read`, which the diagnosis applies to what the model
+predicts, one after another in the order of the causes::
+
+    meters = [instruments.scale(), instruments.offset("m/s", 1e-3)]
+    diagnose_model(physics, data, uncertain, [*causes, *meters])
+
+They share these parameters:
+
+size : float
+    Usual size of the error, above 0.
+largest : float
+    Largest size that is searched, to both sides; 30 times `size`, if not given.
+rows : array_like or slice
+    Rows that are read: indices, or a mask of shape (m,).
+table : str
+    Name of the table that is read; all tables, if not given.
+name : str
+    Of the cause; its parameters are ``<name>.<word>``.
+
+Each raises a ScenarioError if a value is not allowed. The simulator has its own `length_scale`,
+`clock_scale` and `angle_offset` among the named effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from stickslip._util.arrays import Array
+from stickslip._util.root_mean_square import root_mean_square
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import refuse
+
+Rows = ArrayLike | slice
+
+_EVERY = slice(None)
+_LARGEST = 30.0  # largest error that is searched, in usual sizes; chosen: far out
+
+# Usual sizes of the errors of measured tables. Chosen as orders of magnitude, like those of the
+# simulator's effects.
+_ZERO_OF_VELOCITY = 0.02  # of the velocities' root mean square: a stage or a picture that creeps
+_SCALE_OF_ANGLES = 0.02
+_TURN_OF_PROBE, _LARGEST_TURN = 0.03, 0.5  # rad
+_LATE, _MARKER = 1e-3, 2e-5  # s and m: a frame of 1 kHz, a tenth of a robot
+# Where a limit begins to act and its usual distance below, in the largest reading.
+_ABOVE_ALL, _SIZE_OF_CLIP = 1.2, 0.12
+# Share of a film's angles that count for the largest. Chosen: a few wild frames of a hundred would
+# put the limit where it cuts nothing off.
+_SOUND = 0.98
+
+
+def scale(
+    size: float = 0.02,
+    *,
+    largest: float = 0.5,
+    rows: Rows = _EVERY,
+    table: str | None = None,
+    name: str = "scale",
+) -> Cause:
+    """A wrong calibration: readings are (1 + ``error``) times what they should be."""
+    error = f"{name}.error"
+
+    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+        return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
+
+    parameter = Parameter(error, low=-largest, high=largest, size=size)
+    return Cause(name, (parameter,), "readings have a wrong scale", read=read, table=table)
+
+
+def offset(
+    unit: str,
+    size: float,
+    *,
+    largest: float | None = None,
+    rows: Rows = _EVERY,
+    table: str | None = None,
+    name: str = "offset",
+) -> Cause:
+    """A wrong zero: a ``shift`` in `unit`, that of the readings, is added to all of them.
+
+    A turned camera or marker is ``offset("rad", 0.03)``.
+    """
+    parameter = _either_way(f"{name}.shift", unit, size, largest)
+
+    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+        return _changed(readings, rows, _some(readings, rows) + p[parameter.name])
+
+    return Cause(name, (parameter,), "readings have a wrong zero", read=read, table=table)
+
+
+def clipping(
+    unit: str,
+    highest: float,
+    size: float,
+    *,
+    lowest: float | None = None,
+    rows: Rows = _EVERY,
+    table: str | None = None,
+    name: str = "clipping",
+) -> Cause:
+    """A reading that saturates: beyond a ``limit``, on either side of zero, the limit is read.
+
+    The limit is in `unit`, that of the readings; 0 is no limit.
+
+    Parameters
+    ----------
+    highest : float
+        Magnitude at which a limit begins to act, in the unit. A good choice is somewhat above the
+        largest reading.
+    size : float
+        Usual distance of the limit below `highest`, above 0, in the unit.
+    lowest : float, optional
+        Lowest limit that is searched, in the unit; a tenth of `highest`, if not given.
+    """
+    low = 0.1 * highest if lowest is None else lowest
+    parameter = Parameter(f"{name}.limit", unit=unit, low=low, high=highest, size=size, falls=True)
+
+    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+        limit = np.where(p[parameter.name] > 0.0, p[parameter.name], np.inf)
+        return _changed(readings, rows, np.clip(_some(readings, rows), -limit, limit))
+
+    return Cause(name, (parameter,), "readings saturate at a limit", read=read, table=table)
+
+
+def delay(
+    times: ArrayLike,
+    size: float,
+    *,
+    largest: float | None = None,
+    curve: ArrayLike | None = None,
+    rows: Rows = _EVERY,
+    table: str | None = None,
+    name: str = "delay",
+) -> Cause:
+    """A clock that is late or early: at time t the value of t - ``time``, s, is read.
+
+    Between and beyond the given times the value is a cubic spline of the prediction, so the times
+    have to be dense enough to follow it. A spline does not follow a jump.
+
+    Parameters
+    ----------
+    times : array_like, shape (rows,)
+        Time of each reading, s.
+    curve : array_like of int, shape (rows,), optional
+        Curve of each reading; one for all, if not given. A curve has two or more different times.
+    """
+    at = np.asarray(times, dtype=float)
+    of = np.zeros(len(at), dtype=int) if curve is None else np.asarray(curve)
+    if at.ndim != 1 or of.shape != at.shape or not np.all(np.isfinite(at)):
+        raise ScenarioError("times, curve: allowed is one row of numbers each, of one length")
+    curves = [np.flatnonzero(of == each) for each in np.unique(of)]
+    curves = [each[np.argsort(at[each], kind="stable")] for each in curves]
+    if any(len(each) < 2 or not np.all(np.diff(at[each]) > 0.0) for each in curves):
+        raise ScenarioError("times: allowed are two or more of each curve, all different")
+    parameter = _either_way(f"{name}.time", "s", size, largest)
+
+    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+        some, delays = _some(readings, rows), p[parameter.name][:, 0]
+        _fitting(at, some)
+        result = some.copy()
+        # A row that was not computed stays so, and a delay of zero leaves the very numbers.
+        for vector in np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1)):
+            for each in curves:
+                spline = CubicSpline(at[each], some[vector, each])
+                result[vector, each] = spline(at[each] - delays[vector])
+        return _changed(readings, rows, result)
+
+    return Cause(name, (parameter,), "readings are late", read=read, table=table)
+
+
+def marker_place(
+    x: Rows | None,
+    z: Rows | None,
+    size: float,
+    *,
+    theta: Rows | None = None,
+    angle: ArrayLike | None = None,
+    largest: float | None = None,
+    table: str | None = None,
+    name: str = "marker_place",
+) -> Cause:
+    """The tracked point lies off the point that the model moves, fixed in the body.
+
+    It is where `marker` says, ``along`` and ``across`` the body, m.
+
+    Parameters
+    ----------
+    x, z : array_like or slice
+        Rows of the point's places, m: indices, or masks of shape (m,), of the same number in the
+        same order. None for one that was not measured.
+    theta : array_like or slice, optional
+        Rows of the predicted angles that belong to them, rad.
+    angle : array_like, shape (number of rows,), optional
+        The angles themselves, rad, where they are known and not predicted.
+    """
+    if (theta is None) == (angle is None):
+        raise ScenarioError("theta, angle: allowed is one of them")
+    parameters = tuple(
+        _either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
+    )
+
+    def read(readings: Array, predicted: Array, p: dict[str, Array]) -> Array:
+        turned = np.asarray(angle, dtype=float) if theta is None else _some(predicted, theta)
+        shifts = marker(turned, *(p[each.name] for each in parameters))
+        for rows, shift in zip((x, z), shifts, strict=True):
+            if rows is not None:
+                some = _some(readings, rows)
+                readings = _changed(readings, rows, some + _fitting(shift, some))
+        return readings
+
+    meaning = "the tracked point lies elsewhere on the body"
+    return Cause(name, parameters, meaning, read=read, table=table)
+
+
+def marker(theta: Array, along: ArrayLike, across: ArrayLike) -> tuple[Array, Array]:
+    """Distance of a point fixed in the body from its centre at a tilt, rad, in x and in z, m.
+
+    It is (a cos(theta) + b sin(theta), b cos(theta) - a sin(theta)) with a `along` and b `across`
+    the body: nose-up is negative. For angles that grow counter-clockwise in (x, z) change the sign.
+    """
+    a, b = np.asarray(along, dtype=float), np.asarray(across, dtype=float)
+    return a * np.cos(theta) + b * np.sin(theta), b * np.cos(theta) - a * np.sin(theta)
+
+
+def _either_way(name: str, unit: str, size: float, largest: float | None = None) -> Parameter:
+    """An amplitude of either sign."""
+    end = _LARGEST * size if largest is None else largest
+    return Parameter(name, unit=unit, low=-end, high=end, size=size)
+
+
+def _some(readings: Array, rows: Rows) -> Array:
+    """Readings at some rows, shape (vectors, number of rows)."""
+    try:
+        return np.asarray(readings[:, rows if isinstance(rows, slice) else np.asarray(rows)])
+    except IndexError:
+        refuse("rows", rows, f"indices or a mask of {readings.shape[1]} rows")
+
+
+def _changed(readings: Array, rows: Rows, values: Array) -> Array:
+    """A copy with new values at some rows."""
+    result = readings.copy()
+    result[:, rows if isinstance(rows, slice) else np.asarray(rows)] = values
+    return result
+
+
+def _fitting(given: Array, some: Array) -> Array:
+    """What was given for some rows, if it is one for each."""
+    if given.shape[-1] != some.shape[1]:
+        said = f"{given.shape[-1]} times or angles were given for {some.shape[1]} rows"
+        raise ScenarioError(f"instruments: {said}; allowed is one for each")
+    return given
+
+
+def read_by(
+    suspects: Sequence[Cause],
+    names: Sequence[str],
+    values: Array,
+    physics: Callable[[Sequence[str], Array], Array],
+) -> Array:
+    """What instruments read, shape (vectors, k).
+
+    Vectors that differ in the instruments alone share a prediction.
+
+    Parameters
+    ----------
+    suspects : sequence of Cause
+        Those with a `read` act one after another, if `names` has their parameters.
+    names : sequence of str
+    values : ndarray, shape (vectors, names)
+    physics : callable
+        ``physics(names, values)`` predicts what a perfect instrument reads.
+    """
+    acting = [each for each in suspects if each.read and each.parameters[0].name in names]
+    if not acting:
+        return physics(names, values)
+    own = {parameter.name for each in acting for parameter in each.parameters}
+    kept = [k for k, name in enumerate(names) if name not in own]
+    vectors, at = np.unique(values[:, kept], axis=0, return_inverse=True)
+    predicted = physics([names[k] for k in kept], vectors)[at.reshape(-1)]
+    p = {name: values[:, [names.index(name)]] for name in own}
+    readings = predicted
+    for each in acting:
+        assert each.read is not None
+        readings = each.read(readings, predicted, p)
+    return readings
+
+
+def of_velocities(measured: Array) -> tuple[Cause, ...]:
+    """A wrong zero and a limit of measured velocities, m/s, shape (n,); none where all are 0."""
+    if not np.any(measured):
+        return ()
+    size = _ZERO_OF_VELOCITY * root_mean_square(measured)
+    return (
+        offset("m/s", size, table="velocity", name="velocity_offset"),
+        *_limit("velocity_clipping", "m/s", measured, "velocity"),
+    )
+
+
+def of_angles(theta: Array) -> tuple[Cause, ...]:
+    """A wrong scale and a limit of angles, rad, shape (n,)."""
+    return (
+        scale(_SCALE_OF_ANGLES, table="angle", name="angle_scale"),
+        *_limit("angle_clipping", "rad", theta, "angle"),
+    )
+
+
+def of_fields(fields: Array) -> tuple[Cause, ...]:
+    """A probe that is turned against the coils, and its limit; fields in T, shape (n, 3)."""
+    about = [f"probe_turned.about_{axis}" for axis in "xyz"]
+    angles = tuple(_either_way(each, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for each in about)
+
+    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+        # The probe's axes are those of the coils after the rotation vector.
+        turns = Rotation.from_rotvec(np.hstack([p[each] for each in about])).as_matrix()
+        seen = np.einsum("vji,vnj->vni", turns, readings.reshape(len(turns), -1, 3))
+        return np.asarray(seen.reshape(readings.shape))
+
+    turned = Cause("probe_turned", angles, "the probe is turned", read=read, table="field")
+    return turned, *_limit("probe_clipping", "T", fields, "field")
+
+
+def of_films(theta: Array) -> tuple[Cause, ...]:
+    """What may be wrong with all films alike; `theta` are angles of one, rad, shape (n,).
+
+    These causes have no `read`: the camera of a film applies them.
+    """
+    size = np.abs(theta)
+    limits = _limit("film_clipping", "rad", size[size <= np.quantile(size, _SOUND)], None)
+    late = _either_way("film_delay.time", "s", _LATE)
+    places = tuple(
+        _either_way(f"marker_place.{word}", "m", _MARKER) for word in ("along", "across")
+    )
+    return (
+        Cause("film_delay", (late,), "frames are taken later than their times say"),
+        *(Cause(each.name, each.parameters, each.meaning) for each in limits),
+        Cause("marker_place", places, "the tracked point is not the centre of mass"),
+    )
+
+
+def _limit(name: str, unit: str, readings: Array, table: str | None) -> tuple[Cause, ...]:
+    """A limit of readings, any shape, above all of them; none where all are 0."""
+    largest = float(np.max(np.abs(readings), initial=0.0))
+    if largest == 0.0:
+        return ()
+    above, size = _ABOVE_ALL * largest, _SIZE_OF_CLIP * largest
+    return (clipping(unit, above, size, table=table, name=name),)
