@@ -40,10 +40,12 @@ _PRIORS = {
     "phi": (-1.0, 1.2),
     "shift": (-1.0, 1.0),
     "gain": (-1.0, 1.0),
+    "period": (-2.5, 2.0),
 }
 """Mean and standard deviation of each coordinate: the logarithms of s0 and of rho at the usual
-level over the pooled scatter, the probit of phi, and the logarithms of the sizes of shifts and
-gains in errors of a reading. Chosen: weak, with equal parts of s0 and rho."""
+level over the pooled scatter, the probit of phi, the logarithms of the sizes of shifts and gains in
+errors of a reading, and that of what a film's periods share in errors of a period's mean. Chosen:
+weak, with equal parts of s0 and rho, and with periods that seldom differ."""
 
 _SHARED = ("shift", "gain")
 """What readings of a set-up share."""

@@ -1,0 +1,304 @@
+"""Side-view tracking of one run as a table of observables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from stickslip._util.arrays import Array, Indices, Mask
+from stickslip._util.root_mean_square import root_mean_square
+from stickslip._util.unit_factor import far_size
+from stickslip.diagnosis.data.camera import Camera, Recording, record, recording_rate, rocking
+from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.folding import Fold, Kind, fold, frame_errors, reduce, undrifted
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.instruments import of_films
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.measurement.outliers import far_from_their_phase
+from stickslip.measurement.tracking import FEWEST, TrackingRun
+from stickslip.scenario.priors import Prior
+from stickslip.simulation.note import Note
+
+_KINDS: dict[str, tuple[Kind, str]] = {
+    "theta": ("level", "rad"),
+    "x": ("drift", "m"),
+    "z": ("place", "m"),
+    "current_x": ("level", "A"),
+    "current_clamp": ("level", "A"),
+}
+"""How each column is reduced, and its unit."""
+
+_CURRENTS = ("current_x", "current_clamp")
+
+_ANGLE_OFFSET, _SCALE, _TRIGGER = math.radians(1.0), 0.01, 3e-4
+"""Standard deviations of a camera's zero, rad, of its angles' and a current's scale, and of the
+time at which frames begin, s. Chosen: a camera that was set up by eye, an ammeter of class 1, and a
+third of a frame of 1 kHz."""
+
+_LEAST_RISE = 0.01
+"""Rise of the robot, in its height, that z has to show. Chosen: a micrometre for the robot of Table
+II."""
+
+_CORRELATED = 0.2
+"""Correlation of neighbours that is reported. Chosen: it changes an error by a fifth."""
+
+
+class FilmTable(Table):
+    """Frames of one run, folded on the drive's phase, and a simulation that its camera films.
+
+    The conditions are the observables of each column, one column after another.
+
+    Parameters
+    ----------
+    film : stickslip.measurement.TrackingRun
+    number : int
+        Number of the film, from 1; its name is ``tracking.<number>``.
+    threads : int
+        Simulations at a time.
+
+    Attributes
+    ----------
+    columns : dict
+        Of each column in use: its frames, a mask of shape (n,), and the matrix that maps these to
+        observables.
+    """
+
+    def __init__(self, film: TrackingRun, number: int = 1, threads: int = 1) -> None:
+        self.film, self.threads, self.title = film, threads, film.file
+        self.name, self.rate = f"tracking.{number}", recording_rate(film.scenario)
+        self.left_out: list[Note] = []
+        self.columns: dict[str, tuple[Mask, Array]] = {}
+        self._told: dict[str, float] = {}
+        self._said: list[Note] = []
+        nominal = self._frames_of(next(record(film.scenario, [], np.zeros((1, 0)), self.rate, 1)))
+        parts = [self._reduced(key, nominal) for key in _KINDS if key in film.columns]
+        found = [part for part in parts if part is not None]
+        counts = [len(mean) for mean, _, _ in found]
+        number_of = np.concatenate([np.arange(each) for each in counts])
+        settings = {"column": np.repeat(list(self.columns), counts), "number": number_of}
+        covariance = np.asarray(block_diag(*(each for _, each, _ in found)), dtype=float)
+        sd = np.sqrt(np.diag(covariance))
+        means = np.concatenate([mean for mean, _, _ in found])
+        super().__init__(settings, means, sd=sd, name=self.name)
+        # Columns are of different size, each with its own degrees of freedom.
+        dof = [each for _, _, each in found]
+        spread = np.sum((np.array(counts) / len(sd)) ** 2 / np.maximum(dof, 1e-9))
+        dof_of_all = 1.0 / float(spread) if spread > 0.0 else math.inf
+        self.errors = Errors(sd, covariance, dof_of_all, self._told, tuple(self._said))
+        self.notes = self._said
+        # A film is held out as a whole. What a model misses may follow the bins of a column, and
+        # columns share no unit.
+        self.group = np.zeros(len(sd), dtype=np.int64)
+        self.run, self.order = np.repeat(np.arange(len(counts)), counts), number_of.astype(float)
+        self.places = None
+        self.nuisance = self._uncertain()
+        self.suspects = of_films(film.columns["theta"][self.columns["theta"][0]])
+
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Observables, shape (vectors, m); NaN where the simulation fails.
+
+        `names` are scenario keys and parameters of `nuisance` and `suspects`; `values` have the
+        shape (vectors, names). Vectors that differ in the camera alone share a simulation.
+        """
+        result = np.full((len(values), len(self.mean)), np.nan)
+        for vector, frames in self._simulated(names, values):
+            parts = [matrix @ frames[key][used] for key, (used, matrix) in self.columns.items()]
+            result[vector] = np.concatenate(parts)
+        return result
+
+    def over_phase(self, names: Sequence[str], values: Array) -> dict[str, Array] | None:
+        """Steady frames beside those of a model, in the order of their phase, for a picture.
+
+        Keys are ``phase`` (1) and, measured and of the model, ``theta``, ``theta_model`` (rad),
+        ``x`` and ``x_model`` (m), less their advance and mean; each has the shape (frames,).
+        `values` have the shape (names,). None where the simulation fails, or nothing is steady.
+        """
+        folded = fold(self.film.columns["t"], self.film.scenario)
+        used = folded.steady & self.columns["x"][0] & self.columns["theta"][0]
+        model = next((frames for _, frames in self._simulated(names, values[None])), None)
+        if model is None or not used.any():
+            return None
+        order = np.flatnonzero(used)[np.argsort(folded.phase[used], kind="stable")]
+        found = {"phase": folded.phase[order]}
+        for key in ("theta", "x"):
+            for word, of in (("", self.film.columns), ("_model", model)):
+                seen = of[key] if key == "theta" else undrifted(folded, of[key])
+                found[key + word] = seen[order] - (0.0 if key == "theta" else seen[order].mean())
+        return found
+
+    @property
+    def advance(self) -> int | None:
+        """Row of the way per pulse in the world, m; None where no two periods show it."""
+        rows = np.flatnonzero(self.settings["column"] == "x")
+        times = self.film.columns["t"][self.columns["x"][0]]
+        return int(rows[0]) if fold(times, self.film.scenario).advances else None
+
+    def _simulated(
+        self, names: Sequence[str], values: Array
+    ) -> Iterator[tuple[int, dict[str, Array]]]:
+        """Frames of each vector whose simulation succeeds."""
+        own = {each.name for each in self.nuisance}
+        own |= {parameter.name for each in self.suspects for parameter in each.parameters}
+        keys = [k for k, name in enumerate(names) if name not in own]
+        motions, which = np.unique(values[:, keys], axis=0, return_inverse=True)
+        recorded = record(
+            self.film.scenario, [names[k] for k in keys], motions, self.rate, self.threads
+        )
+        for number, motion in enumerate(recorded):
+            for vector in np.flatnonzero(which.reshape(-1) == number).tolist():
+                frames = self._frames_of(motion, dict(zip(names, values[vector], strict=True)))
+                if frames is not None:
+                    yield vector, frames
+
+    def _frames_of(
+        self, motion: Recording | None, p: Mapping[str, float] | None = None
+    ) -> dict[str, Array] | None:
+        """What the camera makes of a motion, at values of `nuisance` and `suspects`."""
+        if motion is None:
+            return None
+        p = p or {}
+        start = f"{self.name}."
+        own = {key.removeprefix(start): each for key, each in p.items() if key.startswith(start)}
+        own["trigger"] = own.get("trigger", 0.0) + p.get("film_delay.time", 0.0)
+        camera = Camera(
+            self.film.exposure, **own, facing=self.film.scenario.drive.facing,
+            angle_limit=p.get("film_clipping.limit", 0.0),
+            marker_along=p.get("marker_place.along", 0.0),
+            marker_across=p.get("marker_place.across", 0.0),
+        )  # fmt: skip
+        shown = {*self.columns, *_CURRENTS} if self.columns else set(_KINDS)
+        return camera.frames(motion, self.film.columns["t"], sorted(shown))
+
+    def _uncertain(self) -> tuple[Parameter, ...]:
+        """What is uncertain of this camera alone."""
+        # A frame's time may mark the middle of the exposure or its beginning, so a long exposure
+        # makes the trigger less certain.
+        trigger = math.hypot(_TRIGGER, 0.25 * self.film.exposure)
+        priors = [
+            ("angle_offset", 0.0, _ANGLE_OFFSET, "rad"),
+            ("angle_scale", 1.0, _SCALE, "-"),
+            ("trigger", 0.0, trigger, "s"),
+        ]
+        if not self.columns.keys().isdisjoint(_CURRENTS):
+            priors.append(("current_scale", 1.0, _SCALE, "-"))
+        return tuple(
+            Parameter(f"{self.name}.{key}", Prior("normal", mean, sd), unit, suspect=False)
+            for key, mean, sd, unit in priors
+        )
+
+    def _reduced(
+        self, name: str, nominal: dict[str, Array] | None
+    ) -> tuple[Array, Array, float] | None:
+        """Observables of a column, their covariance and its degrees of freedom, if it is used."""
+        film, (kind, unit) = self.film, _KINDS[name]
+        times, values, drive = film.columns["t"], film.columns[name], film.scenario.drive
+        used = np.isfinite(values)
+        required = name in ("x", "theta")
+        if not required and used.sum() < FEWEST:
+            text = f"The column {name} is not used: of {FEWEST} numbers it has {used.sum()}."
+            self.left_out.append(Note("column-too-short", text, int(used.sum())))
+            return None
+        residual = values - (0.0 if nominal is None else nominal[name])
+        # A rounded column has one step, and any other a far smaller least difference.
+        step = float(np.min(np.diff(np.unique(values[used])), initial=math.inf))
+        step = step if math.isfinite(step) else 0.0
+        lost = used.copy()
+        lost[used] = _lost(fold(times[used], film.scenario), residual[used], step)
+        if lost.any():
+            text = (
+                f"{lost.sum()} frames lie far from all others of their phase in {name}, the first "
+                f"at {times[lost][0]:.5g} s, and are not used."
+            )
+            self.left_out.append(Note("wild-frames", text, int(lost.sum())))
+        used &= ~lost
+        if kind != "level" and drive.mode != "program":
+            # How far the contact slips while the robot tilts up in the ramp changes by jumps with
+            # every parameter, and carries little information; the motion after it is smooth.
+            used &= times >= drive.ramp
+        folded, place = fold(times[used], film.scenario), np.flatnonzero(used)
+        if not required and nominal is not None:
+            sized = place[folded.steady if folded.steady.any() else slice(None)]
+            far = self._odd_size(name, values, nominal, sized)
+            if far is not None:
+                text = f"The column {name} is not used: its size is {far}."
+                self.left_out.append(Note("column-size", text))
+                return None
+        stated = film.noise.get({"x": "x", "z": "x", "theta": "theta"}.get(name, ""))
+        pace = 0.0 if drive.mode == "program" else rocking(film.scenario) / drive.frequency
+        found = frame_errors(folded, residual[used], place, kind, pace, stated)
+        if found is None:
+            draws, dof = self._unknown(name, residual[used], stated)
+        else:
+            draws, dof = found
+            self._say(name, unit, draws, stated, dof)
+        draws["s2"] = np.maximum(draws["s2"], step**2 / 12.0)
+        matrix, covariance, dof = reduce(folded, place, kind, draws, dof)
+        self.columns[name] = used, matrix
+        return matrix @ values[used], covariance, dof
+
+    def _odd_size(
+        self, name: str, values: Array, nominal: Mapping[str, Array], rows: Indices
+    ) -> str | None:
+        """How the size of z or a current differs from the stated model's, if its unit is wrong."""
+        if name == "z":
+            # The origin of z is not known, and a robot that hardly rises shows noise.
+            measured, usual = float(np.std(values[rows])), float(np.std(nominal[name][rows]))
+            largest = _LEAST_RISE * self.film.scenario.robot.height
+        else:
+            # A coil without a current shows the logger's noise, or what another induces.
+            measured, usual = (root_mean_square(each[rows]) for each in (values, nominal[name]))
+            largest = max(root_mean_square(nominal[each][rows]) for each in _CURRENTS)
+        likely = float(np.clip(measured, usual, max(usual, largest)))
+        return far_size(measured, likely, _KINDS[name][1], "what the stated model gives")
+
+    def _unknown(
+        self, name: str, residual: Array, stated: float | None
+    ) -> tuple[dict[str, Array], float]:
+        """Errors of frames that do not tell them."""
+        sd = stated or float(np.std(residual)) or 1.0
+        if stated is None:
+            text = f"The noise of {name} is not known; all that the stated model misses counts."
+            self._said.append(Note("frame-noise-unknown", text, sd))
+        self._told[f"{name}.sd"] = sd
+        one = {"s2": sd**2, "phi": 0.0, "ratio": 0.0, "weight": 1.0}
+        return {key: np.array([each]) for key, each in one.items()}, math.inf if stated else 0.0
+
+    def _say(
+        self, name: str, unit: str, draws: dict[str, Array], stated: float | None, dof: float
+    ) -> None:
+        """Report the errors of frames."""
+        weight, seen = draws["weight"], float(draws["seen"][0])
+        sd, phi = math.sqrt(weight @ draws["s2"]), float(weight @ draws["phi"])
+        shared = math.sqrt(weight @ (draws["s2"] * draws["ratio"] ** 2))
+        self._told |= {f"{name}.sd": sd, f"{name}.phi": phi, f"{name}.shared": shared}
+        if stated is None:
+            text = f"A frame of {name} scatters by {seen:.3g} {unit}, from repeats of a phase."
+            self._said.append(Note("frame-noise", text, seen))
+        elif math.isfinite(dof):
+            text = (
+                f"{name} scatters by {seen:.3g} {unit} where a phase repeats, more than the stated "
+                f"{stated:.3g} {unit}; the scatter is used."
+            )
+            self._said.append(Note("frame-noise-above-stated", text, seen))
+        if phi > _CORRELATED:
+            text = f"Errors of {name} in neighbouring frames have a correlation of {phi:.2f}."
+            self._said.append(Note("frames-correlated", text, phi))
+        if shared > sd:
+            text = (
+                f"The periods of {name} differ by {shared:.2g} {unit}, more than the noise of a "
+                "frame; this is counted as noise."
+            )
+            self._said.append(Note("periods-differ", text, shared))
+
+
+def _lost(folded: Fold, residual: Array, step: float) -> Mask:
+    """Frames far from those of nearly the same phase: the tracking lost the robot."""
+    lost = np.zeros(len(residual), dtype=bool)
+    steady = np.flatnonzero(folded.steady)
+    order = steady[np.argsort(folded.phase[steady], kind="stable")]
+    # The advance may be wrong by much, so neighbours are compared without it.
+    lost[order] = far_from_their_phase(undrifted(folded, residual)[order], step)
+    return lost
