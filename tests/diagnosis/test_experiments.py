@@ -118,6 +118,13 @@ def test_a_second_drive_that_pins_the_constants_is_worth_its_time():
     covariance = np.ones((2, 3, 3))
     found = choose(given, ["a", "b"], level, covariance, np.full(3, 0.01), count=2)
     assert [each.drive["frequency"] for each in found] == [30.0, 45.0]
+    # Their difference is free of the constant, 1.0 with an error of 0.02^(1/2).
+    assert sum(each.separation for each in found) == pytest.approx(1.0 / 0.02, rel=0.02)
+    assert [each.decides for each in found] == [False, True]
+    assert "beside the drives before it" in found[1].why.text
+    # So the first is needed too, though alone it tells little.
+    assert found[0].separation < DECISIVE / 3
+    assert worth_measuring(next_step("ambiguous", ["a", "b"], 0.5), found) == found
 
 
 def test_nothing_to_choose_from_gives_nothing():

@@ -75,7 +75,8 @@ class Experiment:
         Settings of ``[drive]`` by bare name.
     why : Note
     separation : float
-        Expected chi-square between the two candidates that it separates best.
+        Expected chi-square between the two candidates that it separates best, beyond that of the
+        experiments before it in the same list.
     predictions : dict
         For each candidate its ``velocity`` and ``sd``, m/s, without the noise of a trial.
     """
@@ -222,53 +223,45 @@ def choose(
     pairs = list(itertools.combinations(range(len(names)), 2)) if pairs is None else list(pairs)
     if not pairs or not drives:
         return []
-    alone = expected_chi2(level, covariance, noise_variance, pairs)
     kinds = [[d[f"drive.{key}"] for key in ("mode", "direction", "frequency")] for d in drives]
-    left = np.any(alone > 0.0, axis=0)
+    together = expected_chi2(level, covariance, noise_variance, pairs)
+    reached = np.zeros((len(pairs), 1))
+    left = np.ones(len(drives), dtype=bool)
     taken: list[int] = []
-    reached, together = np.zeros((len(pairs), 1)), alone
-    while len(taken) < count and np.any(left):
+    found = []
+    while len(taken) < count:
         # First those that are not told apart by what is chosen already.
         undecided = reached <= DECISIVE if np.any(reached <= DECISIVE) else reached >= 0.0
-        worth = np.max(np.where(undecided, together - reached, 0.0), axis=0)
-        best = int(np.argmax(np.where(left, worth, -math.inf)))
+        gains = np.where(undecided & left, together - reached, 0.0)
+        pair, best = map(int, np.unravel_index(np.argmax(gains), gains.shape))
+        if not gains[pair, best] > 0.0:
+            break
+        first, second = (names[k] for k in pairs[pair])
+        predictions = {
+            name: {"velocity": float(v), "sd": math.sqrt(float(s))}
+            for name, v, s in zip(names, level[:, best], covariance[:, best, best], strict=True)
+        }
+        settings = {key.removeprefix("drive."): value for key, value in drives[best].items()}
+        chi2 = float(gains[pair, best])
+        why = _why(first, second, chi2, bool(taken))
+        found.append(Experiment(settings, why, chi2, predictions))
         mirrored = np.all(np.isclose(level, -level[:, [best]], rtol=1e-6, atol=0.0), axis=0)
         left &= ~mirrored & [kind != kinds[best] for kind in kinds]
         taken.append(best)
         reached = together[:, [best]]
         together = expected_chi2(level, covariance, noise_variance, pairs, taken)
-    return [_experiment(drives[p], names, level[:, p], covariance[:, p, p], alone[:, p], pairs)
-            for p in taken]  # fmt: skip
+    return found
 
 
-def _experiment(
-    drive: Drive,
-    names: Sequence[str],
-    level: Array,
-    variance: Array,
-    chi2: Array,
-    pairs: Sequence[tuple[int, int]],
-) -> Experiment:
-    best = int(np.argmax(chi2))
-    (first, second), separation = (names[k] for k in pairs[best]), float(chi2[best])
-    code, little, enough = (
-        ("separates", "", "would be enough")
-        if separation > DECISIVE
-        else ("separates-too-little", " too little", "would be needed")
-    )
-    apart = math.sqrt(separation)
-    why = Note(
-        code,
+def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
+    decides = chi2 > DECISIVE
+    little, needed = ("", "would be enough") if decides else (" too little", "would be needed")
+    apart, beside = math.sqrt(chi2), ", beside the drives before it" if is_later else ""
+    text = (
         f"It separates {first} from {second}{little}: with {TRIALS} trials their predictions lie "
-        f"{apart:.1f} standard errors apart; {math.sqrt(DECISIVE):g} {enough}.",
-        apart,
+        f"{apart:.1f} standard errors apart{beside}; {math.sqrt(DECISIVE):g} {needed}."
     )
-    predictions = {
-        name: {"velocity": float(v), "sd": math.sqrt(float(s))}
-        for name, v, s in zip(names, level, variance, strict=True)
-    }
-    settings = {key.removeprefix("drive."): value for key, value in drive.items()}
-    return Experiment(settings, why, separation, predictions)
+    return Note("separates" if decides else "separates-too-little", text, apart)
 
 
 def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
@@ -283,9 +276,11 @@ def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
 
 
 def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Experiment]:
-    """Of proposed experiments those that the next step needs, and that can decide something."""
-    needed = step.code == "no-safe-name"
-    return [each for each in experiments if needed and each.separation >= LEAST_WORTH]
+    """Of proposed experiments those that the next step needs, up to the last that tells enough."""
+    if step.code != "no-safe-name":
+        return []
+    enough = [k for k, each in enumerate(experiments) if each.separation >= LEAST_WORTH]
+    return list(experiments[: max(enough, default=-1) + 1])
 
 
 def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[Note]:
