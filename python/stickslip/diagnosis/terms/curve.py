@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,9 +10,10 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
 
-SIZES, LENGTHS = (0.5, 1.0, 2.0), (0.35, 0.8)
+SIZES, LENGTHS = (0.5, 1.0, 2.0, 4.0), (0.35, 0.8)
 """Sizes, in a knot's usual size, and lengths, in the curve's range, of the process that is the
-curve's prior. Chosen: factors of two about the usual; a bend in the middle, and about one bend."""
+curve's prior. Chosen: from half the usual to a law that is searched up to ten usual sizes; a bend
+in the middle, and about one bend."""
 
 _NUGGET = 1e-4
 """Variance of a knot by itself, in that of the process: a covariance that can be inverted."""
@@ -23,6 +24,7 @@ class Curve(OneLine):
     """A law f of one argument by its values at knots, in which it is linear.
 
     The knots' prior is a squared-exponential process, averaged over a grid of its size and length.
+    Their coordinates are linear, so that the process is one in f and not in a bent scale of it.
 
     Attributes
     ----------
@@ -39,7 +41,7 @@ class Curve(OneLine):
     constant : str, optional
         Name of the constant that the law is times 1 + f, if it is one.
     stated : float
-        The law without f.
+        The law without f, where the model does not fit `constant`.
     relative : bool
         Whether the law is `stated` times 1 + f; else it is their sum.
     fixed : dict
@@ -59,11 +61,27 @@ class Curve(OneLine):
     relative: bool
     fixed: dict[str, float]
 
+    @property
+    def name(self) -> str:
+        """``friction over slip speed``."""
+        return f"{self.law} over {self.argument}"
+
+    @property
+    def origin(self) -> float:
+        """From where formulas count the argument, in its unit.
+
+        Zero, or the lower end where zero is farther from it than the range is wide.
+        """
+        return self.low if self.low > self.high - self.low else 0.0
+
+    def without(self, values: Mapping[str, float]) -> float:
+        """The law without f, where the model's parameters have these values by name."""
+        return self.stated if self.constant is None else values.get(self.constant, self.stated)
+
     def precisions(self) -> list[Array]:
         """Inverse prior covariances of the knots' coordinates, one for each size and length."""
         apart = np.subtract.outer(self.places, self.places) / (self.high - self.low)
         alike = [np.exp(-0.5 * (apart / length) ** 2) for length in LENGTHS]
         nugget = _NUGGET * np.eye(len(self.places))
-        return [
-            np.asarray(np.linalg.inv(size**2 * (each + nugget))) for size in SIZES for each in alike
-        ]
+        inverse = [np.asarray(np.linalg.inv(each + nugget), dtype=float) for each in alike]
+        return [each / size**2 for size in SIZES for each in inverse]

@@ -1,0 +1,390 @@
+"""Which experiments would tell the candidates of a diagnosis apart."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.equal_numbers import are_equal
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.measurement.tables import Line, index_labels
+from stickslip.measurement.velocity import NOT_SETTINGS, with_index_columns
+from stickslip.scenario.keys import Value, find_key, in_allowed_case, known_keys, shown
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.note import Note
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Drive = Mapping[str, Value]
+"""Settings of ``[drive]`` by dotted key."""
+
+PROPOSED, TRIALS = 3, 3
+"""Experiments that are proposed if nothing else is asked for, and trials of each. Chosen."""
+
+DECISIVE = 4.0
+"""Expected chi-square that tells two candidates apart: two standard errors."""
+
+LEAST_WORTH = DECISIVE / PROPOSED
+"""Expected chi-square of an experiment that is worth its time: all that are proposed in a row tell
+two candidates apart together."""
+
+CHOICES: dict[str, tuple[Value, ...]] = {
+    "drive.mode": ("IPP", "OPP"),
+    "drive.direction": ("+x", "-x"),
+    "drive.frequency": (0.5, 1.0, 1.5),
+    "drive.peak": (0.7, 1.0, 1.2),
+    "drive.hold": (0.7, 1.0, 1.3),
+    "drive.edge": ("rise", "fall"),
+}
+"""Settings that proposals vary: words as they are, numbers as multiples of the middle of what was
+measured. Chosen."""
+
+_ROUNDING = 0.005  # part of a number by which three digits may change it
+_LABORATORY = {"T": ("mT", 1e3), "s": ("ms", 1e3)}  # units in place of SI units, and the factor
+
+_CURRENTS = "coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"
+_LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "look-at-currents": ("Log the coil currents", _CURRENTS),
+    "look-at-field": ("Measure the field at the robot for known currents",
+                      ("field_gain", "ambient_field")),
+    "look-at-tilt": ("Tilt the stage by 2 degrees one way and the other, which speeds up as much "
+                     "as it slows down if the stage was level", ("surface_tilt",)),
+    "look-at-scale": ("Film a scale", ("length_scale",)),
+    "look-at-clock": ("Film a clock", ("clock_scale",)),
+    "look-at-rest": ("Film the robot flat on the surface without a field", ("angle_offset",)),
+    "look-at-static-tilt": ("Read the static tilt in held fields",
+                            ("misalignment", "magnetization_scale")),
+}  # fmt: skip
+"""Measurements beside the drive, and the causes that they show."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A drive that was not measured yet; ``str()`` gives it in words, and what it is for.
+
+    Attributes
+    ----------
+    drive : dict
+        Settings of ``[drive]`` by bare name.
+    why : Note
+    separation : float
+        Expected chi-square between the two candidates that it separates best, beyond that of the
+        experiments before it in the same list.
+    predictions : dict
+        For each candidate its ``velocity`` and ``sd``, m/s, without the noise of a trial.
+    """
+
+    drive: Drive
+    why: Note
+    separation: float
+    predictions: Mapping[str, Mapping[str, float]]
+
+    def __str__(self) -> str:
+        settings = [_in_words(key, self.drive[key.removeprefix("drive.")]) for key in CHOICES]
+        return f"{', '.join(settings)}. {self.why}"
+
+    @property
+    def decides(self) -> bool:
+        """Whether it is expected to tell these two apart."""
+        return self.separation > DECISIVE
+
+
+def _in_words(key: str, value: Value) -> str:
+    """A setting as in ``peak 3 mT``."""
+    name = key.removeprefix("drive.")
+    if isinstance(value, str):
+        return f"{name} {value}"
+    unit, factor = _LABORATORY.get(known_keys()[key].unit, (known_keys()[key].unit, 1.0))
+    return f"{name} {value * factor:.5g} {unit}".removesuffix(" -")
+
+
+def proposals(conditions: Sequence[Drive]) -> list[dict[str, Value]]:
+    """Variations of the measured drives, none of which was measured; none without any."""
+    if not conditions:
+        return []
+
+    def middle(drives: Sequence[Drive], key: str) -> float:
+        return float(np.median([float(each[key]) for each in drives]))
+
+    by_mode: dict[Value, dict[str, Value]] = {}
+    for mode in CHOICES["drive.mode"]:
+        # A mode that was not measured has what the others had.
+        mine = [each for each in conditions if each["drive.mode"] == mode] or conditions
+        by_mode[mode] = {**mine[0], **{k: middle(mine, k) for k in ("drive.base", "drive.hold")}}
+    frequency, peak = middle(conditions, "drive.frequency"), middle(conditions, "drive.peak")
+    found: dict[tuple[Value, ...], dict[str, Value]] = {}
+    for mode, direction, pace, field, clamp, edge in itertools.product(*CHOICES.values()):
+        drive = by_mode[mode]
+        drive = {
+            **drive,
+            "drive.mode": mode,
+            "drive.direction": direction,
+            "drive.edge": edge,
+            "drive.frequency": _rounded(frequency * float(pace)),
+            "drive.peak": max(_rounded(peak * float(field)), float(drive["drive.base"])),
+            "drive.hold": _rounded(float(drive["drive.hold"]) * float(clamp)),
+        }
+        if not any(_alike(drive, each) for each in conditions):
+            found[tuple(drive[key] for key in CHOICES)] = drive
+    return list(found.values())
+
+
+def _rounded(value: float) -> float:
+    """A setting to three digits, as a person would state it."""
+    return float(f"{value:.3g}")
+
+
+def _alike(one: Drive, other: Drive) -> bool:
+    """Whether two drives are the same but for rounding."""
+    return all(
+        are_equal(value, float(other[key]), _ROUNDING)
+        if isinstance(value, float)
+        else value == other[key]
+        for key, value in one.items()
+    )
+
+
+def expected_chi2(
+    level: Array,
+    covariance: Array,
+    noise_variance: Array,
+    pairs: Sequence[tuple[int, int]],
+    beside: Sequence[int] = (),
+) -> Array:
+    """How far the predictions of two candidates lie apart, in squared standard errors.
+
+    A reading is of one candidate's world, so its error is the noise and that candidate's own
+    uncertainty: of the two candidates the one that expects the larger error counts. What is
+    uncertain in both, such as the constants, moves all readings alike: together with drives
+    that are measured anyway (`beside`) a proposal tells more than its own reading.
+
+    Parameters
+    ----------
+    level : ndarray, shape (candidates, proposals)
+    covariance : ndarray, shape (candidates, proposals, proposals)
+        Of the predictions over the draws of a candidate.
+    noise_variance : ndarray, shape (proposals,)
+        Of the mean of the trials of a proposal.
+    pairs : sequence of (int, int)
+        Candidates to tell apart.
+    beside : sequence of int
+        Proposals that are measured too.
+
+    Returns
+    -------
+    ndarray, shape (pairs, proposals)
+        Of each proposal together with those of `beside`; 0 where a candidate predicts nothing.
+    """
+    sound = np.all(np.isfinite(level) & np.isfinite(np.einsum("cpp->cp", covariance)), axis=0)
+    chi2 = np.zeros((len(pairs), level.shape[1]))
+    for p in np.flatnonzero(sound):
+        rows = np.unique([*beside, p])
+        errors = covariance[:, rows[:, None], rows] + np.diag(noise_variance[rows])
+        for k, (a, b) in enumerate(pairs):
+            gap = level[a, rows] - level[b, rows]
+            chi2[k, p] = min(float(gap @ np.linalg.solve(errors[c], gap)) for c in (a, b))
+    return chi2
+
+
+def choose(
+    drives: Sequence[Drive],
+    names: Sequence[str],
+    level: Array,
+    covariance: Array,
+    noise_variance: Array,
+    *,
+    count: int = PROPOSED,
+    pairs: Sequence[tuple[int, int]] | None = None,
+) -> list[Experiment]:
+    """The drives that tell the candidates apart best together, each of another kind.
+
+    Of a drive and its mirror image one is enough.
+
+    Parameters
+    ----------
+    drives : sequence of dict
+        Of `proposals`.
+    names : sequence of str
+        Of the candidates, as they are said.
+    level, covariance, noise_variance : ndarray
+        Of velocities, m/s; as for `expected_chi2`.
+    count : int
+        Experiments at most.
+    pairs : sequence of (int, int), optional
+        Candidates to tell apart; all from all, if not given.
+    """
+    pairs = list(itertools.combinations(range(len(names)), 2)) if pairs is None else list(pairs)
+    if not pairs or not drives:
+        return []
+    kinds = [[d[f"drive.{key}"] for key in ("mode", "direction", "frequency")] for d in drives]
+    together = expected_chi2(level, covariance, noise_variance, pairs)
+    reached = np.zeros((len(pairs), 1))
+    left = np.ones(len(drives), dtype=bool)
+    taken: list[int] = []
+    found = []
+    while len(taken) < count:
+        # First those that are not told apart by what is chosen already.
+        undecided = reached <= DECISIVE if np.any(reached <= DECISIVE) else reached >= 0.0
+        gains = np.where(undecided & left, together - reached, 0.0)
+        pair, best = map(int, np.unravel_index(np.argmax(gains), gains.shape))
+        if not gains[pair, best] > 0.0:
+            break
+        first, second = (names[k] for k in pairs[pair])
+        predictions = {
+            name: {"velocity": float(v), "sd": math.sqrt(float(s))}
+            for name, v, s in zip(names, level[:, best], covariance[:, best, best], strict=True)
+        }
+        settings = {key.removeprefix("drive."): value for key, value in drives[best].items()}
+        chi2 = float(gains[pair, best])
+        why = _why(first, second, chi2, bool(taken))
+        found.append(Experiment(settings, why, chi2, predictions))
+        mirrored = np.all(np.isclose(level, -level[:, [best]], rtol=1e-6, atol=0.0), axis=0)
+        left &= ~mirrored & [kind != kinds[best] for kind in kinds]
+        taken.append(best)
+        reached = together[:, [best]]
+        together = expected_chi2(level, covariance, noise_variance, pairs, taken)
+    return found
+
+
+def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
+    decides = chi2 > DECISIVE
+    little, needed = ("", "would be enough") if decides else (" too little", "would be needed")
+    apart, beside = math.sqrt(chi2), ", beside the drives before it" if is_later else ""
+    text = (
+        f"It separates {first} from {second}{little}: with {TRIALS} trials their predictions lie "
+        f"{apart:.1f} standard errors apart{beside}; {math.sqrt(DECISIVE):g} {needed}."
+    )
+    return Note("separates" if decides else "separates-too-little", text, apart)
+
+
+def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
+    """Whether another experiment is needed after a verdict, with its causes as they are said."""
+    if kind in ("named", "dominant", "pair"):
+        said = f"The name {' and '.join(names)} is safe, with a probability of {probability:.3g}"
+        return Note("name-safe", f"{said}: nothing more has to be measured.", probability)
+    if kind == "ambiguous":
+        return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
+    text = f"Nothing is proposed: with the verdict {kind} there are no candidates to tell apart."
+    return Note("nothing-to-separate", text)
+
+
+def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Experiment]:
+    """Of proposed experiments those that the next step needs, up to the last that tells enough."""
+    if step.code != "no-safe-name":
+        return []
+    enough = [k for k, each in enumerate(experiments) if each.separation >= LEAST_WORTH]
+    return list(experiments[: max(enough, default=-1) + 1])
+
+
+def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[Note]:
+    """What to measure beside the drive, and whether no drive tells the candidates apart.
+
+    `names` are the causes of a set: how each is said, by its name.
+    """
+    said = []
+    if experiments and not any(each.decides for each in experiments):
+        text = f"No drive that was tried tells the candidates apart with {TRIALS} trials."
+        said.append(Note("none-separates", text))
+    for code, (text, shows) in _LOOKS.items():
+        seen = " and ".join(word for name, word in names.items() if name in shows)
+        unseen = " or ".join(word for name, word in names.items() if name not in shows)
+        if seen and unseen:
+            said.append(Note(code, f"{text}: this shows {seen}, and nothing of {unseen}."))
+    return said
+
+
+# ---------------------------------------------------------------- tables of drives
+def setting_columns(conditions: Sequence[Drive], scenario: Scenario) -> list[str]:
+    """Bare names of the settings of a table of proposed drives.
+
+    Those that proposals vary, and those in which a measured drive differs from the scenario. What
+    is proposed after further trials has the same ones.
+    """
+    changed = {k for each in conditions for k, value in each.items() if value != scenario.get(k)}
+    return [key.removeprefix("drive.") for key in [*CHOICES, *sorted(changed.difference(CHOICES))]]
+
+
+def trial_table(
+    experiments: Sequence[Experiment],
+    columns: Sequence[str],
+    trials: int = TRIALS,
+    **beside: Any,
+) -> DataFrame:
+    """A row for each trial of each experiment, without a velocity.
+
+    `columns` are those of `setting_columns`; `beside` are columns with one value, such as a `block`
+    that no earlier trial has.
+    """
+    import pandas as pd
+
+    rows = [
+        {**{name: each.drive[name] for name in columns}, "trial": trial, **beside}
+        for each in experiments
+        for trial in range(1, trials + 1)
+    ]
+    table = pd.DataFrame(rows, columns=[*columns, "trial", *beside])
+    return table.assign(velocity=math.nan)
+
+
+def prediction_table(experiments: Sequence[Experiment], columns: Sequence[str]) -> DataFrame:
+    """What each candidate predicts of each experiment, counted from 1: `velocity`, `sd`, m/s."""
+    import pandas as pd
+
+    rows = []
+    for number, each in enumerate(experiments, start=1):
+        settings = {name: each.drive[name] for name in columns}
+        for candidate, predicted in each.predictions.items():
+            rows.append({"experiment": number, **settings, "candidate": candidate, **predicted})
+    return pd.DataFrame(rows)
+
+
+def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
+    """Drives that a person writes, by dotted key in SI units.
+
+    Parameters
+    ----------
+    given : DataFrame or list of dict
+        Names are dotted keys or bare, such as ``frequency``; words are in any case. Columns of
+        measured trials, such as ``trial`` and ``velocity``, are passed over.
+    scenario : Scenario
+        Of which every row is a change.
+
+    Raises
+    ------
+    ScenarioError
+        With the row (its index label, or its number from 0), if a name is no key of ``[drive]`` or
+        a value is not allowed.
+    """
+    import pandas as pd
+
+    labels: Sequence[Line] = range(len(given)) if isinstance(given, Sequence) else ()
+    rows = given
+    if isinstance(given, pd.DataFrame):
+        table = with_index_columns(given)
+        labels, rows = index_labels(table), table.to_dict("records")
+    if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
+        said = "allowed is a DataFrame or a list of dicts of settings"
+        raise ScenarioError(f"conditions = {shown(given)}: {said}")
+    if not rows:
+        raise ScenarioError("conditions: there is no row; allowed is one or more")
+    found = []
+    for label, row in zip(labels, rows, strict=True):
+        drive: dict[str, Value] = {}
+        with prefixed(f"conditions: row {label}"):
+            for name, value in row.items():
+                if name not in (*NOT_SETTINGS, "velocity_sd"):
+                    key = find_key(f"drive.{str(name).removeprefix('drive.')}", value)
+                    # A column of a table has numpy's numbers.
+                    value = value.item() if hasattr(value, "item") else value
+                    is_word = isinstance(value, str)
+                    drive[key.name] = in_allowed_case(key, value.strip()) if is_word else value
+            scenario.replace(drive)
+        found.append(drive)
+    return found

@@ -1,0 +1,317 @@
+"""Laws of a free shape as causes: those of the simulator, and those of a model of one's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicHermiteSpline
+
+from stickslip._util.arrays import Array
+from stickslip._util.number_text import is_number
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.curve import Curve
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import check_whole, known_keys, meant, refuse, shown
+from stickslip.scenario.named_effects import PREFIX
+from stickslip.scenario.priors import Prior
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.simulate import simulate_batch
+
+_LARGEST = 10.0
+"""Largest value at a knot, in its usual size. Chosen: three times a law beside a third of it."""
+
+_FEWEST = 3
+"""Knots: with fewer nothing bends, and a parabola gives the slopes at the ends."""
+
+
+def free_law(
+    law: str,
+    argument: str,
+    unit: str,
+    low: float,
+    high: float,
+    size: float = 0.3,
+    law_unit: str = "-",
+    largest: float | None = None,
+    factor_of: str | None = None,
+    knots: int = 5,
+) -> Cause:
+    """A place in a model of one's own where a law may have another shape.
+
+    A curve f of one argument acts there, by its values at knots that lie evenly between two ends.
+    Between them f is the cubic Hermite interpolant with slopes by central differences (at the ends
+    those of the parabola through three knots), beyond them it is constant. What f does, such as a
+    factor 1 + f or a force f, is up to the model, which finds it in `Curves` under the law's name.
+
+    Parameters
+    ----------
+    law, argument : str
+        In words: ``friction`` and ``speed`` make the name ``friction over speed``.
+    unit : str
+        Of the argument.
+    low, high : float
+        Argument of the first and the last knot: about what the data reach.
+    size : float
+        Size of f that would not surprise, above 0, in `law_unit`.
+    law_unit : str
+        Of f; beside `factor_of` only "-".
+    largest : float, optional
+        Largest size of f at a knot; ten times `size`, if not given.
+    factor_of : str, optional
+        The uncertain constant that the model multiplies by 1 + f. It is fitted with the law, whose
+        drawing is their product: data often tell that better than each of them.
+    knots : int
+        3 or more. A law that bends within half their distance is missed.
+
+    Raises
+    ------
+    ScenarioError
+        If a value is not allowed.
+    """
+    texts = {"law": law, "argument": argument, "unit": unit, "law_unit": law_unit}
+    for each, text in texts.items():
+        if not isinstance(text, str) or not text:
+            refuse(f"{each} of a free law", text, "a text")
+    name = f"{law} over {argument}"
+
+    def not_allowed(value: str, allowed: str) -> NoReturn:
+        raise ScenarioError(f"free law {name}: {value}: allowed is {allowed}")
+
+    if not all(is_number(end) and np.isfinite(end) for end in (low, high)) or not low < high:
+        not_allowed(f"low = {shown(low)}, high = {shown(high)}", "numbers with low < high")
+    if factor_of is not None and law_unit != "-":
+        not_allowed(f"law_unit = {shown(law_unit)}", '"-" beside factor_of, as 1 + f is a factor')
+    check_whole(f"free law {name}: knots", knots, _FEWEST)
+    end = _LARGEST * size if largest is None and is_number(size) else largest
+    for what, value in {"size": size, "largest": end}.items():
+        if not is_number(value) or not 0.0 < float(value) < np.inf:
+            not_allowed(f"{what} = {shown(value)}", "a number above 0")
+    assert end is not None
+    places = np.linspace(low, high, knots)
+    # The curves of each knot at 1 and all others at 0.
+    slopes = np.gradient(np.eye(knots), places, axis=0, edge_order=2)
+    columns = CubicHermiteSpline(places, np.eye(knots), slopes, axis=0)
+    curve = Curve(
+        law=law,
+        argument=argument,
+        unit=unit,
+        law_unit=law_unit,
+        low=float(low),
+        high=float(high),
+        places=places,
+        design=lambda u: np.asarray(columns(np.clip(u, low, high)), dtype=float),
+        constant=factor_of,
+        stated=0.0 if factor_of is None else 1.0,
+        relative=factor_of is not None,
+        fixed={},
+    )
+    keys = [f"{name}.knot_{k}" for k in range(1, knots + 1)]
+    return _law(name, curve, keys, law_unit, size, -float(end), float(end))
+
+
+def _law(
+    name: str, curve: Curve, keys: Sequence[str], unit: str, size: float, low: float, high: float
+) -> Cause:
+    # No shapes, which would end at a few sizes: a law may be far from what was expected.
+    knots = [Parameter(key, Prior("normal", 0.0, size), unit, low, high) for key in keys]
+    said = f"{curve.name} has another shape"
+    return Cause(name, tuple(knots), said, frees=curve.constant, curve=curve)
+
+
+def beside_constants(causes: Iterable[Cause], constants: Sequence[Parameter]) -> list[Cause]:
+    """The same causes; free laws get the unit and the stated value of their constant.
+
+    Raises
+    ------
+    ScenarioError
+        If a law is a factor of what is no uncertain constant of the model.
+    """
+    known = {each.name: each for each in constants}
+    made = []
+    for cause in causes:
+        curve = cause.curve
+        if curve is not None and curve.constant is not None:
+            if curve.constant not in known:
+                hint = meant(curve.constant, known)
+                refuse(f"free law {cause.name}: factor_of", curve.constant,
+                       f"an uncertain constant{hint}")  # fmt: skip
+            own = known[curve.constant]
+            stated = float(own.value(np.zeros(1))[0])
+            cause = replace(cause, curve=replace(curve, law_unit=own.unit, stated=stated))
+        made.append(cause)
+    return made
+
+
+class Curves(dict[str, Callable[[ArrayLike], Array]]):
+    """The curves of the free laws of a model, by their names, for some vectors of its parameters.
+
+    ``curves["friction over speed"](u)`` has the shape (vectors, ...): `u` has the shape (m,) or
+    (vectors, ...), a single row stands for all vectors. It is zero where the law is not in the
+    model.
+
+    Parameters
+    ----------
+    causes : iterable of Cause
+        Those without a curve are passed over.
+    values : mapping
+        Values by name of a parameter, each of shape (vectors,), (vectors, 1) or a number. Knots
+        that it lacks are zero.
+    """
+
+    def __init__(self, causes: Iterable[Cause], values: Mapping[str, ArrayLike]) -> None:
+        super().__init__()
+        vectors = max((np.size(each) for each in values.values()), default=1)
+        for cause in causes:
+            if cause.curve is not None:
+                knots = [np.ravel(values.get(each.name, 0.0)) for each in cause.parameters]
+                columns = [np.broadcast_to(each, (vectors,)) for each in knots]
+                self[cause.name] = partial(_curve_at, cause.curve, np.stack(columns, axis=1))
+
+    def __missing__(self, name: str) -> NoReturn:
+        raise ScenarioError(f"curves: there is no free law {shown(name)}{meant(name, self)}")
+
+
+def _curve_at(curve: Curve, knots: Array, argument: ArrayLike) -> Array:
+    u = np.atleast_2d(np.asarray(argument, dtype=float))
+    if not knots.any():
+        return np.where(np.isnan(u), np.nan, np.zeros((len(knots), *u.shape[1:])))
+    return np.asarray(np.einsum("v...k,vk->v...", curve.design(u), knots))
+
+
+# The simulator's own laws: what they are is the core's, see the page on named effects.
+_PLACES = {
+    "free_friction_speed": ("friction", "slip speed"),
+    "free_friction_angle": ("friction", "tilt"),
+    "free_friction_load": ("friction", "normal force"),
+    "free_friction_age": ("friction", "time"),
+    "free_adhesion_angle": ("adhesion", "tilt"),
+    "free_adhesion_age": ("adhesion", "age of the contact"),
+    "free_contact_place": ("contact place", "tilt"),
+    "free_drag_angle": ("drag", "tilt"),
+    "free_drag_speed": ("drag", "speed"),
+    "free_drag_rate": ("drag", "rate of the tilt"),
+    "free_field_time": ("field", "time"),
+    "free_field_frequency": ("field", "frequency"),
+    "free_field_amplitude": ("field", "in-plane current"),
+}
+
+_CONSTANTS = {
+    "friction": "contact.kinetic_friction",
+    "adhesion": "contact.adhesion",
+    "drag": "drag.linear",
+}
+
+_FACTOR_SIZE, _PLACE_SIZE = (0.3, 3.0), (0.2, 1.0)
+"""Usual and largest f of a factor 1 + f, and of the contact's place in half lengths. Chosen: a
+third of a law, and three times it; a tenth of the body, and no farther than its middle."""
+
+_SAMPLES = 400.0
+"""Samples a pulse of the runs that show how far arguments reach. Chosen: the rocking is seen."""
+
+_WITHIN = 0.98
+"""Share of an argument's sum over the samples up to which there are knots. Chosen: with all, an
+instant of an impact would stretch the curve."""
+
+_POINTS = 61
+"""Points among which a knot's place is sought: a multiple of the knots' spacings."""
+
+
+def laws(
+    scenario: Scenario, uncertain: Mapping[str, Prior], spans: Mapping[str, float]
+) -> tuple[Cause, ...]:
+    """The simulator's laws of a free shape whose arguments reach as far as these spans.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The recalibrated model.
+    uncertain : mapping of Prior
+        By dotted key; the constant of a law is freed with it, if it is one of them.
+    spans : mapping of float
+        Of `find_spans`: by effect, in the argument's unit.
+    """
+    return tuple(_own_law(scenario, uncertain, name, span) for name, span in spans.items())
+
+
+def _own_law(scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, span: float) -> Cause:
+    law, argument = _PLACES[effect]
+    span_key = f"{PREFIX}{effect}.span"
+    keys = [key for key in known_keys() if key.startswith(f"{PREFIX}{effect}.knot_")]
+    is_place = law == "contact place"
+    constant = _CONSTANTS.get(law)
+    low = -span if argument == "tilt" else 0.0
+    points = np.linspace(low, span, _POINTS)
+    design = partial(_design, scenario.replace({span_key: span}), effect, keys)
+    own_unit = "of the model's" if constant is None else known_keys()[constant].unit
+    curve = Curve(
+        law=law,
+        argument=argument,
+        unit=known_keys()[span_key].unit,
+        law_unit="half lengths" if is_place else own_unit,
+        low=low,
+        high=span,
+        places=points[np.argmax(design(points), axis=0)],
+        design=design,
+        constant=constant if constant in uncertain else None,
+        stated=float(not is_place) if constant is None else float(scenario.get(constant)),
+        relative=not is_place,
+        fixed={span_key: span},
+    )
+    size, largest = _PLACE_SIZE if is_place else _FACTOR_SIZE
+    return _law(effect, curve, keys, "-", size, -1.0, largest)
+
+
+def _design(scenario: Scenario, effect: str, keys: Sequence[str], argument: Array) -> Array:
+    """What each knot adds to the curve of the core, shape (*argument.shape, knots)."""
+    flat = np.ravel(argument)
+    ones = [scenario.replace({key: 1.0}).to_core().free_curve(effect, flat) for key in keys]
+    return np.stack(ones, axis=1).reshape(*np.shape(argument), len(keys))
+
+
+def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
+    """How far the argument of each law reaches in runs of the recalibrated model, by effect.
+
+    A law is left out if its argument does not vary between or within the runs, or if the model
+    does not have it at all.
+    """
+    rates = [{"record.rate": _SAMPLES * each.drive.frequency} for each in scenarios]
+    recorded = [each.replace(rate) for each, rate in zip(scenarios, rates, strict=True)]
+    runs = [run for run in simulate_batch(recorded, threads=threads) if run.ok]
+    if not runs:
+        return {}
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(run, name) for run in runs])
+
+    currents = np.concatenate([run.current[:, :4] for run in runs])
+    frequencies = np.array([each.drive.frequency for each in scenarios])
+    # Arguments that do not vary within a run reach about as far as the largest.
+    arguments = {
+        "slip speed": joined("slip_velocity"),
+        "tilt": joined("theta"),
+        "normal force": joined("normal_force"),
+        "time": np.array([run.t[-1] for run in runs]),
+        # A contact lasts a run at most, and mostly about a pulse.
+        "age of the contact": 1.0 / frequencies,
+        "speed": np.hypot(joined("vx"), joined("vz")),
+        "rate of the tilt": joined("omega"),
+        "frequency": frequencies if np.ptp(frequencies) > 0.0 else np.zeros(1),
+        "in-plane current": np.linalg.norm(currents, axis=1),
+    }
+    spans = {}
+    for effect, (law, argument) in _PLACES.items():
+        values = np.abs(arguments[argument])
+        values = np.sort(values[values > 0.0])  # nothing slips in flight
+        if len(values) and (law != "adhesion" or scenarios[0].contact.adhesion > 0.0):
+            # A robot that mostly creeps does most of its way, and of its turning, fast.
+            part = np.cumsum(values) / np.sum(values)
+            known = known_keys()[f"{PREFIX}{effect}.span"]
+            reach = float(values[np.searchsorted(part, _WITHIN)])
+            spans[effect] = float(np.clip(reach, known.low, known.high))
+    return spans

@@ -1,0 +1,185 @@
+"""Formulas of a law: the form that made the data is found, or none is claimed."""
+
+import numpy as np
+import pytest
+
+from stickslip.diagnosis.decision.formulas import _FORMS, Formula, formula
+from stickslip.diagnosis.terms.laws import free_law
+
+SD, LEVEL, READINGS = 0.02, 1.5, 40
+
+
+def drawn(law, unit="m/s", low=0.0, high=0.02, seed=4, sd=SD):
+    """Curve, its points, mean and covariance from data, beside a level that is free too.
+
+    The model is linear in the level and the knots, so that their posterior is normal under each of
+    the curve's priors.
+    """
+    curve = free_law("force", "speed", unit, low, high, size=0.3, law_unit="N").curve
+    # Between 0 and the next knot no curve has the cusp of a root.
+    at = np.linspace(low, high, READINGS + 4)[4:]
+    y = LEVEL + law(at) + sd * np.random.default_rng(seed).standard_normal(READINGS) - 1.0
+    design = np.column_stack([np.ones(READINGS), curve.design(at)]) / sd
+    logs, means, covariances = [], [], []
+    for precision in curve.precisions():
+        prior = np.zeros((6, 6))
+        prior[0, 0], prior[1:, 1:] = 1.0 / 5.0**2, precision / 0.3**2
+        covariance = np.linalg.inv(design.T @ design + prior)
+        mean = covariance @ design.T @ y / sd
+        misfit = np.sum((y / sd - design @ mean) ** 2) + mean @ prior @ mean
+        logs.append(0.5 * (np.linalg.slogdet(prior)[1] + np.linalg.slogdet(covariance)[1] - misfit))
+        means.append(mean)
+        covariances.append(covariance)
+    share = np.exp(np.array(logs) - max(logs))
+    share /= share.sum()
+    mean = share @ np.array(means)
+    apart = np.array(means) - mean
+    covariance = np.tensordot(share, covariances, 1) + (apart.T * share) @ apart
+    u = np.linspace(low, high, 61)
+    knots = curve.design(u)
+    return u, knots @ mean[1:], knots @ covariance[1:, 1:] @ knots.T, curve
+
+
+def errors(form, low, span, a, places):
+    """Standard deviations of a factor and its places, where the level is free too."""
+    at, step = np.linspace(low, span, 44)[4:], 1e-4 * span
+
+    def moved(k, by):
+        return a * form.shape(at, *(np.array(places) + by * np.eye(len(places))[k]))
+
+    slopes = [(moved(k, step) - moved(k, -step)) / (2.0 * step) for k in range(len(places))]
+    jacobian = np.stack([np.ones(READINGS), form.shape(at, *places), *slopes], axis=1)
+    return SD * np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))[1:]
+
+
+def case(form, where=0.4):
+    """Range, factor and places of a law of a form."""
+    span = 1.2 if form.of_angles else 0.02
+    low = -span if form.even else 0.0
+    places = [where * span, 0.5 * span][: form.places]
+    a = (0.4 if form.even else 0.8) / span**form.power
+    return span, low, a, places
+
+
+@pytest.mark.parametrize("form", _FORMS[1:], ids=lambda form: form.text)
+def test_a_formula_that_is_claimed_is_that_of_the_data(form):
+    span, low, a, places = case(form)
+
+    def law(u):
+        return a * form.shape(u, *places)
+
+    claimed = 0
+    for seed in (4, 5, 6):
+        found = formula(*drawn(law, "rad" if form.of_angles else "m/s", low, span, seed))
+        if found is None:
+            continue
+        claimed += 1
+        # A level less a form is as good as the form.
+        assert form.text in (found.text, *found.others)
+        u = np.linspace(low, span, 19)
+        assert np.ptp((found.at(u) - law(u))[np.abs(u) >= 0.1 * span]) < 5.0 * SD
+        if form.text == found.text:
+            values, sd = np.transpose(list(found.parameters.values()))
+            expected = errors(form, low, span, a, places)
+            # The errors are those of the data, and what knots leave of the form beside.
+            assert np.all(sd > 0.8 * expected)
+            assert np.all(sd < 4.0 * expected)
+            assert np.all(np.abs(values - [a, *places]) < 4.0 * sd)
+    # Roots and logarithms look like what levels off slowly.
+    alike = ("a sqrt(|u|)", "a ln(1 + |u| / b)", "a u / (b + |u|)", "a (1 - exp(-|u| / b))")
+    assert claimed >= (0 if form.text in alike else 1)
+
+
+@pytest.mark.parametrize(
+    ("law", "text"),
+    [
+        (lambda u: 40.0 * u, "a u"),
+        (lambda u: 0.8 * (u / 0.02) ** 2, "a u^2"),
+        (lambda u: 0.8 * np.exp(-((u - 0.01) ** 2) / 0.005**2), "a exp(-((|u| - b) / c)^2)"),
+    ],
+)
+def test_forms_that_are_unlike_all_others_are_claimed(law, text):
+    found = formula(*drawn(law))
+    assert found.text == text
+    assert 0.01 <= found.p_value <= 1.0
+
+
+def test_a_law_that_no_form_follows_has_none():
+    assert formula(*drawn(lambda u: 0.5 * np.cos(2.0 * np.pi * u / 0.01))) is None
+
+
+def test_where_forms_of_different_shape_tie_none_is_claimed():
+    # With a tenth of the noise the same law is no longer like one that levels off.
+    def law(u):
+        return 0.3 * np.sqrt(u / 0.02)
+
+    assert formula(*drawn(law, sd=0.03)) is None
+    assert formula(*drawn(lambda u: 0.3 * u / 0.02, sd=0.003)).text == "a u"
+
+
+def test_an_odd_law_over_both_signs_is_told_from_an_even_one():
+    assert formula(*drawn(lambda u: 20.0 * u, low=-0.02)).text == "a u"
+    assert formula(*drawn(lambda u: 20.0 * np.abs(u), low=-0.02)).text == "a |u|"
+
+
+def test_angles_have_sines_in_place_of_a_corner():
+    found = formula(*drawn(lambda u: 1.2 * np.abs(np.sin(u)), "rad", -0.3, 0.3))
+    assert found.text == "a |sin(u)|"
+    assert "a |u|" not in found.others
+    a, sd = found.parameters["a"]
+    assert abs(a - 1.2) < 4.0 * sd
+
+
+def test_an_argument_far_from_zero_is_counted_from_the_lower_end():
+    found = formula(*drawn(lambda u: 0.03 * (u - 290.0), "K", 290.0, 310.0))
+    assert (found.text, found.origin) == ("a u", 290.0)
+    # With the level free, 40 readings over 20 K have the slope within 0.02 / (5.8 sqrt(40)) = 2 %.
+    a, sd = found.parameters["a"]
+    assert a == pytest.approx(0.03, rel=0.06)
+    assert 0.01 < sd / a < 0.06
+    assert found.at(np.array([300.0])) == pytest.approx(0.3, rel=0.06)
+    curve = free_law("force", "heat", "K", 290.0, 310.0, law_unit="N").curve
+    assert found.in_words(curve).startswith("f of force = a u with a = 0.0")
+    assert found.in_words(curve).endswith(" N per K")
+
+
+def test_a_formula_has_the_constant_that_goes_with_it():
+    # The data know the law c (1 + f), and c itself hardly: as c grows by d, f falls by (1 + f) d/c.
+    curve = free_law("friction", "speed", "m/s", 0.0, 2.0, factor_of="mu").curve
+    u = np.linspace(0.0, 2.0, 61)
+    truth, c, d = 0.5 * np.exp(-u / 0.5), 0.3, 0.06
+    away = -(1.0 + truth) / c
+    mean = (1.0 + truth) * c / (c + d) - 1.0
+    knots = curve.design(u)
+    covariance = 1e-4 * knots @ knots.T + d**2 * np.outer(away, away)
+    found = formula(u, mean, covariance, curve, (c + d, d**2 * away))
+    assert "a exp(-|u| / b)" in (found.text, *found.others)
+    assert found.without == pytest.approx(c, abs=0.25 * d)
+    assert formula(u, mean, covariance, curve).without == 1.0
+
+
+def test_curves_of_three_knots_have_forms_of_one_number_or_two():
+    curve = free_law("force", "speed", "m/s", 0.0, 2.0, knots=3).curve
+    u = np.linspace(0.0, 2.0, 61)
+    knots = curve.design(u)
+    found = formula(u, knots @ [0.0, 0.1, 0.2], 1e-6 * knots @ knots.T, curve)
+    assert found.text == "a u"
+    assert found.parameters["a"] == (pytest.approx(0.1), pytest.approx(0.0018, rel=0.5))
+
+
+@pytest.mark.parametrize(
+    ("text", "law", "unit", "own", "factor", "said"),
+    [
+        ("a exp(-|u| / b)", "friction", "m/s", "-", "mu",
+         "friction = 0.3 (1 + a exp(-|u| / b)) with a = 0.5 ± 0.02, b = 0.25 ± 0.1 m/s"),
+        ("a sqrt(|u|)", "drag", "rad", "-", "mu",
+         "drag = 0.3 (1 + a sqrt(|u|)) with a = 0.5 ± 0.02 per rad^0.5"),
+        ("a u^2", "wind", "m/s", "uN", None,
+         "f of wind = a u^2 with a = 0.5 ± 0.02 uN per (m/s)^2"),
+        ("a u", "wind", "-", "uN", None, "f of wind = a u with a = 0.5 ± 0.02 uN"),
+    ],
+)  # fmt: skip
+def test_a_formula_is_said_with_its_numbers_and_units(text, law, unit, own, factor, said):
+    curve = free_law(law, "speed", unit, 0.0, 1.0, law_unit=own, factor_of=factor).curve
+    numbers = {"a": (0.5, 0.02)} | ({"b": (0.25, 0.1)} if "b" in text else {})
+    assert Formula(text, numbers, 0.0, 0.3, 0.5, ()).in_words(curve) == said

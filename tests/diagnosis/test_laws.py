@@ -1,0 +1,197 @@
+"""Laws of a free shape as causes."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicHermiteSpline
+from scipy.stats import multivariate_normal
+
+from stickslip import Drive, Prior, Scenario, ScenarioError, simulate
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
+from stickslip.diagnosis.terms.laws import Curves, beside_constants, find_spans, free_law, laws
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.scenario.named_effects import effects, is_free_shape
+
+BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
+FREE = {each.name for each in effects() if is_free_shape(each.name)}
+FRICTION = {"contact.kinetic_friction": Prior("normal", 0.145, 0.01)}
+
+
+def valued(cause, knots):
+    return {
+        each.name: np.array(v)
+        for each, v in zip(cause.parameters, np.transpose(knots), strict=True)
+    }
+
+
+# ------------------------------------------------------------------------- a model of one's own
+def test_a_curve_goes_through_its_knots_and_is_constant_beyond_them():
+    law = free_law("pull", "gap", "m", -1.0, 3.0, knots=6)
+    places, values = np.linspace(-1.0, 3.0, 6), np.array([0.3, -0.2, 0.5, 0.1, 0.0, 0.4])
+    slopes = np.gradient(values, places, edge_order=2)
+    fine = np.linspace(-1.0, 3.0, 37)
+    expected = CubicHermiteSpline(places, values, slopes)(fine)
+    over = Curves([law], valued(law, [values]))["pull over gap"]
+    assert over(fine)[0] == pytest.approx(expected, abs=1e-14)
+    assert over([-9.0, -1.0, 3.0, 9.0])[0] == pytest.approx([0.3, 0.3, 0.4, 0.4])
+    parabola = 0.2 + 0.1 * places - 0.3 * places**2
+    over = Curves([law], valued(law, [parabola]))["pull over gap"]
+    assert over(fine)[0] == pytest.approx(0.2 + 0.1 * fine - 0.3 * fine**2)
+
+
+def test_a_curve_takes_arguments_of_each_vector():
+    law = free_law("friction", "speed", "m/s", 0.0, 2.0)
+    values = valued(law, [[0.0, 0.1, 0.2, 0.3, 0.4], [1.0, 1.0, 1.0, 1.0, 1.0]])
+    columns = {name: each[:, None] for name, each in values.items()}
+    curves = Curves([Cause("wind", Parameter("wind", size=1.0, low=-5, high=5)), law], columns)
+    assert list(curves) == ["friction over speed"]
+    over = curves["friction over speed"]
+    assert over([0.5, 1.0]) == pytest.approx(np.array([[0.1, 0.2], [1.0, 1.0]]))
+    own = np.array([[0.5, 1.0, 1.5], [0.0, 1.0, 2.0]])
+    assert over(own) == pytest.approx(np.array([[0.1, 0.2, 0.3], [1.0, 1.0, 1.0]]))
+    assert over(own[:, :, None]).shape == (2, 3, 1)
+    assert over(1.0) == pytest.approx(np.array([[0.2], [1.0]]))
+    assert np.isnan(over([np.nan, 1.0])[0]).tolist() == [True, False]
+
+
+def test_a_law_that_is_not_in_the_model_is_flat():
+    law = free_law("friction", "speed", "m/s", 0.0, 2.0)
+    over = Curves([law], {"drag": np.array([[0.1], [0.2], [0.3]])})["friction over speed"]
+    assert np.array_equal(over([0.5, 1.0]), np.zeros((3, 2)))
+    assert np.isnan(over([np.nan, 1.0])).tolist() == 3 * [[True, False]]
+    with pytest.raises(ScenarioError, match="friction over speed"):
+        Curves([law], {})["friction over sped"]
+
+
+def test_a_free_law_is_a_factor_of_its_constant():
+    law = free_law("friction", "speed", "m/s", 0.0, 2.0, factor_of="mu")
+    mu = Parameter("mu", Prior("log-normal", 0.3, 1.1), "1/m")
+    (bound,) = beside_constants([law], [mu])
+    assert (law.frees, bound.curve.law_unit, bound.curve.relative) == ("mu", "1/m", True)
+    assert bound.curve.without({}) == pytest.approx(0.3)
+    assert bound.curve.without({"mu": 0.4}) == 0.4
+    with pytest.raises(ScenarioError, match=r'factor_of = "mu".*mu_k'):
+        beside_constants([law], [Parameter("mu_k", mu.prior)])
+    wind = free_law("wind", "speed", "m/s", 0.0, 2.0, size=4e5, law_unit="uN")
+    assert beside_constants([wind], [mu]) == [wind]
+    assert wind.curve.without({"mu": 0.4}) == 0.0
+    assert {(p.unit, p.high) for p in wind.parameters} == {("uN", 4e6)}
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"low": 2.0}, "friction over speed: low = 2.0, high = 2.0: allowed is numbers"),
+        ({"high": np.inf}, "low < high"),
+        ({"low": "0"}, "low < high"),
+        ({"law": ""}, "law of a free law"),
+        ({"unit": 3}, "unit of a free law"),
+        ({"size": 0.0}, "size = 0.0: allowed is a number above 0"),
+        ({"size": "big"}, "size"),
+        ({"largest": np.inf}, "largest"),
+        ({"knots": 2}, "knots"),
+        ({"law_unit": "N", "factor_of": "mu"}, 'law_unit = "N": allowed is "-" beside factor_of'),
+    ],
+)
+def test_refusals_are_one_line(changes, said):
+    given = {"law": "friction", "argument": "speed", "unit": "m/s", "low": 0.0, "high": 2.0}
+    with pytest.raises(ScenarioError, match=said) as error:
+        free_law(**{**given, **changes})
+    assert "\n" not in str(error.value)
+
+
+# ------------------------------------------------------------------------------ prior of a curve
+def test_knots_are_linear_and_reach_as_far_as_is_searched():
+    law = free_law("friction", "speed", "m/s", 0.0, 2.0, size=0.2)
+    u = np.linspace(-10.0, 10.0, 9)
+    for knot in law.parameters:
+        assert knot.limits == pytest.approx((-10.0, 10.0))
+        assert knot.value(u) == pytest.approx(0.2 * u)
+    sliding = laws(BASE, {}, {"free_friction_speed": 0.01})[0]
+    # 1 + f is not below zero, and f at most three times the law.
+    assert sliding.parameters[0].limits == pytest.approx((-1.0 / 0.3, 3.0 / 0.3))
+
+
+def test_the_prior_prefers_a_smooth_law_to_a_rough_one_of_the_same_size():
+    curve = free_law("friction", "speed", "m/s", 0.0, 2.0).curve
+    inverses = curve.precisions()
+    assert len(inverses) == len(SIZES) * len(LENGTHS)
+
+    def density(knots):
+        zero = np.zeros(len(knots))
+        return np.mean([multivariate_normal(zero, np.linalg.inv(p)).pdf(knots) for p in inverses])
+
+    smooth, rough = np.array([0.0, 0.5, 1.0, 1.5, 2.0]), np.array([2.0, 0.0, 1.5, 0.5, 1.0])
+    assert density(smooth) > 100.0 * density(rough)
+    # A law of ten sizes surprises, but is not excluded: with the usual size alone it had e^-50.
+    large = density(np.full(5, 10.0)) / density(np.zeros(5))
+    assert np.exp(-25.0) < large < np.exp(-8.0)
+
+
+def test_the_prior_depends_on_the_range_and_not_on_units():
+    one = free_law("friction", "speed", "m/s", 0.0, 2.0).curve.precisions()
+    other = free_law("friction", "speed", "mm/s", 0.0, 2000.0).curve.precisions()
+    assert np.allclose(one, other)
+
+
+# ---------------------------------------------------------------------------------- the simulator
+def test_the_curve_is_the_law_of_the_core():
+    span = 0.01
+    (law,) = laws(BASE, {}, {"free_drag_speed": span})
+    knots = (0.1, 0.4, -0.2, 0.3, 0.0)
+    arguments = np.linspace(0.0, 0.012, 26)
+    values = dict(zip([each.name for each in law.parameters], knots, strict=True))
+    bent = BASE.replace({**law.curve.fixed, **values})
+    expected = bent.to_core().free_curve("free_drag_speed", arguments)
+    assert law.curve.design(arguments) @ knots == pytest.approx(expected, abs=1e-15)
+    assert law.curve.design(arguments.reshape(2, 13)).shape == (2, 13, 5)
+    # Where a knot is, f is its value.
+    assert law.curve.design(law.curve.places) == pytest.approx(np.eye(5), abs=1e-9)
+
+
+def test_every_free_shape_of_the_core_is_a_law_that_starts_absent():
+    causes = laws(BASE, FRICTION, dict.fromkeys(FREE, 0.5))
+    assert {each.name for each in causes} == FREE
+    keys = {each.name: 0.0 for cause in causes for each in cause.parameters}
+    fixed = {key: value for cause in causes for key, value in cause.curve.fixed.items()}
+    plain = simulate(BASE).mean_velocity
+    assert simulate(BASE.replace({**fixed, **keys})).mean_velocity == plain
+    frees = {each.name: each.frees for each in causes}
+    of_friction = {name for name in FREE if name.startswith("free_friction")}
+    assert {name for name, constant in frees.items() if constant} == of_friction
+    assert {frees[name] for name in of_friction} == set(FRICTION)
+    by_name = {each.name: each.curve for each in causes}
+    assert by_name["free_drag_rate"].without({}) == BASE.drag.linear
+    assert by_name["free_field_time"].without({}) == 1.0
+    place = by_name["free_contact_place"]
+    assert (place.without({}), place.relative, place.law_unit) == (0.0, False, "half lengths")
+    assert (place.low, place.high) == (-0.5, 0.5)
+    assert by_name["free_friction_load"].name == "friction over normal force"
+
+
+def test_spans_are_what_the_runs_reach():
+    slow, fast = BASE.replace({"drive.frequency": 30.0}), BASE.replace({"drive.frequency": 90.0})
+    spans = find_spans([slow, fast], threads=1)
+    assert set(spans) == FREE
+    assert spans["free_field_frequency"] <= 90.0
+    assert spans["free_adhesion_age"] == pytest.approx(1.0 / 30.0)
+    run = simulate(fast.replace({"record.rate": 20_000.0}))
+    assert spans["free_drag_angle"] <= np.max(np.abs(run.theta)) * 1.01
+    assert spans["free_drag_angle"] > 0.5 * np.max(np.abs(run.theta))
+    # The samples in flight have no slip.
+    slips = np.abs(run.slip_velocity)
+    assert np.any(np.isnan(slips))
+    assert 0.1 * np.nanmax(slips) < spans["free_friction_speed"] <= 1.01 * np.nanmax(slips)
+    # One frequency tells nothing of a law over it, and there is no law of what is not there.
+    alone = find_spans([slow.replace({"contact.adhesion": 0.0})], threads=1)
+    assert FREE - set(alone) == {
+        "free_field_frequency",
+        "free_adhesion_angle",
+        "free_adhesion_age",
+    }
+
+
+def test_formulas_count_from_zero_where_it_is_near():
+    assert free_law("friction", "speed", "m/s", 0.1, 2.0).curve.origin == 0.0
+    assert free_law("friction", "temperature", "K", 280.0, 330.0).curve.origin == 280.0
+    assert free_law("friction", "tilt", "rad", -1.0, 1.0).curve.origin == 0.0
