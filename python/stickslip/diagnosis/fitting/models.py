@@ -164,12 +164,15 @@ def sharpened(problem: Problem, form: Form, old: Fit) -> Fit:
     return replace(new, ends=old.ends)
 
 
-def promised(problem: Problem, form: Form, old: Fit, h: Array | None = None) -> Fit:
-    """A fit of another form where `old` is, its evidence that of the linear model there."""
-    end = old.end
-    h = form.begin(old.residual) if h is None else h
-    h, log_evidence, precision, covariance, _ = evidence(problem, form, old.causes, end, h)
-    return _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)
+def linear(
+    problem: Problem, form: Form, causes: Sequence[Cause], end: End, h: Array | None = None
+) -> Fit:
+    """A fit that stays where it is, with the evidence of the linear model there."""
+    causes = tuple(sorted(causes, key=lambda each: each.name))
+    h = form.begin(end.residual) if h is None else h
+    h, log_evidence, precision, covariance, _ = evidence(problem, form, causes, end, h)
+    free = problem.free(causes)
+    return _fit(problem, form, causes, free, end, h, precision, covariance, log_evidence)
 
 
 def evidence(

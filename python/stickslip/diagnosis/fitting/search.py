@@ -18,7 +18,7 @@ from scipy.stats import qmc
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivatives, descend
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
-from stickslip.diagnosis.fitting.models import Fit, fit, log_prior, promised, sharpened
+from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import AMPLITUDES, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
@@ -176,6 +176,17 @@ def search(
     return models
 
 
+def screened(models: Models, found: Sequence[Response]) -> None:
+    """Add every single cause and form by the linear model about the recalibrated one."""
+    problem, null = models.problem, models.null
+    ends: dict[tuple[Cause, ...], End] = {(): null.end}
+    for each in found:
+        ends.setdefault((each.cause,), End(null.x, null.residual, each.slopes, math.nan))
+    for form in models.forms.values():
+        for causes, end in ends.items():
+            models.add(linear(problem, form, causes, end))
+
+
 def _near(models: Models) -> list[Fit]:
     """The models that a verdict compares, and the recalibrated one."""
     leaders = models.leaders()
@@ -281,7 +292,7 @@ def _fit_other_forms(models: Models) -> None:
         for old in models.leaders(form="none"):
             known = models.get(old.names, name)
             try:
-                hope = promised(models.problem, form, old) if known is None else known
+                hope = linear(models.problem, form, old.causes, old.end) if known is None else known
             except np.linalg.LinAlgError:
                 continue
             hopes.append((models.log_posterior(hope), old, hope))

@@ -1,0 +1,139 @@
+"""Probabilities of the models, their causes, and the sets that hold 95 % of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.search import Models
+
+SURE = 0.95
+"""Probability that a claim asks for, and that a set holds. The usual choice."""
+
+ALIKE = 0.9
+"""Cosine of the projected effects of two causes above which the lead of one over the other counts
+half: a library's law is not the robot's. Chosen."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Posterior(OneLine):
+    """Probabilities, which sum to 1 over all models.
+
+    Attributes
+    ----------
+    fits : tuple of Fit
+        Every set of causes once, with its best form, the most probable first.
+    models : dict of float
+        Probability of each set of causes, over all forms, by name.
+    causes : dict of float
+        Probability that a model has the cause.
+    """
+
+    fits: tuple[Fit, ...]
+    models: Mapping[str, float]
+    causes: Mapping[str, float]
+
+    @property
+    def none(self) -> float:
+        """Probability of no cause."""
+        return self.models.get("none", 0.0)
+
+    @property
+    def sure(self) -> list[str]:
+        """Causes with a probability of at least 95 %."""
+        return [name for name, chance in self.causes.items() if chance >= SURE]
+
+    def smallest_set(self) -> list[Fit]:
+        """The most probable models that have 95 % together."""
+        total, members = 0.0, []
+        for each in self.fits:
+            members.append(each)
+            total += self.models[each.name]
+            if total >= SURE:
+                break
+        return members
+
+    def among_small(self, name: str) -> float:
+        """Probability of a single cause among the models with one cause at most."""
+        small = {each.name: self.models[each.name] for each in self.fits if len(each.causes) < 2}
+        return small.get(name, 0.0) / max(math.fsum(small.values()), 1e-300)
+
+
+def posterior(models: Models) -> Posterior:
+    """Probabilities of all fitted models and forms."""
+    weights = {key: models.log_posterior(each) for key, each in models.best.items()}
+    first = models.leaders(1)[0]
+    top = models.log_posterior(first)
+    for key, each in models.best.items():
+        swapped = each.names ^ first.names
+        exchanged = len(swapped) == 2 and len(each.names) == len(first.names)
+        if exchanged and abs(cosine_of_swap(models, first, each)) > ALIKE:
+            weights[key] = top - 0.5 * (top - weights[key])
+    total = float(logsumexp(list(weights.values())))
+    by_set: dict[frozenset[str], float] = {}
+    best: dict[frozenset[str], tuple[float, Fit]] = {}
+    for key, weight in weights.items():
+        by_set[key[0]] = by_set.get(key[0], 0.0) + math.exp(weight - total)
+        if key[0] not in best or weight > best[key[0]][0]:
+            best[key[0]] = weight, models.best[key]
+    order = sorted(by_set, key=lambda names: -by_set[names])
+    fits = tuple(best[names][1] for names in order)
+    causes = {each.name: 0.0 for each in models.offered}
+    for names, chance in by_set.items():
+        for name in names:
+            causes[name] += chance
+    causes = dict(sorted(causes.items(), key=lambda each: -each[1]))
+    return Posterior(fits, {each.name: by_set[each.names] for each in fits}, causes)
+
+
+def cosine_of_swap(models: Models, one: Fit, other: Fit) -> float:
+    """Cosine of the effects of the causes that two models do not share.
+
+    Effects are beyond the model of what they share, in the stated errors, without what its
+    parameters can undo.
+    """
+    shared = models.get(one.names & other.names) or models.null
+    return cosine(
+        models.problem, shared, shared.residual - one.residual, shared.residual - other.residual
+    )
+
+
+def cosine(problem: Problem, base: Fit, one: Array, other: Array) -> float:
+    """Cosine of two changes of the predictions, (n,), beyond what a fit's parameters can undo."""
+    lower = np.linalg.cholesky(base.precision)
+    basis = np.linalg.qr(np.vstack([problem.whitened(base.slopes), lower.T]))[0]
+    rows = np.zeros((2, len(one) + len(base.free)))
+    rows[:, : len(one)] = problem.whitened(np.stack([one, other], axis=1)).T
+    rows -= (rows @ basis) @ basis.T
+    size = np.linalg.norm(rows, axis=1)
+    return float(rows[0] @ rows[1] / max(size[0] * size[1], 1e-300))
+
+
+def discrepancy(fit: Fit) -> float:
+    """Mean square of what a model leaves beyond the stated errors, in them: s^2 + kappa^2 - 1."""
+    if fit.form == "none":
+        return 0.0
+    s = fit.sizes.get("s", 0.0)
+    return s**2 + max(fit.sizes["kappa"] ** 2 - 1.0, 0.0)
+
+
+def share(models: Models, fit: Fit) -> float:
+    """Part of the model's error that a fit takes, 1 - D / D0; 1 where its errors are as stated.
+
+    D0 is of the best form other than ``none`` of no cause.
+    """
+    beside: Sequence[Fit] = [
+        each for (names, name), each in models.best.items() if not names and name != "none"
+    ]
+    if not beside:
+        return 1.0
+    whole = discrepancy(max(beside, key=models.log_posterior))
+    return 1.0 if fit.form == "none" else 1.0 - discrepancy(fit) / max(whole, 1e-12)

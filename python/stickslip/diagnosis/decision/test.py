@@ -1,0 +1,114 @@
+"""Is anything beyond the recalibrated model?
+
+The lack of fit sees any departure, the largest score over the causes one that looks like a known
+cause. Draws of pure noise through the same projection give the law of both together: they see the
+same noise, so that twice the smaller p-value would be too cautious.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2 as chi2_law
+from scipy.stats import f as f_law
+
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.responses import Response
+
+ALPHA = 0.05
+"""Rate of false alarms: the usual choice."""
+
+# Draws of pure noise: a p-value of 0.05 is then known to 0.003. Signal below which a response is
+# not seen. Chosen.
+_DRAWS, _UNSEEN = 4000, 1e-3
+
+
+@dataclass(frozen=True)
+class Test:
+    """p-values of the lack of fit, of the largest score, and of both together."""
+
+    p_value: float
+    lack_of_fit: float
+    score: float
+
+    @property
+    def found(self) -> bool:
+        """Whether something is left."""
+        return self.p_value < ALPHA
+
+
+def lack_of_fit(problem: Problem, chi2: float, free: int) -> float:
+    """Probability of a larger chi-square of `free` degrees of freedom by the errors alone."""
+    if free <= 0:
+        return 1.0
+    # Of several tables, the degrees of freedom with the variance of their sum.
+    counts = np.array([part.stop - part.start for part in problem.rows], dtype=float)
+    finite = np.isfinite(problem.dof)
+    spread = float(np.sum(counts[finite] ** 2 / problem.dof[finite]))
+    if spread == 0.0:
+        return float(chi2_law.sf(chi2, free))
+    return float(f_law.sf(chi2 / free, free, np.sum(counts) ** 2 / spread))
+
+
+def adequacy(problem: Problem, fit: Fit) -> float:
+    """p-value of the lack of fit of a model with the errors as they are stated.
+
+    The prior of the constants belongs to the misfit. That of an effect's size does not: it says
+    nothing of whether the effect explains the data.
+    """
+    count = len(problem.constants)
+    tight = np.array([fit.precision[k, k] >= 1.0 for k in range(count)], dtype=bool)
+    stated = float(np.sum(fit.x[:count][tight] ** 2))
+    free = len(problem.y) - (len(fit.free) - int(tight.sum()))
+    return lack_of_fit(problem, fit.chi2 + stated, free)
+
+
+def tested(problem: Problem, null: Fit, found: list[Response], seed: int) -> Test:
+    """Test the recalibrated model, with responses of causes about it."""
+    n, p = len(problem.y), len(null.free)
+    lower = np.linalg.cholesky(null.precision)
+    jacobian = np.vstack([problem.whitened(null.slopes), lower.T])
+    basis = np.linalg.qr(jacobian)[0]
+    residual = np.concatenate([
+        problem.whitened(null.residual[:, None])[:, 0], -lower.T @ null.x[null.free]
+    ])  # fmt: skip
+    gaps = np.vstack([each.gaps for each in found]) if found else np.zeros((0, n))
+    raw = np.hstack([problem.whitened(gaps.T).T, np.zeros((len(gaps), p))])
+    for each in found:
+        if each.cause.frees is not None and not each.cause.parameters:
+            row = np.zeros(n + p)
+            names = [one.name for one in problem.constants]
+            row[n + names.index(each.cause.frees)] = 1.0
+            raw = np.vstack([raw, row, -row])
+    directions = raw - (raw @ basis) @ basis.T
+    size = np.linalg.norm(directions, axis=1)
+    directions = directions[size > _UNSEEN] / size[size > _UNSEEN, None]
+    random = np.random.default_rng([seed, 11])
+    noise = random.standard_normal((_DRAWS, n + p))
+    for part, dof in zip(problem.rows, problem.dof, strict=True):
+        if math.isfinite(dof):
+            noise[:, part] /= np.sqrt(random.chisquare(dof, (_DRAWS, 1)) / dof)
+    noise -= (noise @ basis) @ basis.T
+    misfits, observed = np.sum(noise**2, axis=1), float(residual @ residual)
+    exact = lack_of_fit(problem, observed, n)
+    fits, fit_p = _shares(misfits, observed)
+    if not len(directions):
+        return Test(exact, exact, 1.0)
+    scores, score_p = _shares(
+        np.max(noise @ directions.T, axis=1), float(np.max(directions @ residual))
+    )
+    smaller = np.minimum(fits, scores)
+    both = (1.0 + float(np.sum(smaller <= min(fit_p, score_p)))) / (_DRAWS + 1.0)
+    # Beyond what draws can tell, the law of the misfit is known.
+    return Test(min(both, 2.0 * min(exact, score_p)), exact, score_p)
+
+
+def _shares(values: Array, observed: float) -> tuple[Array, float]:
+    """Share of the draws that are at least as large, of each draw and of what was observed."""
+    place = np.searchsorted(np.sort(values), [*values, observed], side="left")
+    share = (1.0 + len(values) - place) / (len(values) + 1.0)
+    return np.asarray(share[:-1]), float(share[-1])

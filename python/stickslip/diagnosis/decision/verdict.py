@@ -1,0 +1,238 @@
+"""One decision, from the probabilities of the models to a verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.decision.gain import Gain, measured
+from stickslip.diagnosis.decision.posterior import SURE, Posterior, discrepancy, posterior, share
+from stickslip.diagnosis.decision.test import Test, adequacy
+from stickslip.diagnosis.fitting.forms import HYPER
+from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.search import Models
+from stickslip.simulation.note import Note
+
+Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
+
+ADEQUATE = 0.01
+"""A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
+refused. Chosen."""
+
+DOMINANT = 0.8
+"""Share of the model's error that a dominant cause takes at least. Chosen: with 0.9 the prototype
+named 10 right causes fewer of 144 and no wrong one less."""
+
+SECOND = 0.1
+"""Part by which a second cause lowers the held-out error at least. Chosen with the prototype."""
+
+CALM = 0.5
+"""Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
+
+_AT_BOUND = 0.02  # distance of the logarithm of a correlation time from its largest
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Verdict(OneLine):
+    """What is said.
+
+    Attributes
+    ----------
+    kind : str
+        ``named``, ``dominant``, ``pair``, ``ambiguous``, ``unexplained``, ``none`` or
+        ``data-problem``.
+    causes : tuple of str
+        The cause, both of a pair, or those of a set, the most probable first.
+    fit : Fit, optional
+        The extended model, where a cause is claimed; of a set that of its first member.
+    reasons : tuple of Note
+    probabilities : dict of float
+        Of each cause and of ``none``.
+    members : tuple of Fit
+        The smallest set of models with 95 %.
+    common : tuple of str
+        Causes in all of them.
+    share : float, optional
+        Part of the model's error that `fit`, or else the leader, takes.
+    leader : Fit, optional
+        The most probable model with a cause.
+    gain : Gain, optional
+        Of `fit`, or else of the leader, on held-out readings, by plain least squares.
+    """
+
+    kind: Kind
+    causes: tuple[str, ...] = ()
+    fit: Fit | None = None
+    reasons: tuple[Note, ...] = ()
+    probabilities: Mapping[str, float] = field(default_factory=dict)
+    members: tuple[Fit, ...] = ()
+    common: tuple[str, ...] = ()
+    share: float | None = None
+    leader: Fit | None = None
+    gain: Gain | None = None
+
+
+def decide(models: Models, test: Test) -> Verdict:
+    """The verdict on the fitted models by the rules of the documentation."""
+    chance = posterior(models)
+    leader = next((each for each in chance.fits if each.causes), None)
+    said = {**chance.causes, "none": chance.none}
+    members = tuple(chance.smallest_set())
+    common = frozenset.intersection(*(each.names for each in members))
+    verdict = Verdict(
+        "unexplained", probabilities=said, members=members, leader=leader,
+        common=tuple(sorted(common)),
+    )  # fmt: skip
+    if leader is None or chance.none >= 0.5:
+        return _without_cause(verdict, models, test, leader)
+    sure = chance.sure
+    if len(sure) == 1:
+        single = _best_of(chance, models, sure)
+        return _claimed(verdict, models, single)
+    if len(sure) >= 2:
+        return _claimed_pair(verdict, models, chance, sure)
+    return _set(verdict, models, chance)
+
+
+def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
+    if test.found:
+        reason = Note(
+            "no-cause-leads",
+            f"Something is left (p = {test.p_value:.2g}), and no cause is more probable than a "
+            "model error of no named kind.",
+            test.p_value,
+        )
+        return _with(verdict, "unexplained", (), None, (reason,), models, leader)
+    reason = Note(
+        "nothing-left",
+        f"The recalibrated model explains the data (p = {test.p_value:.2g}).",
+        test.p_value,
+    )
+    return _with(verdict, "none", (), None, (reason,), models, None)
+
+
+def _best_of(chance: Posterior, models: Models, names: list[str]) -> Fit:
+    """The most probable model that has just these causes, else the first that has them."""
+    exact = next((each for each in chance.fits if each.names == frozenset(names)), None)
+    return exact or next(each for each in chance.fits if each.names >= frozenset(names))
+
+
+def _claimed_pair(verdict: Verdict, models: Models, chance: Posterior, sure: list[str]) -> Verdict:
+    """Two causes, if the second one predicts held-out readings; else the better one alone."""
+    pair = next(each for each in chance.fits if len(each.names & set(sure)) >= 2)
+    singles = [each for each in chance.fits if each.names < pair.names and each.causes]
+    if not singles:
+        return _claimed(verdict, models, pair)
+    member = max(singles, key=models.log_posterior)
+    alone, both = (models.get(each.names) or each for each in (member, pair))
+    second = measured(models.problem, alone, both)
+    if second is None or (second.certain and second.after <= (1.0 - SECOND) * second.before):
+        return _claimed(verdict, models, pair)
+    if chance.among_small(member.name) >= SURE:
+        return _claimed(verdict, models, member, (_refused(pair, member, second),))
+    return _set(verdict, models, chance, (_refused(pair, member, second),))
+
+
+def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
+    (other,) = pair.names - member.names
+    fall = 1.0 - second.after / second.before
+    return Note(
+        "second-cause-predicts-nothing",
+        f"{other} beside {member.name} changes the error of held-out readings by "
+        f"{-100.0 * fall:.0f} %: it is not claimed.",
+        fall,
+    )
+
+
+def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ...] = ()) -> Verdict:
+    """A cause or a pair, named if it explains the data, dominant beside a discrepancy."""
+    problem, names = models.problem, tuple(sorted(fit.names))
+    plain = models.get(fit.names)
+    gains = [measured(problem, models.null, plain or fit)]
+    own_null = models.get((), fit.form) or models.null
+    gains.append(measured(problem, own_null, fit, "own"))
+    kind: Kind = "pair" if len(names) > 1 else "named"
+    if plain is not None and adequacy(problem, plain) >= ADEQUATE:
+        worse = any(each is not None and each.interval[1] < 0.0 for each in gains)
+        if not worse and not _at_end(models, plain):
+            return _with(verdict, kind, names, plain, reasons, models, plain)
+    against = list(reasons)
+    part = share(models, fit)
+    if fit.form == "none":
+        fit = next((each for each in models.leaders() if each.names == fit.names
+                    and each.form != "none"), fit)  # fmt: skip
+        part = share(models, fit) if fit.form != "none" else 0.0
+    if part < DOMINANT:
+        text = (
+            f"{fit.name} takes {100.0 * max(part, 0.0):.0f} % of the model's error; a claim asks "
+            f"for {100.0 * DOMINANT:.0f} %."
+        )
+        against.append(Note("small-share", text, part))
+    if not all(each is not None and each.certain for each in gains):
+        text = f"It is not certain that {fit.name} predicts held-out readings better."
+        against.append(Note("uncertain-gain", text))
+    if _long_correlation(models, fit):
+        text = "The discrepancy beside it has the longest correlation time that is allowed."
+        against.append(Note("long-correlation", text, fit.sizes["tau"]))
+    if _at_end(models, fit):
+        text = f"A size of {fit.name} is at the end of its range."
+        against.append(Note("size-at-end", text))
+    if against[len(reasons) :]:
+        return _with(verdict, "unexplained", (), None, tuple(against), models, fit)
+    kind = "pair" if len(names) > 1 else "dominant"
+    return _with(verdict, kind, names, fit, reasons, models, fit)
+
+
+def _set(
+    verdict: Verdict, models: Models, chance: Posterior, reasons: tuple[Note, ...] = ()
+) -> Verdict:
+    """The smallest set of models with 95 %, the causes of each in turn."""
+    members = verdict.members
+    first = next(each for each in members if each.causes)
+    names = dict.fromkeys(name for each in members for name in sorted(each.names))
+    together = sum(chance.models[each.name] for each in members)
+    text = (
+        f"{len(members)} models have {100.0 * together:.0f} % of the probability together; the "
+        f"first, {first.name}, has {100.0 * chance.models[first.name]:.0f} %."
+    )
+    reason = Note("not-separated", text, chance.models[first.name])
+    return _with(verdict, "ambiguous", tuple(names), first, (*reasons, reason), models, first)
+
+
+def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None,
+          reasons: tuple[Note, ...], models: Models, told: Fit | None) -> Verdict:  # fmt: skip
+    """The verdict with the share and gain of the model that is told."""
+    notes = list(reasons)
+    kappa = (told or models.leaders(1)[0]).sizes.get("kappa", 1.0)
+    if kappa < CALM:
+        text = f"The scatter is {kappa:.2g} times the stated errors: they are stated too large."
+        notes.append(Note("errors-too-large", text, kappa))
+    gain = None
+    if told is not None:
+        gain = measured(models.problem, models.null, models.get(told.names) or told)
+    return Verdict(
+        kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
+        None if told is None else share(models, told), verdict.leader, gain,
+    )  # fmt: skip
+
+
+def _at_end(models: Models, fit: Fit) -> bool:
+    """Whether an amplitude is at the farther end of its range."""
+    low, high = models.problem.limits
+    for k in models.problem.columns(fit.causes).tolist():
+        parameter = models.problem.parameters[k]
+        ends = [high[k]] if parameter.one_sided else [low[k], high[k]]
+        if any(abs(fit.x[k] - end) < 0.01 for end in ends if math.isfinite(end)):
+            return True
+    return False
+
+
+def _long_correlation(models: Models, fit: Fit) -> bool:
+    if fit.form != "ar1":
+        return False
+    highest = models.forms["ar1"].limits()[3][2]
+    grew = discrepancy(fit) > discrepancy(models.get((), "ar1") or fit)
+    return grew or math.log(fit.sizes["tau"]) > min(highest, HYPER["tau"][3]) - _AT_BOUND

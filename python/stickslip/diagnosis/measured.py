@@ -1,0 +1,147 @@
+"""A measurement as a problem: its tables, its uncertain constants, and what may be wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.data.angle import AngleTable
+from stickslip.diagnosis.data.field import FieldTable
+from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.fitting.problem import Cached, Model, Problem
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.library import library
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import known_keys
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import refuse_uncertain_geometry
+from stickslip.simulation.scenario_notes import peak_voltages
+
+Measured = VelocityTable | AngleTable | FieldTable | FilmTable
+
+
+def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Measured]:
+    """All tables of a measurement: velocities, films, angles, fields.
+
+    Raises
+    ------
+    ScenarioError
+        If nothing was measured that the diagnosis can use.
+    """
+    found: list[Measured] = []
+    if any(len(each.velocity) for each in measurement.velocity):
+        found.append(VelocityTable(measurement, threads=threads, seed=seed))
+    found += [
+        FilmTable(run, number, threads) for number, run in enumerate(measurement.tracking, start=1)
+    ]
+    scenario = measurement.scenario
+    try:
+        for title, kind, several in (
+            ("Static tilt, [[angle]]", AngleTable, measurement.angle),
+            ("Field calibration, [[field]]", FieldTable, measurement.field),
+        ):
+            for number, columns in enumerate(several, start=1):
+                numbered = title if len(several) == 1 else f"{title} {number}"
+                found.append(kind(columns, scenario, numbered))
+    except ScenarioError as error:
+        raise ScenarioError(f"{measurement.path}: {error}") from None
+    if not found:
+        raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
+    return found
+
+
+def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
+    """The problem that a measurement poses, in SI units.
+
+    Raises
+    ------
+    ScenarioError
+        If nothing was measured that the diagnosis can use.
+    """
+    scenario, keys = measurement.scenario, known_keys()
+    refuse_uncertain_geometry(scenario.coil, measurement.uncertain)
+    _refuse_turns(measurement)
+    tables = tables_of(measurement, threads, seed)
+    constants = [
+        Parameter(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()
+    ]
+    constants += [each for table in tables for each in table.nuisance]
+    volts = max(max(peak_voltages(each).values()) for each in _driven(measurement))
+    effects = library(scenario, dict(measurement.uncertain), volts)
+    # Tables of one kind share suspects: that of the widest readings stands for all, as a limit may
+    # lie anywhere below them.
+    every = [each for table in tables for each in table.suspects]
+    every.sort(key=lambda each: each.parameters[0].high)
+    suspects = {each.name: each for each in every}
+    causes = (*effects, *suspects.values(), *freed(constants))
+    model, draft = model_of(tables, constants, effects, list(suspects.values()))
+    return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft))
+
+
+def freed(constants: Sequence[Parameter]) -> list[Cause]:
+    """A suspect for each constant that is stated with a middle: it is other than stated."""
+    return [
+        Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
+        for each in constants
+        if each.suspect and each.prior is not None and each.prior.has_middle
+    ]
+
+
+def model_of(
+    tables: Sequence[Measured],
+    constants: Sequence[Parameter],
+    effects: Sequence[Cause],
+    suspects: Sequence[Cause],
+) -> tuple[Model, Model]:
+    """The model of all rows and its draft, in which velocities have fewer pulses.
+
+    Their columns are the constants, the parameters of the effects, those of the suspects.
+    """
+    amplitudes = [each.name for cause in effects for each in cause.parameters]
+    names = [*(each.name for each in constants), *amplitudes]
+    names += [each.name for cause in suspects for each in cause.parameters]
+    nuisance = {each.name for table in tables for each in table.nuisance}
+    shared = {*(each.name for each in constants), *amplitudes} - nuisance
+    columns = []
+    for table in tables:
+        own = {each.name for each in table.nuisance}
+        own |= {each.name for cause in table.suspects for each in cause.parameters}
+        columns.append([k for k, name in enumerate(names) if name in shared | own])
+
+    def rows(predict: Sequence[Callable[[Sequence[str], Array], Array]], values: Array) -> Array:
+        return np.hstack([
+            each([names[k] for k in at], values[:, at])
+            for each, at in zip(predict, columns, strict=True)
+        ])  # fmt: skip
+
+    full = [each.predict for each in tables]
+    cheap = [each.low_fidelity if isinstance(each, VelocityTable) else each.predict
+             for each in tables]  # fmt: skip
+    return (lambda values: rows(full, values)), (lambda values: rows(cheap, values))
+
+
+def _driven(measurement: Measurement) -> list[Scenario]:
+    """The scenario of each drive that was measured; the stated one if there is none."""
+    stated = measurement.scenario
+    drives = [
+        stated.replace({"drive.program": None, **each})
+        for data in measurement.velocity
+        for each in data.conditions
+    ]
+    return [*drives, *(run.scenario for run in measurement.tracking)] or [stated]
+
+
+def _refuse_turns(measurement: Measurement) -> None:
+    """Refuse drives that turn the robot: velocities and films are compared along x."""
+    for each in _driven(measurement):
+        if each.turns and each.coil.map is None:
+            raise ScenarioError(
+                f"{measurement.path}: with drive.heading = {each.drive.heading:g} or what else "
+                "pushes it across the robot leaves its plane; allowed in a diagnosis are robots "
+                "that walk along x"
+            )

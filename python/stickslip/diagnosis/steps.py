@@ -1,0 +1,96 @@
+"""The steps of a diagnosis, for any problem: recalibrate, test, compare models, decide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.decision.posterior import posterior
+from stickslip.diagnosis.decision.test import Test, tested
+from stickslip.diagnosis.decision.verdict import Verdict, decide
+from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.responses import Response, responses
+from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
+
+# Draws about the recalibrated model that show its roughness, and their widths: a share of what the
+# data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
+_DRAWS, _SHARE, _WIDEST = 24, 0.3, 0.02
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Findings(OneLine):
+    """What the steps found.
+
+    Attributes
+    ----------
+    models : Models
+        All fits; `models.problem` has the errors that they were compared with.
+    test : Test
+    responses : list of Response
+        Of every cause about the recalibrated model, that of the largest gain first.
+    verdict : Verdict
+    seed : int
+    """
+
+    models: Models
+    test: Test
+    responses: list[Response]
+    verdict: Verdict
+    seed: int
+
+    @property
+    def problem(self) -> Problem:
+        return self.models.problem
+
+
+def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: None) -> Findings:
+    """All steps, one after another."""
+    say(0.0, "recalibrating")
+    null, ends = recalibrated(problem, seed)
+    problem, null = _with_own_errors(problem, null, seed)
+    say(0.2, "testing")
+    models = Models(problem, problem.causes)
+    models.add(null)
+    stated = models.forms["none"]
+    found = responses(problem, null.end, (), problem.causes, stated, null.h)
+    test = tested(problem, null, found, seed)
+    screened(models, found)
+    if test.found or posterior(models).none < 0.5:
+        models = search(problem, null, ends, problem.causes, say)
+    say(0.9, "deciding")
+    verdict = decide(models, test)
+    say(1.0, "done")
+    return Findings(models, test, found, verdict, seed)
+
+
+def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, Fit]:
+    """The problem with the errors of the fitted model, and its fit again.
+
+    An error that conditions share must not follow what was measured; and where the model itself
+    jumps under tiny changes of its constants, that is an error too.
+    """
+    level = problem.y - null.residual
+    problem = problem.with_shared_errors_at(level)
+    problem = replace(problem, roughness=_roughness(problem, null, seed))
+    form = Models(problem, ()).forms["none"]
+    return problem, sharpened(problem, form, fit(problem, form, (), null.x, slopes=null.slopes))
+
+
+def _roughness(problem: Problem, null: Fit, seed: int) -> Array:
+    """Scatter of the predictions about a plane under tiny changes of the constants, shape (n,)."""
+    p = len(null.free)
+    random = np.random.default_rng([seed, 5])
+    move = random.standard_normal((max(_DRAWS, 3 * p), p))
+    step = np.minimum(_SHARE * np.sqrt(np.diag(null.covariance)), _WIDEST)
+    x = np.tile(null.x, (len(move), 1))
+    x[:, null.free] += move * step
+    missed = problem.residuals(x)
+    design = np.hstack([np.ones((len(move), 1)), move])
+    left = missed - design @ np.linalg.lstsq(design, missed, rcond=None)[0]
+    scatter = np.sqrt(np.sum(left**2, axis=0) / max(len(move) - p - 1, 1))
+    # A row that is sometimes not computed is lost, and not rough.
+    return np.where(scatter < 1e2 * problem.sd, scatter, 0.0)
