@@ -32,8 +32,7 @@ fallen to this share of the largest. Chosen."""
 
 _POINTS = 61  # of a range, to see how a form looks there
 _INSIDE = 1e-3  # distance of the logarithm of a place from the ends of its range
-_SCANNED, _STARTS = 15, 3
-"""Places that are looked at, evenly in their logarithm, and how many of them fits begin at."""
+_SCANNED = 15  # places that are looked at, evenly in their logarithm: the fit begins at the best
 
 
 class _Form(NamedTuple):
@@ -165,7 +164,7 @@ def formula(
     tied = [each for each in found if each[0] < best + TIE]
     if len({looks for _, looks, *_ in tied}) != 1:
         return None
-    # First what is seen whole: a root before the rise to a peak beyond the range.
+    # First what is seen whole: a root before the rise to a peak that lies beyond the range.
     tied.sort(key=lambda each: (each[1] != each[2].looks, each[0]))
     _, _, form, values, sd, p_value = tied[0]
     without = curve.stated
@@ -228,14 +227,9 @@ def _fitted(
 
     low, high = math.log(_NEAREST), math.log(_FARTHEST)
     grid = itertools.product(np.linspace(low, high, _SCANNED), repeat=form.places)
-    starts = sorted(map(np.array, grid), key=lambda logs: float(np.sum(factor(logs)[1] ** 2)))
-    best = starts[0]
+    best = min(map(np.array, grid), key=lambda logs: float(np.sum(factor(logs)[1] ** 2)))
     if form.places:
-        ends = [
-            least_squares(lambda logs: factor(logs)[1], start, bounds=(low, high))
-            for start in starts[:_STARTS]
-        ]
-        best = min(ends, key=lambda end: float(end.cost)).x
+        best = least_squares(lambda logs: factor(logs)[1], best, bounds=(low, high)).x
     a, left = factor(best)
     places = span * np.exp(best)
     values = np.array([a, *places])
