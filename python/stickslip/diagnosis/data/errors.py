@@ -152,7 +152,7 @@ def estimate(
         free = 0
     notes: list[Note] = []
     setup = _crossed(condition, setup, moves[condition], notes)
-    order, gap = _along_runs(run, place, moves[condition], (count > 1.0)[condition])
+    order, gap = along_runs(run, place, moves[condition], (count > 1.0)[condition])
     shared = setup is not None or bool(np.any(np.isfinite(gap)))
     if free < FEWEST or (sd is not None and not shared):
         told, dof = _stated(sd, relative, free, size, mean[condition], notes)
@@ -267,7 +267,7 @@ def _crossed(
     return setup
 
 
-def _along_runs(
+def along_runs(
     run: Indices | None, place: Array | None, known: Mask, repeated: Mask
 ) -> tuple[Indices, Array]:
     """The known readings, run by run, and the distance of each from the one before it.
@@ -301,7 +301,7 @@ class _Scatter(OneLine):
     """Readings that tell their errors.
 
     `away` is their distance from the mean of their condition, `pooled` its standard deviation, and
-    `order` and `gap` are those of `_along_runs`; the others are as in `estimate`.
+    `order` and `gap` are those of `along_runs`; the others are as in `estimate`.
     """
 
     condition: Indices
