@@ -380,5 +380,10 @@ def test_rates_of_tests_stay_between_two_and_a_half_and_eight_percent(kind):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["constant", "relative", "set-ups", "independent", "correlated"])
-def test_heavy_tails_cost_little(kind):
-    assert np.all(rates(kind, 300, "t4") <= 0.1)
+@pytest.mark.parametrize("tails", ["t4", "outlier"])
+def test_heavy_tails_cost_little(kind, tails):
+    found = rates(kind, 300, tails)
+    assert found[0] <= 0.08
+    # An outlier of twenty errors moves its own curve, of which there are five: to leave it out is
+    # the measurement's task.
+    assert np.all(found[1:] <= (0.1 if tails == "t4" else 0.2))

@@ -48,6 +48,10 @@ gains in errors of a reading. Chosen: weak, with equal parts of s0 and rho."""
 _SHARED = ("shift", "gain")
 """What readings of a set-up share."""
 
+_FARTHEST = 8.0
+"""Standard deviations of the priors beyond which the likelihood is not followed. Chosen: far out,
+with numbers that a computer has."""
+
 _DRAWS, _TAILS, _WIDER = 256, 4.0, 1.15
 """Number of draws, the degrees of freedom of their law, and its width beside that of the posterior
 at its mode. Chosen: the effective sample is then half of the draws."""
@@ -327,7 +331,9 @@ class _Scatter(OneLine):
     @cached_property
     def unit(self) -> Array:
         """In which the errors of readings are counted, shape (n,)."""
-        return np.full(len(self.away), self.pooled) if self.sd is None else self.sd
+        if self.sd is None:
+            return np.full(len(self.away), self.pooled)
+        return self.sd * self.pooled / root_mean_square(self.sd)
 
     @cached_property
     def shares(self) -> Array:
@@ -455,8 +461,10 @@ class _Scatter(OneLine):
         alike = shares @ shares.T
         alone = np.diag(np.bincount(self.condition, unit**2))
         place, lag, product = self._pairs(unit)
-        # How large a stated error is counts as known.
-        one = size if self.sd is None else np.ones_like(size)
+        one = size
+        if self.sd is not None:
+            # How large a stated error is counts as known, whatever readings scatter by.
+            one = np.full(size.shape, root_mean_square(self.sd) / self.pooled)
 
         def parts(k: int) -> Array:
             own = alone
@@ -509,7 +517,7 @@ def sample(
 
     def density(h: Array) -> Array:
         """-ln of the posterior, of h of shape (draws, d), in prior standard deviations."""
-        values = centre + width * h
+        values = centre + width * np.clip(h, -_FARTHEST, _FARTHEST)
         return np.asarray(
             0.5 * loss(dict(zip(names, values.T, strict=True))) + 0.5 * np.sum(h**2, axis=1)
         )
