@@ -147,7 +147,7 @@ def _check_names(
     """Refuse names that come twice."""
     groups: Mapping[str, list[str]] = {
         "tables": [each.name for each in tables] if len(tables) > 1 else [],
-        "causes and uncertain": [each.name for each in (*constants, *causes)],
+        "causes and uncertain": [*(one.name for one in constants), *(c.name for c in causes)],
         "parameters": [p.name for p in (*constants, *(p for c in causes for p in c.parameters))],
     }
     for where, names in groups.items():
