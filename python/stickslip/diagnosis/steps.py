@@ -60,7 +60,7 @@ def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: Non
     test = tested(problem, null, found, seed)
     screened(models, found)
     if test.found or posterior(models).none < 0.5:
-        models = search(problem, null, ends, problem.causes, say)
+        models = search(problem, null, ends, problem.causes, say, seed)
     say(0.9, "deciding")
     verdict = decide(models, test)
     say(1.0, "done")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -17,6 +18,7 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivatives, descend
+from stickslip.diagnosis.fitting.draws import FEWEST, Draws, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
@@ -44,6 +46,8 @@ _LOOK, _HOPELESS = 3, 30.0
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
+# Sets of causes whose evidence is corrected by draws. Chosen.
+_DRAWN = 4
 # Ends about which single causes are looked for, and starts of each that are looked at.
 _VIEWS, _LOOKED_AT = 3, 6
 # Chi-square per row up to which a model leaves hardly more than its errors. Chosen.
@@ -59,6 +63,7 @@ class Models:
         self.problem, self.offered = problem, tuple(offered)
         self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
+        self.draws: dict[frozenset[str], Draws] = {}
 
     def add(self, new: Fit) -> Fit:
         """Keep a fit if it is the best of its model."""
@@ -154,6 +159,7 @@ def search(
     ends: Sequence[End],
     offered: Sequence[Cause],
     say: Progress = lambda fraction, stage: None,
+    seed: int = 0,
 ) -> Models:
     """Fit the models that the data may come from; `null` and `ends` are of `recalibrated`."""
     models = Models(problem, offered)
@@ -175,7 +181,33 @@ def search(
         _fit_other_forms(models)
     for each in _near(models):
         models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
+    _draw(models, seed)
     return models
+
+
+def _draw(models: Models, seed: int) -> None:
+    """Correct the evidence of the leading sets of causes by draws, or their fit by a better one."""
+    problem = models.problem
+    sets: dict[frozenset[str], Fit] = {}
+    for each in _near(models):
+        sets.setdefault(each.names, each)
+    for names, each in list(sets.items())[:_DRAWN]:
+        form = models.forms[each.form]
+        found = drawn(problem, form, each, seed)
+        if found is None:
+            continue
+        own = found.best
+        cost = form.cost(found.residual[[int(np.argmax(found.weight))]], each.h)[0]
+        if float(cost + own[each.free] @ each.precision @ own[each.free]) < each.cost - _BETTER:
+            models.fit(each.form, each.causes, own, h=each.h)
+            each = models.best[names, each.form]
+            found = drawn(problem, form, each, seed) or found
+        models.draws[names] = found
+        if found.effective > FEWEST:
+            for key, one in models.best.items():
+                if key[0] == names:
+                    higher = one.log_evidence + found.correction
+                    models.best[key] = replace(one, log_evidence=higher)
 
 
 def screened(models: Models, found: Sequence[Response]) -> None:
