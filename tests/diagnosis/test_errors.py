@@ -143,7 +143,7 @@ def test_set_ups_are_used_where_conditions_were_repeated_in_another(setup, said)
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.6, 0.9])
-def test_the_correlationalong_runs_is_found(phi):
+def test_the_correlation_along_runs_is_found(phi):
     # 30 runs of 20 tell it to sqrt((1 - phi^2) / 600) and better; four times the largest of these,
     # and what a prior near 0.16 and the levels take.
     random = np.random.default_rng(5)
@@ -362,6 +362,21 @@ def rates(kind, sets, tails="normal"):
 def test_tests_at_five_percent_are_wrong_as_often(kind):
     # 300 data sets: three binomial standard deviations are 3.8 %.
     assert np.all(np.abs(rates(kind, 300) - 0.05) < 0.038)
+
+
+def test_few_readings_are_neither_trusted_nor_distrusted():
+    # Six pairs. 400 data sets: three binomial standard deviations are 3.3 %.
+    random = np.random.default_rng(4)
+    condition, level = np.repeat(np.arange(6), 2), LEVEL[::5]
+    found = np.zeros(2)
+    for seed in range(400):
+        y = (level * (1.0 + 0.03 * random.standard_normal((2, 6)))).T.ravel()
+        mean, errors = estimate(y, condition, seed=seed)
+        left = (mean - level) / errors.sd
+        lack = f_law.sf(np.mean(left**2), 6, errors.dof)
+        shift = 2.0 * t_law.sf(abs(np.sum(left)) / math.sqrt(6.0), errors.dof)
+        found += np.array([lack, shift]) < 0.05
+    assert np.all(np.abs(found / 400 - 0.05) < 0.033)
 
 
 @pytest.mark.parametrize("kind", ["set-ups", "independent", "correlated"])
