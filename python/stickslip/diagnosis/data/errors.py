@@ -8,8 +8,8 @@ with errors e of variance 1, of which those of neighbours in a run have the corr
 levels are free, so that no model and no cause changes what is estimated (restricted likelihood;
 Patterson and Thompson, Biometrika 58 (1971) 545). The logarithms of s0, rho and of the sizes of
 shifts and gains, and the probit of phi, have weak normal priors. Sobol draws about the mode of
-their posterior, with importance weights, give the mean covariance of the means of the conditions
-and the degrees of freedom of its size (Satterthwaite, Biometrics Bulletin 2 (1946) 110).
+their posterior, with importance weights, give the covariance of the means of the conditions and the
+degrees of freedom of its size (Satterthwaite, Biometrics Bulletin 2 (1946) 110).
 """
 
 from __future__ import annotations
@@ -50,7 +50,11 @@ weak, with equal parts of s0 and rho, and with periods that seldom differ."""
 _SHARED = ("shift", "gain")
 """What readings of a set-up share."""
 
-_DRAWS, _TAILS, _WIDER = 256, 8.0, 1.15
+_FARTHEST = 8.0
+"""Standard deviations of the priors beyond which the likelihood is not followed. Chosen: far out,
+with numbers that a computer has."""
+
+_DRAWS, _TAILS, _WIDER = 256, 4.0, 1.15
 """Number of draws, the degrees of freedom of their law, and its width beside that of the posterior
 at its mode. Chosen: the effective sample is then half of the draws."""
 
@@ -104,7 +108,7 @@ class Errors(OneLine):
     def of_reading(self, level: Array) -> Array:
         """Standard deviation of one reading at levels, shape (k,)."""
         s0 = self.told.get("s0", float(np.median(self.sd)))
-        return np.hypot(s0, self.told.get("rho", 0.0) * np.asarray(level, dtype=float))
+        return np.asarray(np.hypot(s0, self.told.get("rho", 0.0) * level), dtype=float)
 
 
 def estimate(
@@ -154,7 +158,7 @@ def estimate(
         free = 0
     notes: list[Note] = []
     setup = _crossed(condition, setup, moves[condition], notes)
-    order, gap = _along_runs(run, place, moves[condition], (count > 1.0)[condition])
+    order, gap = along_runs(run, place, moves[condition], (count > 1.0)[condition])
     shared = setup is not None or bool(np.any(np.isfinite(gap)))
     if free < FEWEST or (sd is not None and not shared):
         told, dof = _stated(sd, relative, free, size, mean[condition], notes)
@@ -269,7 +273,7 @@ def _crossed(
     return setup
 
 
-def _along_runs(
+def along_runs(
     run: Indices | None, place: Array | None, known: Mask, repeated: Mask
 ) -> tuple[Indices, Array]:
     """The known readings, run by run, and the distance of each from the one before it.
@@ -303,7 +307,7 @@ class _Scatter(OneLine):
     """Readings that tell their errors.
 
     `away` is their distance from the mean of their condition, `pooled` its standard deviation, and
-    `order` and `gap` are those of `_along_runs`; the others are as in `estimate`.
+    `order` and `gap` are those of `along_runs`; the others are as in `estimate`.
     """
 
     condition: Indices
@@ -320,7 +324,7 @@ class _Scatter(OneLine):
     @cached_property
     def names(self) -> list[str]:
         """Hyperparameters that these readings tell."""
-        signed = len(np.unique(np.sign(self.mean[self.moves]))) > 1
+        signed = len(set(np.sign(self.mean[self.moves]).tolist())) > 1
         names = ["s0"] + ["rho"] * (self.sd is None)
         names += ["phi"] * bool(np.any(np.isfinite(self.gap)))
         # Where all levels have one sign, a shift and a gain are the same.
@@ -329,7 +333,9 @@ class _Scatter(OneLine):
     @cached_property
     def unit(self) -> Array:
         """In which the errors of readings are counted, shape (n,)."""
-        return np.full(len(self.away), self.pooled) if self.sd is None else self.sd
+        if self.sd is None:
+            return np.full(len(self.away), self.pooled)
+        return self.sd * self.pooled / root_mean_square(self.sd)
 
     @cached_property
     def shares(self) -> Array:
@@ -342,40 +348,50 @@ class _Scatter(OneLine):
         """Errors of the means, over draws of the hyperparameters."""
         shared = not {"phi", "shift"}.isdisjoint(self.names)
         p, weight = sample(self._shared_loss if shared else self._own_loss, self.names, seed)
-        told = {"s0": self.pooled * math.sqrt(weight @ np.exp(2.0 * p["s0"]))}
+        size = self._sizes(p)
+        usual = weight @ size**2
+        if shared:
+            parts, scale = self._covariances(p, weight, size)
+        else:
+            scale = np.mean(size**2 / usual, axis=1)
+        factor, dof = satterthwaite(scale, weight)
         if self.sd is None:
-            told["rho"] = self.pooled / self.size * math.sqrt(weight @ np.exp(2.0 * p["rho"]))
+            square = factor * self.pooled**2
+            told = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
+            told["rho"] = math.sqrt(square * (weight @ np.exp(2.0 * p["rho"]))) / self.size
         else:
             told, _ = _stated(self.sd, math.nan, 0, self.size, self.mean[self.condition], notes)
-        size = self._sizes(p)
         if not shared:
-            usual = weight @ size**2
-            count = np.bincount(self.condition)
-            own = np.bincount(self.condition, self.unit**2) / count**2
-            dof = satterthwaite(np.mean(size**2 / usual, axis=1), weight)
-            return Errors(np.sqrt(own * usual), None, dof, told, tuple(notes))
-        if "phi" in p:
-            told["phi"] = float(weight @ ndtr(p["phi"]))
-            notes.append(_note_of_correlation(ndtr(p["phi"]), weight))
-        for name in _SHARED:
-            if name in p:
-                told[name] = math.sqrt(weight @ np.exp(2.0 * p[name]))
+            own = np.bincount(self.condition, self.unit**2) / np.bincount(self.condition) ** 2
+            return Errors(np.sqrt(factor * own * usual), None, dof, told, tuple(notes))
+        told |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in _SHARED if name in p}
         if "shift" in p:
             text = (
-                f"Set-ups differ by a shift of {told['shift']:.2g} and a factor of "
+                f"Set-ups differ by a shift of {told['shift']:.2g} and a gain of "
                 f"{told.get('gain', 0.0):.2g} errors of a reading."
             )
             notes.append(Note("set-ups", text, told["shift"]))
-        (own, shift, gain), dof = self._covariances(p, weight, size)
+        if "phi" in p:
+            phi = ndtr(p["phi"])
+            order = np.argsort(phi)
+            low, high = np.interp((0.025, 0.975), np.cumsum(weight[order]), phi[order])
+            told["phi"] = float(weight @ phi)
+            text = (
+                f"Errors of readings that follow each other have a correlation of "
+                f"{told['phi']:.2f} ({low:.2f} to {high:.2f})."
+            )
+            notes.append(Note("errors-correlated", text, told["phi"]))
+        own, shift, gain = factor * parts
         mean, linked, stated = self.mean, "phi" in p, self.sd is not None
 
         def of_level(level: Array) -> Array:
             """Covariance of the means where what they share follows a level, shape (m,)."""
-            errors = np.hypot(told["s0"], told["rho"] * np.array([level, mean]))
-            ratio = np.ones(len(mean)) if stated else errors[0] / errors[1]
+            there, here = np.hypot(told["s0"], told["rho"] * np.array([level, mean]))
+            ratio = np.ones(len(mean)) if stated else there / here
             signs = np.where(level == 0.0, np.sign(mean), np.sign(level))
             both = np.outer(ratio, ratio)
-            return (both if linked else 1.0) * own + both * (shift + np.outer(signs, signs) * gain)
+            readings = both * own if linked else own
+            return np.asarray(readings + both * (shift + np.outer(signs, signs) * gain))
 
         covariance = of_level(mean)
         sd = np.sqrt(np.diag(covariance))
@@ -400,7 +416,7 @@ class _Scatter(OneLine):
         phi = ndtr(p["phi"]) if "phi" in p else np.zeros(len(p["s0"]))
         none = np.full(len(phi), -math.inf)
         parts = zip(self._sizes(p), phi, p.get("shift", none), p.get("gain", none), strict=True)
-        return np.array([self._loss_of(size, *each) for size, *each in parts])
+        return np.array([self._loss_of(*each) for each in parts])
 
     def _loss_of(self, size: Array, phi: float, shift: float, gain: float) -> float:
         """By Henderson's mixed-model equations, linear in the number of readings.
@@ -435,8 +451,8 @@ class _Scatter(OneLine):
         sizes = 2.0 * np.sum(np.log(size[c])) - 2.0 * np.sum(np.log(size[self.moves]))
         return float(determinants + sizes + pivots[-1] ** 2)
 
-    def _covariances(self, p: dict[str, Array], weight: Array, size: Array) -> tuple[Array, float]:
-        """Mean covariances of the means, shape (3, m, m), and the degrees of freedom of their sum.
+    def _covariances(self, p: dict[str, Array], weight: Array, size: Array) -> tuple[Array, Array]:
+        """Mean covariances of the means, shape (3, m, m), and the size of each draw's beside it.
 
         By errors of readings, by shifts, and by gains as they are for levels of one sign.
         """
@@ -447,8 +463,10 @@ class _Scatter(OneLine):
         alike = shares @ shares.T
         alone = np.diag(np.bincount(self.condition, unit**2))
         place, lag, product = self._pairs(unit)
-        # How large a stated error is counts as known.
-        one = size if self.sd is None else np.ones_like(size)
+        one = size
+        if self.sd is not None:
+            # How large a stated error is counts as known, whatever readings scatter by.
+            one = np.full(size.shape, root_mean_square(self.sd) / self.pooled)
 
         def parts(k: int) -> Array:
             own = alone
@@ -462,10 +480,11 @@ class _Scatter(OneLine):
 
         signs = np.sign(self.mean)
         gained = np.array([np.ones((m, m)), np.ones((m, m)), np.outer(signs, signs)])
-        mean = sum(w * parts(k) for k, w in enumerate(weight.tolist()))
+        mean = np.zeros((3, m, m))
+        for k, each in enumerate(weight):
+            mean += each * parts(k)
         inverse = gained * np.linalg.inv(np.sum(gained * mean, axis=0))
-        scale = np.array([np.sum(inverse * parts(k)) / m for k in range(len(weight))])
-        return np.asarray(mean), satterthwaite(scale, weight)
+        return mean, np.array([np.sum(inverse * parts(k)) / m for k in range(len(weight))])
 
     def _pairs(self, weight: Array) -> tuple[Indices, Array, Array]:
         """Pairs of readings in a run: place of their conditions in a flat matrix, distance, weight.
@@ -484,18 +503,8 @@ class _Scatter(OneLine):
             )
         place, lag, product = np.concatenate(found, axis=1)
         pairs, which = np.unique(np.stack([place, lag]), axis=1, return_inverse=True)
-        return pairs[0].astype(np.int64), pairs[1], np.bincount(which.ravel(), product)
-
-
-def _note_of_correlation(phi: Array, weight: Array) -> Note:
-    """What is said of the correlation of neighbours."""
-    order = np.argsort(phi)
-    low, high = np.interp((0.025, 0.975), np.cumsum(weight[order]), phi[order])
-    text = (
-        f"Errors of readings that follow each other have a correlation of {weight @ phi:.2f} "
-        f"({low:.2f} to {high:.2f})."
-    )
-    return Note("errors-correlated", text, float(weight @ phi))
+        together = np.asarray(np.bincount(np.ravel(which), product), dtype=float)
+        return np.asarray(pairs[0], dtype=np.int64), np.asarray(pairs[1]), together
 
 
 def sample(
@@ -510,16 +519,18 @@ def sample(
 
     def density(h: Array) -> Array:
         """-ln of the posterior, of h of shape (draws, d), in prior standard deviations."""
-        values = centre + width * h
-        return 0.5 * loss(dict(zip(names, values.T, strict=True))) + 0.5 * np.sum(h**2, axis=1)
+        values = centre + width * np.clip(h, -_FARTHEST, _FARTHEST)
+        return np.asarray(
+            0.5 * loss(dict(zip(names, values.T, strict=True))) + 0.5 * np.sum(h**2, axis=1)
+        )
 
     step = 0.05 * np.eye(d)
 
     def slope(h: Array) -> Array:
-        return (density(h + step) - density(h - step)) / 0.1
+        return np.asarray(density(h + step) - density(h - step)) / 0.1
 
     found = minimize(lambda h: float(density(h[None])[0]), np.zeros(d), jac=slope, method="BFGS",
-                     options={"gtol": 1e-2, "maxiter": 60}).x  # fmt: skip
+                     options={"gtol": 1e-5, "maxiter": 100}).x  # fmt: skip
     curvature = np.array([(slope(found + each) - slope(found - each)) / 0.1 for each in step])
     values, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
     # The prior alone has a curvature of 1.
@@ -532,6 +543,12 @@ def sample(
     return dict(zip(names, (centre + width * h).T, strict=True)), weight / np.sum(weight)
 
 
-def satterthwaite(scale: Array, weight: Array) -> float:
-    """Degrees of freedom of a size whose draws are `scale`, of mean 1."""
-    return 2.0 / max(float(weight @ (scale - weight @ scale) ** 2), 1e-9)
+def satterthwaite(scale: Array, weight: Array) -> tuple[float, float]:
+    """A size whose draws are `scale`, shape (draws,), and its degrees of freedom.
+
+    By the first two moments of its inverse: of errors with one variance they give the F law. Of the
+    size itself they would count four degrees of freedom less, and make it too large.
+    """
+    inverse = 1.0 / scale
+    mean = float(weight @ inverse)
+    return 1.0 / mean, 2.0 * mean**2 / max(float(weight @ (inverse - mean) ** 2), 1e-9)
