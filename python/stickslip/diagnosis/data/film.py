@@ -230,10 +230,16 @@ class FilmTable(Table):
         pace = 0.0 if drive.mode == "program" else rocking(film.scenario) / drive.frequency
         found = frame_errors(folded, residual[used], place, kind, pace, stated)
         if found is None:
-            draws, dof = self._unknown(name, residual[used], stated)
+            sd = stated or float(np.std(residual[used])) or 1.0
+            draws = {key: np.array([each]) for key, each in
+                     (("s2", sd**2), ("phi", 0.0), ("shared2", 0.0), ("weight", 1.0))}  # fmt: skip
+            dof = math.inf if stated else 0.0
+            if stated is None:
+                text = f"The noise of {name} is not known; all that the stated model misses counts."
+                self._said.append(Note("frame-noise-unknown", text, sd))
         else:
-            draws, dof = found
-            self._say(name, unit, draws, stated, dof)
+            draws, dof, seen = found
+            self._say(name, unit, seen, stated, dof, draws)
         draws["s2"] = np.maximum(draws["s2"], step**2 / 12.0)
         matrix, covariance, dof = reduce(folded, place, kind, draws, dof)
         self.columns[name] = used, matrix
@@ -254,43 +260,26 @@ class FilmTable(Table):
         likely = float(np.clip(measured, usual, max(usual, largest)))
         return far_size(measured, likely, _KINDS[name][1], "what the stated model gives")
 
-    def _unknown(
-        self, name: str, residual: Array, stated: float | None
-    ) -> tuple[dict[str, Array], float]:
-        """Errors of frames that do not tell them."""
-        sd = stated or float(np.std(residual)) or 1.0
-        if stated is None:
-            text = f"The noise of {name} is not known; all that the stated model misses counts."
-            self._said.append(Note("frame-noise-unknown", text, sd))
-        self._told[f"{name}.sd"] = sd
-        one = {"s2": sd**2, "phi": 0.0, "ratio": 0.0, "weight": 1.0}
-        return {key: np.array([each]) for key, each in one.items()}, math.inf if stated else 0.0
-
     def _say(
-        self, name: str, unit: str, draws: dict[str, Array], stated: float | None, dof: float
-    ) -> None:
+        self, name: str, unit: str, seen: float, stated: float | None, dof: float,
+        draws: dict[str, Array],
+    ) -> None:  # fmt: skip
         """Report the errors of frames."""
-        weight, seen = draws["weight"], float(draws["seen"][0])
-        sd, phi = math.sqrt(weight @ draws["s2"]), float(weight @ draws["phi"])
-        shared = math.sqrt(weight @ (draws["s2"] * draws["ratio"] ** 2))
+        weight = draws["weight"]
+        sd, shared = (math.sqrt(weight @ draws[key]) for key in ("s2", "shared2"))
+        phi = float(weight @ draws["phi"])
         self._told |= {f"{name}.sd": sd, f"{name}.phi": phi, f"{name}.shared": shared}
+        said = f"{name} scatters by {seen:.3g} {unit} where a phase repeats"
         if stated is None:
-            text = f"A frame of {name} scatters by {seen:.3g} {unit}, from repeats of a phase."
-            self._said.append(Note("frame-noise", text, seen))
+            self._said.append(Note("frame-noise", f"{said}.", seen))
         elif math.isfinite(dof):
-            text = (
-                f"{name} scatters by {seen:.3g} {unit} where a phase repeats, more than the stated "
-                f"{stated:.3g} {unit}; the scatter is used."
-            )
+            text = f"{said}, more than the stated {stated:.3g} {unit}; the scatter is used."
             self._said.append(Note("frame-noise-above-stated", text, seen))
         if phi > _CORRELATED:
             text = f"Errors of {name} in neighbouring frames have a correlation of {phi:.2f}."
             self._said.append(Note("frames-correlated", text, phi))
         if shared > sd:
-            text = (
-                f"The periods of {name} differ by {shared:.2g} {unit}, more than the noise of a "
-                "frame; this is counted as noise."
-            )
+            text = f"Periods of {name} differ by {shared:.2g} {unit}, which counts as noise."
             self._said.append(Note("periods-differ", text, shared))
 
 
