@@ -9,7 +9,7 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.decision.posterior import posterior
-from stickslip.diagnosis.decision.test import Test, tested
+from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
@@ -60,11 +60,24 @@ def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: Non
     test = tested(problem, null, found, seed)
     screened(models, found)
     if test.found or posterior(models).none < 0.5:
-        models = search(problem, null, ends, problem.causes, say, seed)
+        models = Models(problem, problem.causes)
+        models.add(null)
+        search(models, ends, problem.causes, say, seed)
+        if problem.laws is not None and not _explained(models):
+            say(0.8, "laws of a free shape")
+            known = len(problem.causes)
+            models = models.widened(problem.laws(problem, models.null.x))
+            search(models, [], models.problem.causes[known:], say, seed)
     say(0.9, "deciding")
     verdict = decide(models, test)
     say(1.0, "done")
     return Findings(models, test, found, verdict, seed)
+
+
+def _explained(models: Models) -> bool:
+    """Whether the likeliest model is one that leaves no more than the errors as they are stated."""
+    first = models.leaders(1)[0]
+    return first.form == "none" and adequacy(models.problem, first) >= ADEQUATE
 
 
 def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, Fit]:

@@ -22,6 +22,10 @@ from stickslip.diagnosis.fitting.responses import Response
 ALPHA = 0.05
 """Rate of false alarms: the usual choice."""
 
+ADEQUATE = 0.01
+"""A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
+refused. Chosen."""
+
 # Draws of pure noise: a p-value of 0.05 is then known to 0.003. Signal below which a response is
 # not seen. Chosen.
 _DRAWS, _UNSEEN = 4000, 1e-3

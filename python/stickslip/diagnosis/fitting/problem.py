@@ -6,7 +6,7 @@ import itertools
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -50,6 +50,9 @@ class Problem(OneLine):
     causes : tuple of Cause
     draft : callable, optional
         A cheaper model for searches from afar, where errors are taken as too large.
+    laws : callable, optional
+        ``laws(problem, x)`` is the problem with laws of a free shape as further, last causes, for
+        constants at the coordinates `x`: where no listed cause explains the data.
     errors : tuple of Errors
         Of the tables.
     roughness : ndarray, shape (n,)
@@ -61,6 +64,7 @@ class Problem(OneLine):
     constants: tuple[Parameter, ...]
     causes: tuple[Cause, ...] = ()
     draft: Model | None = None
+    laws: Callable[[Problem, Array], Problem] | None = field(default=None, repr=False)
     errors: tuple[Errors, ...] = ()
     roughness: Array | None = None
 

@@ -73,6 +73,14 @@ class Models:
             self.best[key] = new
         return self.best[key]
 
+    def widened(self, problem: Problem) -> Models:
+        """The same fits where the problem has further causes, whose coordinates come last."""
+        wider = Models(problem, problem.causes)
+        for key, each in self.best.items():
+            x = np.concatenate([each.x, np.zeros(problem.size - len(each.x))])
+            wider.best[key] = replace(each, x=x)
+        return wider
+
     def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
         """The fit of a model, if there is one."""
         return self.best.get((frozenset(causes), form))
@@ -154,18 +162,19 @@ def _separated(
 
 
 def search(
-    problem: Problem,
-    null: Fit,
+    models: Models,
     ends: Sequence[End],
-    offered: Sequence[Cause],
+    causes: Sequence[Cause],
     say: Progress = lambda fraction, stage: None,
     seed: int = 0,
-) -> Models:
-    """Fit the models that the data may come from; `null` and `ends` are of `recalibrated`."""
-    models = Models(problem, offered)
-    models.add(null)
-    _fit_singles(models, ends)
-    done = {null.names: null.log_evidence}
+) -> None:
+    """Fit the models that the data may come from, with `causes` that have no fit yet.
+
+    `models` has the recalibrated one; `ends` are of `recalibrated`.
+    """
+    problem = models.problem
+    _fit_singles(models, ends, causes)
+    done = {frozenset[str](): models.null.log_evidence}
     for turn in range(ROUNDS):
         say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
         new = [
@@ -182,7 +191,6 @@ def search(
     for each in _near(models):
         models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
     _draw(models, seed)
-    return models
 
 
 def _draw(models: Models, seed: int) -> None:
@@ -239,7 +247,7 @@ def _worth_a_look(models: Models) -> list[Fit]:
     return [each for each in sets.values() if each.causes][:LEADERS]
 
 
-def _fit_singles(models: Models, ends: Sequence[End]) -> None:
+def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where responses about several ends promise most."""
     problem, null = models.problem, models.null
     soft = _softened(problem, null)
@@ -249,12 +257,12 @@ def _fit_singles(models: Models, ends: Sequence[End]) -> None:
         views.append(_end_at(problem, (), end.x))
         if len(views) == _VIEWS:
             break
-    starts: dict[str, list[Response]] = {each.name: [] for each in models.offered}
+    starts: dict[str, list[Response]] = {each.name: [] for each in causes}
     for view in views:
-        for each in responses(problem, view, (), models.offered, soft, np.zeros(0)):
+        for each in responses(problem, view, (), causes, soft, np.zeros(0)):
             starts[each.cause.name].append(each)
     robust, looks = Softened(problem, *STAGES[-1]), []
-    for cause in models.offered:
+    for cause in causes:
         # Responses are right to first order: their ends are looked at as they are.
         near = list(_separated(starts[cause.name], lambda each: each.x, _APART))[:_LOOKED_AT]
         residual = problem.residuals(np.array([each.x for each in near]))
@@ -271,7 +279,7 @@ def _fit_singles(models: Models, ends: Sequence[End]) -> None:
     for end, cause in looks:
         if end.cost < looks[0][0].cost + _HOPELESS or models.get([cause.name]) is None:
             models.fit("none", (cause,), end.x, end.slopes)
-    for cause in models.offered:
+    for cause in causes:
         own = models.get([cause.name])
         if own is None or own.cost > null.cost + SETTLED:
             models.fit("none", (cause,), null.x)  # no fit is worse than what it contains
