@@ -175,7 +175,9 @@ def frame_errors(
     usual = math.sqrt(shared.shape[1] / count)
 
     def ratio(p: dict[str, Array]) -> Array:
-        return usual * np.exp(p["period"]) if "period" in p else np.zeros(len(p["phi"]))
+        if "period" not in p:
+            return np.zeros(len(p["phi"]))
+        return np.minimum(usual * np.exp(p["period"]), _LARGEST)
 
     def likelihood(p: dict[str, Array]) -> Array:
         """ln of the determinants, and the sum of squares, shape (2, draws)."""
@@ -249,7 +251,7 @@ def _solved(
         determinant += count * math.log(1.0 - link**2)
         normal += (own - link * across + link**2 * before) / (1.0 - link**2)
     scale = np.ones(len(normal))
-    scale[free:-1] = min(ratio, _LARGEST)
+    scale[free:-1] = ratio
     normal *= np.outer(scale, scale)
     normal[range(free, len(normal) - 1), range(free, len(normal) - 1)] += 1.0
     pivots = np.diag(cholesky(normal, lower=True, check_finite=False))
@@ -296,8 +298,9 @@ def reduce(
     inverse = np.linalg.inv(mean) / len(mean)
     scale = draws["s2"] * (np.tensordot(own, inverse, 2) @ near)
     scale += draws["shared2"] * np.sum(inverse * both)
-    # What the draws leave of the size, and that of s itself.
-    return matrix, mean, 1.0 / (1.0 / satterthwaite(scale, weight) + 1.0 / max(dof, 1e-9))
+    factor, of_draws = satterthwaite(scale, weight)
+    # What the draws leave of the size, and s itself.
+    return matrix, factor * mean, 1.0 / (1.0 / of_draws + 1.0 / max(dof, 1e-9))
 
 
 def _whitening(place: Indices, phi: float) -> Array:
