@@ -21,6 +21,9 @@ _WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
 )
 _CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
 
+ROUTINE = ("no-block-column", "errors-independent", "runs-unknown")
+"""Codes of notes that nearly every measurement has: the page has them, and not the first lines."""
+
 _PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -99,18 +102,54 @@ def told(name: str, meaning: str, sizes: Mapping[str, Mapping[str, Any]]) -> dic
     return said
 
 
+def between(name: str, low: float, high: float, unit: str) -> str:
+    """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
+    factor, shown = shown_in(name, unit)
+    ends = sorted((low * factor, high * factor))
+    return _joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
+
+
+def limit(name: str, value: float, unit: str) -> str:
+    """A limit in the unit of its parameter: ``2.1 degrees``."""
+    factor, shown = shown_in(name, unit)
+    return f"{number(value * factor, 2)} {shown}".rstrip()
+
+
+def in_unit(value: float, unit: str, digits: int = 2) -> str:
+    """A number in the handy unit of an SI unit: ``0.095 mm/s``."""
+    factor, shown = handy(unit)
+    return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def odds(ratio: float) -> str:
+    """How much less probable something is."""
+    if ratio > 1e6:
+        return "less probable by more than a million times"
+    return f"{number(ratio, 2)} times less probable" if ratio > 1.5 else "nearly as probable"
+
+
+def joined_ends(low: float, high: float) -> str:
+    """``0.13 to 0.16``."""
+    return _joined([low, high], (high - low) / 4.0, " to ", "")
+
+
 def amount(value: float, sd: float, unit: str = "") -> str:
     """``14.9 ± 0.8 %``: a value with its error, both to the error's second digit."""
-    if not (math.isfinite(value) and math.isfinite(sd) and sd > 0.0):
-        return f"{number(value)} {unit}".rstrip()
-    size = max(abs(value), sd)
+    return _joined([value, sd], sd, " ± ", unit)
+
+
+def _joined(values: list[float], step: float, by: str, unit: str) -> str:
+    """Numbers to the second digit of a step, with one power of ten."""
+    if not (all(map(math.isfinite, values)) and math.isfinite(step) and step > 0.0):
+        return f"{number(values[0])} {unit}".rstrip()
+    size = max(map(abs, (*values, step)))
     ten = 0 if _PLAIN[0] <= size < _PLAIN[1] else math.floor(math.log10(size))
-    value, sd = value / 10.0**ten, sd / 10.0**ten
-    places = 1 - math.floor(math.log10(sd))
-    if round(sd, places) >= 9.5 * 10.0**-places * 10.0:
-        places -= 1  # two digits of an error just below a power of ten are one
-    pair = " ± ".join(f"{round(each, places) + 0.0:.{max(places, 0)}f}" for each in (value, sd))
-    return f"{pair} {unit}".rstrip() if ten == 0 else f"({pair})·{power(ten)} {unit}".rstrip()
+    values, step = [each / 10.0**ten for each in values], step / 10.0**ten
+    places = 1 - math.floor(math.log10(step))
+    if round(step, places) >= 9.5 * 10.0 ** (1 - places):
+        places -= 1  # two digits just below a power of ten are one
+    text = by.join(f"{round(each, places) + 0.0:.{max(places, 0)}f}" for each in values)
+    return f"{text} {unit}".rstrip() if ten == 0 else f"({text})·{power(ten)} {unit}".rstrip()
 
 
 def number(value: float, digits: int = 3) -> str:
