@@ -10,8 +10,8 @@ from scipy.stats import f as f_law
 from scipy.stats import t as t_law
 
 from stickslip.diagnosis.data.errors import (
-    _along_runs,
     _Scatter,
+    along_runs,
     estimate,
     reading_error,
 )
@@ -46,7 +46,7 @@ def test_the_likelihood_is_that_of_the_whole_covariance(stated):
     mean = np.bincount(condition, y) / 3.0
     setup = random.integers(0, 3, 24)
     sd = 2e-5 * random.uniform(0.5, 2.0, 24) if stated else None
-    order, gap = _along_runs(run, None, known, known)
+    order, gap = along_runs(run, None, known, known)
     scatter = _Scatter(
         condition, mean, mean != 0.0, 1e-3, y - mean[condition], sd, 2e-5, setup, order, gap
     )  # fmt: skip
@@ -143,7 +143,7 @@ def test_set_ups_are_used_where_conditions_were_repeated_in_another(setup, said)
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.6, 0.9])
-def test_the_correlation_along_runs_is_found(phi):
+def test_the_correlationalong_runs_is_found(phi):
     # 30 runs of 20 tell it to sqrt((1 - phi^2) / 600) and better; four times the largest of these,
     # and what a prior near 0.16 and the levels take.
     random = np.random.default_rng(5)
@@ -166,7 +166,7 @@ def test_the_correlation_along_runs_is_found(phi):
 
 
 def test_a_reading_that_is_missing_in_a_run_is_a_gap():
-    order, gap = _along_runs(
+    order, gap = along_runs(
         np.array([0, 0, 0, 1, -1, -1]), np.array([0.0, 0.2, 0.8, 5.0, 1.0, 2.0]),
         np.ones(6, bool), np.ones(6, bool),
     )  # fmt: skip
@@ -380,5 +380,10 @@ def test_rates_of_tests_stay_between_two_and_a_half_and_eight_percent(kind):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["constant", "relative", "set-ups", "independent", "correlated"])
-def test_heavy_tails_cost_little(kind):
-    assert np.all(rates(kind, 300, "t4") <= 0.1)
+@pytest.mark.parametrize("tails", ["t4", "outlier"])
+def test_heavy_tails_cost_little(kind, tails):
+    found = rates(kind, 300, tails)
+    assert found[0] <= 0.08
+    # An outlier of twenty errors moves its own curve, of which there are five: to leave it out is
+    # the measurement's task.
+    assert np.all(found[1:] <= (0.1 if tails == "t4" else 0.2))

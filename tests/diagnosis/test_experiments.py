@@ -50,7 +50,7 @@ def test_the_chi_square_is_the_evidence_that_a_reading_is_expected_to_bring():
     assert expected_chi2(level, covariance, noise, PAIR)[0, 0] == pytest.approx(0.36 / 1.04)
 
 
-def test_what_is_uncertain_in_both_is_no_help_alone_and_none_the_less_together():
+def test_what_is_uncertain_in_both_cancels_between_two_drives():
     # A constant moves all readings by 1; the candidates lie 0.2 to either side of it.
     level = np.array([[0.1, -0.1, 0.1], [-0.1, 0.1, -0.1]])
     covariance = np.ones((2, 3, 3))

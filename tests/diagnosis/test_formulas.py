@@ -5,6 +5,8 @@ import pytest
 
 from stickslip.diagnosis.decision.formulas import _FORMS, Formula, formula
 from stickslip.diagnosis.terms.laws import free_law
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.scenario.priors import Prior
 
 SD, LEVEL, READINGS = 0.02, 1.5, 40
 
@@ -143,19 +145,27 @@ def test_an_argument_far_from_zero_is_counted_from_the_lower_end():
     assert found.in_words(curve).endswith(" N per K")
 
 
-def test_a_formula_has_the_constant_that_goes_with_it():
+def test_a_formula_has_the_constant_as_stated():
     # The data know the law c (1 + f), and c itself hardly: as c grows by d, f falls by (1 + f) d/c.
     curve = free_law("friction", "speed", "m/s", 0.0, 2.0, factor_of="mu").curve
     u = np.linspace(0.0, 2.0, 61)
-    truth, c, d = 0.5 * np.exp(-u / 0.5), 0.3, 0.06
-    away = -(1.0 + truth) / c
-    mean = (1.0 + truth) * c / (c + d) - 1.0
+    truth, c, d = 0.5 * np.exp(-u / 0.5), 0.3, 0.03
+    joint = np.append(-(1.0 + truth) / c, 1.0)
+    mean = np.append(truth, c) + d * joint
     knots = curve.design(u)
-    covariance = 1e-4 * knots @ knots.T + d**2 * np.outer(away, away)
-    found = formula(u, mean, covariance, curve, (c + d, d**2 * away))
-    assert "a exp(-|u| / b)" in (found.text, *found.others)
-    assert found.without == pytest.approx(c, abs=0.25 * d)
-    assert formula(u, mean, covariance, curve).without == 1.0
+    covariance = (2.0 * d) ** 2 * np.outer(joint, joint)
+    covariance[:-1, :-1] += 1e-4 * knots @ knots.T
+    mu = Parameter("mu", Prior("normal", c, 0.01))
+    found = formula(u, mean, covariance, curve, mu)
+    assert found.text == "a exp(-|u| / b)"
+    # What is stated and what the data say of c weigh as the inverse squares of 0.01 and 0.06; the
+    # form of f, which is 0 at its end, tells c as well as f, to 0.3 times 0.01.
+    assert found.without == pytest.approx(c + d / 37.0, abs=0.003)
+    for (value, sd), expected in zip(found.parameters.values(), (0.5, 0.5), strict=True):
+        assert abs(value - expected) < 4.0 * sd
+    # Of a constant that is not stated, the same curve leaves the level open, and so its form.
+    loose = formula(u, mean, covariance, curve, Parameter("mu", Prior("normal", c, 10.0)))
+    assert loose is None or loose.others
 
 
 def test_curves_of_three_knots_have_forms_of_one_number_or_two():

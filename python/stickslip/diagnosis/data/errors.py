@@ -50,6 +50,10 @@ weak, with equal parts of s0 and rho, and with periods that seldom differ."""
 _SHARED = ("shift", "gain")
 """What readings of a set-up share."""
 
+_FARTHEST = 8.0
+"""Standard deviations of the priors beyond which the likelihood is not followed. Chosen: far out,
+with numbers that a computer has."""
+
 _DRAWS, _TAILS, _WIDER = 256, 4.0, 1.15
 """Number of draws, the degrees of freedom of their law, and its width beside that of the posterior
 at its mode. Chosen: the effective sample is then half of the draws."""
@@ -154,7 +158,7 @@ def estimate(
         free = 0
     notes: list[Note] = []
     setup = _crossed(condition, setup, moves[condition], notes)
-    order, gap = _along_runs(run, place, moves[condition], (count > 1.0)[condition])
+    order, gap = along_runs(run, place, moves[condition], (count > 1.0)[condition])
     shared = setup is not None or bool(np.any(np.isfinite(gap)))
     if free < FEWEST or (sd is not None and not shared):
         told, dof = _stated(sd, relative, free, size, mean[condition], notes)
@@ -269,7 +273,7 @@ def _crossed(
     return setup
 
 
-def _along_runs(
+def along_runs(
     run: Indices | None, place: Array | None, known: Mask, repeated: Mask
 ) -> tuple[Indices, Array]:
     """The known readings, run by run, and the distance of each from the one before it.
@@ -303,7 +307,7 @@ class _Scatter(OneLine):
     """Readings that tell their errors.
 
     `away` is their distance from the mean of their condition, `pooled` its standard deviation, and
-    `order` and `gap` are those of `_along_runs`; the others are as in `estimate`.
+    `order` and `gap` are those of `along_runs`; the others are as in `estimate`.
     """
 
     condition: Indices
@@ -329,7 +333,9 @@ class _Scatter(OneLine):
     @cached_property
     def unit(self) -> Array:
         """In which the errors of readings are counted, shape (n,)."""
-        return np.full(len(self.away), self.pooled) if self.sd is None else self.sd
+        if self.sd is None:
+            return np.full(len(self.away), self.pooled)
+        return self.sd * self.pooled / root_mean_square(self.sd)
 
     @cached_property
     def shares(self) -> Array:
@@ -457,8 +463,10 @@ class _Scatter(OneLine):
         alike = shares @ shares.T
         alone = np.diag(np.bincount(self.condition, unit**2))
         place, lag, product = self._pairs(unit)
-        # How large a stated error is counts as known.
-        one = size if self.sd is None else np.ones_like(size)
+        one = size
+        if self.sd is not None:
+            # How large a stated error is counts as known, whatever readings scatter by.
+            one = np.full(size.shape, root_mean_square(self.sd) / self.pooled)
 
         def parts(k: int) -> Array:
             own = alone
@@ -511,7 +519,7 @@ def sample(
 
     def density(h: Array) -> Array:
         """-ln of the posterior, of h of shape (draws, d), in prior standard deviations."""
-        values = centre + width * h
+        values = centre + width * np.clip(h, -_FARTHEST, _FARTHEST)
         return np.asarray(
             0.5 * loss(dict(zip(names, values.T, strict=True))) + 0.5 * np.sum(h**2, axis=1)
         )

@@ -50,8 +50,9 @@ _NODES, _NEGLIGIBLE = 9, 1e-4
 """Correlations at which covariances are computed, and the weight of draws, in the largest, that do
 not count for their range. Chosen: variances err by less than a hundredth."""
 
-_LONGEST = 0.999
-"""Correlation of neighbours beyond which a film is one error. Chosen."""
+_LONGEST, _LARGEST = 0.999, 1e3
+"""Correlation of neighbours beyond which a film is one error, and size of what periods share, in
+errors of a frame, beyond which nothing else is known. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,7 +253,7 @@ def _solved(
         determinant += count * math.log(1.0 - link**2)
         normal += (own - link * across + link**2 * before) / (1.0 - link**2)
     scale = np.ones(len(normal))
-    scale[free:-1] = ratio
+    scale[free:-1] = min(ratio, _LARGEST)
     normal *= np.outer(scale, scale)
     normal[range(free, len(normal) - 1), range(free, len(normal) - 1)] += 1.0
     pivots = np.diag(cholesky(normal, lower=True, check_finite=False))

@@ -15,6 +15,8 @@ from stickslip.diagnosis.data.errors import estimate
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
+_FEWEST_RUNS = 3  # that are held out whole
+
 
 class Table:
     """Readings at settings. Rows with equal settings (to 1e-6) are repeats of one condition.
@@ -103,6 +105,8 @@ class Table:
         self.run = self.order = None
         if runs is not None and len(number) == count:
             self.run, self.order = runs, np.arange(count, dtype=float)
+            if int(runs.max()) + 1 >= _FEWEST_RUNS:
+                self.group = runs  # a whole run is predicted from the others
 
     def __getitem__(self, column: str) -> Array:
         """A column of the settings, shape (n,)."""

@@ -66,8 +66,12 @@ class VelocityTable(Table):
     stated : ndarray, shape (m,)
         Velocities of the stated model, with all constants at the middle of their priors, m/s; NaN
         where it has none.
+    refusal : str or None
+        Why the stated model is refused, if it is.
     block : ndarray of int, shape (n,)
         Set-up of each trial; -1 where it is not known.
+    curve : ndarray of int, shape (n,)
+        Run of each trial.
     sequence : ndarray, shape (n,)
         Place of each trial in time, where the column order tells it; else NaN.
     simulated : int
@@ -87,15 +91,16 @@ class VelocityTable(Table):
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
         self.stated = self.velocities(self.conditions, list(uncertain), middle)[0]
+        self.refusal = measurement.refusal()
         self.left_out: list[Note] = []
         trials = self._without_refused(trials)
-        self.condition, self.block, run = trials[:, :3].T.astype(np.int64)
+        self.condition, self.block, self.curve = trials[:, :3].T.astype(np.int64)
         self.y, self.sequence, place = np.ascontiguousarray(trials[:, 3:].T)
         self.first = np.unique(self.condition, return_index=True)[1].astype(np.int64)
         # One error for all tables: of those that state one, the largest.
         known = [each.relative_sd for each in measurement.velocity]
         self.mean, self.errors = estimate(
-            self.y, self.condition, run=run, place=place, setup=self.block, seed=seed,
+            self.y, self.condition, run=self.curve, place=place, setup=self.block, seed=seed,
             relative=max((each for each in known if math.isfinite(each)), default=math.nan),
         )  # fmt: skip
         self.notes = list(self.errors.notes)

@@ -54,8 +54,8 @@ _LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
     "look-at-currents": ("Log the coil currents", _CURRENTS),
     "look-at-field": ("Measure the field at the robot for known currents",
                       ("field_gain", "ambient_field")),
-    "look-at-tilt": ("Tilt the stage by 2 degrees one way and the other, which speeds up as much "
-                     "as it slows down if the stage was level", ("surface_tilt",)),
+    "look-at-tilt": ("Tilt the stage by 2 degrees one way and the other, and compare how much "
+                     "faster and slower the robot walks", ("surface_tilt",)),
     "look-at-scale": ("Film a scale", ("length_scale",)),
     "look-at-clock": ("Film a clock", ("clock_scale",)),
     "look-at-rest": ("Film the robot flat on the surface without a field", ("angle_offset",)),

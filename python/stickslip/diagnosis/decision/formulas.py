@@ -14,6 +14,7 @@ from scipy.stats import chi2
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.terms.curve import Curve
+from stickslip.diagnosis.terms.parameter import Parameter
 
 TIE = 4.0
 """Difference of two BIC at which data do not decide: twice a log-likelihood of 2."""
@@ -32,8 +33,7 @@ fallen to this share of the largest. Chosen."""
 
 _POINTS = 61  # of a range, to see how a form looks there
 _INSIDE = 1e-3  # distance of the logarithm of a place from the ends of its range
-_SCANNED, _STARTS = 15, 3
-"""Places that are looked at, evenly in their logarithm, and how many of them fits begin at."""
+_SCANNED = 15  # places that are looked at, evenly in their logarithm: the fit begins at the best
 
 
 class _Form(NamedTuple):
@@ -131,7 +131,7 @@ def formula(
     mean: Array,
     covariance: Array,
     curve: Curve,
-    constant: tuple[float, Array] | None = None,
+    constant: Parameter | None = None,
 ) -> Formula | None:
     """The formula that follows a curve best, by Bayes' information criterion (BIC).
 
@@ -142,11 +142,21 @@ def formula(
     ----------
     argument : ndarray, shape (k,)
     mean, covariance : ndarray, shapes (k,) and (k, k)
-        Of f over the draws of the curve.
+        Of f over the draws of the curve; beside a constant, with its own mean, variance and
+        covariances behind those of f.
     curve : Curve
-    constant : float and ndarray of shape (k,), optional
-        Mean of the constant that the law is a factor of, and its covariance with f.
+    constant : Parameter, optional
+        The constant that the law is a factor of.
     """
+    without, with_constant = curve.stated, np.zeros_like(argument)
+    if constant is not None:
+        # The law has freed it. With a formula it counts as stated, or every form had a free level.
+        low, stated, high = constant.value(np.array([-0.5, 0.0, 0.5])).tolist()
+        gain = covariance[:, -1] / (covariance[-1, -1] + (high - low) ** 2)
+        mean = mean + gain * (stated - mean[-1])
+        covariance = covariance - np.outer(gain, covariance[-1])
+        without, with_constant = float(mean[-1]), covariance[-1, :-1]
+        mean, covariance = mean[:-1], covariance[:-1, :-1]
     u = argument - curve.origin
     angles, both_signs = curve.unit == "rad", float(u.min()) < 0.0 < float(u.max())
     whiten = _whitening(mean, covariance)
@@ -165,13 +175,11 @@ def formula(
     tied = [each for each in found if each[0] < best + TIE]
     if len({looks for _, looks, *_ in tied}) != 1:
         return None
-    # First what is seen whole: a root before the rise to a peak beyond the range.
+    # First what is seen whole: a root before the rise to a peak that lies beyond the range.
     tied.sort(key=lambda each: (each[1] != each[2].looks, each[0]))
     _, _, form, values, sd, p_value = tied[0]
-    without = curve.stated
-    if constant is not None:
-        off = values[0] * form.shape(u, *values[1:]) - mean
-        without = constant[0] + float(constant[1] @ np.linalg.pinv(covariance, 1e-8) @ off)
+    off = values[0] * form.shape(u, *values[1:]) - mean
+    without += float(with_constant @ np.linalg.pinv(covariance, 1e-8, hermitian=True) @ off)
     return Formula(
         text=form.text,
         parameters={k: (float(v), float(s)) for k, v, s in zip("abc", values, sd, strict=False)},
@@ -228,14 +236,9 @@ def _fitted(
 
     low, high = math.log(_NEAREST), math.log(_FARTHEST)
     grid = itertools.product(np.linspace(low, high, _SCANNED), repeat=form.places)
-    starts = sorted(map(np.array, grid), key=lambda logs: float(np.sum(factor(logs)[1] ** 2)))
-    best = starts[0]
+    best = min(map(np.array, grid), key=lambda logs: float(np.sum(factor(logs)[1] ** 2)))
     if form.places:
-        ends = [
-            least_squares(lambda logs: factor(logs)[1], start, bounds=(low, high))
-            for start in starts[:_STARTS]
-        ]
-        best = min(ends, key=lambda end: float(end.cost)).x
+        best = least_squares(lambda logs: factor(logs)[1], best, bounds=(low, high)).x
     a, left = factor(best)
     places = span * np.exp(best)
     values = np.array([a, *places])

@@ -89,12 +89,12 @@ def decide(models: Models, test: Test) -> Verdict:
     if leader is None or chance.none >= 0.5:
         return _without_cause(verdict, models, test, leader)
     sure = chance.sure
-    if len(sure) == 1:
-        single = _best_of(chance, models, sure)
-        return _claimed(verdict, models, single)
-    if len(sure) >= 2:
-        return _claimed_pair(verdict, models, chance, sure)
-    return _set(verdict, models, chance)
+    if not sure:
+        return _set(verdict, models, chance)
+    most = next(each for each in chance.fits if each.names & set(sure))
+    if len(most.causes) < 2:
+        return _claimed(verdict, models, most)
+    return _with_second(verdict, models, chance, most, sure)
 
 
 def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
@@ -114,26 +114,26 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
     return _with(verdict, "none", (), None, (reason,), models, None)
 
 
-def _best_of(chance: Posterior, models: Models, names: list[str]) -> Fit:
-    """The most probable model that has just these causes, else the first that has them."""
-    exact = next((each for each in chance.fits if each.names == frozenset(names)), None)
-    return exact or next(each for each in chance.fits if each.names >= frozenset(names))
+def _with_second(
+    verdict: Verdict, models: Models, chance: Posterior, pair: Fit, sure: list[str]
+) -> Verdict:
+    """Two causes, if the second one predicts held-out readings; else the better one alone.
 
-
-def _claimed_pair(verdict: Verdict, models: Models, chance: Posterior, sure: list[str]) -> Verdict:
-    """Two causes, if the second one predicts held-out readings; else the better one alone."""
-    pair = next(each for each in chance.fits if len(each.names & set(sure)) >= 2)
-    singles = [each for each in chance.fits if each.names < pair.names and each.causes]
-    if not singles:
+    If only one of them is sure, what is beside it is left open.
+    """
+    alone = [each for each in chance.fits if each.names < pair.names and each.names & set(sure)]
+    if not alone:
         return _claimed(verdict, models, pair)
-    member = max(singles, key=models.log_posterior)
-    alone, both = (models.get(each.names) or each for each in (member, pair))
-    second = measured(models.problem, alone, both)
+    member = max(alone, key=models.log_posterior)
+    one, two = (models.get(each.names) or each for each in (member, pair))
+    second = measured(models.problem, one, two)
     if second is None or (second.certain and second.after <= (1.0 - SECOND) * second.before):
-        return _claimed(verdict, models, pair)
+        both = pair.names <= set(sure)
+        return _claimed(verdict, models, pair) if both else _set(verdict, models, chance)
+    reason = _refused(pair, member, second)
     if chance.among_small(member.name) >= SURE:
-        return _claimed(verdict, models, member, (_refused(pair, member, second),))
-    return _set(verdict, models, chance, (_refused(pair, member, second),))
+        return _claimed(verdict, models, member, (reason,))
+    return _set(verdict, models, chance, (reason,))
 
 
 def _refused(pair: Fit, member: Fit, second: Gain) -> Note:

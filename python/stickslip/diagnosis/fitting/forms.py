@@ -343,19 +343,22 @@ def _sines(places: Array) -> tuple[Array, Array]:
 
 
 def _is_smooth(table: Table) -> bool:
-    return table.places is not None and len(table.mean) >= FEWEST_SMOOTH
+    """Whether a discrepancy may be smooth over the settings.
+
+    Along runs it would take what any function of the settings does, and so each cause.
+    """
+    return table.places is not None and len(table.mean) >= FEWEST_SMOOTH and not _has_runs(table)
 
 
-def _has_runs(problem: Problem, table: int) -> bool:
-    run = problem.tables[table].run
-    long = run is not None and int(np.bincount(run).max()) >= FEWEST_IN_RUN
-    return long and problem.errors[table].covariance is None
+def _has_runs(table: Table) -> bool:
+    return table.run is not None and int(np.bincount(table.run).max()) >= FEWEST_IN_RUN
 
 
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
     found: dict[str, Form] = {"none": Stated(problem), "white": Form(problem)}
-    if any(_has_runs(problem, k) for k in range(len(problem.tables))):
+    pairs = zip(problem.tables, problem.errors, strict=True)
+    if any(_has_runs(table) and errors.covariance is None for table, errors in pairs):
         found["ar1"] = Correlated(problem)
     if any(_is_smooth(each) for each in problem.tables):
         found["smooth"] = Smooth(problem)

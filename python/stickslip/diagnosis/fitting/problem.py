@@ -30,7 +30,9 @@ LOST = 1e3
 """Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
 usable model, and its square still leaves ten digits to the other rows."""
 
-_HUGE = 1e100  # predictions beyond it are as good as none: their squares overflow
+HUGE = 1e100
+"""Size of a prediction beyond which it is as good as none: its square overflows."""
+
 # Numbers that the cache of predictions keeps, 128 MiB.
 _MOST_CACHED = 1 << 24
 
@@ -207,7 +209,7 @@ class Problem(OneLine):
         model = self.draft if draft and self.draft is not None else self.model
         with np.errstate(over="ignore", invalid="ignore"):
             predicted = model(self.physical(x))
-            sound = np.abs(predicted) < _HUGE
+            sound = np.abs(predicted) < HUGE
         return np.where(sound, self.y - np.where(sound, predicted, 0.0), LOST * self.sd)
 
 

@@ -46,8 +46,10 @@ _LOOK, _HOPELESS = 3, 30.0
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
 # Ends about which single causes are looked for, and starts of each that are looked at.
 _VIEWS, _LOOKED_AT = 3, 6
+# Chi-square per row up to which a model leaves hardly more than its errors. Chosen.
+_COMFORTABLE = 1.1
 # Models that are fitted with each further form of the discrepancy.
-_OTHER_FORMS = 6
+_OTHER_FORMS = 4
 
 
 class Models:
@@ -197,7 +199,10 @@ def _near(models: Models) -> list[Fit]:
 def _worth_a_look(models: Models) -> list[Fit]:
     """The leaders, each set of causes once, and the best single causes at least."""
     sets: dict[frozenset[str], Fit] = {}
-    for each in [*_near(models), *models.leaders(form="none")[:2]]:
+    best = models.leaders(form="none")[:2]
+    # Where the best one leaves no more than its errors, what is far behind it needs no look.
+    few = best[0].chi2 < _COMFORTABLE * len(models.problem.y)
+    for each in [*_near(models), *best[: 1 if few else 2]]:
         sets.setdefault(each.names, each)
     return [each for each in sets.values() if each.causes][:LEADERS]
 

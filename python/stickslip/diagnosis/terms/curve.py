@@ -80,8 +80,33 @@ class Curve(OneLine):
 
     def precisions(self) -> list[Array]:
         """Inverse prior covariances of the knots' coordinates, one for each size and length."""
-        apart = np.subtract.outer(self.places, self.places) / (self.high - self.low)
-        alike = [np.exp(-0.5 * (apart / length) ** 2) for length in LENGTHS]
         nugget = _NUGGET * np.eye(len(self.places))
-        inverse = [np.asarray(np.linalg.inv(each + nugget), dtype=float) for each in alike]
-        return [each / size**2 for size in SIZES for each in inverse]
+        inverse = [np.linalg.inv(self._alike(self.places, each) + nugget) for each in LENGTHS]
+        return [np.asarray(each / size**2) for size in SIZES for each in inverse]
+
+    def between_knots(self, argument: Array, knots: Array) -> Array:
+        """Covariance of a smooth law about the curve that fits it best, shape (points, points).
+
+        The knots' own covariance does not have it: a law may bend between them. It is what the
+        curve's least squares leave of a process, averaged over the sizes and lengths by how likely
+        each makes the knots (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
+        section 4.2).
+
+        Parameters
+        ----------
+        argument : ndarray, shape (points,)
+            Evenly over the range.
+        knots : ndarray, shape (knots,)
+            Their coordinates. The covariance is in squares of the knots' usual size.
+        """
+        logs = [np.linalg.slogdet(each)[1] - knots @ each @ knots for each in self.precisions()]
+        share = np.exp(0.5 * (np.array(logs) - max(logs))).reshape(len(SIZES), len(LENGTHS))
+        share *= np.square(SIZES)[:, None] / np.sum(share)
+        design = self.design(argument)
+        left = np.eye(len(argument)) - design @ np.linalg.pinv(design)
+        law = [self._alike(argument, each) for each in LENGTHS]
+        return np.asarray(left @ np.tensordot(np.sum(share, axis=0), law, 1) @ left.T)
+
+    def _alike(self, argument: Array, length: float) -> Array:
+        apart = np.subtract.outer(argument, argument) / (self.high - self.low)
+        return np.asarray(np.exp(-0.5 * (apart / length) ** 2))
