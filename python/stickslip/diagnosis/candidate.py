@@ -15,7 +15,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.decision.gain import Gain, measured
 from stickslip.diagnosis.decision.posterior import share
-from stickslip.diagnosis.fitting.forms import FEWEST_SMOOTH
+from stickslip.diagnosis.fitting.forms import _is_smooth
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
@@ -50,7 +50,7 @@ class Candidate(OneLine):
     @cached_property
     def share(self) -> float:
         """Part of the model's error that the causes take; 1 where nothing is left."""
-        return share(self.models, self.fit)
+        return share(self.models, self.fit) if self.fit.causes else 0.0
 
     @cached_property
     def gain(self) -> Gain | None:
@@ -126,9 +126,7 @@ class Candidate(OneLine):
             if fit.form == "ar1" and table.run is not None and table.order is not None:
                 spans = [np.ptp(table.order[table.run == run]) for run in np.unique(table.run)]
                 lasts[name] = fit.sizes["tau"] * float(np.median(spans))
-            elif fit.form == "ar1" or (
-                fit.form == "smooth" and (table.places is None or len(table.mean) < FEWEST_SMOOTH)
-            ):
+            elif fit.form == "ar1" or (fit.form == "smooth" and not _is_smooth(table)):
                 continue
             sizes[name] = own
         found |= {"kappa": kappa, "size": sizes}
@@ -154,16 +152,15 @@ class Candidate(OneLine):
         columns = ["table", "reading", "sd", "predicted", "predicted_sd", "unit"]
         return frame("row", list(range(len(rows))), rows, columns)
 
-    def values(self, draws: int = 0, seed: int = 0) -> Array:
-        """Values of all parameters at the fit, and at draws about it, shape (1 + draws, size)."""
-        random = np.random.default_rng([seed, 17])
-        normal = random.standard_normal((draws, len(self.fit.free)))
+    def values(self) -> Array:
+        """Values of all parameters: at the fit, and one standard deviation up and down each
+        principal axis of its covariance, shape (1 + 2 axes, size); see `spread_of`.
+        """
         scale, vectors = np.linalg.eigh(self.fit.covariance)
-        root = vectors * np.sqrt(np.maximum(scale, 0.0)) * self.widening
-        x = np.tile(self.fit.x, (1 + draws, 1))
-        x[1:, self.fit.free] += normal @ root.T
-        x[1:] = np.clip(x[1:], *self.models.problem.limits)
-        return self.models.problem.physical(x)
+        axes = (vectors * np.sqrt(np.maximum(scale, 0.0))).T[scale > 0.0] * self.widening
+        x = np.tile(self.fit.x, (1 + 2 * len(axes), 1))
+        x[1:, self.fit.free] += np.vstack([axes, -axes])
+        return self.models.problem.physical(np.clip(x, *self.models.problem.limits))
 
     @property
     def _parameters(self) -> list[Parameter]:
@@ -197,6 +194,13 @@ class Candidate(OneLine):
 def table_name(problem: Problem, k: int) -> str:
     """The name of a table, or its number from 1."""
     return problem.tables[k].name or f"table {k + 1}"
+
+
+def spread_of(predicted: Array) -> Array:
+    """Covariance of predictions at `Candidate.values`, shape (1 + 2 axes, n) to (n, n)."""
+    up, down = np.split(predicted[1:], 2)
+    half = (up - down) / 2.0
+    return np.asarray(half.T @ half)
 
 
 def frame(what: str, index: Sequence[Any], rows: Any, columns: Sequence[str]) -> DataFrame:

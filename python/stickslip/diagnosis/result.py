@@ -16,7 +16,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.html_table import ShownBySummary
 from stickslip._util.number_text import is_number
 from stickslip._util.plain_text import printable
-from stickslip.diagnosis.candidate import Candidate, frame
+from stickslip.diagnosis.candidate import Candidate, frame, spread_of
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision import experiments as design
 from stickslip.diagnosis.decision.gain import Gain
@@ -45,7 +45,7 @@ Forward = Callable[[Any, Array], Array]
 CLAIMS = ("named", "dominant", "pair")
 """Verdicts that claim a cause."""
 
-_DRAWS, _COMPARED = 32, 3  # of a fit's parameters for a prediction; models to tell apart
+_COMPARED = 3  # models to tell apart
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -116,7 +116,7 @@ class Diagnosis(ShownBySummary):
     def candidate(self, name: str) -> Candidate:
         """A model that was fitted: ``none``, the name of a cause, or a pair as ``"a + b"``.
 
-        With the form of the discrepancy that has the largest probability beside it.
+        With the form of the discrepancy that is claimed, or else has the largest probability.
 
         Raises
         ------
@@ -125,7 +125,8 @@ class Diagnosis(ShownBySummary):
         """
         self._refuse_without_models("candidate")
         names = frozenset(each.strip() for each in str(name).split("+")) - {"none"}
-        for each in self.chance.fits:
+        claimed = () if self.verdict.fit is None else (self.verdict.fit,)
+        for each in (*claimed, *self.chance.fits):
             if each.names == names:
                 return Candidate(each, self.findings.models)
         hint = meant(name, [each.name for each in self.chance.fits])
@@ -227,8 +228,9 @@ class Diagnosis(ShownBySummary):
         if self.verdict.fit is not None:
             models["extended"] = self.best
         for name, each in models.items():
-            drawn = self._predicted(each, at)
-            settings |= {name: drawn[0].tolist(), f"{name}_sd": np.std(drawn[1:], axis=0).tolist()}
+            made = self._predicted(each, at)
+            sd = np.sqrt(np.diag(spread_of(made)))
+            settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
         return _table(settings)
 
     def separate(self, conditions: Any, trials: int = design.TRIALS) -> DataFrame | None:
@@ -401,11 +403,11 @@ class Diagnosis(ShownBySummary):
         return drives, {key: [each.get(key, scenario.get(key)) for each in drives] for key in keys}
 
     def _predicted(self, candidate: Candidate, at: Any) -> Array:
-        """Readings at new conditions: at the fit, and at draws, shape (1 + draws, conditions)."""
+        """Readings at new conditions for the values of a candidate, (values, conditions)."""
         forward = self.forward if self.measurement is None else self._velocities
         if forward is None:
             raise ScenarioError("predict: this model was given without a way to new conditions")
-        return np.asarray(forward(at, candidate.values(_DRAWS, self.findings.seed)))
+        return np.asarray(forward(at, candidate.values()))
 
     @cached_property
     def _velocity(self) -> VelocityTable:
@@ -450,9 +452,9 @@ class Diagnosis(ShownBySummary):
         self, candidates: Sequence[Candidate], at: Any, trials: int
     ) -> tuple[Array, Array, Array]:
         """Level, covariance and variance of the noise, as `expected_chi2` takes them."""
-        drawn = [self._predicted(each, at) for each in candidates]
-        level = np.array([each[0] for each in drawn])
-        covariance = np.array([np.atleast_2d(np.cov(each[1:], rowvar=False)) for each in drawn])
+        made = [self._predicted(each, at) for each in candidates]
+        level = np.array([each[0] for each in made])
+        covariance = np.array([spread_of(each) for each in made])
         first = 0
         if self.measurement is not None:
             first = self.problem.tables.index(self._velocity)

@@ -109,10 +109,16 @@ def between(name: str, low: float, high: float, unit: str) -> str:
     return _joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
 
 
-def limit(name: str, value: float, unit: str) -> str:
-    """A limit in the unit of its parameter: ``2.1 degrees``."""
+def limit(name: str, value: float, unit: str, digits: int = 2) -> str:
+    """A value in the unit of its parameter: ``2.1 degrees``."""
     factor, shown = shown_in(name, unit)
-    return f"{number(value * factor, 2)} {shown}".rstrip()
+    return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def size(name: str, value: float, sd: float, unit: str) -> str:
+    """A parameter with its error, in the unit in which it is told."""
+    factor, shown = shown_in(name, unit)
+    return amount(value * factor, sd * factor, shown)
 
 
 def in_unit(value: float, unit: str, digits: int = 2) -> str:

@@ -19,7 +19,6 @@ from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
@@ -78,7 +77,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
     }
     if result.fitted:
         numbers |= _of_models(result)
-    if source is not None and verdict.kind not in ("none", "data-problem"):
+    if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(result)
     numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
     return numbers
@@ -126,7 +125,7 @@ def _of_models(result: Diagnosis) -> dict[str, Any]:
         "ranking": ranking,
         "claimed": [_told(result, each) for each in candidates],
         "leader": None if told is None else _leader(result, best),
-        "runner_up": _runner_up(result, told),
+        "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
         "recalibrated": _recalibrated(result),
         "deciding_readings": [] if told is None else _deciding(result, told),
         "alike": [] if told is None else _alike(result, told),
@@ -299,9 +298,7 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
     if gain is None:
         return None
     found, best = gain.as_dict(), -math.inf
-    for k, (table, part) in enumerate(
-        zip(result.problem.tables, result.problem.rows, strict=True)
-    ):
+    for k, (table, part) in enumerate(zip(result.problem.tables, result.problem.rows, strict=True)):
         name = table_name(result.problem, k)
         before, after = gain.mae_before[name], gain.mae_after[name]
         change = abs(before - after) / float(np.median(result.problem.sd[part]))
@@ -311,9 +308,7 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
                 "table": title_of(table, k), "before": before, "after": after,
                 "unit": unit_of(table, 0), "level": level,
             }  # fmt: skip
-    found["change"] = (
-        "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
-    )
+    found["change"] = "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
     return found
 
 
@@ -426,7 +421,7 @@ def _channels(result: Diagnosis) -> dict[str, Any]:
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         errors = problem.errors[k]
         chi2 = {
-            name: float(problem.chi2_of_tables(fit.residual[None, :])[k, 0]) / (part.stop - part.start)
+            name: float(problem.chi2_of_tables(fit.residual[None, :])[k, 0]) / len(table.mean)
             for name, fit in fits.items()
         }  # fmt: skip
         found[table_name(problem, k)] = {
