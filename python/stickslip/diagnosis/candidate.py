@@ -1,0 +1,212 @@
+"""A fitted model as a person gets it: its sizes, share, gain and prediction, and what is left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.decision.gain import Gain, measured
+from stickslip.diagnosis.decision.posterior import share
+from stickslip.diagnosis.fitting.forms import _is_smooth
+from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.parameter import Parameter
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_STEP = 1e-4  # of a coordinate, for the slope of its value
+# Least share by which a discrepancy widens errors: a cause that takes nothing has no size.
+_LEAST_SHARE = 0.01
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Candidate(OneLine):
+    """A model that was fitted: some causes, or none, and perhaps a discrepancy beside them.
+
+    Attributes
+    ----------
+    fit : Fit
+    models : Models
+    """
+
+    fit: Fit
+    models: Models
+
+    @property
+    def name(self) -> str:
+        """Names of the causes, such as ``a + b``, or ``none``."""
+        return self.fit.name
+
+    @cached_property
+    def share(self) -> float:
+        """Part of the model's error that the causes take; 1 where nothing is left."""
+        return share(self.models, self.fit) if self.fit.causes else 0.0
+
+    @cached_property
+    def gain(self) -> Gain | None:
+        """Error on held-out readings; None for ``none``, or if there are too few to hold out."""
+        if not self.fit.causes:
+            return None
+        plain = self.models.get(self.fit.names) or self.fit
+        return measured(self.models.problem, self.models.null, plain)
+
+    @property
+    def widening(self) -> float:
+        """Factor of the errors of a fit beside a discrepancy.
+
+        The discrepancy may be alike the cause itself: what is left counts as a part of its size,
+        by ``sqrt(1 + left / taken)`` with the mean squares of what is left and what is taken.
+        """
+        if not self.fit.causes or self.fit.form == "none":
+            return 1.0
+        return 1.0 / math.sqrt(min(max(self.share, _LEAST_SHARE), 1.0))
+
+    @property
+    def params(self) -> DataFrame:
+        """Parameters: `value` and `sd` in the column `unit`, `prior`, and `pull`.
+
+        The pull is the coordinate: standard deviations of the prior from its middle. The sd is
+        that of the curvature, times `widening`.
+        """
+        x, root = self.fit.x[self.fit.free], np.sqrt(np.diag(self._covariance))
+        rows = [
+            (float(each.value(x[k : k + 1])[0]), float(root[k]), each.unit, each.prior_in_words,
+             float(x[k]))
+            for k, each in enumerate(self._parameters)
+        ]  # fmt: skip
+        return frame("parameter", self._names, rows, ["value", "sd", "unit", "prior", "pull"])
+
+    def interval(self, level: float) -> DataFrame:
+        """`low`, `high` and `unit` of each parameter, within its limits.
+
+        By quantiles of the normal law of its coordinate, wider by `widening`.
+        """
+        reach = float(ndtri(0.5 + 0.5 * level)) * self._spread
+        rows = []
+        for k, each in enumerate(self._parameters):
+            x = self.fit.x[self.fit.free[k]]
+            ends = np.clip(x + np.array([-reach[k], reach[k]]), *each.limits)
+            low, high = np.sort(each.smooth_value(ends)).tolist()
+            rows.append((low, high, each.unit))
+        return frame("parameter", self._names, rows, ["low", "high", "unit"])
+
+    @property
+    def covariance(self) -> DataFrame:
+        """Covariance of `params`, in products of their units."""
+        return frame("parameter", self._names, self._covariance, self._names)
+
+    @property
+    def left(self) -> dict[str, Any]:
+        """What is left beside the causes: the discrepancy.
+
+        Keys are `form`; `kappa`, the scatter in the stated errors; `size`, of each table in the
+        unit of its readings; for ``ar1`` `correlation`, how many places of a run it lasts in each
+        table; for ``smooth`` `length`, in half the range of a setting. Of the form ``none`` no
+        more than the first.
+        """
+        fit, problem = self.fit, self.models.problem
+        found: dict[str, Any] = {"form": fit.form}
+        if fit.form == "none":
+            return found
+        unit, kappa = self.models.forms[fit.form].unit, fit.sizes["kappa"]
+        size = fit.sizes.get("s", math.sqrt(max(kappa**2 - 1.0, 0.0)))
+        sizes, lasts = {}, {}
+        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+            name, own = table_name(problem, k), size * float(unit[part][0])
+            if fit.form == "ar1" and table.run is not None and table.order is not None:
+                spans = [np.ptp(table.order[table.run == run]) for run in np.unique(table.run)]
+                lasts[name] = fit.sizes["tau"] * float(np.median(spans))
+            elif fit.form == "ar1" or (fit.form == "smooth" and not _is_smooth(table)):
+                continue
+            sizes[name] = own
+        found |= {"kappa": kappa, "size": sizes}
+        if fit.form == "ar1":
+            found["correlation"] = lasts
+        if fit.form == "smooth":
+            found["length"] = fit.sizes["l"]
+        return found
+
+    @property
+    def prediction(self) -> DataFrame:
+        """All readings in order: `table`, `reading`, `sd`, `predicted`, `predicted_sd`, `unit`."""
+        problem, fit = self.models.problem, self.fit
+        variance = np.einsum("ij,jk,ik->i", fit.slopes, fit.covariance, fit.slopes)
+        sd = np.sqrt(np.maximum(variance, 0.0)) * self.widening
+        rows = []
+        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+            rows += [
+                (table_name(problem, k), float(problem.y[i]), float(problem.sd[i]),
+                 float(problem.y[i] - fit.residual[i]), float(sd[i]), table.unit)
+                for i in range(part.start, part.stop)
+            ]  # fmt: skip
+        columns = ["table", "reading", "sd", "predicted", "predicted_sd", "unit"]
+        return frame("row", list(range(len(rows))), rows, columns)
+
+    def values(self) -> Array:
+        """Values of all parameters: at the fit, and one standard deviation up and down each
+        principal axis of its covariance, shape (1 + 2 axes, size); see `spread_of`.
+        """
+        scale, vectors = np.linalg.eigh(self.fit.covariance)
+        axes = (vectors * np.sqrt(np.maximum(scale, 0.0))).T[scale > 0.0] * self.widening
+        x = np.tile(self.fit.x, (1 + 2 * len(axes), 1))
+        x[1:, self.fit.free] += np.vstack([axes, -axes])
+        return self.models.problem.physical(np.clip(x, *self.models.problem.limits))
+
+    @property
+    def _parameters(self) -> list[Parameter]:
+        return [self.models.problem.parameters[k] for k in self.fit.free.tolist()]
+
+    @property
+    def _names(self) -> list[str]:
+        return [each.name for each in self._parameters]
+
+    @property
+    def _spread(self) -> Array:
+        """Standard deviations of the coordinates; of one that is pushed against its end, its own.
+
+        There its covariance is none, so the curvature along it alone stands for it.
+        """
+        whitened = self.models.problem.whitened(self.fit.slopes)
+        alone = np.sum(whitened**2, axis=0) + np.diag(self.fit.precision)
+        variance = np.diag(self.fit.covariance)
+        return np.sqrt(np.where(variance > 0.0, variance, 1.0 / alone)) * self.widening
+
+    @cached_property
+    def _covariance(self) -> Array:
+        slopes = np.empty(len(self.fit.free))
+        for k, each in enumerate(self._parameters):
+            x = self.fit.x[self.fit.free[k]]
+            ends = np.clip(x + np.array([-_STEP, _STEP]), *each.limits)
+            slopes[k] = float(np.diff(each.smooth_value(ends))[0]) / max(np.ptp(ends), 1e-300)
+        return slopes[:, None] * self.fit.covariance * slopes * self.widening**2
+
+
+def table_name(problem: Problem, k: int) -> str:
+    """The name of a table, or its number from 1."""
+    return problem.tables[k].name or f"table {k + 1}"
+
+
+def spread_of(predicted: Array) -> Array:
+    """Covariance of predictions at `Candidate.values`, shape (1 + 2 axes, n) to (n, n)."""
+    up, down = np.split(predicted[1:], 2)
+    half = (up - down) / 2.0
+    return np.asarray(half.T @ half)
+
+
+def frame(what: str, index: Sequence[Any], rows: Any, columns: Sequence[str]) -> DataFrame:
+    """A table with a row for each entry, whose index is called `what`."""
+    import pandas as pd
+
+    names = pd.Index(list(index), name=what, dtype=object)
+    data = list(rows) if len(index) else None
+    return pd.DataFrame(data, index=names, columns=list(columns))

@@ -1,0 +1,188 @@
+"""Words of causes, from causes.toml, and numbers as a reader sees them: rounded, in handy units."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from importlib import resources
+from typing import Any
+
+from stickslip._util.units import handy
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
+    resources.files("stickslip").joinpath("facts/causes.toml").read_text("utf-8")
+)
+_CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
+
+ROUTINE = ("no-block-column", "errors-independent", "runs-unknown")
+"""Codes of notes that nearly every measurement has: the page has them, and not the first lines."""
+
+_PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def title(name: str) -> str:
+    """A model in plain words: each cause by its name, joined by ``with``."""
+    if name == "none":
+        return "no cause"
+    return " with ".join(_title(each) for each in name.split(" + "))
+
+
+def _title(name: str) -> str:
+    if name in _CAUSES:
+        return str(_CAUSES[name]["name"])
+    constant = _WORDS["constants"].get(name)
+    return f"another {constant['name']} than stated" if constant else name
+
+
+def in_titles(text: str, names: Iterable[str]) -> str:
+    """A sentence with causes in plain words in place of their names."""
+    known = [each for each in names if title(each) != each]
+    if not known:
+        return text
+    found = "|".join(re.escape(each) for each in sorted(known, key=len, reverse=True))
+    return re.sub(rf"(?<![\w.])(?:{found})(?![\w.])", lambda each: title(each[0]), text)
+
+
+def shown_in(name: str, unit: str) -> tuple[float, str]:
+    """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
+    cause, _, parameter = name.removeprefix("effects.").rpartition(".")
+    size = _CAUSES.get(cause, {}).get("sizes", {}).get(parameter)
+    if size is None and name in _WORDS["constants"]:
+        size = _WORDS["constants"][name]
+    if size is None:
+        return handy(unit)
+    return float(_WORDS["units"][size["unit"]]), str(size["unit"])
+
+
+def told(name: str, meaning: str, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """A cause in words: `name`, `title`, `meaning`, `finding`, `remedy`, `drawing` and `way`.
+
+    `sizes` are its parameters, or the constant that it frees, by full name, with `value`, `sd`,
+    `unit` and, of a constant, what was `stated`. `way` is the word for the sign of the largest.
+    """
+    known = _CAUSES.get(name)
+    said = {"name": name, "title": title(name), "meaning": meaning, "remedy": "", "way": ""}
+    said["drawing"] = known["drawing"] if known else ""
+    amounts: dict[str, str] = {}
+    largest = -math.inf
+    for full, each in sizes.items():
+        factor, unit = shown_in(full, each["unit"])
+        value, sd = each["value"] * factor, each["sd"] * factor
+        short = full.rpartition(".")[2]
+        words = known["sizes"].get(short, {}) if known else {}
+        way = words.get("up" if value >= 0.0 else "down", "")
+        amounts[short] = amount(abs(value) if way else value, sd, unit)
+        amounts[f"{short}_way"] = way
+        if abs(value) > largest:
+            largest, said["way"] = abs(value), way
+    if known is not None:
+        said |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
+        return said
+    constant = _WORDS["constants"].get(name)
+    if name in sizes and name not in _CAUSES:
+        what = constant["name"] if constant else name
+        said["finding"] = f"The {what} is {amounts[name.rpartition('.')[2]]}"
+        if sizes[name].get("stated") is not None:
+            factor, unit = shown_in(name, sizes[name]["unit"])
+            said["finding"] += f", and was stated as {sizes[name]['stated'] * factor:.4g} {unit}"
+        said |= {"finding": said["finding"].rstrip() + ".", "remedy": "Measure it again"}
+        said["drawing"] = constant["drawing"] if constant else ""
+        return said
+    values = [f"{each.rpartition('.')[2]} {amounts[each.rpartition('.')[2]]}" for each in sizes]
+    what = (meaning or name).rstrip(".")
+    said["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
+    return said
+
+
+def between(name: str, low: float, high: float, unit: str) -> str:
+    """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
+    factor, shown = shown_in(name, unit)
+    ends = sorted((low * factor, high * factor))
+    return _joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
+
+
+def limit(name: str, value: float, unit: str, digits: int = 2) -> str:
+    """A value in the unit of its parameter: ``2.1 degrees``."""
+    factor, shown = shown_in(name, unit)
+    return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def size(name: str, value: float, sd: float, unit: str) -> str:
+    """A parameter with its error, in the unit in which it is told."""
+    factor, shown = shown_in(name, unit)
+    return amount(value * factor, sd * factor, shown)
+
+
+def in_unit(value: float, unit: str, digits: int = 2) -> str:
+    """A number in the handy unit of an SI unit: ``0.095 mm/s``."""
+    factor, shown = handy(unit)
+    return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def odds(ratio: float) -> str:
+    """How much less probable something is."""
+    if ratio > 1e6:
+        return "less probable by more than a million times"
+    return f"{number(ratio, 2)} times less probable" if ratio > 1.5 else "nearly as probable"
+
+
+def joined_ends(low: float, high: float) -> str:
+    """``0.13 to 0.16``."""
+    return _joined([low, high], (high - low) / 4.0, " to ", "")
+
+
+def amount(value: float, sd: float, unit: str = "") -> str:
+    """``14.9 ± 0.8 %``: a value with its error, both to the error's second digit."""
+    return _joined([value, sd], sd, " ± ", unit)
+
+
+def _joined(values: list[float], step: float, by: str, unit: str) -> str:
+    """Numbers to the second digit of a step, with one power of ten."""
+    if not (all(map(math.isfinite, values)) and math.isfinite(step) and step > 0.0):
+        return f"{number(values[0])} {unit}".rstrip()
+    size = max(map(abs, (*values, step)))
+    ten = 0 if _PLAIN[0] <= size < _PLAIN[1] else math.floor(math.log10(size))
+    values, step = [each / 10.0**ten for each in values], step / 10.0**ten
+    places = 1 - math.floor(math.log10(step))
+    if round(step, places) >= 9.5 * 10.0 ** (1 - places):
+        places -= 1  # two digits just below a power of ten are one
+    text = by.join(f"{round(each, places) + 0.0:.{max(places, 0)}f}" for each in values)
+    return f"{text} {unit}".rstrip() if ten == 0 else f"({text})·{power(ten)} {unit}".rstrip()
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number to some digits, with a power of ten where it is very large or small."""
+    if not math.isfinite(value):
+        return "not known" if math.isnan(value) else "∞"
+    if value == 0.0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
+        return f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
+    first, _, ten = f"{value:.{digits - 1}e}".partition("e")
+    return f"{first}·{power(int(ten))}"
+
+
+def power(ten: int) -> str:
+    """``10⁻⁵``."""
+    return f"10{str(ten).translate(_SUPERSCRIPT)}"
+
+
+def percent(share: float) -> str:
+    """A probability or a share: ``86 %``, ``more than 99.9 %``, ``less than 0.1 %``."""
+    if share > 0.999:
+        return "more than 99.9 %"
+    if share < 0.001:
+        return "less than 0.1 %"
+    value = 100.0 * share
+    return f"{value:.1f} %" if value < 1.0 or value > 99.0 else f"{value:.0f} %"
+
+
+def p_text(p_value: float) -> str:
+    """``p = 0.03``, or that it is below what can be told."""
+    return f"p = {number(p_value, 2)}" if p_value > 1e-12 else f"p < {power(-12)}"

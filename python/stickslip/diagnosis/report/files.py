@@ -1,0 +1,177 @@
+"""The files of a report: report.html, report.json, and of a measurement extended.toml.
+
+Beside extended.toml are the voltages and the map of a scenario that has them.
+"""
+
+from __future__ import annotations
+
+import platform
+import shlex
+import sys
+from collections.abc import Iterator
+from datetime import datetime
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy
+import scipy
+from markupsafe import Markup
+
+from stickslip import _core
+from stickslip._util.atomic_files import check_folder, text_writer, write_together
+from stickslip._util.checksum import sha256_of
+from stickslip._util.html_page import page_text, svg
+from stickslip._util.strict_json import json_text
+from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.report import amounts
+from stickslip.diagnosis.report.numbers import numbers_of, title_of
+from stickslip.diagnosis.report.pictures import Plots, drawing
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import known_keys
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.toml_file import (
+    files_beside,
+    named_files,
+    read_document,
+    scenario_writers,
+)
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.result import Diagnosis
+
+PAGE, JSON, EXTENDED = "report.html", "report.json", "extended.toml"
+
+
+def report_files(scenario: Scenario | None) -> tuple[str, ...]:
+    """Names of the files of a report; of a model of one's own there is no scenario."""
+    if scenario is None:
+        return PAGE, JSON
+    voltages, field_map = files_beside(Path(EXTENDED))
+    held = {voltages.name: scenario.drive.program, field_map.name: scenario.coil.map}
+    return (PAGE, JSON, EXTENDED, *(name for name, value in held.items() if value is not None))
+
+
+def save(result: Diagnosis, out: str | PathLike[str], title: str | None) -> None:
+    """Write all files into the folder `out`, which is made, or none; see `save_report`."""
+    source, folder = result.measurement, Path(out)
+    check_folder(out, report_files(None if source is None else source.scenario))
+    numbers = numbers_of(result, title)
+    numbers["origin"] = _origin(result)
+    writers = {
+        folder / JSON: text_writer(json_text(numbers) + "\n"),
+        folder / PAGE: text_writer(page(result, numbers)),
+    }
+    if source is not None:
+        extended = result.extended
+        assert isinstance(extended, Scenario)
+        lines = _comments(result, source, extended)
+        writers |= scenario_writers(extended, folder / EXTENDED, lines)[1]
+    folder.mkdir(parents=True, exist_ok=True)
+    write_together(writers)
+
+
+def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
+    """The report as one page that needs no other file."""
+    plots = Plots(result)
+    tables, main = result.problem.tables, plots.main_table()
+    films = [
+        (f"The film {title_of(each, k)} over the phase of its drive", svg(plots.film(k)))
+        for k, each in enumerate(tables)
+        if isinstance(each, FilmTable)
+    ]
+    fits = [
+        (f"Readings and models: {title_of(each, k)}", svg(plots.fit(k)))
+        for k, each in enumerate(tables)
+        if not isinstance(each, FilmTable)
+    ]
+    judged = result.fitted
+    drawable = judged and not isinstance(tables[main], FilmTable)
+    return page_text(
+        "diagnosis/report/report.html.j2",
+        report=numbers,
+        a=amounts,
+        drawing=lambda name, way: Markup(drawing(name, way)),
+        changes=[(text, svg(each)) for text, each in plots.changes(main)] if drawable else [],
+        fits=fits,
+        films=[each for each in films if each[1]],
+        law=svg(plots.law()),
+        ranking=svg(plots.ranking()) if judged else "",
+        cosines=svg(plots.cosines()),
+    )
+
+
+def _comments(result: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
+    """Where an extended scenario is from, and what it has changed."""
+    verdict = result.verdict
+    said = f"stickslip diagnose {measurement.path.name}: {verdict.kind} {', '.join(verdict.causes)}"
+    lines = [said.rstrip()]
+    if verdict.kind == "ambiguous" and verdict.fit is not None:
+        lines.append(f"here: {verdict.fit.name}, the first of the set")
+    changed = [
+        f"{key}: {measurement.scenario.get(key):.6g} -> {extended.get(key):.6g}"
+        for key, known in known_keys().items()
+        if known.kind == "real" and extended.get(key) != measurement.scenario.get(key)
+    ]
+    drive = "[drive] is that of the scenario as it was given"
+    differs = {
+        key.removeprefix("drive.")
+        for each in measurement.velocity
+        for condition in each.conditions
+        for key, value in condition.items()
+        if value != measurement.scenario.get(key)
+    }
+    if differs:
+        drive += f"; the measurements set {', '.join(sorted(differs))}"
+    return [*lines, *(changed or ["nothing is changed"]), drive]
+
+
+def _origin(result: Diagnosis) -> list[list[str]]:
+    """How a report was made: date, command, seed, versions, and checksums of the files."""
+    program = Path(sys.argv[0]) if sys.argv else Path()
+    is_command = program.stem == "stickslip" or program.parent.name == "stickslip"
+    python = platform.python_version()
+    rows = [
+        ["date", datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")],
+        ["made by", shlex.join(["stickslip", *sys.argv[1:]]) if is_command else "save_report"],
+        ["seed", str(result.findings.seed)],
+        ["stickslip", _core.__version__],
+        ["Python", f"{python}, numpy {numpy.__version__}, scipy {scipy.__version__}"],
+    ]
+    if result.measurement is not None:
+        rows += [[f"file {path.name}", _checksum(path)] for path in _files(result.measurement.path)]
+    return rows
+
+
+def _files(path: Path) -> Iterator[Path]:
+    """The measurement file and what it and its scenario name; nothing of a table in memory."""
+    if not path.is_file():
+        return
+    yield path
+    try:
+        document = read_document(path, "measurement")
+    except (ScenarioError, OSError):  # it was changed meanwhile
+        return
+    scenario = document.get("scenario")
+    if isinstance(scenario, str):
+        yield path.parent / scenario
+        yield from named_files(path.parent / scenario).values()
+    names: dict[str, None] = {}
+    for kind in ("velocity", "tracking", "angle", "field"):
+        entries = document.get(kind)
+        for each in entries if isinstance(entries, list) else []:
+            if isinstance(each, dict) and isinstance(each.get("file"), str):
+                names[each["file"]] = None
+    yield from (path.parent / each for each in names)
+
+
+def _checksum(path: Path) -> str:
+    """SHA-256 of an ordinary file; a pipe can be read only once."""
+    try:
+        if not path.is_file():
+            return "no ordinary file, so without a checksum"
+        with path.open("rb") as file:
+            return f"SHA-256 {sha256_of(file)}"
+    except OSError:
+        return "cannot be read any more"

@@ -1,0 +1,433 @@
+"""The one dictionary of a report: every number of the page, of report.json and of ``--json``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from html import unescape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip import _core
+from stickslip._util.arrays import Array
+from stickslip._util.html_page import page_text
+from stickslip._util.units import handy
+from stickslip.diagnosis.candidate import Candidate, table_name
+from stickslip.diagnosis.data.angle import AngleTable
+from stickslip.diagnosis.data.field import FieldTable
+from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.decision.limits import upper_limits
+from stickslip.diagnosis.decision.posterior import ALIKE, cosine
+from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.report import amounts
+from stickslip.scenario.keys import known_keys
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.result import Diagnosis
+
+_DECIDING = 3  # readings that are named
+_LIKELY = 1e-3  # probability below which a model is in report.json alone
+_UNITS = {"Bx": "T", "Bz": "T", "x": "m", "y": "m", "z": "m"}  # of settings that are no keys
+
+
+def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
+    """All numbers, by the keys of the reference, in SI units unless a text says its unit."""
+    verdict, found = result.verdict, result.findings
+    source = result.measurement
+    notes = [*result.notes, *(each for table in result.problem.tables for each in table.notes)]
+    lost = [*(() if source is None else source.left_out)]
+    lost += [each for t in result.problem.tables for each in getattr(t, "left_out", ())]
+    numbers: dict[str, Any] = {
+        "verdict": verdict.kind,
+        "cause": _cause(result),
+        "name": title or ("Diagnosis" if source is None else source.name),
+        "headline": "",
+        "parameters": {},
+        "probabilities": dict(verdict.probabilities),
+        "p_value": found.test.p_value if result.fitted else None,
+        "share": verdict.share,
+        "discrepancy": None,
+        "gain": _gain(result),
+        "deciding_readings": [],
+        "bounds": {},
+        "next": str(result.next_step),
+        "next_experiments": [],
+        "reasons": [_words(result, str(each)) for each in verdict.reasons],
+        "notes": [{"code": each.code, "text": str(each)} for each in notes],
+        "left_out": [str(each) for each in lost],
+        "recalibrated": {},
+        "ranking": [],
+        "conditions": _conditions(result),
+        "channels": _channels(result),
+        "claimed": [],
+        "leader": None,
+        "runner_up": None,
+        "common": [amounts.title(each) for each in verdict.common],
+        "beside": _beside(result),
+        "offered": len(result.problem.causes),
+        "alike": [],
+        "advice": [],
+        "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
+        "seed": found.seed,
+        "version": _core.__version__,
+        "of_measurement": source is not None,
+    }
+    if result.fitted:
+        numbers |= _of_models(result)
+    if source is not None and verdict.kind == "ambiguous":
+        numbers["next_experiments"] = _experiments(result)
+    numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
+    return numbers
+
+
+def summary_text(numbers: Mapping[str, Any]) -> str:
+    """The verdict and what it rests on, as the command and `Diagnosis.summary` print it."""
+    page = page_text("diagnosis/report/summary.txt.j2", report=numbers, a=amounts)
+    return "\n".join(line.rstrip() for line in unescape(page).strip().split("\n"))
+
+
+def _words(result: Diagnosis, text: str) -> str:
+    causes = [each.name for each in result.problem.causes]
+    return amounts.in_titles(text, causes)
+
+
+def _cause(result: Diagnosis) -> str | list[str] | None:
+    verdict = result.verdict
+    if verdict.kind in ("named", "dominant"):
+        return verdict.causes[0]
+    return list(verdict.causes) if verdict.causes else None
+
+
+def _of_models(result: Diagnosis) -> dict[str, Any]:
+    """What there is where models were fitted."""
+    verdict, models = result.verdict, result.findings.models
+    table, fits = result.compare(), result.chance.fits
+    ranking = [
+        {"candidate": name, "title": amounts.title(name), "causes": sorted(fit.names), **row}
+        for fit, (name, row) in zip(fits, table.to_dict("index").items(), strict=True)
+    ]
+    told = verdict.fit or verdict.leader if verdict.kind != "none" else None
+    best = result.recalibrated if told is None else Candidate(told, models)
+    members = [verdict.fit] if verdict.fit is not None else []
+    if verdict.kind == "ambiguous":
+        members = [each for each in verdict.members if each.causes]
+    candidates = [Candidate(each, models) for each in members]
+    parameters: dict[str, Any] = {}
+    for each in candidates:
+        sizes = {k: v for name in _sizes(result, each).values() for k, v in name.items()}
+        parameters = {**{k.removeprefix("effects."): v for k, v in sizes.items()}, **parameters}
+    return {
+        "parameters": parameters,
+        "discrepancy": best.left,
+        "ranking": ranking,
+        "claimed": [_told(result, each) for each in candidates],
+        "leader": None if told is None else _leader(result, best),
+        "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
+        "recalibrated": _recalibrated(result),
+        "deciding_readings": [] if told is None else _deciding(result, told),
+        "alike": [] if told is None else _alike(result, told),
+        "bounds": _bounds(result) if verdict.kind == "none" else {},
+    }
+
+
+def _beside(result: Diagnosis) -> list[str]:
+    """What the members of a set have beside the causes that all of them have."""
+    common = frozenset(result.verdict.common)
+    rest = (" + ".join(sorted(each.names - common)) or "none" for each in result.verdict.members)
+    return [amounts.title(each) if each != "none" else "nothing else" for each in rest]
+
+
+def _sizes(result: Diagnosis, candidate: Candidate) -> dict[str, dict[str, dict[str, Any]]]:
+    """Parameters of each cause of a candidate with their errors, by full name."""
+    rows, ends = candidate.params.to_dict("index"), candidate.interval(0.95).to_dict("index")
+    constants = {each.name: each for each in result.problem.constants}
+    found: dict[str, dict[str, dict[str, Any]]] = {}
+    for cause in candidate.fit.causes:
+        names = [each.name for each in cause.parameters]
+        if not names and cause.frees is not None:
+            names = [cause.frees]
+        found[cause.name] = {k: {**rows[k], **ends[k]} for k in names}
+        for each in constants.keys() & set(names):
+            found[cause.name][each]["stated"] = float(constants[each].value(np.zeros(1))[0])
+    return found
+
+
+def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
+    sizes = _sizes(result, candidate)
+    causes = []
+    for each in candidate.fit.causes:
+        said: dict[str, Any] = amounts.told(each.name, each.meaning, sizes[each.name])
+        if each.curve is not None:
+            said |= {"title": f"another law of {each.curve.name}", "curve": each.curve.name,
+                     "finding": f"The law of {each.curve.name} has another shape."}  # fmt: skip
+        said["reading"] = each.read is not None or not set(sizes[each.name]) & set(known_keys())
+        said["intervals"] = [
+            amounts.between(key, each["low"], each["high"], each["unit"])
+            for key, each in sizes[each.name].items()
+        ]
+        causes.append(said)
+    chance = result.chance.models[candidate.name]
+    return {"candidate": candidate.name, "title": amounts.title(candidate.name),
+            "probability": chance, "causes": causes}  # fmt: skip
+
+
+def _leader(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
+    """The model that is told: its probability among those with a cause, its share and its gain."""
+    with_cause = 1.0 - result.chance.none
+    own = result.chance.models[candidate.name]
+    return {
+        **_told(result, candidate),
+        "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
+        "share": candidate.share,
+        "left": _left_in_words(result, candidate),
+    }
+
+
+def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
+    """What is left beside a cause, a text for each table."""
+    left, said = candidate.left, []
+    for k, table in enumerate(result.problem.tables):
+        name = table_name(result.problem, k)
+        size = left.get("size", {}).get(name, 0.0)
+        if size == 0.0:
+            continue
+        factor, unit = handy(unit_of(table, 0))
+        text = f"{amounts.number(size * factor, 2)} {unit}".rstrip() + f" in {title_of(table, k)}"
+        if name in left.get("correlation", {}):
+            lasts = amounts.number(left["correlation"][name], 2)
+            text += f", correlated over {lasts} readings of a run"
+        elif "length" in left:
+            text += f", smooth over {amounts.number(left['length'] / 2.0, 2)} of a setting's range"
+        said.append(text)
+    return said
+
+
+def _runner_up(result: Diagnosis, told: Fit | None) -> dict[str, Any] | None:
+    """The most probable model that has not the causes of the one that is told, and the odds."""
+    if told is None:
+        return None
+    other = _other(result, told)
+    chance = result.chance.models
+    odds = chance[told.name] / max(chance[other.name], 1e-300)
+    return {"candidate": other.name, "title": amounts.title(other.name), "odds": odds}
+
+
+def _other(result: Diagnosis, told: Fit) -> Fit:
+    others = (each for each in result.chance.fits if not each.names >= told.names)
+    return next(others, result.findings.models.null)
+
+
+def _recalibrated(result: Diagnosis) -> dict[str, Any]:
+    """Each constant in both models."""
+    rows = result.recalibrated.params.to_dict("index")
+    ends = result.recalibrated.interval(0.95).to_dict("index")
+    extended = {} if result.verdict.fit is None else result.best.params.to_dict("index")
+    found = {}
+    for each in result.problem.constants:
+        name = each.name
+        middle = each.prior is not None and each.prior.has_middle
+        found[name] = {
+            **rows[name], **ends[name],
+            "stated": float(each.value(np.zeros(1))[0]) if middle else None,
+            "extended": extended.get(name, {}).get("value"),
+            "pull_extended": extended.get(name, {}).get("pull"),
+        }  # fmt: skip
+    return found
+
+
+def _deciding(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
+    """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
+    models, problem = result.findings.models, result.problem
+    pair = [models.get(each.names) or each for each in (told, _other(result, told))]
+    square = problem.whitened(np.stack([each.residual for each in pair], axis=1)) ** 2
+    gain = 0.5 * (square[:, 1] - square[:, 0])
+    whole = float(np.sum(gain[gain > 0.0]))
+    rows = [each for each in np.argsort(-gain).tolist()[:_DECIDING] if gain[each] > 0.0]
+    named = {row["row"]: row for row in _conditions(result)}
+    return [
+        {"table": named[k]["table"], "number": named[k]["number"], "where": named[k]["where"],
+         "difference": float(gain[k]), "share": float(gain[k]) / whole}
+        for k in rows
+    ]  # fmt: skip
+
+
+def _alike(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
+    """Single causes whose projected effect is like that of the told one."""
+    models = result.findings.models
+    null, own = models.null, models.get(told.names) or told
+    found = []
+    for each in result.chance.fits:
+        fit = models.get(each.names)
+        if fit is None or len(each.names) != 1 or each.names <= told.names:
+            continue
+        value = abs(cosine(result.problem, null, null.residual - own.residual,
+                           null.residual - fit.residual))  # fmt: skip
+        if value > ALIKE:
+            found.append({"cause": each.name, "title": amounts.title(each.name), "cosine": value})
+    return found
+
+
+def _bounds(result: Diagnosis) -> dict[str, Any]:
+    found, parameters = result.findings, {each.name: each for each in result.problem.parameters}
+    limits = upper_limits(result.problem, found.models.null, found.responses)
+    return {
+        name.removeprefix("effects."): {
+            "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
+            "relative": value / (parameters[name].size or 1.0),
+            "cause": amounts.title(name.removeprefix("effects.").rpartition(".")[0]),
+            "text": amounts.limit(name, value, parameters[name].unit),
+            "seen": not _at_end(parameters[name], value),
+        }
+        for name, value in sorted(limits.items(), key=lambda each: each[1])
+    }  # fmt: skip
+
+
+def _at_end(parameter: Any, value: float) -> bool:
+    """Whether a limit is the end of the range that was searched, and thus none."""
+    if parameter.falls:
+        return bool(value <= parameter.low * 1.001)
+    return bool(value >= 0.999 * max(abs(parameter.low), abs(parameter.high)))
+
+
+def _gain(result: Diagnosis) -> dict[str, Any] | None:
+    """The gain, and `told`: the table whose error changes most, in its unit and in per cent."""
+    gain = result.gain
+    if gain is None:
+        return None
+    found, best = gain.as_dict(), -math.inf
+    for k, (table, part) in enumerate(zip(result.problem.tables, result.problem.rows, strict=True)):
+        name = table_name(result.problem, k)
+        before, after = gain.mae_before[name], gain.mae_after[name]
+        change = abs(before - after) / float(np.median(result.problem.sd[part]))
+        if change > best and not isinstance(table, FilmTable):
+            best, level = change, float(np.mean(np.abs(result.problem.y[part])))
+            found["told"] = {
+                "table": title_of(table, k), "before": before, "after": after,
+                "unit": unit_of(table, 0), "level": level,
+            }  # fmt: skip
+    found["change"] = "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
+    return found
+
+
+def _experiments(result: Diagnosis) -> list[dict[str, Any]]:
+    return [
+        {
+            "drive": dict(each.drive), "why": _words(result, str(each.why)),
+            "separation": each.separation, "words": _words(result, str(each).split(". ")[0]),
+            "predictions": {name: dict(row) for name, row in each.predictions.items()},
+        }
+        for each in result.propose_experiments()
+    ]  # fmt: skip
+
+
+# ------------------------------------------------------------------------------ readings
+def title_of(table: Table, k: int) -> str:
+    """What a table is called."""
+    if isinstance(table, VelocityTable):
+        return "velocities"
+    return str(getattr(table, "title", "") or table.name or f"table {k + 1}")
+
+
+def unit_of(table: Table, row: int) -> str:
+    """The SI unit of a reading: a film has several."""
+    if isinstance(table, FilmTable):
+        column = str(np.asarray(table.settings["column"])[table.first[row]])
+        return {"theta": "rad", "x": "m", "z": "m"}.get(column, "A")
+    return table.unit
+
+
+def settings_of(table: Table) -> dict[str, tuple[list[Any], str]]:
+    """Settings of the conditions of a table: values and their SI unit, by bare name."""
+    given = table.settings
+    if hasattr(given, "keys"):
+        columns = {str(key): np.asarray(given[key]) for key in given}
+    elif isinstance(given, list | tuple) and given and isinstance(given[0], Mapping):
+        columns = {str(key): np.asarray([each[key] for each in given]) for key in given[0]}
+    else:
+        array = np.asarray(given)
+        array = array[:, None] if array.ndim == 1 else array
+        count = array.shape[1]
+        names = ["setting"] if count == 1 else [f"setting {k + 1}" for k in range(count)]
+        columns = dict(zip(names, array.T, strict=True))
+    known = known_keys() if isinstance(table, VelocityTable) else {}
+    own = _UNITS if isinstance(table, AngleTable | FieldTable) else {}
+    return {
+        name.removeprefix("drive."): (
+            column[table.first].tolist(),
+            known[name].unit if name in known else own.get(name, "A" if own else "-"),
+        )
+        for name, column in columns.items()
+        if name != "solver.rtol"
+    }
+
+
+def varied(settings: Mapping[str, tuple[list[Any], str]]) -> list[str]:
+    """Names of the settings that are not the same in all conditions."""
+    return [name for name, (values, _) in settings.items() if len(set(values)) > 1]
+
+
+def setting_text(value: Any, unit: str) -> str:
+    """A setting as in ``3 mT``; words as they are."""
+    if isinstance(value, str | bool):
+        return str(value)
+    factor, shown = handy(unit)
+    return f"{float(value) * factor:.5g} {shown}".rstrip()
+
+
+def predictions(result: Diagnosis) -> dict[str, Array]:
+    """All readings as the stated, the recalibrated and the extended model have them, (n,)."""
+    found: dict[str, Array] = {}
+    if result.fitted:
+        problem = result.problem
+        stated = problem.residuals(np.zeros((1, problem.size)))[0]
+        found["stated"] = np.where(stated < 1e2 * problem.sd, problem.y - stated, np.nan)
+        found["recalibrated"] = problem.y - result.recalibrated.fit.residual
+        if result.verdict.fit is not None:
+            found["extended"] = problem.y - result.verdict.fit.residual
+    return found
+
+
+def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
+    """Each reading with its settings and the predictions of the models, numbered in its table."""
+    problem, models, rows = result.problem, predictions(result), []
+    for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+        settings = settings_of(table)
+        named = varied(settings) or list(settings)
+        counts = np.bincount(table.condition)
+        for i, row in enumerate(range(part.start, part.stop)):
+            unit = unit_of(table, i)
+            where = ", ".join(
+                f"{name} {setting_text(settings[name][0][i], settings[name][1])}" for name in named
+            )
+            rows.append({
+                "table": table_name(problem, k), "number": i + 1, "row": row, "where": where,
+                "settings": {name: settings[name][0][i] for name in settings},
+                "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
+                "readings": int(counts[i]),
+                **{name: float(of[row]) for name, of in models.items()},
+            })  # fmt: skip
+    return rows
+
+
+def _channels(result: Diagnosis) -> dict[str, Any]:
+    """Each table: its readings, its errors, and how far both models miss it."""
+    problem, found = result.problem, {}
+    fits = {"recalibrated": result.recalibrated.fit} if result.fitted else {}
+    if result.verdict.fit is not None:
+        fits["extended"] = result.verdict.fit
+    for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+        errors = problem.errors[k]
+        chi2 = {
+            name: float(problem.chi2_of_tables(fit.residual[None, :])[k, 0]) / len(table.mean)
+            for name, fit in fits.items()
+        }  # fmt: skip
+        found[table_name(problem, k)] = {
+            "title": title_of(table, k), "unit": table.unit, "readings": len(table.y),
+            "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
+            "median_sd": float(np.median(problem.sd[part])), "chi2_per_condition": chi2,
+            "notes": [str(each) for each in table.notes],
+        }  # fmt: skip
+    return found

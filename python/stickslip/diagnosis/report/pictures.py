@@ -1,0 +1,386 @@
+"""Pictures of a report and of `Diagnosis.plot`: matplotlib figures, and the drawings of causes.
+
+Readings are black; the recalibrated model is blue; the extended one, and what is claimed, vermilion
+in all of them.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip._util.arrays import Array, Indices
+from stickslip._util.palette import BLACK, BLUE, DARK_GREY, LIGHT_GREY, VERMILION
+from stickslip._util.picture import Picture
+from stickslip._util.plain_text import shortened
+from stickslip._util.units import handy, in_handy_units
+from stickslip.diagnosis.candidate import spread_of
+from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.decision.posterior import cosine
+from stickslip.diagnosis.report import amounts
+from stickslip.diagnosis.report.numbers import (
+    predictions,
+    setting_text,
+    settings_of,
+    title_of,
+    unit_of,
+    varied,
+)
+from stickslip.errors import ScenarioError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stickslip.diagnosis.result import Diagnosis
+
+_COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
+_MARKERS = "osD^v<>Ph*"
+_ROW = "row"
+_MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
+_FEW = 3  # places of a setting below which nothing is seen over it
+_SAMPLES = 200  # points of a film's picture
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Rows of a table in one picture: over which setting, and in which groups.
+
+    Attributes
+    ----------
+    title : str
+    over : str
+        Name of the setting.
+    groups : dict of ndarray
+        Rows of the problem, in the order of the setting, by the other settings in words.
+    """
+
+    title: str
+    table: int
+    over: str
+    groups: dict[str, Indices]
+
+
+class Plots:
+    """Pictures of a diagnosis, each a matplotlib figure.
+
+    Parameters
+    ----------
+    result : Diagnosis
+    """
+
+    def __init__(self, result: Diagnosis) -> None:
+        self._result = result
+
+    def fit(self, table: int = 0) -> Figure:
+        """Readings and models of a table over the setting that varies most."""
+        self._check(table)
+        panels = self.panels(table, _most_varied(self._tables[table]))
+        return _figure(panels, lambda axes, each: self._draw_fit(axes, each))
+
+    def residuals(self, table: int = 0) -> Figure:
+        """What both models leave of a table, over the setting that shows the cause best."""
+        self._check(table)
+        panels = self.panels(table, self._best_setting(table))
+        return _figure(panels, lambda axes, each: self._draw_change(axes, each))
+
+    def ranking(self) -> Figure:
+        """Probabilities of the models."""
+        chance = self._result.chance.models if self._result.fitted else {}
+        shown = list(itertools.islice(chance.items(), _MOST_RANKED))
+        figure = Picture(figsize=(6.4, 0.8 + 0.3 * len(shown)), layout="constrained")
+        axes = figure.subplots()
+        fit = self._result.verdict.fit
+        claimed = None if fit is None else fit.name
+        for name, value in reversed(shown):
+            said = shortened(amounts.title(name), 48)
+            axes.barh(said, max(value, 1e-6), color=VERMILION if name == claimed else DARK_GREY)
+            axes.text(max(value, 1e-6) * 1.15, said, amounts.percent(value), va="center")
+        axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
+        axes.spines[["top", "right"]].set_visible(False)
+        return figure
+
+    def cosines(self) -> Figure | None:
+        """How alike the effects of the leading causes are on these data; None of fewer than two."""
+        result, effects = self._result, {}
+        if not result.fitted:
+            return None
+        for each in result.findings.responses:
+            if np.any(each.gaps) and len(effects) < _MOST_COSINES:
+                effects.setdefault(each.cause.name, each.gaps[0])
+        names, null = list(effects), result.findings.models.null
+        if len(names) < 2:
+            return None
+        table = np.eye(len(names))
+        for i, j in itertools.combinations(range(len(names)), 2):
+            one, other = (effects[names[k]] for k in (i, j))
+            table[i, j] = table[j, i] = abs(cosine(result.problem, null, one, other))
+        figure = Picture(figsize=(7.0, 0.9 + 0.34 * len(names)), layout="constrained")
+        axes = figure.subplots()
+        axes.imshow(table, cmap="Oranges", vmin=0.0, vmax=1.0, aspect="auto")
+        for i, j in itertools.product(range(len(names)), repeat=2):
+            dark = table[i, j] > 0.7
+            axes.text(j, i, f"{table[i, j]:.2f}", ha="center", va="center", fontsize=8,
+                      color="#fffffe" if dark else "#000001")  # fmt: skip
+        axes.set_yticks(range(len(names)), [shortened(amounts.title(n), 44) for n in names])
+        axes.set_xticks(range(len(names)), range(1, len(names) + 1))
+        return figure
+
+    def film(self, table: int) -> Figure | None:
+        """Tilt and place of a film over the phase of the drive; None where nothing is steady."""
+        film = self._tables[table]
+        if not isinstance(film, FilmTable) or not self._result.fitted:
+            return None
+        names = self._result.problem.names
+        traces = {}
+        for name, of in self._models.items():
+            seen = film.over_phase(names, of.values()[0])
+            if seen is None:
+                return None
+            traces[name] = seen
+        figure = Picture(figsize=(6.4, 5.0), layout="constrained")
+        for axes, key, unit in zip(
+            figure.subplots(2, 1, sharex=True), ("theta", "x"), ("rad", "m"), strict=True
+        ):
+            factor, label = in_handy_units({"theta": "tilt", "x": "place"}[key], unit)
+            for name, seen in traces.items():
+                step = max(1, len(seen["phase"]) // _SAMPLES)
+                at = seen["phase"][::step]
+                if name == "recalibrated":
+                    axes.plot(at, seen[key][::step] * factor, ".", color=BLACK, ms=3,
+                              label="measured")  # fmt: skip
+                axes.plot(at, seen[key + "_model"][::step] * factor, color=_COLOURS[name],
+                          label=name)  # fmt: skip
+            axes.set_ylabel(label)
+        figure.axes[1].set_xlabel("phase of the drive, in periods")
+        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
+                      ncols=3, frameon=False)  # fmt: skip
+        return figure
+
+    def law(self) -> Figure | None:
+        """The curve of a claimed law of a free shape, with the ends of its knots."""
+        best = self._result.best if self._result.fitted else None
+        causes = [each for each in best.fit.causes if each.curve] if best else []
+        if best is None or not causes:
+            return None
+        cause = causes[0]
+        curve = cause.curve
+        assert curve is not None
+        at = np.linspace(curve.low, curve.high, 121)
+        values, names = best.values(), self._result.problem.names
+        drawn = (
+            values[:, [names.index(each.name) for each in cause.parameters]] @ curve.design(at).T
+        )
+        if curve.relative:
+            base = values[:, names.index(curve.constant)] if curve.constant else curve.stated
+            drawn = np.reshape(base, (-1, 1)) * (1.0 + drawn)
+        sd = np.sqrt(np.diag(spread_of(drawn)))
+        figure = Picture(figsize=(6.4, 3.6), layout="constrained")
+        axes = figure.subplots()
+        axes.fill_between(at, drawn[0] - 1.96 * sd, drawn[0] + 1.96 * sd, color=LIGHT_GREY,
+                          label="95 %")  # fmt: skip
+        axes.plot(at, drawn[0], color=VERMILION, label="curve of free shape")
+        law = curve.law if curve.relative else f"change of {curve.law}"
+        own = "" if curve.law_unit == "-" else f" ({curve.law_unit})"
+        axes.set(xlabel=f"{curve.argument} ({curve.unit})", ylabel=law + own)
+        axes.legend(frameon=False)
+        return figure
+
+    # ---------------------------------------------------------------- panels of a table
+    def panels(self, k: int, over: str) -> list[Panel]:
+        """Rows of a table by words and components in panels, and by other settings in groups."""
+        table, first = self._tables[k], self._result.problem.rows[k].start
+        settings = settings_of(table)
+        others = [name for name in varied(settings) if name != over]
+        words = [name for name in others if isinstance(settings[name][0][0], str)]
+        numbers = [name for name in others if name not in words]
+        at = _along(table, over)[0]
+        found: dict[str, dict[str, list[int]]] = {}
+        for row in np.argsort(at, kind="stable").tolist():
+            panel = ", ".join(str(settings[name][0][row]) for name in words)
+            group = ", ".join(
+                f"{name} {setting_text(settings[name][0][row], settings[name][1])}"
+                for name in numbers
+            )
+            found.setdefault(panel, {}).setdefault(group, []).append(first + row)
+        panels = []
+        for title in sorted(found):
+            groups = found[title]
+            if len(groups) > len(_MARKERS):
+                # Too many to tell apart: all rows alike.
+                groups = {"": [row for rows in groups.values() for row in rows]}
+            panels.append(Panel(title, k, over, {g: np.array(rows) for g, rows in groups.items()}))
+        return panels[:_MOST_PANELS]
+
+    def changes(self, k: int) -> list[tuple[str, Figure]]:
+        """A picture for each panel of `residuals`, with its alternative text."""
+        table = self._tables[k]
+        panels = self.panels(k, self._best_setting(k))
+        models = " and ".join(self._models)
+        found = []
+        for each in panels:
+            where = f" for {each.title}" if each.title else ""
+            text = (
+                f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
+                f"{each.over}, with error bars of two standard deviations; model: {models}."
+            )
+            figure = _figure([each], lambda axes, panel: self._draw_change(axes, panel), alone=True)
+            found.append((text, figure))
+        return found
+
+    def main_table(self) -> int:
+        """The table in which the cause improves the fit most, or most misfit is left."""
+        problem, models = self._result.problem, list(self._models.values())
+        if not models:
+            return 0
+        chi2 = [problem.chi2_of_tables(each.fit.residual[None, :])[:, 0] for each in models]
+        fall = chi2[0] - chi2[1] if len(chi2) > 1 else chi2[0]
+        drawable = [not isinstance(each, FilmTable) for each in self._tables]
+        return int(np.argmax(np.where(drawable, fall, -np.inf))) if any(drawable) else 0
+
+    @cached_property
+    def _models(self) -> dict[str, Any]:
+        result = self._result
+        if not result.fitted:
+            return {}
+        found = {"recalibrated": result.recalibrated}
+        return found | ({} if result.verdict.fit is None else {"extended": result.best})
+
+    @cached_property
+    def _predicted(self) -> dict[str, Array]:
+        return predictions(self._result)
+
+    @property
+    def _tables(self) -> Sequence[Table]:
+        return self._result.problem.tables
+
+    def _check(self, table: int) -> None:
+        if not 0 <= table < len(self._tables):
+            count = len(self._tables)
+            raise ScenarioError(f"table = {table}: allowed is 0 to {count - 1}")
+
+    def _best_setting(self, k: int) -> str:
+        """The setting over which the change by the cause is smoothest; else that varies most.
+
+        By von Neumann's ratio: squared differences of neighbours beside the variance.
+        """
+        table, part = self._tables[k], self._result.problem.rows[k]
+        found, change = self._predicted, np.zeros(0)
+        if "extended" in found:
+            change = (found["extended"] - found["recalibrated"])[part]
+        if not len(change) or not np.var(change) > 0.0:
+            return _most_varied(table)
+        ratios: dict[str, float] = {}
+        settings = settings_of(table)
+        for name in _numeric(table):
+            parts = self.panels(k, name)
+            rows = [rows - part.start for each in parts for rows in each.groups.values()]
+            steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
+            if steps and len(set(settings[name][0])) >= _FEW:
+                ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
+        return min(ratios, key=lambda name: ratios[name]) if ratios else _most_varied(table)
+
+    def _draw_fit(self, axes: Any, panel: Panel) -> None:
+        self._draw(axes, panel, base=None)
+
+    def _draw_change(self, axes: Any, panel: Panel) -> None:
+        self._draw(axes, panel, base=self._predicted.get("recalibrated"))
+
+    def _draw(self, axes: Any, panel: Panel, base: Array | None) -> None:
+        """Readings and models, or what they are beyond `base`."""
+        result, table = self._result, self._tables[panel.table]
+        part, (at, unit) = result.problem.rows[panel.table], _along(table, panel.over)
+        at = at * handy(unit)[0]
+        first = next(iter(panel.groups.values()))[0]
+        what = {"velocity": "velocity", "angle": "angle", "field": "field"}.get(
+            table.name, "reading"
+        )
+        factor, label = in_handy_units(what if base is None else f"difference of {what}",
+                                       unit_of(table, int(first) - part.start))  # fmt: skip
+        below = np.zeros(len(result.problem.y)) if base is None else base
+        for (group, rows), marker in zip(panel.groups.items(), _MARKERS, strict=False):
+            x, first_group = at[rows - part.start], marker == _MARKERS[0]
+            y = (result.problem.y - below)[rows] * factor
+            axes.errorbar(x, y, 2.0 * result.problem.sd[rows] * factor, fmt=marker, color=BLACK,
+                          ms=4.5, lw=1.1, label=group or "measured", zorder=3)  # fmt: skip
+            for name, of in self._predicted.items():
+                if name == "stated" or (name == "recalibrated" and base is not None):
+                    continue
+                axes.plot(x, (of - below)[rows] * factor, "-", color=_COLOURS[name], lw=1.6,
+                          marker=marker, ms=2.5, label=name if first_group else None)  # fmt: skip
+        if base is not None:
+            axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6, label="recalibrated")
+        axes.set_xlabel(in_handy_units(panel.over, unit)[1])
+        axes.set_ylabel(label)
+        axes.set_title(panel.title, fontsize=11, fontweight="bold")
+        axes.margins(x=0.07, y=0.12)
+        axes.grid(color=LIGHT_GREY, lw=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+
+
+def drawing(name: str, way: str = "") -> str:
+    """The drawing of a cause on the robot as SVG; `way`, the word for its sign, turns its arrow.
+
+    Empty where there is none of that name.
+    """
+    symbols = resources.files("stickslip").joinpath("diagnosis/report/drawings.svg")
+    text = symbols.read_text("utf-8")
+    for own in (f"{name} {way}", name):
+        found = re.search(
+            rf'<symbol id="{re.escape(own)}"[^>]*>\s*<title>(.*?)</title>(.*?)</symbol>', text, re.S
+        )
+        if found:
+            return (
+                f'<svg class="drawing" viewBox="0 0 160 110" role="img" aria-label="{found[1]}">'
+                f"<title>{found[1]}</title>{found[2].strip()}</svg>"
+            )
+    return ""
+
+
+def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
+    """A figure with all panels side by side, two in a row, and one legend."""
+    columns = min(len(panels), 2)
+    rows = math.ceil(len(panels) / columns)
+    size = (5.4, 3.4) if alone else (5.0 * columns, 0.5 + 3.1 * rows)
+    figure = Picture(figsize=size, layout="constrained")
+    frames = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes, each in zip(frames, panels, strict=False):
+        draw(axes, each)
+    for axes in frames[len(panels) :]:
+        axes.remove()
+    shown: dict[str, Any] = {}
+    for axes in frames[: len(panels)]:
+        handles, labels = axes.get_legend_handles_labels()
+        shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
+    figure.legend(list(shown.values()), list(shown), loc="outside lower center", ncols=3,
+                  frameon=False, fontsize=9)  # fmt: skip
+    return figure
+
+
+def _numeric(table: Table) -> list[str]:
+    """Settings that are numbers: those that vary, or all."""
+    settings = settings_of(table)
+    numbers = [n for n in settings if not isinstance(settings[n][0][0], str | bool)]
+    return [n for n in varied(settings) if n in numbers] or numbers
+
+
+def _most_varied(table: Table) -> str:
+    """The number among the settings that has most values; the number of the row without any."""
+    settings = settings_of(table)
+    return max(_numeric(table), key=lambda name: len(set(settings[name][0])), default=_ROW)
+
+
+def _along(table: Table, over: str) -> tuple[Array, str]:
+    """Places of the conditions along a setting, shape (m,), and its SI unit."""
+    if over == _ROW:
+        return np.arange(1.0, len(table.mean) + 1.0), "-"
+    values, unit = settings_of(table)[over]
+    return np.asarray(values, dtype=float), unit
