@@ -121,6 +121,11 @@ def _with_second(
     if not alone:
         return _claimed(verdict, models, pair)
     member = max(alone, key=models.log_posterior)
+    if not pair.names <= set(sure) and pair.form == "none":
+        # The stated errors ask for a second cause, but not for which one.
+        explains = [adequacy(models.problem, each) >= ADEQUATE for each in (member, pair)]
+        if explains == [False, True]:
+            return _set(verdict, models, chance)
     one, two = (models.get(each.names) or each for each in (member, pair))
     second = measured(models.problem, one, two)
     if second is None or (second.certain and second.after <= (1.0 - SECOND) * second.before):
