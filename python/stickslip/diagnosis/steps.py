@@ -15,6 +15,7 @@ from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response, responses
 from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
+from stickslip.simulation.note import Note
 
 # Draws about the recalibrated model that show its roughness, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
@@ -47,8 +48,13 @@ class Findings(OneLine):
         return self.models.problem
 
 
-def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: None) -> Findings:
-    """All steps, one after another."""
+def run(
+    problem: Problem,
+    seed: int,
+    say: Progress = lambda fraction, stage: None,
+    suspect: Note | None = None,
+) -> Findings:
+    """All steps, one after another; where the data are `suspect`, no cause is looked for."""
     say(0.0, "recalibrating")
     null, ends = recalibrated(problem, seed)
     problem, null = _with_own_errors(problem, null, seed)
@@ -59,7 +65,7 @@ def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: Non
     found = responses(problem, null.end, (), problem.causes, stated, null.h)
     test = tested(problem, null, found, seed)
     screened(models, found)
-    if test.found or posterior(models).none < 0.5:
+    if suspect is None and (test.found or posterior(models).none < 0.5):
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)
@@ -70,6 +76,8 @@ def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: Non
             search(models, [], models.problem.causes[known:], say, seed)
     say(0.9, "deciding")
     verdict = decide(models, test)
+    if suspect is not None:
+        verdict = Verdict("data-problem", (), None, (suspect,), verdict.probabilities)
     say(1.0, "done")
     return Findings(models, test, found, verdict, seed)
 
