@@ -73,6 +73,12 @@ class Fold:
     cycle: Indices
 
     @property
+    def by_phase(self) -> Indices:
+        """Steady frames in the order of their phase."""
+        steady = np.flatnonzero(self.steady)
+        return steady[np.argsort(self.phase[steady], kind="stable")]
+
+    @property
     def advances(self) -> bool:
         """Whether some bin is seen in two periods, without which there is no advance to measure."""
         seen = np.unique(np.stack([self.bin, self.cycle])[:, self.steady], axis=1)[0]
@@ -114,8 +120,7 @@ def undrifted(folded: Fold, residual: Array) -> Array:
     It is the median of neighbours in phase: so what depends on the phase is kept, and a few wild
     frames change nothing.
     """
-    order = np.flatnonzero(folded.steady)
-    order = order[np.argsort(folded.phase[order], kind="stable")]
+    order = folded.by_phase
     periods = np.diff(folded.cycle[order])
     some = periods != 0
     if not some.any():
