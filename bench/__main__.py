@@ -30,6 +30,7 @@ PROGRAMS = {
     "fuzz": ("fuzz", "random scenarios and damaged files"),
     "mutations": ("mutations", "whether the table of effects sees a lost effect"),
     "sizes": ("sizes", "MB of an installation with each extra"),
+    "lines": ("lines", "lines of each part of the project, beside its aim"),
 }
 """Name, module and what it shows."""
 
