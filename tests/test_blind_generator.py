@@ -1,6 +1,7 @@
 """The generator of the blind study: its truths, its noise, its plan, and what it writes."""
 
 import itertools
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
+from blind.case import generator_files
 from blind.catalogue import CAUSES, HIDING, INSTRUMENTS, LAWS, entry, parameters
 from blind.generator import make
 from blind.kinds import KINDS, Noise, plan
@@ -21,6 +23,7 @@ from blind.noise import correlated, noisy_tables, trials
 from blind.readings import Readings, readings, velocities
 from blind.settings import (
     EXPOSURE,
+    FIELD_SD,
     FILM_SD,
     FLOOR,
     PULSES,
@@ -33,6 +36,7 @@ from blind.settings import (
     priors,
     probes,
 )
+from blind.strength import Absorber, Draft
 from blind.truth import Hidden, Truth
 from blind.writing import write_case
 
@@ -224,6 +228,61 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
         assert list(made.truth.hidden) == list(KINDS[kind].hidden[seed % len(KINDS[kind].hidden)])
         assert KINDS[kind].wanted[0] <= made.strength <= KINDS[kind].wanted[1]
         assert Truth.of(made.truth.as_record()) == made.truth
+
+
+def test_a_strength_is_what_the_constants_cannot_undo():
+    truth = truth_with("ambient_field", 3.0)
+    prior = priors(("field",))["coil.side"]
+    moved = [
+        replace(PLAIN, constants={"coil.side": prior.value(step)}) for step in (0.0, 0.5, -0.5)
+    ]
+    truth = replace(truth, constants=moved[0].constants)
+    base, above, below, level = (
+        readings(each, [], ("field",)).field.ravel() / FIELD_SD for each in (*moved, truth)
+    )
+    slope, effect = above - below, level - base
+    # With a normal prior the errors and the constant are one normal error of this covariance.
+    covariance = np.eye(len(slope)) + np.outer(slope, slope)
+    expected = np.sqrt(effect @ np.linalg.solve(covariance, effect))
+    absorber = Absorber(Draft(moved[0], [], ("field",)), moved[0])
+    assert absorber.strength(level) == pytest.approx(expected, rel=1e-6)
+    assert absorber.searched(level) == pytest.approx(expected, rel=1e-3)
+    # Beside itself nothing of it is left.
+    beside = Absorber(Draft(moved[0], [], ("field",)), moved[0], "ambient_field")
+    assert beside.strength(level) < 1e-6
+
+
+@pytest.mark.nightly
+def test_constants_that_are_far_may_undo_more_than_slopes_say():
+    # Rotational drag of a quarter or four times the size hides what a straight line does not.
+    constants = {
+        "contact.kinetic_friction": 0.155, "contact.adhesion": 2.26e-7, "drag.linear": 2.8e-5,
+        "drag.rotational": 2.4e-16,
+    }  # fmt: skip
+    plain = Truth("single", (), constants)
+    truth = replace(plain, hidden={"angle_drag": Hidden(2.0, {"amplitude": 3.0, "power": 1.0})})
+    draft = Draft(plain, conditions("single", ("velocity",)), ("velocity",))
+    absorber = Absorber(draft, plain)
+    assert absorber.searched(draft(truth)) < 0.6 * absorber.strength(draft(truth))
+
+
+def test_nothing_of_the_package_decides_about_a_data_set():
+    program = (
+        "import sys, blind.writing; names = [n for n in sys.modules if n.startswith('stickslip')]; "
+        "files = [m.__file__ for n, m in sys.modules.items() if n.startswith(('blind.', "
+        "'reference.'))]; print(names); print(*files, sep='\\n')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True,
+        env={"PYTHONPATH": str(Path(__file__).resolve().parents[1] / "bench")},
+    )  # fmt: skip
+    package, *loaded = done.stdout.split("\n")[:-1]
+    assert package == "[]"
+    # Its own convergence is no part of a run.
+    decide = {Path(each).resolve() for each in loaded} - {
+        path for path in map(Path, loaded) if path.stem in ("__init__", "convergence")
+    }
+    assert decide == {path.resolve() for path in generator_files()}
 
 
 def test_a_data_set_is_written_as_a_measurement(tmp_path):

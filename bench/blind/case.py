@@ -69,7 +69,7 @@ def state() -> dict[str, str]:
         "commit": commit,
         "engine": _checksum(engine, _velocities(_named_sizes())),
         "laws": _checksum(laws, _velocities(_law_sizes())),
-        "data": _generator(),
+        "data": _checksum(generator_files()),
     }
 
 
@@ -81,10 +81,11 @@ def same_state(row: dict[str, Any], now: dict[str, str]) -> bool:
     return all(there.get(key) == now[key] for key in ["engine", "data", *["laws"] * for_laws])
 
 
-def _generator() -> str:
+def generator_files() -> list[Path]:
+    """Files that decide what a data set is."""
     reference = _HERE.parents[1] / "tests" / "reference"
     own = [_HERE / f"{name}.py" for name in _DATA]
-    return _checksum([*own, *(reference / f"{name}.py" for name in _REFERENCE)])
+    return [*own, *(reference / f"{name}.py" for name in _REFERENCE)]
 
 
 def _named_sizes() -> dict[str, float]:
@@ -122,10 +123,9 @@ def _folder_name(kind: str, seed: int) -> str:
 def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
     """Folder and answer of a data set in a store, made if it is not there.
 
-    Of a data set, the engine only measures how strong what is hidden is, by fits. So a new state of
-    it takes those of the last one; those of another generator lie in another folder.
+    Those of another generator lie in another folder; the engine has no say in them.
     """
-    place = store / _generator() / _folder_name(kind, seed)
+    place = store / _checksum(generator_files()) / _folder_name(kind, seed)
     if not place.exists():
         place.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=place.parent) as work:

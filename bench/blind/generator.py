@@ -7,12 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from blind.catalogue import LAWS, entry
 from blind.kinds import KINDS
 from blind.readings import Readings, readings
 from blind.settings import Drive, conditions
-from blind.strength import Absorber
+from blind.strength import Absorber, Draft
 from blind.truth import Truth, draw
 
 # Draws after which the strongest truth is taken that was found: some causes cannot be as strong as
@@ -39,54 +40,46 @@ def make(kind: str, seed: int) -> Made:
     random = np.random.default_rng([seed, zlib.crc32(kind.encode())])
     plan = KINDS[kind]
     drives = conditions(kind, plan.tables) if "velocity" in plan.tables else []
-    best: Made | None = None
+    best: tuple[Truth, float] | None = None
     for _ in range(_DRAWS):
         truth = draw(kind, seed, random)
-        plain = readings(truth.without(), drives, plan.tables)
         if plan.wanted is None:
-            return Made(truth, drives, plain, 0.0, random)
-        absorber = Absorber(truth, drives, plain, plan.tables)
-        scaled, strength = _scaled(truth, drives, plain, absorber)
-        found = Made(scaled, drives, readings(scaled, drives, plan.tables), strength, random)
-        if plan.wanted[0] <= strength <= plan.wanted[1]:
-            return found
-        if best is None or _miss(strength, plan.wanted) < _miss(best.strength, plan.wanted):
+            best = truth, 0.0
+            break
+        found = _scaled(truth, Draft(truth.without(), drives, plan.tables))
+        if best is None or _miss(found[1], plan.wanted) < _miss(best[1], plan.wanted):
             best = found
+        if _miss(best[1], plan.wanted) == 0.0:
+            break
     assert best is not None
-    return best
+    return Made(best[0], drives, readings(best[0], drives, plan.tables), best[1], random)
 
 
-def _scaled(
-    truth: Truth, drives: list[Drive], plain: Readings, absorber: Absorber
-) -> tuple[Truth, float]:
+def _scaled(truth: Truth, draft: Draft) -> tuple[Truth, float]:
     """The truth with each hidden thing scaled by itself, and the least of their strengths.
 
     Where one hides another, the second is what is left once the first is fitted too.
     """
     plan = KINDS[truth.kind]
     assert plan.wanted is not None
-    tables = plan.tables
-
-    def seen(other: Truth) -> Readings:
-        return readings(other, drives, tables)
-
+    plain = truth.without()
     if plan.family != "hiding":
         found = {}
         for name in truth.hidden:
             rivals = entry(name).rivals if name in LAWS else ()
-            freed = [Absorber(truth, drives, plain, tables, rival) for rival in rivals]
-            found[name] = _alone(truth.only(name), [absorber, *freed], plan.wanted, seen)
+            absorbers = [Absorber(draft, plain, freed) for freed in (None, *rivals)]
+            found[name] = _alone(truth.only(name), absorbers, plan.wanted, draft)
         hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
         return replace(truth, hidden=hidden), min(strength for _, strength in found.values())
     first, second = truth.hidden
-    large, _ = _alone(truth.only(first), [absorber], _HIDING, seen)
+    large, _ = _alone(truth.only(first), [Absorber(draft, plain)], _HIDING, draft)
 
     def both(small: Truth) -> Truth:
         return replace(truth, hidden={**large.hidden, **small.hidden})
 
-    beside = Absorber(truth, drives, plain, tables, first)
+    beside = Absorber(draft, large, first)
     small, strength = _alone(
-        truth.only(second), [beside], plan.wanted, lambda other: seen(both(other))
+        truth.only(second), [beside], plan.wanted, lambda other: draft(both(other))
     )
     return both(small), strength
 
@@ -101,18 +94,20 @@ def _alone(
     truth: Truth,
     absorbers: Sequence[Absorber],
     wanted: tuple[float, float],
-    seen: Callable[[Truth], Readings],
+    seen: Callable[[Truth], NDArray[np.float64]],
 ) -> tuple[Truth, float]:
     """One hidden thing scaled until its strength is in the range, or as near as it comes."""
     low, high = wanted
     aim = 0.5 * (low + high)
-    best, nearest = truth, 0.0
+    best, nearest, curved = truth, 0.0, 1.0
     for _ in range(_TRIES):
         level = seen(truth)
-        strength = min(each.strength(level) for each in absorbers)
+        linear = min(each.strength(level) for each in absorbers)
+        strength = curved * linear
         if low <= strength <= high:
             # Constants that are far from the truth may absorb more.
             strength = min(each.searched(level) for each in absorbers)
+            curved = strength / max(linear, 1e-3)
         if _miss(strength, wanted) < _miss(nearest, wanted):
             best, nearest = truth, strength
         if low <= strength <= high:
