@@ -16,7 +16,18 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
-from blind.settings import EXPOSURE, FRAME_RATE, PULSES, Drive, films, held_fields, probes
+from blind.model_errors import MODEL_ERRORS
+from blind.settings import (
+    EXPOSURE,
+    FLOOR,
+    FRAME_RATE,
+    PULSES,
+    SCATTER,
+    Drive,
+    films,
+    held_fields,
+    probes,
+)
 from blind.truth import Truth
 from reference import coil_field, simulate_reference, static_tilt_reference
 
@@ -80,6 +91,11 @@ def velocities(truth: Truth, drives: Sequence[Drive], step: float = STEP) -> Arr
         place = np.log([float(each["frequency"]) for each in drives]) / float(ripple.base["period"])
         phase = 2.0 * np.pi * place + float(ripple.base["phase"])
         level = level * (1.0 + ripple.amount * np.sin(phase))
+    # In units of a trial's errors and along the walk, as an error of its model would be.
+    unit = np.sign(level) * np.hypot(SCATTER * level, FLOOR)
+    for name in MODEL_ERRORS.keys() & truth.hidden.keys():
+        error = truth.hidden[name]
+        level = level + error.amount * unit * MODEL_ERRORS[name](drives, int(error.base["number"]))
     level = level * (1.0 + truth.amount("length_scale", "fraction"))
     level = level / (1.0 + truth.amount("clock_scale", "fraction"))
     level = level + truth.amount("velocity_offset", "offset")

@@ -54,7 +54,10 @@ def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
         entries.append(_write(path, "tracking", tuple(film), np.column_stack(list(film.values()))))
         entries.append(_film_entry(drive))
     (folder / "measurement.toml").write_text("".join(entries))
-    return {"seed": seed, "strength": made.strength, "tables": tables, **made.truth.as_record()}
+    return {
+        "seed": seed, "strength": made.strength, "tables": tables, **made.more,
+        **made.truth.as_record(),
+    }  # fmt: skip
 
 
 def write_more(
