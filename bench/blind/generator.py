@@ -131,7 +131,7 @@ def _disturbed(
         low, high = (share * strength for share in ERROR_SHARE)
         small, size = _alone(truth.only(error), [absorber], (low, high), draft)
         hidden = {**main.hidden, **small.hidden}
-        return replace(truth, hidden=hidden), strength, {"error": size / strength}
+        return replace(truth, hidden=hidden), strength, {"error": size / max(strength, 1e-3)}
     share = float(random.uniform(*ERROR_SHARE))
     both = replace(truth, hidden={**main.hidden, error: truth.hidden[error]})
     # Velocities change by it in proportion.

@@ -303,7 +303,7 @@ def by_cause(rows: Sequence[Row]) -> list[dict[str, Any]]:
             mine.setdefault((hook or names[0], row["answer"]["kind"]), []).append(row)
     result = []
     for (name, kind), some in sorted(mine.items()):
-        law = KINDS[kind].family == "law"
+        law = KINDS[kind].family in ("law", "unlisted")
         right, wrong = (hook_right, false_term) if law else (in_set, wrongly_claimed)
         result.append(
             {

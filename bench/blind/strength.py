@@ -191,11 +191,13 @@ class Absorber:
         }
         for name in CAUSES:
             usual = self._effects(name, 1.0)
-            found[name] = _cosine(mine, usual)
+            one_sided = entry(name).least >= 0.0
+            found[name] = _cosine(mine, usual, one_sided)
             if found[name] > 0.5:
                 # Once more at about the size that would be found: effects are not linear.
                 size = np.linalg.lstsq(usual, mine, rcond=None)[0]
-                found[name] = max(found[name], _cosine(mine, self._effects(name, size)))
+                again = _cosine(mine, self._effects(name, size), one_sided)
+                found[name] = max(found[name], again)
         return found
 
     def _effects(self, name: str, amount: float | Array) -> Array:
@@ -291,8 +293,12 @@ def _middle(name: str) -> dict[str, float]:
     return {key: float(np.sqrt(low * high)) for key, (low, high) in entry(name).drawn.items()}
 
 
-def _cosine(one: Array, others: Array) -> float:
-    """Cosine between a vector and the nearest of the span of others, (rows, columns)."""
-    near = others @ np.linalg.lstsq(others, one, rcond=1e-10)[0]
+def _cosine(one: Array, others: Array, one_sided: bool = False) -> float:
+    """Cosine between a vector and the nearest of the span of others, (rows, columns).
+
+    Of a single one that is `one_sided` the opposite does not count.
+    """
+    sizes = np.linalg.lstsq(others, one, rcond=1e-10)[0]
+    near = others @ (np.maximum(sizes, 0.0) if one_sided else sizes)
     size = np.linalg.norm(near) * np.linalg.norm(one)
     return float(one @ near / size) if size > 0.0 else 0.0

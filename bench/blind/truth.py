@@ -82,7 +82,8 @@ class Truth:
 
     def as_record(self) -> dict[str, Any]:
         """What a record keeps: all of it, and what follows from it."""
-        hook = next((name for name in self.hidden if name in LAWS), None)
+        # Beside a cause a law is an error of the model, and none that is asked for.
+        hook = None if self.answer else next((name for name in self.hidden if name in LAWS), None)
         return {**asdict(self), "effects": self.effects, "hook": hook}
 
     @staticmethod
